@@ -70,7 +70,7 @@ fn check_format(input: &Path, language: Language, output: &Path) -> Result<(), F
         let output = output.display();
         return Err(Failure::Input(format!("{output}: the output is plain text; leave out the ending .gz")));
     }
-    if Language::of(output) != Some(language) && !is_same {
+    if Language::from_path(output) != Some(language) && !is_same {
         let output = output.display();
         return Err(Failure::Input(format!(
             "{output}: the output must have the format of {input}, which is a deck of {language}; give it the same ending"

@@ -9,7 +9,7 @@ use qless::{
 };
 use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
-use qless_io::{Content, Opened, read_case};
+use qless_io::{FileContent, Opened, read_case};
 
 use crate::args::{Deny, Format, ModelArgs};
 use crate::deck_input::{Choice, DeckInput};
@@ -102,13 +102,13 @@ impl Input {
         }
         let opened = Opened::read(input, args.solver)?;
         match opened.content() {
-            Content::Matrix if of_decks => Err(no_deck()),
-            Content::Matrix => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
-            Content::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(Failure::Input(format!(
+            FileContent::Matrix if of_decks => Err(no_deck()),
+            FileContent::Matrix => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
+            FileContent::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(Failure::Input(format!(
                 "{}: --rhs and --prescribed go with a .mtx file; a deck has its own",
                 input.display()
             ))),
-            Content::Deck(_) => Ok(Self::Deck(Box::new(opened.into_deck(args.solver)?))),
+            FileContent::Deck(_) => Ok(Self::Deck(Box::new(opened.into_deck(args.solver)?))),
         }
     }
 

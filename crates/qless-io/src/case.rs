@@ -1,50 +1,14 @@
-//! A case: the files of one system, read and checked together.
+//! A case: the files of one system.
 
 use std::path::{Path, PathBuf};
 
 use qless::{ConstraintSystem, Place, SystemError};
 
-use crate::fault::Fault;
+use crate::fault::TextFault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
-use crate::{Opened, ReadError, bytes, matrix_market, part};
+use crate::{ReadError, chunk, matrix_market};
 
-/// Reads `path`: a Matrix Market file, or a folder with `C.mtx` and what else it holds of a case; `-` is standard input. Text may be
-/// packed by gzip, or be UTF-16 with a byte order mark.
-///
-/// `rhs` and `prescribed` name the other files of a `.mtx` file; with a folder they replace its own.
-/// Without a right-hand side b is zero. Where a line of labels is empty the number stands in its place.
-///
-/// # Errors
-/// [`ReadError`]: the path is no case, or one of its files is malformed.
-///
-/// ```
-/// use qless_io::read_case;
-/// # let place = tempfile::tempdir()?;
-/// let matrix = place.path().join("C.mtx");
-/// std::fs::write(&matrix, "%%MatrixMarket matrix coordinate real general\n1 2 2\n1 1 1\n1 2 -1\n")?;
-/// let rhs = place.path().join("gap.txt");
-/// std::fs::write(&rhs, "0.25\n")?;
-/// let system = read_case(&matrix, Some(&rhs), None)?;
-/// assert_eq!((system.equations(), system.dofs(), system.rhs()), (1, 2, &[0.25][..]));
-///
-/// let folder = read_case(place.path(), None, None)?;
-/// assert_eq!(folder.rhs(), [0.0]);
-///
-/// std::fs::write(&rhs, "inf\n")?;
-/// let error = read_case(&matrix, Some(&rhs), None).unwrap_err().to_string();
-/// assert!(error.contains("gap.txt:1: the right-hand side of row 1 is `inf`: every number must be finite"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
-    if !path.is_dir() {
-        return Opened::read(path, None)?.into_case(rhs, prescribed);
-    }
-    let files = CaseFiles::in_folder(path)?.with(rhs, prescribed);
-    let matrix = bytes::read(&files.matrix).map_err(ReadError::io(&files.matrix))?;
-    files.read_from(matrix)
-}
-
-/// The files that [`read_case`] reads, and those that it would read if they were there.
+/// The files that [`read_case`](crate::read_case) reads, including optional ones that may be missing.
 ///
 /// ```
 /// use std::path::Path;
@@ -57,47 +21,47 @@ pub fn case_files(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) ->
     files
 }
 
-/// What a folder may hold of a case.
+/// Files of a case in a folder.
 const PARTS: [&str; 5] = ["C.mtx", "b.txt", "prescribed.txt", "rows.txt", "cols.txt"];
 
-/// Where the files of a case are.
+/// Paths of the files of a case.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct CaseFiles {
-    /// C.
+    /// Matrix C.
     pub matrix: PathBuf,
-    /// b, if it is not zero.
+    /// Right-hand side b; absent if it is zero.
     pub rhs: Option<PathBuf>,
-    /// Prescribed DOFs, if there are any.
+    /// Prescribed DOFs, if any.
     pub prescribed: Option<PathBuf>,
-    /// Labels of the equations, if they have any.
+    /// Labels of the equations, if any.
     pub rows: Option<PathBuf>,
-    /// Labels of the DOFs, if they have any.
+    /// Labels of the DOFs, if any.
     pub columns: Option<PathBuf>,
 }
 
 impl CaseFiles {
-    /// The files that [`read_case`] reads, none of which is read yet.
+    /// Finds the files that [`read_case`](crate::read_case) reads, without reading them.
     ///
     /// # Errors
-    /// [`ReadError`]: the path is no case.
+    /// [`ReadError`]: the path is not a case.
     pub fn find(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<Self, ReadError> {
         let kind = std::fs::metadata(path).map_err(ReadError::io(path))?;
         let files = if kind.is_dir() { Self::in_folder(path)? } else { Self::lone(path) };
         Ok(files.with(rhs, prescribed))
     }
 
-    /// With these files instead of its own, where they are named.
+    /// Replaces the files that are given here.
     pub(crate) fn with(mut self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Self {
         self.rhs = rhs.map(Path::to_path_buf).or(self.rhs);
         self.prescribed = prescribed.map(Path::to_path_buf).or(self.prescribed);
         self
     }
 
-    fn in_folder(folder: &Path) -> Result<Self, ReadError> {
+    pub(crate) fn in_folder(folder: &Path) -> Result<Self, ReadError> {
         let part = |name: &str| {
             let path = folder.join(name);
-            // A link that leads nowhere is there: reading it says so, rather than taking it for absent.
+            // A broken link counts as present, so that reading it fails with a message.
             path.symlink_metadata().is_ok().then_some(path)
         };
         let [matrix, rhs, prescribed, rows, columns] = PARTS.map(part);
@@ -109,10 +73,10 @@ impl CaseFiles {
         Self { matrix: path.to_path_buf(), rhs: None, prescribed: None, rows: None, columns: None }
     }
 
-    /// The system, of which `text` is the matrix.
+    /// Builds the system; `text` is the content of the matrix file.
     pub(crate) fn read_from(&self, text: Vec<u8>) -> Result<ConstraintSystem, ReadError> {
         let matrix = matrix_market::parse(&self.matrix, &text)?;
-        // It may be as large as what is made of it.
+        // The text may be as large as the system built from it.
         drop(text);
         let (m, n) = (matrix.rows, matrix.columns);
         let rhs = self.rhs.as_deref().map_or_else(|| Ok(vec![0.0; m]), |path| read_rhs(path, m))?;
@@ -124,31 +88,33 @@ impl CaseFiles {
             .map_err(|error| self.explain(error))
     }
 
-    /// The library's error with file and line. The reader has checked all but the sums of repeats.
+    /// Adds file and line to an error of the library. The reader has already checked everything except sums of
+    /// repeated entries.
     fn explain(&self, error: SystemError) -> ReadError {
         let path = self.matrix.clone();
         let SystemError::NotFinite { what: Place::Coefficient { row, dof }, value } = error else {
             return ReadError::System { path, source: error };
         };
-        // What is packed, or was standard input, cannot be gone through again in pieces.
+        // Packed files and standard input cannot be read again in chunks.
         let lines = self.sum_not_finite(row, dof, value).ok().flatten();
         lines.unwrap_or(ReadError::System { path, source: error })
     }
 
-    /// What to say where the coefficients given for a 0-based row and DOF add up to `sum`: none if there are no such coefficients.
+    /// The error for coefficients of a 0-based row and DOF that add up to `sum`; `None` if the matrix has no such
+    /// coefficients.
     ///
     /// # Errors
-    /// Those of reading the matrix once more.
+    /// Errors of reading the matrix again.
     pub fn sum_not_finite(&self, row: usize, dof: usize, sum: f64) -> Result<Option<ReadError>, ReadError> {
         let path = self.matrix.clone();
-        Ok(part::lines_of(&path, row, dof)?.map(|(first_line, last)| {
-            let fault = Fault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
+        Ok(chunk::lines_of(&path, row, dof)?.map(|(first_line, last)| {
+            let fault = TextFault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
             ReadError::Malformed { path, line: Some(last), fault }
         }))
     }
 }
 
-/// The labels in the file, `fallback` and the 1-based number where a line is empty; none without a file.
+/// Reads labels. An empty line becomes `fallback` and the 1-based number. Without a file there are no labels.
 fn labels(path: Option<&Path>, count: usize, each: &'static str, fallback: &str) -> Result<Vec<String>, ReadError> {
     let Some(path) = path else { return Ok(Vec::new()) };
     let mut labels = read_labels(path, count, each)?;

@@ -1,10 +1,10 @@
-//! Why a file could not be read or written; always with its path.
+//! Errors of reading and writing files; each names its path.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::Fault;
-use crate::deck::{Format, Seen, Solver};
+use crate::deck::{Format, Problem, Solver, UnrecognizedText};
+use crate::{TextFault, bytes};
 
 /// Why an input was refused. Lines, rows and columns count from 1.
 #[derive(Debug, thiserror::Error)]
@@ -26,7 +26,7 @@ pub enum ReadError {
         /// The line, unless the whole file is at fault.
         line: Option<usize>,
         /// What is wrong.
-        fault: Fault,
+        fault: TextFault,
     },
     /// A folder that is not a case.
     #[error("{}: the folder holds no C.mtx; name a folder with one, or a .mtx file", path.display())]
@@ -34,10 +34,10 @@ pub enum ReadError {
         /// The folder.
         path: PathBuf,
     },
-    /// A finite-element deck with a fault.
+    /// An error in a finite-element deck.
     #[error(transparent)]
     Deck(#[from] crate::deck::DeckError),
-    /// Content that no reader knows.
+    /// Content that no reader recognises.
     #[error(
         "{}: cannot tell what this is: {seen}; decks of CalculiX and Abaqus (as .inp), Nastran (.bdf, .dat, .nas) and ANSYS (.cdb) \
          are read, Matrix Market files (.mtx), and folders with a C.mtx",
@@ -46,8 +46,8 @@ pub enum ReadError {
     Unknown {
         /// The file.
         path: PathBuf,
-        /// What it begins with.
-        seen: Seen,
+        /// Start of the content.
+        seen: UnrecognizedText,
     },
     /// A solver that does not read decks of this format.
     #[error(
@@ -63,7 +63,7 @@ pub enum ReadError {
         /// The deck's format.
         format: Format,
     },
-    /// A matrix where a deck was asked for, or the other way round.
+    /// A matrix instead of a deck, or a deck instead of a matrix.
     #[error("{}: {problem}", path.display())]
     OtherContent {
         /// The file.
@@ -71,7 +71,7 @@ pub enum ReadError {
         /// What it is, and what to do.
         problem: &'static str,
     },
-    /// The library refused what the reader let through.
+    /// The library rejected a system that the reader accepted.
     #[error("{}: {source} (rows and DOFs counted from 0)", path.display())]
     System {
         /// The matrix file.
@@ -81,7 +81,7 @@ pub enum ReadError {
     },
 }
 
-/// Why an output was not written. Nothing is left behind.
+/// Why an output was not written. No files are left behind.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
@@ -93,13 +93,13 @@ pub enum WriteError {
         /// The system's reason.
         source: io::Error,
     },
-    /// A folder was to be written where something else stands.
+    /// The output folder is something else.
     #[error("{}: is not a folder; name another place or remove it", path.display())]
     NotAFolder {
         /// The path in the way.
         path: PathBuf,
     },
-    /// A file was to be written where something else stands.
+    /// The output file is something else.
     #[error("{}: is not a regular file; name another place or remove it", path.display())]
     NotAFile {
         /// The path in the way.
@@ -111,7 +111,7 @@ pub enum WriteError {
         /// The output.
         path: PathBuf,
     },
-    /// One file under several names (hard links).
+    /// A file with several names (hard links).
     #[error(
         "{}: the file has {names} names (hard links), and a new one would replace it under this name only; name another \
          place, or remove this name first",
@@ -120,10 +120,10 @@ pub enum WriteError {
     Linked {
         /// The file.
         path: PathBuf,
-        /// How many names it has.
+        /// Number of its names.
         names: u64,
     },
-    /// A label that would be two lines.
+    /// A label with a line break.
     #[error("{}: label {index} ({label:?}) has a line break; a label is one line", path.display())]
     LabelLineBreak {
         /// The file of labels.
@@ -136,11 +136,11 @@ pub enum WriteError {
 }
 
 impl ReadError {
-    /// Whether there is more to read than there is room for, so that nothing is wrong with what was read.
+    /// Whether a limit of size or memory was exceeded, so that the content may be valid.
     pub fn is_resource(&self) -> bool {
         match self {
-            Self::Io { source, .. } => crate::bytes::is_too_much(source),
-            Self::Deck(error) => matches!(error.problem, crate::deck::Problem::IncludeTooLarge { .. }),
+            Self::Io { source, .. } => bytes::is_too_much(source),
+            Self::Deck(error) => matches!(error.problem, Problem::IncludeTooLarge { .. }),
             _ => false,
         }
     }
@@ -158,30 +158,30 @@ impl WriteError {
     }
 }
 
-/// A fault and its line, before the file is known.
+/// A fault and its line, in a file not yet known.
 #[derive(Debug)]
-pub(crate) struct At {
+pub(crate) struct FaultAt {
     pub line: Option<usize>,
-    pub fault: Fault,
+    pub fault: TextFault,
 }
 
-impl At {
-    pub fn line(line: usize, fault: Fault) -> Self {
+impl FaultAt {
+    pub fn line(line: usize, fault: TextFault) -> Self {
         Self { line: Some(line), fault }
     }
 
-    pub fn whole_file(fault: Fault) -> Self {
+    pub fn whole_file(fault: TextFault) -> Self {
         Self { line: None, fault }
     }
 
-    /// In the file that it was found in.
-    pub fn of(self, path: &Path) -> ReadError {
+    /// The error in this file.
+    pub fn in_file(self, path: &Path) -> ReadError {
         ReadError::Malformed { path: path.to_path_buf(), line: self.line, fault: self.fault }
     }
 }
 
-/// Reads a whole file, parses it, and puts its path on what goes wrong.
-pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, At>) -> Result<T, ReadError> {
-    let bytes = crate::bytes::read(path).map_err(ReadError::io(path))?;
-    parse(&bytes).map_err(|at| at.of(path))
+/// Reads and parses a whole file; adds its path to errors.
+pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, FaultAt>) -> Result<T, ReadError> {
+    let bytes = bytes::read(path).map_err(ReadError::io(path))?;
+    parse(&bytes).map_err(|at| at.in_file(path))
 }

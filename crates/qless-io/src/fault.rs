@@ -1,11 +1,11 @@
-//! What can be wrong in the text of a file, and what to do about it.
+//! Faults in the text of a file, and what to do about them.
 
 use std::fmt;
 
-/// What is wrong. Text that was found is quoted, cut and escaped where needed.
+/// A fault in the text of a file. Text found is quoted, shortened and escaped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum TextFault {
     /// The first line is no Matrix Market header.
     #[error(
         "expected the header `%%MatrixMarket matrix coordinate real general`, found {found}; make it the first line"
@@ -25,7 +25,7 @@ pub enum Fault {
     /// The line of sizes is missing or malformed.
     #[error("expected the sizes `{expected}` as whole numbers, found {found}; correct the line after the header")]
     Sizes {
-        /// The form of the line.
+        /// Required form of the line.
         expected: &'static str,
         /// The line found.
         found: String,
@@ -38,8 +38,8 @@ pub enum Fault {
         /// The size found.
         found: String,
     },
-    /// A size that leaves nearly everything empty.
-    #[error("{found} {what} for {entries} entries cannot be meant; correct the sizes")]
+    /// A size far beyond the number of entries.
+    #[error("{found} {what} for {entries} entries are implausible; correct the sizes")]
     SizeImplausible {
         /// "rows" or "columns".
         what: &'static str,
@@ -54,10 +54,10 @@ pub enum Fault {
         /// Number of rows.
         rows: usize,
     },
-    /// A line that has not the form of an entry.
+    /// A line that is no entry.
     #[error("expected `{expected}`, found {found}; correct or remove the line")]
     Entry {
-        /// The form of the line.
+        /// Required form of the line.
         expected: &'static str,
         /// The line found.
         found: String,
@@ -71,7 +71,7 @@ pub enum Fault {
         what: &'static str,
         /// The index found.
         found: String,
-        /// How many there are.
+        /// The size.
         size: usize,
     },
     /// A number that cannot be used.
@@ -84,7 +84,7 @@ pub enum Fault {
         /// What is wrong with it.
         problem: NumberFault,
     },
-    /// An entry after the last one promised.
+    /// An entry beyond the promised number.
     #[error("one entry more than the {promised} promised; correct the number of entries or remove the line")]
     TooMany {
         /// Entries promised by the sizes.
@@ -100,16 +100,16 @@ pub enum Fault {
         /// Entries found.
         found: usize,
     },
-    /// A list of the wrong length.
+    /// A list with a wrong number of items.
     #[error(
         "found {found} {what}, expected {expected}, one for each {each}; correct the file or the sizes of the matrix"
     )]
     Count {
         /// "numbers" or "labels".
         what: &'static str,
-        /// How many were found.
+        /// Number found.
         found: usize,
-        /// How many are needed.
+        /// Number needed.
         expected: usize,
         /// "row" or "column".
         each: &'static str,
@@ -126,7 +126,7 @@ pub enum Fault {
         /// The later value.
         second: f64,
     },
-    /// Coefficients given for the same row and column overflow when summed.
+    /// Repeated coefficients of a row and column overflow when summed.
     #[error(
         "the coefficients given for row {row}, column {column} add up to {sum} (the first is in line {first_line}); rescale the row or remove the repeats"
     )]
@@ -135,14 +135,14 @@ pub enum Fault {
         row: usize,
         /// Column, 1-based.
         column: usize,
-        /// Line of the first of them.
+        /// Line of the first coefficient.
         first_line: usize,
         /// Their sum.
         sum: f64,
     },
 }
 
-/// What is wrong with the text of a number.
+/// A fault in the text of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NumberFault {
@@ -163,7 +163,7 @@ pub enum NumberFault {
     NotAnInteger,
 }
 
-/// Which number of a case, 1-based.
+/// A number in a case; rows and columns count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// An entry of C.
@@ -195,13 +195,13 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// `text` in backquotes, at most 60 characters, control characters escaped.
+/// Quotes `text` in backquotes: at most 60 characters, with control characters escaped.
 pub(crate) fn quote(text: &[u8]) -> String {
     const LONGEST: usize = 60;
     if text.is_empty() {
         return "nothing".into();
     }
-    // Four bytes hold any character, so the cut below never sees the cut here.
+    // A character has at most four bytes, so that the cut below drops any character split here.
     let text = String::from_utf8_lossy(&text[..text.len().min(4 * (LONGEST + 1))]);
     let mut quoted: String = text.chars().take(LONGEST).flat_map(plain).collect();
     if text.chars().nth(LONGEST).is_some() {

@@ -1,6 +1,7 @@
-//! Constraint systems `C u = b` in files: what is read is checked, what is written is whole.
+//! Reads and writes constraint systems `C u = b`. Everything read is checked; files are written completely or not at
+//! all.
 //!
-//! A case is a folder, or a lone Matrix Market file:
+//! A case is a folder, or a single Matrix Market file:
 //!
 //! | file             | holds                                   | if absent              |
 //! | ---------------- | --------------------------------------- | ---------------------- |
@@ -10,8 +11,8 @@
 //! | `rows.txt`       | one label a line, for each equation     | `row 5`                |
 //! | `cols.txt`       | one label a line, for each DOF          | `DOF 5`                |
 //!
-//! Rows and columns count from 1 in files and in messages, from 0 in the API. Every error names the
-//! file, the line where there is one, what was found, and what to do.
+//! Rows and columns count from 1 in files and messages, from 0 in the API. Errors name the file, the line if there is
+//! one, what was found, and what to do.
 //!
 //! ```
 //! use qless_io::{read_case, write_case};
@@ -27,6 +28,7 @@
 
 mod bytes;
 mod case;
+pub mod chunk;
 pub mod deck;
 mod error;
 mod fault;
@@ -34,14 +36,13 @@ mod lines;
 pub mod matrix_market;
 mod number;
 mod opened;
-pub mod part;
 pub mod vectors;
 pub mod write;
 
-pub use case::{case_files, read_case};
+pub use case::case_files;
 pub use error::{ReadError, WriteError};
-pub use fault::{Fault, NumberFault, Quantity};
-pub use opened::{Content, Opened};
+pub use fault::{NumberFault, Quantity, TextFault};
+pub use opened::{FileContent, Opened, read_case};
 pub use write::write_case;
 
 /// The example of the README, as a test.

@@ -1,33 +1,33 @@
-//! A file's bytes as numbered lines, and a line as words; nothing is copied.
+//! Splits the bytes of a file into numbered lines, and lines into words, without copies.
 
-use crate::error::At;
-use crate::fault::{Fault, quote};
+use crate::error::FaultAt;
+use crate::fault::{TextFault, quote};
 
-/// The lines of a file. LF or CRLF ends a line; a byte order mark is passed over.
-pub(crate) struct Lines<'a> {
+/// Iterator over the lines of a file. A line ends with LF or CRLF; a byte order mark is skipped.
+pub(crate) struct TextLines<'a> {
     rest: &'a [u8],
     number: usize,
 }
 
-/// One line, without its end.
+/// One line, without its line end.
 #[derive(Clone, Copy)]
-pub(crate) struct Line<'a> {
+pub(crate) struct TextLine<'a> {
     pub number: usize,
     pub text: &'a [u8],
 }
 
-impl<'a> Lines<'a> {
+impl<'a> TextLines<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), number: 0 }
     }
 
-    /// Lines that follow `number` others of the same file.
+    /// Lines that follow `number` other lines of the same file.
     pub fn after(bytes: &'a [u8], number: usize) -> Self {
         Self { rest: bytes, number }
     }
 
-    /// The next line, whatever it holds.
-    pub fn any(&mut self) -> Option<Line<'a>> {
+    /// The next line; it may be blank.
+    pub fn any(&mut self) -> Option<TextLine<'a>> {
         if self.rest.is_empty() {
             return None;
         }
@@ -35,11 +35,11 @@ impl<'a> Lines<'a> {
         let text = &self.rest[..end];
         self.rest = self.rest.get(end + 1..).unwrap_or_default();
         self.number += 1;
-        Some(Line { number: self.number, text: text.strip_suffix(b"\r").unwrap_or(text) })
+        Some(TextLine { number: self.number, text: text.strip_suffix(b"\r").unwrap_or(text) })
     }
 
     /// The next line that is neither blank nor a `%` or `#` comment.
-    pub fn content(&mut self) -> Option<Line<'a>> {
+    pub fn content(&mut self) -> Option<TextLine<'a>> {
         loop {
             let line = self.any()?;
             if line.words().next().is_some() {
@@ -49,23 +49,23 @@ impl<'a> Lines<'a> {
     }
 
     /// Bytes not yet read.
-    pub fn left(&self) -> usize {
+    pub fn unread_bytes(&self) -> usize {
         self.rest.len()
     }
 
-    /// Number of the line read last.
+    /// Number of the last line read.
     pub fn number(&self) -> usize {
         self.number
     }
 }
 
-impl<'a> Line<'a> {
-    /// The words up to a comment.
-    pub fn words(&self) -> Words<'a> {
-        Words { rest: self.text }
+impl<'a> TextLine<'a> {
+    /// Words before a comment.
+    pub fn words(&self) -> LineWords<'a> {
+        LineWords { rest: self.text }
     }
 
-    /// The words if there are exactly N.
+    /// The words, if there are exactly N.
     pub fn fields<const N: usize>(&self) -> Option<[&'a [u8]; N]> {
         let mut words = self.words();
         let mut fields = [&b""[..]; N];
@@ -79,22 +79,22 @@ impl<'a> Line<'a> {
         quote(self.text.trim_ascii())
     }
 
-    pub fn fault(&self, fault: Fault) -> At {
-        At::line(self.number, fault)
+    pub fn fault(&self, fault: TextFault) -> FaultAt {
+        FaultAt::line(self.number, fault)
     }
 
-    /// The fault of a line that has not the form `expected`.
-    pub fn malformed(&self, expected: &'static str) -> At {
-        self.fault(Fault::Entry { expected, found: self.quote() })
+    /// The fault of a line that does not have the form `expected`.
+    pub fn malformed(&self, expected: &'static str) -> FaultAt {
+        self.fault(TextFault::Entry { expected, found: self.quote() })
     }
 }
 
-/// Words separated by blanks and tabs; a word that starts with `%` or `#` ends the line.
-pub(crate) struct Words<'a> {
+/// Words between blanks and tabs; a word that starts with `%` or `#` starts a comment.
+pub(crate) struct LineWords<'a> {
     rest: &'a [u8],
 }
 
-impl<'a> Iterator for Words<'a> {
+impl<'a> Iterator for LineWords<'a> {
     type Item = &'a [u8];
 
     fn next(&mut self) -> Option<&'a [u8]> {
@@ -115,12 +115,12 @@ mod tests {
 
     #[test]
     fn lines_are_numbered_and_comments_are_passed_over() {
-        let mut lines = Lines::new(b"\xef\xbb\xbf% head\r\n\r\n\t1  2\t3 # end\r\n #\n4");
+        let mut lines = TextLines::new(b"\xef\xbb\xbf% head\r\n\r\n\t1  2\t3 # end\r\n #\n4");
         let line = lines.content().expect("a line");
         assert_eq!((line.number, line.fields()), (3, Some([&b"1"[..], b"2", b"3"])));
         assert!(line.fields::<2>().is_none() && line.fields::<4>().is_none());
         let line = lines.content().expect("a line");
         assert_eq!((line.number, line.fields()), (5, Some([&b"4"[..]])));
-        assert!(lines.content().is_none() && lines.left() == 0 && lines.number() == 5);
+        assert!(lines.content().is_none() && lines.unread_bytes() == 0 && lines.number() == 5);
     }
 }

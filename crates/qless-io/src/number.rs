@@ -1,8 +1,8 @@
-//! Text to numbers: `12` to an index, `1.5`, `1e-3` or Fortran's `1.0D+3` to a float.
+//! Parses numbers: `12` as an index, `1.5`, `1e-3` or Fortran's `1.0D+3` as a float.
 
 use crate::NumberFault;
 
-/// A whole number; one too large for `usize` becomes `usize::MAX`, which is out of every range.
+/// A whole number. One too large for `usize` becomes `usize::MAX`, which is out of every range.
 pub(crate) fn whole(word: &[u8]) -> Option<usize> {
     let mut value = 0_usize;
     for &byte in word {
@@ -14,7 +14,7 @@ pub(crate) fn whole(word: &[u8]) -> Option<usize> {
     (!word.is_empty()).then_some(value)
 }
 
-/// The float nearest to the text, if it is finite and not zero by underflow.
+/// The nearest float, if it is finite and not zero by underflow.
 pub(crate) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     if let Some(value) = short(word) {
         return Ok(value);
@@ -24,13 +24,13 @@ pub(crate) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     if f64::is_normal(value) { Ok(value) } else { not_normal(text, value) }
 }
 
-/// A number that is no more than [`leading`] reads. Most numbers of a deck are such.
+/// A number that [`leading`] reads completely, as most numbers of a deck are.
 pub(crate) fn short(word: &[u8]) -> Option<f64> {
     leading(word).filter(|&(_, length)| length == word.len()).map(|(value, _)| value)
 }
 
-/// The number that the text begins with, and its length: a whole number below 2^53 times or over a power of ten up to 10^22.
-/// Both are exact, so that the result is the nearest float. `None` for what needs more care.
+/// Parses the number at the start of a text; returns it with its length. Covers whole numbers up to 2^53 times or over
+/// a power of ten up to 10^22: both are exact, so that the result is the nearest float. `None` for other numbers.
 pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
     const TENS: [f64; 23] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19,
@@ -61,7 +61,7 @@ pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
     Some((if start > 0 { -size } else { size }, end))
 }
 
-/// A sign and up to three digits, and where they end.
+/// Parses a sign and up to three digits; returns the exponent and its end.
 fn power(text: &[u8], from: usize) -> Option<(isize, usize)> {
     let start = from + usize::from(matches!(text.get(from), Some(b'+' | b'-')));
     let count = text[start.min(text.len())..].iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -70,7 +70,7 @@ fn power(text: &[u8], from: usize) -> Option<(isize, usize)> {
     Some((if text.get(from) == Some(&b'-') { -value } else { value }, start + count))
 }
 
-/// `1.0D+3` is `1.0e+3`.
+/// Reads Fortran's `1.0D+3` as `1.0e+3`.
 fn fortran(text: &str) -> Result<f64, NumberFault> {
     let text = text.replacen(['d', 'D'], "e", 1);
     if text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {

@@ -1,4 +1,4 @@
-//! A file whose content says what it is: a matrix, or a deck of one of the formats.
+//! Reads files and detects by their content whether they hold a matrix or a deck.
 
 use std::path::{Path, PathBuf};
 
@@ -9,26 +9,26 @@ use crate::deck::{self, Deck, Format, Solver, format_of};
 use crate::matrix_market::header;
 use crate::{ReadError, bytes};
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Content {
+pub enum FileContent {
     /// A matrix, in Matrix Market format.
     Matrix,
     /// A finite-element deck.
     Deck(Format),
 }
 
-/// A file that was read, but not yet parsed.
+/// A file that was read but not yet parsed.
 ///
 /// ```
-/// use qless_io::{Content, Opened};
+/// use qless_io::{FileContent, Opened};
 /// use qless_io::deck::Format;
 /// # let place = tempfile::tempdir()?;
 /// // The ending says something else.
 /// let path = place.path().join("links.inp");
 /// std::fs::write(&path, "GRID,1,,0.,0.,0.\nGRID,2,,0.,0.,0.\nMPC,1,1,1,1.,2,1,-1.\n")?;
 /// let opened = Opened::read(&path, None)?;
-/// assert_eq!(opened.content(), Content::Deck(Format::Nastran));
+/// assert_eq!(opened.content(), FileContent::Deck(Format::Nastran));
 /// assert_eq!(opened.into_deck(None)?.format(), Format::Nastran);
 ///
 /// std::fs::write(&path, "<html>")?;
@@ -40,40 +40,40 @@ pub enum Content {
 pub struct Opened {
     path: PathBuf,
     text: Vec<u8>,
-    content: Content,
+    content: FileContent,
 }
 
 impl Opened {
-    /// Reads a file, or standard input for a path of `-`, unpacked and decoded where needed. A solver that is asked for decides
-    /// where the first cards do not, and without one the ending.
+    /// Reads a file (or standard input, for the path `-`), unpacked and decoded if needed. The first cards decide a
+    /// deck's format; if they do not, the solver asked for does, or else the ending.
     ///
     /// # Errors
-    /// [`ReadError::Io`], or [`ReadError::Unknown`] where no reader knows the content.
+    /// [`ReadError::Io`], or [`ReadError::Unknown`] if no reader recognises the content.
     pub fn read(path: &Path, solver: Option<Solver>) -> Result<Self, ReadError> {
         let text = bytes::read(path).map_err(ReadError::io(path))?;
-        let expected = solver.map(Solver::format).or_else(|| Format::of(path));
+        let expected = solver.map(Solver::format).or_else(|| Format::from_path(path));
         let content = match format_of(&text, expected) {
-            _ if header::is_present(&text) => Content::Matrix,
-            Ok(format) => Content::Deck(format),
-            // What is wrong with it, the reader of matrices says best.
-            Err(_) if is_matrix(path) => Content::Matrix,
+            _ if header::is_present(&text) => FileContent::Matrix,
+            Ok(format) => FileContent::Deck(format),
+            // The reader of matrices gives the better message.
+            Err(_) if is_matrix(path) => FileContent::Matrix,
             Err(seen) => return Err(ReadError::Unknown { path: path.to_path_buf(), seen }),
         };
         Ok(Self { path: path.to_path_buf(), text, content })
     }
 
-    /// What it holds.
-    pub fn content(&self) -> Content {
+    /// Content of the file.
+    pub fn content(&self) -> FileContent {
         self.content
     }
 
-    /// Parses a deck, as this solver reads it, or that of its format.
+    /// Parses a deck for a solver, or for the default solver of its format.
     ///
     /// # Errors
-    /// [`ReadError`]: a matrix, a solver that does not read the deck's format, or a fault in the deck.
+    /// [`ReadError`]: the file is a matrix, the solver does not read its format, or the deck has an error.
     pub fn into_deck(self, solver: Option<Solver>) -> Result<Deck, ReadError> {
         let Self { path, text, content } = self;
-        let Content::Deck(format) = content else {
+        let FileContent::Deck(format) = content else {
             return Err(ReadError::OtherContent { path, problem: "it is a matrix; name a deck" });
         };
         let solver = solver.unwrap_or(format.into());
@@ -83,20 +83,93 @@ impl Opened {
         Ok(deck::parse(solver, &path, text, &mut |file: &Path| bytes::read(file))?)
     }
 
-    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`](crate::read_case) does.
+    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`] does.
     ///
     /// # Errors
-    /// [`ReadError`]: a deck, or a malformed file.
+    /// [`ReadError`]: the file is a deck, or is malformed.
     pub fn into_case(self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
         let Self { path, text, content } = self;
         match content {
-            Content::Matrix => CaseFiles::lone(&path).with(rhs, prescribed).read_from(text),
-            Content::Deck(_) => Err(ReadError::OtherContent { path, problem: "it is a deck; name a matrix" }),
+            FileContent::Matrix => CaseFiles::lone(&path).with(rhs, prescribed).read_from(text),
+            FileContent::Deck(_) => Err(ReadError::OtherContent { path, problem: "it is a deck; name a matrix" }),
         }
     }
 }
 
-/// Whether the ending is that of a matrix.
+/// Reads a case: a Matrix Market file, or a folder with `C.mtx` and optional files. The path `-` is standard input.
+/// Text may be packed by gzip, or be UTF-16 with a byte order mark.
+///
+/// `rhs` and `prescribed` name additional files for a `.mtx` file; for a folder they replace its own. Without a
+/// right-hand side, b is zero. An empty label is replaced by the number.
+///
+/// # Errors
+/// [`ReadError`]: the path is not a case, or one of its files is malformed.
+///
+/// ```
+/// use qless_io::read_case;
+/// # let place = tempfile::tempdir()?;
+/// let matrix = place.path().join("C.mtx");
+/// std::fs::write(&matrix, "%%MatrixMarket matrix coordinate real general\n1 2 2\n1 1 1\n1 2 -1\n")?;
+/// let rhs = place.path().join("gap.txt");
+/// std::fs::write(&rhs, "0.25\n")?;
+/// let system = read_case(&matrix, Some(&rhs), None)?;
+/// assert_eq!((system.equations(), system.dofs(), system.rhs()), (1, 2, &[0.25][..]));
+///
+/// let folder = read_case(place.path(), None, None)?;
+/// assert_eq!(folder.rhs(), [0.0]);
+///
+/// std::fs::write(&rhs, "inf\n")?;
+/// let error = read_case(&matrix, Some(&rhs), None).unwrap_err().to_string();
+/// assert!(error.contains("gap.txt:1: the right-hand side of row 1 is `inf`: every number must be finite"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
+    if !path.is_dir() {
+        return Opened::read(path, None)?.into_case(rhs, prescribed);
+    }
+    let files = CaseFiles::in_folder(path)?.with(rhs, prescribed);
+    let matrix = bytes::read(&files.matrix).map_err(ReadError::io(&files.matrix))?;
+    files.read_from(matrix)
+}
+
+/// Reads a deck and the files that it includes, for the default solver of its format.
+///
+/// # Errors
+/// As [`read_deck_for`].
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("tie.inp");
+/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
+/// let deck = qless_io::deck::read(&path)?;
+/// assert_eq!(deck.model().label(0).as_deref(), Some("line 5 *EQUATION 1:1"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_deck(path: &Path) -> Result<Deck, ReadError> {
+    read_deck_for(path, None)
+}
+
+/// Reads a deck and the files that it includes for a solver, or for the default solver of its format.
+///
+/// # Errors
+/// [`ReadError`]: a file cannot be read or is no deck, the solver does not read its format, or the deck has an error:
+/// a [`DeckError`](crate::deck::DeckError) with file, line, card and field.
+///
+/// ```
+/// use qless_io::deck::{Solver, read_for};
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("tie.inp");
+/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
+/// assert_eq!(read_for(&path, Some(Solver::Abaqus))?.solver(), Solver::Abaqus);
+/// let error = read_for(&path, Some(Solver::Nastran)).unwrap_err().to_string();
+/// assert!(error.ends_with("nastran does not read it: it is a deck of CalculiX or Abaqus; leave --solver out, or name ccx or abaqus"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_deck_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadError> {
+    Opened::read(path, solver)?.into_deck(solver)
+}
+
+/// Whether a path ends as a matrix file does.
 fn is_matrix(path: &Path) -> bool {
     let ends = |path: &Path, ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
     ends(path, "mtx") || ends(path, "gz") && path.file_stem().is_some_and(|stem| ends(Path::new(stem), "mtx"))

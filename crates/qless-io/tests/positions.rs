@@ -1,4 +1,4 @@
-//! Where the nodes of a deck are, whatever its language and the axes in which it says so.
+//! Positions of nodes in decks of all formats, given along any axes.
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -20,7 +20,7 @@ fn are(found: &HashMap<u32, [f64; 3]>, expected: &[(u32, [f64; 3])]) {
 
 #[test]
 fn nastran_points_are_in_the_basic_system() {
-    // A cylindrical system with its axis along z through (10, 0, 0), and GRDSET for what GRID leaves blank.
+    // A cylindrical system with its axis along z through (10, 0, 0); GRDSET gives the blank fields of GRID.
     let text = "BEGIN BULK
 CORD2C,5,,10.,0.,0.,10.,0.,1.
 +,11.,0.,0.

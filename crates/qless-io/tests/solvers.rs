@@ -1,4 +1,4 @@
-//! What is said of solvers that cannot be run here: it is what their manuals say (docs/solvers.md).
+//! Predictions for solvers that cannot be run here, from their manuals (docs/solvers.md).
 
 use std::path::Path;
 
@@ -68,7 +68,7 @@ fn ansys_takes_another_dof_of_an_equation() {
     assert!(!grounded.is_empty() && grounded.iter().all(|finding| finding.outcome == Outcome::Refused));
 }
 
-/// A DOF that a later step prescribes is an equation's own in those before.
+/// Before the step that prescribes it, a DOF may still be an equation's own.
 #[test]
 fn ansys_looks_at_one_load_step() {
     let text = "CE,1,0,1,UX,1,2,UX,-1\n/SOLU\nD,1,UX,0\nSOLVE\nD,2,UX,0\nSOLVE\n";
@@ -77,7 +77,7 @@ fn ansys_looks_at_one_load_step() {
     assert_eq!([of(0), of(1)], [Outcome::Accepted, Outcome::Refused]);
 }
 
-/// The first DOF of a set no more than the others.
+/// The first DOF of a coupled set must be in no other set either.
 #[test]
 fn ansys_takes_a_coupled_dof_once_and_not_prescribed() {
     let words = |text: &str| {
@@ -96,7 +96,7 @@ fn ansys_takes_a_coupled_dof_once_and_not_prescribed() {
     assert!(words(&format!("{set}CP,2,UY,1,2\nD,4,UX\nCE,1,0,1,UX,1,5,UX,1\n")).is_empty());
 }
 
-/// ccx looks at what is left of terms that name a DOF twice, but not at a coefficient of zero.
+/// ccx refuses repeated terms that cancel, but not a coefficient of zero.
 #[test]
 fn ccx_refuses_a_slave_that_its_terms_cancel() {
     let of = |terms: &str| outcome(Solver::Ccx, &format!("{NODES}*EQUATION\n{terms}\n"));
@@ -114,7 +114,7 @@ fn solvers_have_names() {
 
 #[test]
 fn what_is_left_of_several_claims_meets_the_next() {
-    // Two bodies and an equation: ccx drops the second body's claim, and stops at the equation after the first.
+    // Two bodies and an equation: ccx drops the claim of the second body, and stops at the equation because of the first.
     let other = "*RIGID BODY,NSET=A,REF NODE=4,ROT NODE=5\n";
     let text = format!("{NODES}{BODY}{other}{EQUATION}");
     let deck = deck(Solver::Ccx, &text);

@@ -1,6 +1,6 @@
 //! What a solver does where two cards claim one DOF.
 
-use qless_io::deck::clean::{Fault, Finding, findings};
+use qless_io::deck::clean::{EquationFault, Finding, findings};
 use qless_io::deck::{Deck, LoadCase, Model, Outcome, Prescribed};
 use serde::Serialize;
 
@@ -93,7 +93,7 @@ fn dropped(finding: &Finding, model: &Model) -> String {
     let equation = |i: usize| model.equation(i).map_or_else(String::new, |equation| model.place(equation.origin));
     match (finding.dropped(), finding.fault) {
         (Some(i), _) => equation(i),
-        (None, Fault::SlavePrescribed { by, .. }) => model.place(by),
+        (None, EquationFault::SlavePrescribed { by, .. }) => model.place(by),
         (None, fault) => equation(fault.equation()),
     }
 }

@@ -71,7 +71,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
             "--solver and --case go with a deck, which one process reads: leave out mpirun".to_owned(),
         ));
     }
-    if model.input.as_os_str() == "-" || Language::of(&model.input).is_some() && !model.input.is_dir() {
+    if model.input.as_os_str() == "-" || Language::from_path(&model.input).is_some() && !model.input.is_dir() {
         return Err(Failure::Input(format!(
             "{input}: several ranks read Matrix Market only: name a .mtx file or a folder with a C.mtx, or leave out mpirun"
         )));

@@ -9,7 +9,7 @@ use qless::report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Omitted, Term,
 };
 use qless::{CertificateTerm, Options, Report};
-use qless_io::part::find_labels;
+use qless_io::chunk::find_labels;
 use qless_mpi::{Analysis, Case, Equation, Found};
 
 use super::check::is_text;

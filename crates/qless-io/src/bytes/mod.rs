@@ -1,8 +1,8 @@
-//! The bytes of a file, as many as there is room for.
+//! Reads files into memory, within limits.
 //!
-//! What has a size, a regular file, may be as large as memory is. What has none, such as a device or a pipe, may never end, so that
-//! it is left after [`STREAM`] bytes, or after [`LINE`] bytes in which no line ends. A path of `-` is standard input. Packed and
-//! encoded text comes as plain text ([`plain`]).
+//! A regular file may be as large as memory. A device or a pipe has no size and may never end: reading stops after
+//! [`STREAM`] bytes, or after [`LINE`] bytes without a line end. The path `-` is standard input. Packed or encoded
+//! text is converted to plain text ([`plain`]).
 
 mod plain;
 
@@ -12,14 +12,14 @@ use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Bytes of what has no size at most.
+/// Most bytes read from a source without a size.
 const STREAM: usize = 1 << 28;
-/// Bytes of a line at most.
+/// Most bytes of a line in a source without a size.
 pub(crate) const LINE: usize = 1 << 20;
-/// Bytes at a time.
+/// Bytes read at a time.
 const CHUNK: u64 = 1 << 16;
 
-/// Why a file is not read to its end.
+/// Why reading stopped before the end of a file.
 #[derive(Debug)]
 enum TooMuch {
     Stream { read: usize },
@@ -33,17 +33,17 @@ impl fmt::Display for TooMuch {
         match self {
             Self::Stream { read } => write!(
                 out,
-                "it goes on after {read} bytes, and of what has no size {STREAM} are the most; save it as a file and name that"
+                "it continues after {read} bytes, but at most {STREAM} are read from a source without a size; save it as a file and name that"
             ),
             Self::Line { read } => {
-                write!(out, "no line ends within {read} bytes, and {LINE} are the most; name a file of text")
+                write!(out, "no line ends within {read} bytes, but a line may have at most {LINE}; name a text file")
             }
             Self::Unpacked { packed, most } => write!(
                 out,
-                "its {packed} packed bytes unpack to more than {most}, which are the most; unpack it and name that file"
+                "its {packed} packed bytes unpack to more than the limit of {most}; unpack it and name that file"
             ),
             Self::Memory { size } => {
-                write!(out, "its {size} bytes do not fit into the memory that is left; free some or split the file")
+                write!(out, "its {size} bytes do not fit into the free memory; free some or split the file")
             }
         }
     }
@@ -59,7 +59,7 @@ impl From<TooMuch> for io::Error {
     }
 }
 
-/// Whether an error of [`read`] says that there is more than there is room for.
+/// Whether an error of [`read`] says that a limit of size or memory was exceeded.
 pub(crate) fn is_too_much(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::OutOfMemory | ErrorKind::FileTooLarge)
 }
@@ -79,7 +79,7 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     plain::text(stored(file, if kind.is_file() { kind.len() } else { 0 })?)
 }
 
-/// All bytes, of which `size` are foreseen.
+/// Reads all bytes. `size` is the expected number, or 0 if unknown.
 fn stored(mut file: impl Read, size: u64) -> io::Result<Vec<u8>> {
     let whole = usize::try_from(size).unwrap_or(usize::MAX);
     let mut bytes = room_for(size)?;
@@ -100,7 +100,7 @@ fn stored(mut file: impl Read, size: u64) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Room for so many bytes of a file, and for one more, so that its end is found without growing.
+/// Reserves `size` bytes and one more, so that the end of the file is found without growing.
 pub(crate) fn room_for(size: u64) -> io::Result<Vec<u8>> {
     let size = usize::try_from(size).unwrap_or(usize::MAX);
     let mut bytes = Vec::new();
@@ -108,7 +108,7 @@ pub(crate) fn room_for(size: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What has no size, after `read` bytes of which `open` came after the last end of a line.
+/// Checks the limits of a source without a size: `read` bytes so far, `open` of them after the last line end.
 fn check(read: usize, open: usize) -> Result<(), TooMuch> {
     if open > LINE {
         return Err(TooMuch::Line { read: open });
@@ -124,7 +124,8 @@ mod tests {
     fn what_never_ends_is_left() {
         let error = read(Path::new("/dev/zero")).expect_err("no end");
         assert!(
-            is_too_much(&error) && error.to_string().contains("no line ends within 1114112 bytes, and 1048576 are")
+            is_too_much(&error)
+                && error.to_string().contains("no line ends within 1114112 bytes, but a line may have at most 1048576")
         );
         assert!(check(STREAM, LINE).is_ok());
         let error = io::Error::from(check(STREAM + 1, 0).expect_err("too much"));
@@ -135,7 +136,7 @@ mod tests {
     fn files_and_streams_are_read_whole() {
         let place = tempfile::tempdir().expect("a temporary folder");
         let path = place.path().join("long");
-        // A regular file may have lines of any length; whoever parses them refuses those.
+        // A regular file may have lines of any length; its parser refuses long ones.
         let text = "x".repeat(2 * LINE);
         std::fs::write(&path, &text).expect("written");
         assert!(read(&path).expect("read") == text.as_bytes());

@@ -1,6 +1,7 @@
-//! Packed or encoded text as plain text: gzip, then UTF-16 with its byte order mark, then lone carriage returns as line ends.
+//! Converts packed or encoded text to plain text: gzip, then UTF-16 with a byte order mark, then lone carriage returns
+//! as line ends.
 //!
-//! No line gets another number: there are as many lines as an editor shows of the file.
+//! Line numbers stay those that an editor shows.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Read};
@@ -9,12 +10,12 @@ use flate2::read::MultiGzDecoder;
 
 use super::{CHUNK, TooMuch, check};
 
-/// What gzip may always unpack to, in bytes.
+/// Bytes that any gzip file may unpack to.
 const SMALL: usize = 1 << 26;
-/// How many times its own size a file may unpack to; text shrinks to a twentieth at most, or it repeats itself.
+/// Largest ratio of unpacked to packed size. Text rarely packs better than 20 to 1 unless it repeats itself.
 const RATIO: usize = 200;
 
-/// Why packed or encoded text is not read.
+/// Why packed or encoded text cannot be read.
 #[derive(Debug)]
 enum Damaged {
     Gzip(io::Error),
@@ -45,7 +46,7 @@ impl From<Damaged> for io::Error {
     }
 }
 
-/// The text of a file: its bytes as they are, unless they are packed or encoded.
+/// Plain text of a file.
 pub(super) fn text(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     let bytes = if bytes.starts_with(b"\x1f\x8b") { unpack(&bytes)? } else { bytes };
     let bytes = match bytes.get(..2) {
@@ -70,7 +71,7 @@ fn unpack(packed: &[u8]) -> io::Result<Vec<u8>> {
             return Ok(unpacked);
         }
         line = memchr::memrchr(b'\n', &unpacked[before..]).map_or(line, |at| before + at + 1);
-        // Lone carriage returns end lines too, and UTF-16 has a zero beside each.
+        // A lone carriage return ends a line too, and so does one in UTF-16, which has a zero byte beside it.
         line = memchr::memrchr(b'\r', &unpacked[before..]).map_or(line, |at| line.max(before + at + 1));
         if unpacked.len() > SMALL {
             check(0, unpacked.len() - line)?;
@@ -88,18 +89,18 @@ fn failed(error: io::Error, size: usize) -> io::Error {
     }
 }
 
-/// UTF-16 as UTF-8.
+/// Converts UTF-16 to UTF-8.
 fn utf8(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> io::Result<Vec<u8>> {
     let (pairs, odd) = bytes.as_chunks::<2>();
     if !odd.is_empty() {
         return Err(Damaged::OddUtf16.into());
     }
     let mut text = String::new();
-    // A character of one unit has three bytes at most.
+    // One UTF-16 unit becomes at most three bytes.
     text.try_reserve(bytes.len() / 2).map_err(|_| TooMuch::Memory { size: bytes.len() })?;
     let mut units = 0;
     for character in char::decode_utf16(pairs.iter().map(|pair| unit(*pair))) {
-        // The byte order mark is two bytes.
+        // The byte order mark takes two bytes.
         let c = character.map_err(|_| Damaged::Surrogate { byte: 2 * units + 3 })?;
         units += c.len_utf16();
         text.push(c);
@@ -107,7 +108,7 @@ fn utf8(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> io::Result<Vec<u8>> {
     Ok(text.into_bytes())
 }
 
-/// Lone carriage returns as line feeds, where there is no line feed at all.
+/// Turns carriage returns into line feeds if the text has no line feed at all.
 fn lines(mut bytes: Vec<u8>) -> Vec<u8> {
     if memchr::memchr(b'\n', &bytes).is_none() {
         bytes.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');

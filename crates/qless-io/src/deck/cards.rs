@@ -1,19 +1,121 @@
-//! The cards of a deck. A million that count up evenly, as `CE 1`, `CE 2` and so on do, take no more room than one.
+//! The cards of a deck and their names. Cards that count up evenly, such as `CE 1`, `CE 2`, ..., are stored as one
+//! run.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fmt;
 
-use super::CardName;
+/// Name of a card in the deck, such as `*EQUATION` or `RBE2 12`.
+///
+/// ```
+/// use qless_io::deck::CardName;
+/// let name = CardName::numbered("RBE2", 12);
+/// assert_eq!((name.to_string().as_str(), name == CardName::from("RBE2 12".to_owned())), ("RBE2 12", true));
+/// ```
+#[derive(Clone, Debug)]
+pub struct CardName(NameParts);
 
-/// A card that constrains: its name and where it begins.
+#[derive(Clone, Debug)]
+enum NameParts {
+    Word(&'static str),
+    Numbered(&'static str, u32),
+    Text(Box<str>),
+}
+
+impl CardName {
+    /// A name of a word and a number.
+    pub fn numbered(word: &'static str, number: u32) -> Self {
+        Self(NameParts::Numbered(word, number))
+    }
+
+    /// Whether the name is this word and a number.
+    pub(super) fn is_numbered(&self, word: &str) -> bool {
+        matches!(self.0, NameParts::Numbered(own, _) if own == word)
+    }
+
+    /// The name with its number increased by `more`.
+    pub(super) fn counted(&self, more: u32) -> Self {
+        match self.0 {
+            NameParts::Numbered(word, number) => Self(NameParts::Numbered(word, number.wrapping_add(more))),
+            _ => self.clone(),
+        }
+    }
+
+    /// Whether the other name is this one with its number increased by `more`.
+    pub(super) fn is_counted(&self, more: u32, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (NameParts::Numbered(word, number), NameParts::Numbered(other, count)) => {
+                number.wrapping_add(more) == *count && word == other
+            }
+            _ => self.counted(more) == *other,
+        }
+    }
+
+    /// Difference of the two numbers; 0 if one name has none.
+    pub(super) fn distance(&self, other: &Self) -> u32 {
+        match (&self.0, &other.0) {
+            (NameParts::Numbered(_, number), NameParts::Numbered(_, other)) => other.wrapping_sub(*number),
+            _ => 0,
+        }
+    }
+
+    fn text(&self) -> Cow<'_, str> {
+        match &self.0 {
+            NameParts::Word(word) => Cow::Borrowed(word),
+            NameParts::Numbered(word, number) => Cow::Owned(format!("{word} {number}")),
+            NameParts::Text(text) => Cow::Borrowed(text),
+        }
+    }
+}
+
+impl fmt::Display for CardName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            NameParts::Numbered(word, number) => write!(f, "{word} {number}"),
+            _ => f.write_str(&self.text()),
+        }
+    }
+}
+
+impl PartialEq for CardName {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (NameParts::Numbered(word, number), NameParts::Numbered(other, last)) => number == last && word == other,
+            _ => self.text() == other.text(),
+        }
+    }
+}
+
+impl Eq for CardName {}
+
+impl PartialEq<&str> for CardName {
+    fn eq(&self, other: &&str) -> bool {
+        self.text() == *other
+    }
+}
+
+impl From<&'static str> for CardName {
+    fn from(word: &'static str) -> Self {
+        Self(NameParts::Word(word))
+    }
+}
+
+impl From<String> for CardName {
+    fn from(text: String) -> Self {
+        Self(NameParts::Text(text.into()))
+    }
+}
+
+/// A card that constrains.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Card {
-    /// As the deck calls it, such as `*EQUATION` or `RBE2 12`.
+    /// Name in the deck, such as `*EQUATION` or `RBE2 12`.
     pub name: CardName,
     /// Index into [`Model::files`](super::Model::files).
     pub file: u32,
     /// First line, from 1.
     pub line: u32,
-    /// Whether equations cannot stand in for it, because the solver adds DOFs of its own to it.
+    /// Whether equations cannot replace the card, because the solver adds DOFs of its own to it.
     pub is_fixed: bool,
 }
 
@@ -31,29 +133,30 @@ pub struct Card {
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Cards {
-    runs: Vec<Run>,
+    runs: Vec<CardRun>,
     count: u32,
-    /// Why, where more than the card's name is needed to see it.
+    /// Cards that equations cannot replace, with a reason if the name does not explain it.
     fixed: BTreeMap<u32, Option<&'static str>>,
 }
 
-/// Cards from `first` on: card `first + k` has a name `k numbers` above that of `card` and stands `k lines` lines further on.
+/// A run of cards: card `first + k` has a number higher by `k numbers` than `card`, and starts `k lines` lines further
+/// on.
 #[derive(Clone, Debug)]
-struct Run {
+struct CardRun {
     first: u32,
     card: Card,
     numbers: u32,
     lines: u32,
 }
 
-impl Run {
+impl CardRun {
     fn at(&self, i: u32) -> Card {
         let k = i - self.first;
         let name = self.card.name.counted(k.wrapping_mul(self.numbers));
         Card { name, line: self.card.line.wrapping_add(k.wrapping_mul(self.lines)), ..self.card }
     }
 
-    /// Takes card `i` in, if it follows; the second one says how they count.
+    /// Takes card `i` into the run if it fits. The second card of a run sets the increments.
     fn take(&mut self, i: u32, card: &Card) -> bool {
         if self.first + 1 == i {
             self.numbers = self.card.name.distance(&card.name);
@@ -68,7 +171,7 @@ impl Run {
 }
 
 impl Cards {
-    /// How many there are.
+    /// Number of cards.
     pub fn len(&self) -> usize {
         self.count as usize
     }
@@ -78,12 +181,12 @@ impl Cards {
         self.count == 0
     }
 
-    /// Card `i`, as an [`Origin`](super::Origin) has it, if it is there.
+    /// Card `i`, as in [`Origin`](super::Origin), if it exists.
     pub fn get(&self, i: u32) -> Option<Card> {
         (i < self.count).then(|| self.nth(i))
     }
 
-    /// Card `i`, which is there.
+    /// Card `i`, which must exist.
     pub(super) fn nth(&self, i: u32) -> Card {
         let run = &self.runs[self.runs.partition_point(|run| run.first <= i) - 1];
         Card { is_fixed: self.fixed.contains_key(&i), ..run.at(i) }
@@ -103,13 +206,13 @@ impl Cards {
     pub(super) fn push(&mut self, name: CardName, file: u32, line: u32) -> u32 {
         let card = Card { name, file, line, is_fixed: false };
         if !self.runs.last_mut().is_some_and(|run| run.take(self.count, &card)) {
-            self.runs.push(Run { first: self.count, card, numbers: 0, lines: 0 });
+            self.runs.push(CardRun { first: self.count, card, numbers: 0, lines: 0 });
         }
         self.count += 1;
         self.count - 1
     }
 
-    /// Says whether equations cannot stand in for card `i`.
+    /// Sets whether equations cannot replace card `i`.
     pub(super) fn fix(&mut self, i: u32, is_fixed: bool) {
         if is_fixed {
             self.fixed.insert(i, None);
@@ -118,12 +221,12 @@ impl Cards {
         }
     }
 
-    /// Says why equations cannot stand in for card `i`, and how they could.
+    /// Notes why equations cannot replace card `i`, and how to change that.
     pub(super) fn fix_because(&mut self, i: u32, why: &'static str) {
         self.fixed.insert(i, Some(why));
     }
 
-    /// Why equations cannot stand in for card `i`, where that takes more than its name to see.
+    /// Why equations cannot replace card `i`, unless its name explains it.
     pub fn why_fixed(&self, i: u32) -> Option<&'static str> {
         self.fixed.get(&i).copied().flatten()
     }

@@ -1,11 +1,11 @@
-//! A list that grows without moving: to move what is there takes time, and at that moment room for both.
+//! A list that grows without moving its items. Moving them would take time, and memory for both copies.
 
 use std::ops::{Index, IndexMut};
 
-/// Items of a chunk.
+/// Items in a chunk.
 const CHUNK: usize = 1 << 14;
 
-/// Items in chunks, all of them full but the last.
+/// Items in chunks; all chunks but the last are full.
 #[derive(Clone, Debug)]
 pub(super) struct Chunks<T> {
     chunks: Vec<Vec<T>>,
@@ -27,7 +27,7 @@ impl<T> Chunks<T> {
             last.push(item);
             return;
         }
-        // A short list takes no more than it needs.
+        // A short list allocates no full chunk.
         let room = if self.chunks.is_empty() { 0 } else { CHUNK };
         let mut chunk = Vec::with_capacity(room);
         chunk.push(item);
@@ -61,7 +61,7 @@ impl<T> Chunks<T> {
         chunks.iter().flatten().skip(start % CHUNK)
     }
 
-    /// How many items are such, where those that are come first.
+    /// Number of leading items that fulfil `is_such`; no later item may fulfil it.
     pub fn partition_point(&self, is_such: impl Fn(&T) -> bool) -> usize {
         let full = self.chunks.partition_point(|chunk| chunk.last().is_some_and(&is_such));
         match self.chunks.get(full) {
@@ -70,7 +70,7 @@ impl<T> Chunks<T> {
         }
     }
 
-    /// All items, one by one.
+    /// All items, in order.
     pub fn into_items(self) -> impl Iterator<Item = T> {
         self.chunks.into_iter().flatten()
     }

@@ -1,4 +1,4 @@
-//! The files of a deck: the main one and those that it includes.
+//! The files of a deck: the main file and its includes.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,15 +7,15 @@ use std::sync::Arc;
 use super::{DeckError, Problem, Solver};
 use crate::bytes::is_too_much;
 
-/// Gives the bytes of a file.
+/// Callback that returns the bytes of a file.
 pub type Open<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
 
-/// Files within files at most.
+/// Deepest nesting of includes.
 pub const INCLUDE_DEPTH: usize = 20;
-/// Includes of a deck at most, however often it is gone through.
+/// Most includes, over all passes through a deck.
 pub const INCLUDES: usize = 10_000;
 
-/// The files read so far; each is known by its number.
+/// The files read so far, by number.
 pub struct Sources<'a> {
     solver: Solver,
     paths: Vec<PathBuf>,
@@ -25,7 +25,7 @@ pub struct Sources<'a> {
 }
 
 impl<'a> Sources<'a> {
-    /// Starts with the main file.
+    /// The main file alone.
     pub fn new(solver: Solver, path: &Path, bytes: Vec<u8>, open: Open<'a>) -> Self {
         Self { solver, paths: vec![path.to_path_buf()], texts: vec![Arc::new(bytes)], open, includes: 0 }
     }
@@ -40,7 +40,7 @@ impl<'a> Sources<'a> {
         self.solver
     }
 
-    /// Goes on for another solver: the text is one that only this one knows.
+    /// Changes the solver, because only this one knows the text.
     pub fn set_solver(&mut self, solver: Solver) {
         self.solver = solver;
     }
@@ -50,7 +50,7 @@ impl<'a> Sources<'a> {
         &self.paths[file]
     }
 
-    /// The bytes of a file, which stay where they are while others are read.
+    /// The bytes of a file, shared.
     pub fn text(&self, file: usize) -> Arc<Vec<u8>> {
         Arc::clone(&self.texts[file])
     }
@@ -60,11 +60,11 @@ impl<'a> Sources<'a> {
         &self.paths
     }
 
-    /// Reads the file, once, that line `line` of file `from` includes, which is itself `depth` includes deep, and returns its number.
-    /// A relative name is looked up beside the main file, then beside the including one.
+    /// Reads an included file, once, and returns its number. `from` and `line` locate the include, `depth` is its
+    /// nesting. A relative name is looked up beside the main file, then beside the including file.
     ///
     /// # Errors
-    /// [`DeckError`] where it cannot be read, or where there are too many.
+    /// [`DeckError`]: the file cannot be read, or there are too many includes.
     pub fn include(&mut self, name: &str, from: usize, line: usize, depth: usize) -> Result<usize, DeckError> {
         let fail =
             |problem| DeckError { path: self.paths[from].clone(), line, card: "include".into(), field: None, problem };

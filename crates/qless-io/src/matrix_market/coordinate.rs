@@ -1,111 +1,117 @@
-//! `row column value` lines to triplets, in one pass over the bytes.
+//! Parses `row column value` lines into triplets, in one pass over the bytes.
 
 use super::Triplets;
-use super::header::{self, Layout};
-use crate::error::At;
-use crate::fault::{Fault, NumberFault, Quantity, quote};
-use crate::lines::{Line, Lines};
+use super::header::{self, MarketLayout};
+use crate::error::FaultAt;
+use crate::fault::{NumberFault, Quantity, TextFault, quote};
+use crate::lines::{TextLine, TextLines};
 use crate::number::{real, whole};
 
 const ENTRY: &str = "row column value";
 const SIZES: &str = "rows columns entries";
 
-/// Shortest entry with its line end: `1 1 1` and LF.
+/// Bytes of the shortest entry, `1 1 1` and LF.
 const SHORTEST_ENTRY: usize = 6;
 
-/// Empty rows or columns beyond this many are a slip of the size line, not a model; they cost memory.
+/// Most empty rows or columns. Larger sizes are typing errors, and cost memory.
 const MOST_EMPTY: usize = 10_000_000;
 
-/// What stands before the entries.
+/// Header and sizes of a matrix file.
 #[derive(Debug)]
-pub(crate) struct Head {
+pub(crate) struct MatrixHead {
     pub rows: usize,
     pub columns: usize,
     pub entries: usize,
-    /// The line of the sizes.
+    /// Line of the sizes.
     line: usize,
     integer: bool,
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Triplets, At> {
-    let mut lines = Lines::new(bytes);
-    let head = head(&mut lines)?;
-    let entries = entries(&mut lines, &head, 0)?;
-    head.complete(entries.len())?;
+pub(super) fn parse(bytes: &[u8]) -> Result<Triplets, FaultAt> {
+    let mut lines = TextLines::new(bytes);
+    let head = MatrixHead::read(&mut lines)?;
+    let entries = head.entries(&mut lines, 0)?;
+    head.check_count(entries.len())?;
     Ok(Triplets { rows: head.rows, columns: head.columns, entries })
 }
 
-pub(crate) fn head(lines: &mut Lines) -> Result<Head, At> {
-    let integer = header::read(lines, Layout::Coordinate)?.integer;
-    sizes(lines, integer)
-}
-
-/// The entries in these lines, which come after `before` others.
-pub(crate) fn entries(lines: &mut Lines, head: &Head, before: usize) -> Result<Vec<(usize, usize, f64)>, At> {
-    let room = head.entries.saturating_sub(before).min((lines.left() + 1) / SHORTEST_ENTRY);
-    let mut entries = Vec::with_capacity(room);
-    while let Some(line) = lines.content() {
-        if before + entries.len() >= head.entries {
-            return Err(line.fault(Fault::TooMany { promised: head.entries }));
-        }
-        entries.push(entry(&line, head)?);
+impl MatrixHead {
+    pub(crate) fn read(lines: &mut TextLines) -> Result<Self, FaultAt> {
+        let integer = header::read(lines, MarketLayout::Coordinate)?.integer;
+        sizes(lines, integer)
     }
-    Ok(entries)
-}
 
-/// First and last of these lines that give an entry of this row and column.
-pub(crate) fn lines_of(lines: &mut Lines, head: &Head, place: (usize, usize)) -> Result<Option<(usize, usize)>, At> {
-    let mut found = None;
-    while let Some(line) = lines.content() {
-        let (row, column, _) = entry(&line, head)?;
-        if (row, column) == place {
-            found = Some((found.map_or(line.number, |(first, _)| first), line.number));
+    /// The entries in these lines, which follow `before` others.
+    pub(crate) fn entries(&self, lines: &mut TextLines, before: usize) -> Result<Vec<(usize, usize, f64)>, FaultAt> {
+        let room = self.entries.saturating_sub(before).min((lines.unread_bytes() + 1) / SHORTEST_ENTRY);
+        let mut entries = Vec::with_capacity(room);
+        while let Some(line) = lines.content() {
+            if before + entries.len() >= self.entries {
+                return Err(line.fault(TextFault::TooMany { promised: self.entries }));
+            }
+            entries.push(entry(&line, self)?);
         }
+        Ok(entries)
     }
-    Ok(found)
-}
 
-impl Head {
-    /// Whether all entries are there, if so many were found.
-    pub(crate) fn complete(&self, found: usize) -> Result<(), At> {
+    /// First and last of these lines with an entry of this row and column.
+    pub(crate) fn lines_of(
+        &self,
+        lines: &mut TextLines,
+        place: (usize, usize),
+    ) -> Result<Option<(usize, usize)>, FaultAt> {
+        let mut found = None;
+        while let Some(line) = lines.content() {
+            let (row, column, _) = entry(&line, self)?;
+            if (row, column) == place {
+                found = Some((found.map_or(line.number, |(first, _)| first), line.number));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Checks that all promised entries were found.
+    pub(crate) fn check_count(&self, found: usize) -> Result<(), FaultAt> {
         let promised = self.entries;
-        if found < promised { Err(At::line(self.line, Fault::TooFew { promised, found })) } else { Ok(()) }
+        if found < promised { Err(FaultAt::line(self.line, TextFault::TooFew { promised, found })) } else { Ok(()) }
     }
 }
 
-fn sizes(lines: &mut Lines, integer: bool) -> Result<Head, At> {
+fn sizes(lines: &mut TextLines, integer: bool) -> Result<MatrixHead, FaultAt> {
     let Some(line) = lines.content() else {
-        return Err(At::line(lines.number(), Fault::Sizes { expected: SIZES, found: quote(b"") }));
+        return Err(FaultAt::line(lines.number(), TextFault::Sizes { expected: SIZES, found: quote(b"") }));
     };
-    let malformed = || line.fault(Fault::Sizes { expected: SIZES, found: line.quote() });
+    let malformed = || line.fault(TextFault::Sizes { expected: SIZES, found: line.quote() });
     let [rows, columns, entries] = line.fields().ok_or_else(malformed)?;
     let entries = whole(entries).ok_or_else(malformed)?;
     let size = |what, word| size(&line, what, word, entries)?.ok_or_else(malformed);
     let (rows, columns) = (size("rows", rows)?, size("columns", columns)?);
     if columns == 0 {
-        return Err(line.fault(Fault::NoColumns { rows }));
+        return Err(line.fault(TextFault::NoColumns { rows }));
     }
-    Ok(Head { rows, columns, entries, line: line.number, integer })
+    Ok(MatrixHead { rows, columns, entries, line: line.number, integer })
 }
 
-/// A number of rows or columns, if it is one; the library's largest index is kept back.
-fn size(line: &Line, what: &'static str, word: &[u8], entries: usize) -> Result<Option<usize>, At> {
+/// Parses a number of rows or columns; `None` if the word is no number. The library reserves the largest index.
+fn size(line: &TextLine, what: &'static str, word: &[u8], entries: usize) -> Result<Option<usize>, FaultAt> {
     match whole(word) {
-        Some(size) if size >= u32::MAX as usize => Err(line.fault(Fault::SizeTooLarge { what, found: quote(word) })),
+        Some(size) if size >= u32::MAX as usize => {
+            Err(line.fault(TextFault::SizeTooLarge { what, found: quote(word) }))
+        }
         Some(found) if found.saturating_sub(entries) > MOST_EMPTY => {
-            Err(line.fault(Fault::SizeImplausible { what, found, entries }))
+            Err(line.fault(TextFault::SizeImplausible { what, found, entries }))
         }
         size => Ok(size),
     }
 }
 
-fn entry(line: &Line, head: &Head) -> Result<(usize, usize, f64), At> {
+fn entry(line: &TextLine, head: &MatrixHead) -> Result<(usize, usize, f64), FaultAt> {
     let [row, column, value] = line.fields().ok_or_else(|| line.malformed(ENTRY))?;
     let row = index(line, "row", row, head.rows)?;
     let column = index(line, "column", column, head.columns)?;
     match real(value) {
         Ok(number) if !head.integer || number.fract() == 0.0 => Ok((row, column, number)),
-        other => Err(line.fault(Fault::Number {
+        other => Err(line.fault(TextFault::Number {
             what: Quantity::Coefficient { row: row + 1, column: column + 1 },
             found: quote(value),
             problem: other.err().unwrap_or(NumberFault::NotAnInteger),
@@ -113,11 +119,11 @@ fn entry(line: &Line, head: &Head) -> Result<(usize, usize, f64), At> {
     }
 }
 
-/// A 1-based index of the file as a 0-based one.
-fn index(line: &Line, what: &'static str, word: &[u8], size: usize) -> Result<usize, At> {
+/// Converts a 1-based index of the file to a 0-based one.
+fn index(line: &TextLine, what: &'static str, word: &[u8], size: usize) -> Result<usize, FaultAt> {
     let index = whole(word).ok_or_else(|| line.malformed(ENTRY))?;
     if index == 0 || index > size {
-        return Err(line.fault(Fault::OutOfRange { what, found: quote(word), size }));
+        return Err(line.fault(TextFault::OutOfRange { what, found: quote(word), size }));
     }
     Ok(index - 1)
 }

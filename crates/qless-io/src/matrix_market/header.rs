@@ -1,51 +1,51 @@
-//! `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`: which of them are read, and why the others are not.
+//! The header `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`: variants that are read, and advice for the others.
 
-use crate::error::At;
-use crate::fault::{Fault, quote};
-use crate::lines::{Line, Lines};
+use crate::error::FaultAt;
+use crate::fault::{TextFault, quote};
+use crate::lines::{TextLine, TextLines};
 
-/// How the entries are laid out.
+/// Layout of the entries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Layout {
+pub(crate) enum MarketLayout {
     /// `row column value`.
     Coordinate,
-    /// Values alone, column by column.
+    /// Values only, column by column.
     Array,
 }
 
-/// What a supported header says.
+/// Content of a supported header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Header {
+pub(crate) struct MarketHeader {
     pub integer: bool,
     pub line: usize,
 }
 
-/// Whether the file starts as a Matrix Market file does.
+/// Whether a text starts with a Matrix Market header.
 pub(crate) fn is_present(bytes: &[u8]) -> bool {
-    first_line(&mut Lines::new(bytes)).is_some_and(|line| is_banner(&line))
+    first_line(&mut TextLines::new(bytes)).is_some_and(|line| is_banner(&line))
 }
 
 /// Reads the header of a `layout` file.
-pub(crate) fn read(lines: &mut Lines, layout: Layout) -> Result<Header, At> {
+pub(crate) fn read(lines: &mut TextLines, layout: MarketLayout) -> Result<MarketHeader, FaultAt> {
     let Some(line) = first_line(lines) else {
-        return Err(At::whole_file(Fault::Header { found: quote(b"") }));
+        return Err(FaultAt::whole_file(TextFault::Header { found: quote(b"") }));
     };
     let words: Vec<&[u8]> = line.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect();
     let &[_, object, format, field, symmetry] = words.as_slice() else {
-        return Err(line.fault(Fault::Header { found: line.quote() }));
+        return Err(line.fault(TextFault::Header { found: line.quote() }));
     };
     if !is_banner(&line) {
-        return Err(line.fault(Fault::Header { found: line.quote() }));
+        return Err(line.fault(TextFault::Header { found: line.quote() }));
     }
     accept(&line, object, &["matrix"])?;
-    let format_read = if layout == Layout::Coordinate { "coordinate" } else { "array" };
+    let format_read = if layout == MarketLayout::Coordinate { "coordinate" } else { "array" };
     accept(&line, format, &[format_read])?;
     accept(&line, field, &["real", "integer"])?;
     accept(&line, symmetry, &["general"])?;
-    Ok(Header { integer: field.eq_ignore_ascii_case(b"integer"), line: line.number })
+    Ok(MarketHeader { integer: field.eq_ignore_ascii_case(b"integer"), line: line.number })
 }
 
-fn first_line<'a>(lines: &mut Lines<'a>) -> Option<Line<'a>> {
+fn first_line<'a>(lines: &mut TextLines<'a>) -> Option<TextLine<'a>> {
     loop {
         let line = lines.any()?;
         if !line.text.trim_ascii().is_empty() {
@@ -54,16 +54,16 @@ fn first_line<'a>(lines: &mut Lines<'a>) -> Option<Line<'a>> {
     }
 }
 
-pub(crate) fn is_banner(line: &Line) -> bool {
+pub(crate) fn is_banner(line: &TextLine) -> bool {
     let word = line.text.trim_ascii().split(u8::is_ascii_whitespace).next().unwrap_or_default();
     [&b"%%MatrixMarket"[..], b"%MatrixMarket"].iter().any(|banner| word.eq_ignore_ascii_case(banner))
 }
 
-fn accept(line: &Line, word: &[u8], known: &[&str]) -> Result<(), At> {
+fn accept(line: &TextLine, word: &[u8], known: &[&str]) -> Result<(), FaultAt> {
     if known.iter().any(|known| word.eq_ignore_ascii_case(known.as_bytes())) {
         return Ok(());
     }
-    Err(line.fault(Fault::HeaderWord { word: quote(word), advice: advice(word) }))
+    Err(line.fault(TextFault::HeaderWord { word: quote(word), advice: advice(word) }))
 }
 
 fn advice(word: &[u8]) -> &'static str {

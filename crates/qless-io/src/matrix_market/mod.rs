@@ -9,24 +9,24 @@
 //! 2 2 1.0D+3
 //! ```
 //!
-//! The first line is the header (`%MatrixMarket` is accepted too, in any case), then
-//! `rows columns entries`, then one `row column value` a line, counted from 1. Repeated entries are
-//! kept as they stand; the library sums them. Exponents may be Fortran's, line ends CRLF.
+//! The first line is the header (`%MatrixMarket` is accepted too, in any case), then `rows columns entries`, then one
+//! `row column value` a line, counted from 1. Repeated entries are kept; the library sums them. Exponents may use
+//! Fortran's `D`, and lines may end in CRLF.
 //!
-//! Refused, with the line: other headers (`pattern`, `complex`, `symmetric`, `skew-symmetric`,
-//! `hermitian`, `array`), malformed or out-of-range lines, `nan` and `inf`, numbers that overflow or
-//! underflow to zero, and a number of entries other than promised. Memory is proportional to the file,
-//! whatever its sizes claim.
+//! Refused, with the line: other headers (`pattern`, `complex`, `symmetric`, `skew-symmetric`, `hermitian`, `array`),
+//! malformed or out-of-range lines, `nan` and `inf`, numbers that overflow or underflow to zero, and a wrong number of
+//! entries. Memory is proportional to the file, not to the sizes it claims.
 
-pub(crate) mod coordinate;
+mod coordinate;
 pub(crate) mod header;
 
 use std::path::Path;
 
 use crate::ReadError;
 use crate::error::parse_file;
+pub(crate) use coordinate::MatrixHead;
 
-/// An m x n matrix as the file lists it.
+/// An m x n matrix, as listed in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Triplets {
     /// Number of rows m.
@@ -59,7 +59,7 @@ pub fn read(path: &Path) -> Result<Triplets, ReadError> {
     parse_file(path, coordinate::parse)
 }
 
-/// The matrix in the text of a file.
+/// Parses the text of a matrix file.
 pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<Triplets, ReadError> {
-    coordinate::parse(text).map_err(|at| at.of(path))
+    coordinate::parse(text).map_err(|at| at.in_file(path))
 }

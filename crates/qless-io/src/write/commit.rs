@@ -1,34 +1,27 @@
-//! Puts new files in the place of old ones.
+//! Replaces old files by new ones.
 //!
-//! | what changes | how | what a kill leaves |
+//! | change | method | left behind by a kill |
 //! | --- | --- | --- |
-//! | a folder that was not there | the folder is renamed | nothing or all of it |
-//! | one file | the file is renamed | the old or the new file |
-//! | several files in a folder | the folder is exchanged for a complete one ([`switch`]) | the old or the new files |
-//! | the same where folders cannot be exchanged | one by one ([`moves`]) | the old or the new files, or no first file |
+//! | a new folder | rename the folder | nothing, or the whole folder |
+//! | one file | rename the file | the old file or the new one |
+//! | several files in a folder | exchange the folder for a complete one ([`switch`]) | the old files or the new ones |
+//! | the same, if folders cannot be exchanged | move files one by one ([`moves`]) | the old files or the new ones, or no first file |
 //!
-//! Folders cannot be exchanged where the file system does not do it or has no hard links (Linux and macOS mostly have both), where the
-//! folder above may not be written to, and where the folder is a mount point. On any error all old files are put back.
+//! Folders cannot be exchanged if the file system cannot exchange them or has no hard links (Linux and macOS mostly
+//! have both), if the parent folder is not writable, or if the folder is a mount point. After an error, all old files
+//! are back in place.
 
 use std::fs;
 use std::path::Path;
 
-use super::stage::{self, NEW, Stage};
-use super::turn::Turn;
-use super::{metadata, moves, switch};
+use super::moves::{self, FolderChange};
+use super::stage::{self, NEW, Stage, WriteLock};
+use super::{metadata, switch};
 use crate::WriteError;
 
-/// The change of a folder.
-pub(super) struct Change {
-    /// Files that are new, by name.
-    pub names: Vec<String>,
-    /// Files that must not be there.
-    pub absent: Vec<String>,
-}
-
-/// Changes `folder`, which is there and holds `stage` with the new files.
-pub(super) fn commit(folder: &Path, stage: &Stage, mut change: Change) -> Result<(), WriteError> {
-    let turn = Turn::take();
+/// Changes an existing folder; `stage` lies in it and holds the new files.
+pub(super) fn commit(folder: &Path, stage: &Stage, mut change: FolderChange) -> Result<(), WriteError> {
+    let lock = WriteLock::take();
     for name in change.names.iter().chain(&change.absent) {
         check_place(&folder.join(name))?;
     }
@@ -38,17 +31,17 @@ pub(super) fn commit(folder: &Path, stage: &Stage, mut change: Change) -> Result
         let place = folder.join(name);
         metadata::keep(&place, &staged.join(name)).map_err(WriteError::io(&place))?;
     }
-    put(folder, stage, &change, &turn)?;
+    put(folder, stage, &change, &lock)?;
     stage::sweep(folder);
     Ok(())
 }
 
-fn put(folder: &Path, stage: &Stage, change: &Change, turn: &Turn) -> Result<(), WriteError> {
+fn put(folder: &Path, stage: &Stage, change: &FolderChange, lock: &WriteLock) -> Result<(), WriteError> {
     if let ([name], []) = (&change.names[..], &change.absent[..]) {
         let place = folder.join(name);
         return fs::rename(stage.path().join(NEW).join(name), &place).map_err(WriteError::io(&place));
     }
-    switch::replace(folder, stage, change, turn).unwrap_or_else(|| moves::replace(folder, stage.path(), change))
+    switch::replace(folder, stage, change, lock).unwrap_or_else(|| moves::replace(folder, stage.path(), change))
 }
 
 /// A folder or a device is never replaced by a file.

@@ -1,4 +1,4 @@
-//! Whether an output would go over an input.
+//! Protects inputs from being overwritten by outputs.
 
 use std::ffi::OsString;
 use std::fs;
@@ -8,10 +8,10 @@ use std::path::PathBuf;
 
 use crate::WriteError;
 
-/// The files that a program reads, which none of its outputs may replace.
+/// Files that a program reads, and that no output may replace.
 ///
-/// A path is known by the file that it leads to, so that links and other spellings of it count too; where there is none yet, by
-/// its name and the folder that it would be in.
+/// A path is identified by the file that it leads to, so that links and other spellings count too. A path to a missing
+/// file is identified by its name and its folder.
 ///
 /// ```
 /// use qless_io::write::Inputs;
@@ -25,20 +25,20 @@ use crate::WriteError;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct Inputs(Vec<Identity>);
+pub struct Inputs(Vec<FileIdentity>);
 
 impl Inputs {
-    /// Knows these files.
+    /// Notes these files.
     pub fn of(paths: impl IntoIterator<Item: AsRef<Path>>) -> Self {
-        Self(paths.into_iter().filter_map(|path| Identity::of(path.as_ref())).collect())
+        Self(paths.into_iter().filter_map(|path| FileIdentity::from_path(path.as_ref())).collect())
     }
 
-    /// Passes an output that is none of them.
+    /// Checks that an output is none of the inputs.
     ///
     /// # Errors
     /// [`WriteError::IsInput`].
     pub fn spare(&self, output: &Path) -> Result<(), WriteError> {
-        match Identity::of(output) {
+        match FileIdentity::from_path(output) {
             Some(identity) if self.0.contains(&identity) => Err(WriteError::IsInput { path: output.to_path_buf() }),
             _ => Ok(()),
         }
@@ -46,13 +46,13 @@ impl Inputs {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Identity {
-    There(Node),
-    Absent { folder: Node, name: OsString },
+enum FileIdentity {
+    There(FileId),
+    Absent { folder: FileId, name: OsString },
 }
 
-impl Identity {
-    fn of(path: &Path) -> Option<Self> {
+impl FileIdentity {
+    fn from_path(path: &Path) -> Option<Self> {
         if let Some(node) = node(path) {
             return Some(Self::There(node));
         }
@@ -61,19 +61,19 @@ impl Identity {
     }
 }
 
-/// Device and number on it; elsewhere the path without links.
+/// Device and inode on Unix; elsewhere the path without links.
 #[cfg(unix)]
-type Node = (u64, u64);
+type FileId = (u64, u64);
 #[cfg(not(unix))]
-type Node = PathBuf;
+type FileId = PathBuf;
 
 #[cfg(unix)]
-fn node(path: &Path) -> Option<Node> {
+fn node(path: &Path) -> Option<FileId> {
     use std::os::unix::fs::MetadataExt;
     fs::metadata(path).ok().map(|file| (file.dev(), file.ino()))
 }
 
 #[cfg(not(unix))]
-fn node(path: &Path) -> Option<Node> {
+fn node(path: &Path) -> Option<FileId> {
     fs::canonicalize(path).ok()
 }

@@ -1,4 +1,4 @@
-//! What a file keeps when another takes its place: mode, owner and group.
+//! Metadata that a new file takes over from the old one: mode, owner and group.
 //!
 //! Access lists and extended attributes are not kept.
 
@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use crate::WriteError;
 
-/// Links in a row at most, as in the kernel.
+/// Most links in a chain, as in the kernel.
 const LINKS: usize = 40;
 
-/// The path that links at the end of `path` lead to, whether or not there is anything.
+/// Follows the links at the end of `path`; the target may be missing.
 pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -23,7 +23,7 @@ pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links to links"))
 }
 
-/// A file with several names would keep its old content under all but one.
+/// Refuses a file with several names (hard links): all names but one would keep the old content.
 #[cfg(unix)]
 pub(super) fn check_names(path: &Path) -> Result<(), WriteError> {
     use std::os::unix::fs::MetadataExt;
@@ -40,7 +40,7 @@ pub(super) fn check_names(_: &Path) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Gives `new` the mode, owner and group of `old`, as far as the system permits. Who cannot keep the group gives its rights to
+/// Gives `new` the mode, owner and group of `old`, as far as permitted. If the group cannot be kept, its rights go to
 /// nobody else.
 #[cfg(unix)]
 pub(super) fn keep(old: &Path, new: &Path) -> io::Result<()> {

@@ -1,20 +1,19 @@
-//! Output files: Matrix Market matrices, numbers one a line, 1-based indices one a line.
+//! Writes output files: Matrix Market matrices, numbers one a line, 1-based indices one a line.
 //!
 //! Numbers have the fewest digits that read back as the same 64-bit float. Missing folders are created.
 //!
-//! All files of one call wait in a hidden folder beside their place, then are put there at once: whoever looks, and whatever kills
-//! the program, finds the old ones or the new ones. If anything fails, what was there before is there again and nothing else is left.
-//! A file that replaces another keeps its mode, and its owner and group where the system permits.
+//! All files of one call are first written to a hidden folder, and then put in place at once. Readers see either the
+//! old files or the new ones, even if the program is killed. After an error the old files are in place, and nothing
+//! else is left. A new file takes over the mode of the old one, and its owner and group if permitted.
 //!
-//! | module | holds |
+//! | module | content, lowest layer first |
 //! | --- | --- |
-//! | `output`, `one_file` | [`Output`], a set of files for a folder; [`OneFile`], one for its path |
-//! | `inputs` | [`Inputs`]: no output replaces one of them |
-//! | `stage` | where files wait; [`abandon`] removes them when a signal ends the program |
-//! | `turn` | one thread at a time creates files and puts them in place |
-//! | `commit` | how they are put in place, and what holds where: `switch` at once, `moves` one by one |
-//! | `metadata` | what a file keeps, and where links lead |
-//! | `text` | the text of each kind of file |
+//! | `inputs` | [`Inputs`]: files that no output may replace |
+//! | `metadata` | mode, owner, group and links of files |
+//! | `stage` | hidden folders for new files, and the lock of their writers; [`abandon`] removes them when a signal ends the program |
+//! | `moves`, `switch` | put files in place: one by one, or by an exchange of folders |
+//! | `commit` | chooses between the two, with a table of what a kill leaves behind |
+//! | `output`, `one_file` | [`Output`], a set of files for a folder; [`OneFile`], a single file |
 
 mod commit;
 mod inputs;
@@ -23,10 +22,21 @@ mod moves;
 mod one_file;
 mod output;
 mod stage;
-#[cfg_attr(not(any(target_os = "linux", target_vendor = "apple")), path = "no_switch.rs")]
+#[cfg(any(target_os = "linux", target_vendor = "apple"))]
 mod switch;
-mod text;
-mod turn;
+/// Without exchange of folders, files are moved one by one.
+#[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+mod switch {
+    use std::path::Path;
+
+    use super::moves::FolderChange;
+    use super::stage::{Stage, WriteLock};
+    use crate::WriteError;
+
+    pub(super) fn replace(_: &Path, _: &Stage, _: &FolderChange, _: &WriteLock) -> Option<Result<(), WriteError>> {
+        None
+    }
+}
 
 use std::path::Path;
 
@@ -36,16 +46,16 @@ use crate::WriteError;
 pub use inputs::Inputs;
 pub use one_file::OneFile;
 pub use output::Output;
-pub use stage::{abandon, abandon_unless_at_work};
-pub use turn::is_at_work;
+use output::write_prescribed;
+pub use stage::{abandon, abandon_unless_at_work, is_at_work};
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///
-/// Those of the last three that the folder holds of an earlier case are removed. Labels are written if
-/// any differs from the plain number that stands where there is none.
+/// The last three are removed from the folder if the system has no such data. Labels are written if any differs from
+/// the default, its number.
 ///
 /// # Errors
-/// [`WriteError`]; then the folder is as it was.
+/// [`WriteError`]; the folder is then unchanged.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -66,7 +76,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
     if system.prescribed().is_empty() {
         output.absent("prescribed.txt")?;
     } else {
-        output.file("prescribed.txt", |out| text::prescribed(out, system.prescribed()))?;
+        output.file("prescribed.txt", |out| write_prescribed(out, system.prescribed()))?;
     }
     output.labels("rows.txt", system.equation_labels())?;
     output.labels("cols.txt", system.dof_labels())?;
@@ -76,7 +86,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
 /// Writes a matrix as `coordinate real general`.
 ///
 /// # Errors
-/// [`WriteError`]; then nothing has changed.
+/// [`WriteError`]; nothing has then changed.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -94,7 +104,7 @@ pub fn write_matrix(path: &Path, matrix: &Csr) -> Result<(), WriteError> {
 /// Writes numbers, one a line.
 ///
 /// # Errors
-/// [`WriteError`]; then nothing has changed.
+/// [`WriteError`]; nothing has then changed.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -110,7 +120,7 @@ pub fn write_numbers(path: &Path, numbers: &[f64]) -> Result<(), WriteError> {
 /// Writes 0-based indices, one a line, as 1-based ones.
 ///
 /// # Errors
-/// [`WriteError`]; then nothing has changed.
+/// [`WriteError`]; nothing has then changed.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;

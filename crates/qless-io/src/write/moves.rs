@@ -1,21 +1,28 @@
-//! Moves new files over old ones in a folder, one by one, or, on any failure, puts the old ones back.
+//! Moves new files over old ones in a folder, one by one; after an error, restores the old ones.
 //!
-//! The first file goes first and comes last: whoever looks at the folder in between, or after the program was killed there, finds no
-//! first file rather than one that does not belong to the others.
+//! The first file is removed first and added last. While the set is incomplete, even after a kill, there is no first
+//! file rather than one that does not match the others.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::commit::Change;
 use super::stage::NEW;
 use crate::WriteError;
 
-/// Changes `folder`, in which `stage` holds the new files.
-pub(super) fn replace(folder: &Path, stage: &Path, change: &Change) -> Result<(), WriteError> {
+/// A change of a folder.
+pub(super) struct FolderChange {
+    /// Names of new files.
+    pub names: Vec<String>,
+    /// Names of files to remove.
+    pub absent: Vec<String>,
+}
+
+/// Changes `folder`; `stage` holds the new files.
+pub(super) fn replace(folder: &Path, stage: &Path, change: &FolderChange) -> Result<(), WriteError> {
     let (staged, old) = (stage.join(NEW), stage.join("old"));
     fs::create_dir(&old).map_err(WriteError::io(folder))?;
-    let mut done = Done(Vec::new());
+    let mut done = UndoLog(Vec::new());
     let each = |name: &String| (folder.join(name), old.join(name), staged.join(name));
     let mut names = change.names.iter();
     let first = names.next().map(each);
@@ -37,11 +44,11 @@ pub(super) fn replace(folder: &Path, stage: &Path, change: &Change) -> Result<()
     result
 }
 
-/// What was changed: its place, and where the old file is kept if there was one.
-struct Done(Vec<(PathBuf, PathBuf)>);
+/// Changes made so far: the place of each file, and the copy of the old file, if there was one.
+struct UndoLog(Vec<(PathBuf, PathBuf)>);
 
-impl Done {
-    /// Keeps what stands at `place`, then changes it.
+impl UndoLog {
+    /// Keeps the old file at `place`, then changes it.
     fn step(
         &mut self,
         place: &Path,
@@ -56,7 +63,7 @@ impl Done {
         change(place).map_err(WriteError::io(place))
     }
 
-    /// Last first; what cannot be put back is left, since there is nothing more to be done.
+    /// Restores old files, last change first. Errors are ignored: nothing more can be done.
     fn undo(&self) {
         for (place, old) in self.0.iter().rev() {
             let _ = if old.symlink_metadata().is_ok() { fs::rename(old, place) } else { fs::remove_file(place) };
@@ -86,9 +93,9 @@ mod tests {
         for name in ["old", "fresh"] {
             fs::write(stage.join(NEW).join(name), "new").expect("written");
         }
-        // The third file was never staged, so its move fails after others went well.
+        // The third file was never staged, so that its move fails after the others succeeded.
         let names = ["old", "fresh", "lost"].map(String::from).to_vec();
-        let change = Change { names, absent: Vec::new() };
+        let change = FolderChange { names, absent: Vec::new() };
         let error = replace(&folder, &stage, &change).expect_err("one is lost");
         assert!(error.to_string().contains("lost: cannot be written"), "{error}");
         assert_eq!(fs::read_to_string(folder.join("old")).expect("put back"), "old");

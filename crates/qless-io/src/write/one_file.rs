@@ -1,4 +1,4 @@
-//! A file that appears whole or not at all, in the place of an old one if there is one.
+//! Writes one file, completely or not at all.
 
 use std::io;
 use std::path::Path;
@@ -8,7 +8,7 @@ use super::metadata::{check_names, follow};
 use super::output::Output;
 use crate::WriteError;
 
-/// A file on its way to a path. Links are followed: what they lead to is replaced.
+/// A file to be written. Links are followed: their target is replaced.
 ///
 /// ```
 /// use qless_io::write::{Inputs, OneFile};
@@ -30,11 +30,12 @@ pub struct OneFile {
 impl OneFile {
     /// Starts a file for `path`, which must be none of `inputs`.
     ///
-    /// A file with several names (hard links) is refused: a new file would replace one of them and leave the old text under the
-    /// others, and a file that is written over in place is not whole if the program is killed.
+    /// A file with several names (hard links) is refused. A new file would replace only one of the names, and a file
+    /// overwritten in place is incomplete if the program is killed.
     ///
     /// # Errors
-    /// [`WriteError`] if that is so, if there is no such folder, or if nothing can be written there.
+    /// [`WriteError`]: the file is an input or has several names, its folder is missing, or nothing can be written
+    /// there.
     pub fn at(path: &Path, inputs: Inputs) -> Result<Self, WriteError> {
         inputs.spare(path)?;
         let path = follow(path).map_err(WriteError::io(path))?;
@@ -49,10 +50,10 @@ impl OneFile {
         Ok(Self { output: Output::new(folder)?.sparing(inputs), name: name.to_owned() })
     }
 
-    /// Writes these bytes.
+    /// Writes the file.
     ///
     /// # Errors
-    /// [`WriteError`]; then nothing has changed.
+    /// [`WriteError`]; nothing has then changed.
     pub fn write(self, bytes: &[u8]) -> Result<(), WriteError> {
         self.put(|output, name| output.file(name, |out| out.write_all(bytes)))
     }

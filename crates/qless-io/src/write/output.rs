@@ -1,4 +1,4 @@
-//! A set of files that appears whole or not at all.
+//! Writes a set of files, completely or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -6,14 +6,13 @@ use std::path::{Component, Path, PathBuf};
 
 use qless::Csr;
 
-use super::commit::{self, Change};
+use super::commit;
 use super::inputs::Inputs;
-use super::stage::{NEW, Stage};
-use super::text;
-use super::turn::Turn;
+use super::moves::FolderChange;
+use super::stage::{NEW, Stage, WriteLock};
 use crate::WriteError;
 
-/// Files on their way to a folder. They are put there by [`Output::commit`]; dropped before, they are gone.
+/// Files to be written to a folder. [`Output::commit`] puts them in place; dropping removes them.
 ///
 /// ```
 /// use qless_io::write::Output;
@@ -29,11 +28,11 @@ use crate::WriteError;
 /// ```
 #[derive(Debug)]
 pub struct Output {
-    /// The part of the target that exists.
+    /// The existing part of the target path.
     base: PathBuf,
-    /// The folders below it that are to be created.
+    /// Folders below `base` that will be created.
     missing: PathBuf,
-    /// A folder in `base`: same filesystem.
+    /// A folder in `base`, on the same file system.
     stage: Stage,
     names: Vec<String>,
     absent: Vec<String>,
@@ -44,23 +43,23 @@ impl Output {
     /// Starts a set of files for `folder`, which may not exist yet.
     ///
     /// # Errors
-    /// [`WriteError`] if `folder` is something else or cannot be written to.
+    /// [`WriteError`] if `folder` is no folder or is not writable.
     pub fn new(folder: &Path) -> Result<Self, WriteError> {
         let (base, missing) = split(folder)?;
-        let turn = Turn::take();
-        let stage = Stage::new(&base, &turn).map_err(WriteError::io(folder))?;
+        let lock = WriteLock::take();
+        let stage = Stage::new(&base, &lock).map_err(WriteError::io(folder))?;
         let output = Self { base, missing, stage, names: Vec::new(), absent: Vec::new(), inputs: Inputs::default() };
         fs::create_dir_all(output.staged()).map_err(WriteError::io(folder))?;
         Ok(output)
     }
 
-    /// Refuses, from now on, every file that would replace one of `inputs`.
+    /// Refuses, from now on, files that would replace one of `inputs`.
     #[must_use]
     pub fn sparing(self, inputs: Inputs) -> Self {
         Self { inputs, ..self }
     }
 
-    /// Passes a name that a file of this set may have.
+    /// Checks that a file of this set may have this name.
     ///
     /// # Errors
     /// [`WriteError::IsInput`].
@@ -68,10 +67,10 @@ impl Output {
         self.inputs.spare(&self.place(name))
     }
 
-    /// Adds a file whose text `write` gives; `name` is a plain file name.
+    /// Adds a file with the text that `write` produces; `name` is a plain file name.
     ///
     /// # Errors
-    /// [`WriteError::IsInput`], or [`WriteError::Io`] with what `write` returns or the system reports.
+    /// [`WriteError::IsInput`], or [`WriteError::Io`] with the error of `write` or of the system.
     pub fn file(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), WriteError> {
         self.check(name)?;
         fill(&self.staged().join(name), write).map_err(WriteError::io(&self.place(name)))?;
@@ -84,7 +83,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn matrix(&mut self, name: &str, matrix: &Csr) -> Result<(), WriteError> {
-        self.file(name, |out| text::matrix(out, matrix))
+        self.file(name, |out| write_matrix(out, matrix))
     }
 
     /// Adds numbers, one a line.
@@ -92,7 +91,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn numbers(&mut self, name: &str, numbers: &[f64]) -> Result<(), WriteError> {
-        self.file(name, |out| text::numbers(out, numbers))
+        self.file(name, |out| write_numbers(out, numbers))
     }
 
     /// Adds 0-based indices, one a line, as 1-based ones.
@@ -100,10 +99,10 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn indices(&mut self, name: &str, indices: &[usize]) -> Result<(), WriteError> {
-        self.file(name, |out| text::indices(out, indices))
+        self.file(name, |out| write_indices(out, indices))
     }
 
-    /// Says that the folder must not hold a file of this name, left there from before.
+    /// Removes a file of this name, left from an earlier case.
     ///
     /// # Errors
     /// [`WriteError::IsInput`].
@@ -113,7 +112,7 @@ impl Output {
         Ok(())
     }
 
-    /// Labels one a line; no file where there are none.
+    /// Adds labels, one a line; removes the file if there are none.
     pub(super) fn labels(&mut self, name: &str, labels: &[String]) -> Result<(), WriteError> {
         if labels.is_empty() {
             return self.absent(name);
@@ -122,37 +121,37 @@ impl Output {
             let label = labels[index].clone();
             return Err(WriteError::LabelLineBreak { path: self.place(name), index: index + 1, label });
         }
-        self.file(name, |out| text::labels(out, labels))
+        self.file(name, |out| write_labels(out, labels))
     }
 
     /// Puts the files in their place.
     ///
     /// # Errors
-    /// [`WriteError`]; then the place is as it was.
+    /// [`WriteError`]; the folder is then unchanged.
     pub fn commit(self) -> Result<(), WriteError> {
         let Self { base, missing, stage, names, absent, .. } = self;
         let Some(first) = missing.components().next() else {
-            return commit::commit(&base, &stage, Change { names, absent });
+            return commit::commit(&base, &stage, FolderChange { names, absent });
         };
-        let (_turn, target) = (Turn::take(), base.join(first));
+        let (_lock, target) = (WriteLock::take(), base.join(first));
         fs::rename(stage.path().join(NEW).join(first), &target).map_err(WriteError::io(&target))
     }
 
-    /// Where the files are written first.
+    /// Folder for the new files.
     fn staged(&self) -> PathBuf {
         self.stage.path().join(NEW).join(&self.missing)
     }
 
-    /// Where a file will be.
+    /// Final path of a file.
     fn place(&self, name: &str) -> PathBuf {
         self.base.join(&self.missing).join(name)
     }
 }
 
-/// Creates and fills a file; synchronised, because some systems report a full disk only then.
+/// Creates and fills a file. It is synchronised, because some systems report a full disk only then.
 fn fill(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let file = {
-        let _turn = Turn::take();
+        let _lock = WriteLock::take();
         File::create_new(path)?
     };
     let mut out = BufWriter::with_capacity(1 << 16, file);
@@ -160,7 +159,7 @@ fn fill(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
     out.into_inner()?.sync_all()
 }
 
-/// The longest part of `folder` that exists, and the rest.
+/// The longest existing part of `folder`, and the rest.
 fn split(folder: &Path) -> Result<(PathBuf, PathBuf), WriteError> {
     for base in folder.ancestors() {
         let existing = if base.as_os_str().is_empty() { Path::new(".") } else { base };
@@ -174,11 +173,39 @@ fn split(folder: &Path) -> Result<(PathBuf, PathBuf), WriteError> {
     Err(WriteError::io(folder)(ErrorKind::NotFound.into()))
 }
 
-/// `folder` below `base`; `..` under a folder that does not exist leads nowhere.
+/// `folder` relative to `base`. A `..` below a missing folder leads nowhere.
 fn rest(folder: &Path, base: &Path) -> Result<PathBuf, WriteError> {
     let rest = folder.strip_prefix(base).unwrap_or(Path::new(""));
     if rest.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
         return Ok(rest.components().filter(|part| matches!(part, Component::Normal(_))).collect());
     }
     Err(WriteError::io(folder)(ErrorKind::NotFound.into()))
+}
+
+fn write_matrix(out: &mut dyn Write, matrix: &Csr) -> io::Result<()> {
+    writeln!(out, "%%MatrixMarket matrix coordinate real general")?;
+    writeln!(out, "{} {} {}", matrix.rows(), matrix.cols(), matrix.nnz())?;
+    for row in 0..matrix.rows() {
+        for (column, value) in matrix.row(row) {
+            writeln!(out, "{} {} {value:?}", row + 1, column + 1)?;
+        }
+    }
+    Ok(())
+}
+
+fn write_numbers(out: &mut dyn Write, numbers: &[f64]) -> io::Result<()> {
+    numbers.iter().try_for_each(|number| writeln!(out, "{number:?}"))
+}
+
+fn write_indices(out: &mut dyn Write, indices: &[usize]) -> io::Result<()> {
+    indices.iter().try_for_each(|index| writeln!(out, "{}", *index as u128 + 1))
+}
+
+pub(super) fn write_prescribed(out: &mut dyn Write, prescribed: &[(usize, f64)]) -> io::Result<()> {
+    writeln!(out, "# column(1-based) value")?;
+    prescribed.iter().try_for_each(|(dof, value)| writeln!(out, "{} {value:?}", dof + 1))
+}
+
+fn write_labels(out: &mut dyn Write, labels: &[String]) -> io::Result<()> {
+    labels.iter().try_for_each(|label| writeln!(out, "{label}"))
 }

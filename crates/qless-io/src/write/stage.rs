@@ -1,12 +1,14 @@
-//! Temporary folders that no end of the program leaves behind, save `SIGKILL`.
+//! Temporary folders ("stages"), removed at every end of the program except `SIGKILL`.
 //!
-//! New files wait in a hidden folder `.qless-XXXXXX`, removed when dropped. All of them are known in one place, so that
-//! [`abandon`] can remove them when a signal ends the program. Who creates something, or puts it in place, has the [`Turn`]:
-//! [`abandon`] waits for it and never gives it back, so that no commit is torn and nothing is created afterwards.
+//! New files are written to a hidden folder `.qless-XXXXXX`, which is removed when dropped. A global list holds all
+//! stages, so that [`abandon`] can remove them when a signal ends the program. A thread that creates files or puts
+//! them in place holds the [`WriteLock`]. [`abandon`] takes it and never releases it, so that no commit is interrupted
+//! and nothing is created afterwards.
 //!
-//! A stage is locked as long as its program lives; one without lock is of a program that was killed, and is removed by the next
-//! that writes to the same folder.
+//! A stage is locked while its program runs. A stage without a lock belongs to a killed program; the next program that
+//! writes to the folder removes it.
 
+use std::cell::Cell;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
@@ -14,27 +16,61 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use super::turn::{Turn, is_at_work};
+static WRITING: Mutex<()> = Mutex::new(());
 
-/// How the names of all stages begin.
+thread_local! {
+    static AT_WORK: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Exclusive right to create files and to put them in place, for one thread at a time.
+pub(super) struct WriteLock(#[expect(dead_code, reason = "it is held")] MutexGuard<'static, ()>);
+
+impl WriteLock {
+    /// Waits for the lock; forever, if the program is ending.
+    pub fn take() -> Self {
+        let guard = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+        AT_WORK.set(true);
+        Self(guard)
+    }
+}
+
+impl Drop for WriteLock {
+    fn drop(&mut self) {
+        AT_WORK.set(false);
+    }
+}
+
+/// Whether this thread holds the lock: it is creating files, putting them in place, or removing them at the end.
+///
+/// A program whose allocator has a reserve may use it then, since an interruption would leave files behind. Does not
+/// allocate.
+///
+/// ```
+/// assert!(!qless_io::write::is_at_work());
+/// ```
+pub fn is_at_work() -> bool {
+    AT_WORK.get()
+}
+
+/// Prefix of the names of all stages.
 const PREFIX: &str = ".qless-";
-/// Where new files wait in a stage.
+/// Folder for new files in a stage.
 pub(super) const NEW: &str = "new";
-/// In the stage of a switch, the folder that is not to be seen, and a note about it.
+/// In the stage of a switch: the second folder, and a note about it.
 pub(super) const SECOND: &str = "folder";
 pub(super) const NOTE: &str = "README";
-/// Younger stages may not have got their lock yet.
+/// Younger stages may not be locked yet.
 const SETTLED: Duration = Duration::from_secs(60);
-/// Removing meets files that another thread is removing, too.
+/// Another thread may be removing files of the same folder.
 const TRIES: usize = 100;
 
-/// The folders that [`abandon`] removes. Locked after the turn is taken where both are.
+/// Stages that [`abandon`] removes. Lock order: [`WriteLock`] first.
 static STAGES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes all files that wait for their place, and stops every thread that wants to write another.
+/// Removes all files that are not yet in place, and blocks every thread that wants to write another one.
 ///
-/// For a program that is about to end by a signal, from a thread of its own: a set of files that is being put in place is finished
-/// first. A thread that calls anything of [`write`](super) afterwards waits until the program ends.
+/// For a program that a signal is about to end; call it from a separate thread. A commit in progress is finished
+/// first. Threads that call functions of [`write`](super) afterwards wait until the program ends.
 ///
 /// ```no_run
 /// // In the thread that waits for signals:
@@ -42,15 +78,15 @@ static STAGES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// std::process::exit(128 + 15);
 /// ```
 pub fn abandon() {
-    let turn = Turn::take();
+    let lock = WriteLock::take();
     let stages = known();
     for path in stages.iter() {
         remove(path);
     }
-    std::mem::forget((turn, stages));
+    std::mem::forget((lock, stages));
 }
 
-/// [`abandon`], unless this thread [is at work](super::is_at_work) itself, and what it does cannot be finished.
+/// [`abandon`], unless this thread [holds the lock](super::is_at_work) itself: its work cannot be finished.
 ///
 /// For a program that ends on the thread that failed.
 pub fn abandon_unless_at_work() {
@@ -75,14 +111,14 @@ fn remove(path: &Path) {
 #[derive(Debug)]
 pub(super) struct Stage {
     path: PathBuf,
-    /// Held as long as the program lives; none where the file system has no locks.
+    /// Held while the program runs; `None` if the file system has no locks.
     _lock: Option<File>,
 }
 
 impl Stage {
-    pub fn new(folder: &Path, _turn: &Turn) -> io::Result<Self> {
+    pub fn new(folder: &Path, _lock: &WriteLock) -> io::Result<Self> {
         let mut known = known();
-        // Room first: a folder that nobody knows could stay behind.
+        // Reserves first: a folder that is not in the list could stay behind.
         known.reserve(1);
         let path = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder)?.keep();
         known.push(path.clone());
@@ -94,7 +130,7 @@ impl Stage {
         &self.path
     }
 
-    /// Leaves it where it is.
+    /// Leaves the folder in place.
     pub fn leave(self) {
         forget(&self.path);
         std::mem::forget(self);
@@ -102,7 +138,7 @@ impl Stage {
 }
 
 impl Drop for Stage {
-    /// It is known until it is gone.
+    /// The folder stays in the list until it is removed.
     fn drop(&mut self) {
         remove(&self.path);
         forget(&self.path);
@@ -118,7 +154,7 @@ pub(super) fn is_stage(name: &OsStr) -> bool {
     name.to_string_lossy().starts_with(PREFIX)
 }
 
-/// Removes what killed programs left in `folder`.
+/// Removes stages of killed programs from `folder`.
 pub(super) fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if is_stage(&entry.file_name()) && entry.file_type().is_ok_and(|kind| kind.is_dir()) {
@@ -130,7 +166,7 @@ pub(super) fn sweep(folder: &Path) {
     }
 }
 
-/// Whether a stage is nobody's any more and holds nothing but copies and new files: old files of a folder are left to the user.
+/// Whether a stage has no owner and holds only copies and new files. Old files are left to the user.
 fn is_left(stage: &Path) -> io::Result<bool> {
     if fs::metadata(stage)?.modified()?.elapsed().is_ok_and(|age| age > SETTLED) {
         for entry in fs::read_dir(stage)? {
@@ -145,7 +181,7 @@ fn is_left(stage: &Path) -> io::Result<bool> {
     Ok(false)
 }
 
-/// In a switch, the folder that was there before holds a stage; the one that is made for it holds no folder.
+/// During a switch, the original folder contains a stage; its replacement contains no folder.
 fn has_no_folder(second: &Path) -> io::Result<bool> {
     fs::read_dir(second)?.try_fold(true, |none, entry| Ok(none && !entry?.file_type()?.is_dir()))
 }
@@ -159,7 +195,7 @@ mod tests {
     #[test]
     fn what_a_killed_program_left_is_removed_and_nothing_else() {
         let place = tempfile::tempdir().expect("a temporary folder");
-        let living = Stage::new(place.path(), &Turn::take()).expect("a stage");
+        let living = Stage::new(place.path(), &WriteLock::take()).expect("a stage");
         let names = [".qless-killed", ".qless-before", ".qless-young", ".qless-amid", ".qless-notes"]
             .map(|name| place.path().join(name));
         let [killed, before, young, amid, notes] = &names;

@@ -1,14 +1,14 @@
-//! Changes several files of a folder at once, as whoever looks at its path sees it: the old ones, then the new ones.
+//! Replaces several files of a folder at once: readers of its path see the old ones, then the new ones.
 //!
-//! 1. A second folder is made beside it, out of sight: hard links to the new files and to all others that stay, symbolic links to
-//!    folders.
-//! 2. The two change places, by one call of the system. This is the switch.
-//! 3. The first folder, now out of sight, is changed file by file.
-//! 4. They change places again, so that the folder at the path is the one that was there: its owner, its rights, and everybody who
-//!    stands in it.
+//! 1. A second, hidden folder is made beside it: hard links to the new files and to all unchanged files, symbolic
+//!    links to folders.
+//! 2. The two folders are exchanged, by one system call. This is the switch.
+//! 3. The first folder, now hidden, is changed file by file.
+//! 4. The two are exchanged again, so that the path leads to the original folder, with its owner, its rights, and
+//!    every process whose working directory it is.
 //!
-//! Killed between 2 and 4, the program leaves the second folder in place. It is complete; links to folders lead to the first, and a
-//! note beside that one says so.
+//! If the program is killed between 2 and 4, the second folder stays in place. It is complete; its links to folders
+//! lead to the first one, and a note beside that folder says so.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -19,19 +19,23 @@ use std::path::Path;
 
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
-use super::commit::Change;
-use super::stage::{self, NEW, NOTE, SECOND, Stage};
-use super::turn::Turn;
-use super::{metadata, moves};
+use super::metadata;
+use super::moves::{self, FolderChange};
+use super::stage::{self, NEW, NOTE, SECOND, Stage, WriteLock};
 use crate::WriteError;
 
 const WORDS: &str = "qless was killed while it put files in place. `folder` is the output folder that it changed; the one that stands \
                     in its place has all files, and links that lead here. Move the folders in it back before you remove it.\n";
 
-/// Changes `folder`, which holds `stage`; `None`, and no change, where folders cannot be exchanged.
-pub(super) fn replace(folder: &Path, stage: &Stage, change: &Change, turn: &Turn) -> Option<Result<(), WriteError>> {
+/// Changes `folder`, which holds `stage`. Returns `None`, without a change, if folders cannot be exchanged.
+pub(super) fn replace(
+    folder: &Path,
+    stage: &Stage,
+    change: &FolderChange,
+    lock: &WriteLock,
+) -> Option<Result<(), WriteError>> {
     let folder = &folder.canonicalize().ok()?;
-    let aside = Stage::new(folder.parent()?, turn).ok()?;
+    let aside = Stage::new(folder.parent()?, lock).ok()?;
     let second = &aside.path().join(SECOND);
     fs::write(aside.path().join(NOTE), WORDS).ok()?;
     make(second, folder, stage, change).ok()?;
@@ -47,15 +51,15 @@ pub(super) fn replace(folder: &Path, stage: &Stage, change: &Change, turn: &Turn
     Some(done)
 }
 
-/// Makes `second` hold what `folder` is to hold.
-fn make(second: &Path, folder: &Path, stage: &Stage, change: &Change) -> io::Result<()> {
+/// Fills `second` with the future content of `folder`.
+fn make(second: &Path, folder: &Path, stage: &Stage, change: &FolderChange) -> io::Result<()> {
     fs::create_dir(second)?;
     let changed = changed(change);
     for entry in fs::read_dir(folder)? {
         let (entry, name) = entry.map(|entry| (entry.path(), entry.file_name()))?;
         let is_folder = entry.symlink_metadata()?.is_dir();
         if is_folder && !stage::is_stage(&name) {
-            // Where the folder itself will be after the exchange.
+            // The path of this subfolder after the exchange.
             symlink(second.join(&name), second.join(&name))?;
         } else if !is_folder && !changed.contains(&*name) {
             fs::hard_link(&entry, second.join(&name))?;
@@ -67,12 +71,12 @@ fn make(second: &Path, folder: &Path, stage: &Stage, change: &Change) -> io::Res
     metadata::keep(folder, second)
 }
 
-fn changed(change: &Change) -> BTreeSet<&OsStr> {
+fn changed(change: &FolderChange) -> BTreeSet<&OsStr> {
     change.names.iter().chain(&change.absent).map(|name| OsStr::new(name.as_str())).collect()
 }
 
-/// What others put into `second` while it stood in the place of `folder` is theirs.
-fn take_late(second: &Path, folder: &Path, change: &Change) {
+/// Moves files that others added to `second` during the switch into `folder`.
+fn take_late(second: &Path, folder: &Path, change: &FolderChange) {
     let changed = changed(change);
     for entry in fs::read_dir(second).into_iter().flatten().flatten() {
         let (place, name) = (folder.join(entry.file_name()), entry.file_name());
@@ -83,7 +87,7 @@ fn take_late(second: &Path, folder: &Path, change: &Change) {
     }
 }
 
-/// Whether both are names of one file, or one a link to the other, a folder.
+/// Whether both paths name one file, or one is a link and the other a folder.
 fn is_same(one: &Path, other: &Path) -> bool {
     let number = |path: &Path| fs::symlink_metadata(path).map(|file| (file.dev(), file.ino())).ok();
     number(one) == number(other) || (one.is_symlink() && other.is_dir())
@@ -97,7 +101,7 @@ fn exchange(one: &Path, other: &Path) -> io::Result<()> {
 mod tests {
     use super::*;
 
-    /// What a kill between the two exchanges leaves.
+    /// State after a kill between the two exchanges.
     #[test]
     fn amid_the_switch_the_folder_has_the_new_files_and_all_others() {
         let place = tempfile::tempdir().expect("a temporary folder");
@@ -107,13 +111,13 @@ mod tests {
         {
             fs::write(folder.join(name), text).expect("written");
         }
-        let turn = Turn::take();
-        let (stage, aside) = (Stage::new(&folder, &turn).expect("one"), Stage::new(place.path(), &turn).expect("one"));
+        let lock = WriteLock::take();
+        let (stage, aside) = (Stage::new(&folder, &lock).expect("one"), Stage::new(place.path(), &lock).expect("one"));
         fs::create_dir(stage.path().join(NEW)).expect("created");
         for name in ["a", "b"] {
             fs::write(stage.path().join(NEW).join(name), "new").expect("written");
         }
-        let change = Change { names: vec!["a".into(), "b".into()], absent: vec!["gone".into()] };
+        let change = FolderChange { names: vec!["a".into(), "b".into()], absent: vec!["gone".into()] };
         let second = fs::canonicalize(aside.path()).expect("a path").join(SECOND);
         let expected = [Some("new"), Some("new"), None, Some("mine"), Some("mine")].map(|text| text.map(str::to_owned));
         let all = |folder: &Path| {
@@ -121,14 +125,14 @@ mod tests {
         };
         make(&second, &folder, &stage, &change).expect("made");
         if exchange(&folder, &second).is_err() {
-            // This file system exchanges no folders: the files come one by one.
-            assert!(replace(&folder, &stage, &change, &turn).is_none(), "nothing is done, and nobody told otherwise");
+            // Fallback on a file system without exchange of folders.
+            assert!(replace(&folder, &stage, &change, &lock).is_none(), "nothing is done, and nobody told otherwise");
             moves::replace(&folder, stage.path(), &change).expect("moved");
             assert_eq!(all(&folder), expected);
             return;
         }
         assert_eq!(all(&folder), expected);
-        // Others may write in between; what they write is theirs.
+        // Files written by others during the switch are kept.
         fs::write(folder.join("late"), "theirs").expect("written");
         exchange(&folder, &second).expect("as before");
         take_late(&second, &folder, &change);

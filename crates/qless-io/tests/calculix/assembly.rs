@@ -1,11 +1,11 @@
-//! Parts, instances and assemblies, as Abaqus/CAE writes them.
+//! Abaqus parts, instances and assemblies, as Abaqus/CAE writes them.
 
 use qless_io::deck::Solver::{self, Abaqus, Ccx};
 use qless_io::deck::clean;
 
-use super::given::{equations, model, parsed, prescribed, refused};
+use super::from_text::{equations, model, parsed, prescribed, refused};
 
-/// A brick twice: the second one above the first, turned by a quarter about the third axis.
+/// Two instances of a brick: the second one is above the first, rotated by 90 degrees about the third axis.
 fn deck(assembly: &str, after: &str) -> String {
     let part = "*HEADING\ntwo bricks\n*PART, NAME=Brick
 *NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,1.,1.,0.\n4,0.,1.,0.\n5,0.,0.,1.\n6,1.,0.,1.\n7,1.,1.,1.\n8,0.,1.,1.
@@ -54,7 +54,7 @@ fn sets_of_the_assembly_name_nodes_of_instances() {
 
 #[test]
 fn surfaces_of_instances_and_of_the_assembly_are_tied_where_the_instances_stand() {
-    // The second brick is turned onto x < 0: its edge x = 0 is all that touches the first one's roof.
+    // The second brick is rotated to x < 0, so that only its edge x = 0 touches the top of the first one.
     let sets =
         "*ELSET, ELSET=_foot_S1, INTERNAL, INSTANCE=Brick-2\n1\n*SURFACE, TYPE=ELEMENT, NAME=foot\n_foot_S1,S1\n";
     let tie = "*TIE, NAME=T, POSITION TOLERANCE=.01\nfoot, Brick-1.Roof\n";
@@ -77,9 +77,9 @@ fn transforms_and_rigid_bodies_turn_with_their_instance() {
     let turned = deck("*RIGID BODY, REF NODE=1, PIN NSET=Brick-2.Top\n", "")
         .replace("*END PART", "*TRANSFORM, NSET=Top, TYPE=R\n1.,0.,0.,0.,1.,0.\n*END PART");
     let model = model(Abaqus, &turned);
-    // The first axis of the part is the second one of the assembly.
+    // The first axis of the Abaqus part is the second axis of the assembly.
     assert!(equations(&model)[0].starts_with("1 Brick-2.5:1 -1 1:2 "), "{}", equations(&model)[0]);
-    // Rigid motions fulfil it: node 5 stands at (0, 0, 2).
+    // Rigid motions fulfil it: node 5 is at (0, 0, 2).
     assert_eq!(model.equations(), 12);
 }
 
@@ -122,7 +122,7 @@ fn redundant_equations_of_an_assembly_go_and_new_ones_stand_at_its_end() {
     let text = clean::write(&redundant, &plan).expect("written");
     let again = parsed(Abaqus, &String::from_utf8(text).expect("text")).expect("a deck");
     assert_eq!(equations(again.model()), ["1 Brick-1.5:3 -1 Brick-2.1:3"]);
-    // A slave that is prescribed: its equation would have to be written anew.
+    // The slave is prescribed, so that its equation would have to be rewritten.
     let held = "*EQUATION\n2\nBrick-1.5,3,1.,Brick-2.1,3,-1.\n";
     let prescribed = parsed(Abaqus, &deck(held, "*BOUNDARY\nBrick-1.5,3\n")).expect("a deck");
     let plan = clean::plan(&prescribed, &options).expect("a plan");

@@ -1,10 +1,10 @@
-//! `*RIGID BODY` and `*COUPLING` as each solver has them.
+//! `*RIGID BODY` and `*COUPLING`, in each solver's meaning.
 
 use qless_io::deck::Solver::{Abaqus, Ccx};
 
 use qless_io::deck::clean;
 
-use super::given::{BRICK, brick, equations, parsed, refused, warnings};
+use super::from_text::{BRICK, brick, equations, parsed, refused, warnings};
 
 const DISTRIBUTING: &str = "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1,3\n";
 
@@ -21,7 +21,7 @@ fn a_motion_prescribed_where_ccx_only_distributes_forces_is_said_to_have_no_effe
     let expected = "*DISTRIBUTING only distributes forces in ccx: what line 24 *BOUNDARY prescribes at its reference 9 has no effect on the surface";
     assert_eq!(warnings(&brick(Ccx, &cards)), expected);
     assert!(!warnings(&brick(Abaqus, &cards)).contains("no effect"));
-    // In a step only, and not where another node is prescribed.
+    // Prescribed in a step only; and no warning if another node is prescribed.
     let in_step = format!("{DISTRIBUTING}*STEP\n*STATIC\n*BOUNDARY\n9,1\n*END STEP\n");
     assert!(warnings(&brick(Ccx, &in_step)).contains("no effect"));
     assert_eq!(warnings(&brick(Ccx, &format!("{DISTRIBUTING}*BOUNDARY\n10,1\n"))), "");
@@ -62,7 +62,7 @@ fn a_set_of_one_node_is_a_reference() {
 fn a_rigid_body_has_sets_that_are_pinned_or_tied() {
     let beam = "*ELEMENT, TYPE=B31, ELSET=BEAM\n2,5,6\n";
     let body = |parameters: &str| brick(Abaqus, &format!("{beam}*RIGID BODY, REF NODE=9, {parameters}\n")).equations();
-    // Nodes 5 and 6 rotate.
+    // Nodes 5 and 6 have rotations.
     assert_eq!(body("PIN NSET=TOP"), 12);
     assert_eq!(body("TIE NSET=TOP"), 18);
     assert_eq!(body("ELSET=BEAM"), 12);
@@ -88,7 +88,7 @@ fn ccx_passes_over_what_it_does_not_know_of_a_rigid_body() {
 #[test]
 fn ccx_makes_a_reference_at_the_origin_where_none_is_given() {
     let model = brick(Ccx, "*RIGID BODY, NSET=TOP\n");
-    // Node 5 is at (0, 0, 1): its first component is the reference's and the second of the turns that ccx makes.
+    // Node 5 is at (0, 0, 1): its first component depends on the reference's and on the second rotation that ccx makes.
     let name = "reference of line 20";
     let expected = format!("1 5:1 -1 {name}:1 -1 {name}:22");
     assert_eq!(equations(&model)[0], expected);
@@ -108,7 +108,7 @@ fn a_kinematic_coupling_without_degrees_of_freedom_couples_all_in_abaqus_and_not
 #[test]
 fn only_nodes_within_the_radius_of_influence_are_coupled() {
     let near = "*NODE\n20,0.,0.,1.2\n*COUPLING, REF NODE=20, SURFACE=STOP, INFLUENCE RADIUS=1.1, CONSTRAINT NAME=C\n*KINEMATIC\n1,3\n";
-    // 5 at a distance of 0.2, 6 and 8 of 1.02, 7 of 1.43.
+    // Distances: node 5 0.2, nodes 6 and 8 1.02, node 7 1.43.
     assert_eq!(brick(Abaqus, near).equations(), 9);
     assert_eq!(brick(Abaqus, &near.replace("1.1,", "WORLD,")).equations(), 12);
 }
@@ -127,7 +127,7 @@ fn weights_fall_with_the_distance_from_the_reference() {
         };
         [of(5), of(6), of(7), of(8)]
     };
-    // The farthest node counts nothing, unless all count the same; the sum is that of a mean.
+    // The farthest node has weight zero, unless all are at the same distance; the weights of a mean add up to one.
     for method in ["LINEAR", "QUADRATIC", "CUBIC"] {
         let [near, right, far, left] = weighted(method);
         assert!(far == 0.0 && (near + right + left + 1.0).abs() < 1e-12, "{method}: {near} {right} {left}");
@@ -175,13 +175,13 @@ fn values_and_loads_on_the_rotation_of_a_reference_have_no_effect_in_ccx() {
         warnings(&brick(solver, &format!("*RIGID BODY, NSET=TOP, REF NODE=9{body}\n{cards}")))
     };
     for cards in ["*BOUNDARY\n9,6,6,.1\n", "*STEP\n*STATIC\n*CLOAD\n9,6,1.\n*END STEP\n"] {
-        let without = "9:6 has no effect: the rotation of a *RIGID BODY without ROT NODE is reached by no card";
+        let without = "9:6 has no effect: no card can name the rotation of a *RIGID BODY without ROT NODE";
         assert!(told(Ccx, "", cards).contains(without), "{cards}");
         let with =
             "9:6 has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of that, node 10";
         assert!(told(Ccx, ", ROT NODE=10", cards).contains(with), "{cards}");
         assert!(!told(Abaqus, "", cards).contains("no effect"));
-        // The reference is a node of a beam, which turns with it.
+        // The reference is a node of a beam and has its rotations.
         let beam = "*ELEMENT, TYPE=B31, ELSET=BEAM\n2,9,10\n";
         assert!(!told(Ccx, ", ROT NODE=10", &format!("{beam}{cards}")).contains("no effect"));
     }

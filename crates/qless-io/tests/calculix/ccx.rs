@@ -1,14 +1,14 @@
-//! What the reader says of ccx, asked of ccx itself: it must print the displacements that the model fixes, and be free where it is.
+//! Compares the reader with runs of ccx: the displacements must fulfil the model's equations, and free DOFs must be free.
 
 use std::process::{Command, Stdio};
 
 use qless_io::deck::{Dof, Model, Solver::Ccx};
 
-use super::given::{BRICK, model};
+use super::from_text::{BRICK, model};
 
 const ELASTIC: &str = "*MATERIAL, NAME=M\n*ELASTIC\n1000.,.3\n*SOLID SECTION, ELSET=E, MATERIAL=M\n*BOUNDARY\n1,1,3\n2,1,3\n3,1,3\n4,1,3\n";
 
-/// Whether `ccx` is installed; where the corpus is, it must be.
+/// Whether `ccx` is installed; it must be if the corpus is.
 pub fn is_there() -> bool {
     let there = Command::new("ccx").arg("-v").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
     assert!(there || std::env::var_os("QLESS_CORPUS").is_none(), "install calculix-ccx");
@@ -23,7 +23,7 @@ pub fn deck(cards: &str, steps: &[&str]) -> String {
     format!("{BRICK}{ELASTIC}{cards}{}", steps.iter().map(step).collect::<String>())
 }
 
-/// Displacements by step and node, 1 to 10; none where ccx stops.
+/// Displacements by step and node, 1 to 10; `None` if ccx stops.
 pub fn solve(text: &str) -> Option<Vec<Vec<[f64; 3]>>> {
     let place = tempfile::tempdir().expect("a folder");
     std::fs::write(place.path().join("deck.inp"), text).expect("written");
@@ -32,7 +32,7 @@ pub fn solve(text: &str) -> Option<Vec<Vec<[f64; 3]>>> {
     let status = ccx.env("OMP_NUM_THREADS", "1").status().expect("ccx runs");
     let printed = std::fs::read_to_string(place.path().join("deck.dat")).unwrap_or_default();
     let rows = printed.lines().filter_map(|line| {
-        // L: along the node's own axes.
+        // L: along the node's local axes.
         let numbers: Vec<f64> =
             line.trim_end_matches('L').split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
         if let [_, x, y, z] = numbers[..] { Some([x, y, z]) } else { None }
@@ -45,8 +45,8 @@ fn value(u: &[[f64; 3]], dof: Dof) -> f64 {
     u[dof.node as usize - 1][usize::from(dof.component) - 1]
 }
 
-/// What each step prescribes and all equations in force hold in what ccx prints; free DOFs beyond its tables (rotations) are passed
-/// over.
+/// Checks the prescribed values and all equations in force against the output of ccx. Free DOFs that it does not print
+/// (rotations) are skipped.
 fn holds(model: &Model, steps: &[Vec<[f64; 3]>]) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
     let known = |dof: Dof| dof.component <= 3 && dof.node <= 10;
@@ -112,7 +112,7 @@ fn what_ccx_does_not_constrain_moves_freely() {
         assert_eq!(model(Ccx, &text).equations(), 0, "{cards}");
         assert_eq!(solve(&text).expect("solved")[0][..8], free[0][..8], "{cards}");
     }
-    // And where it makes a reference of its own, the top does stay plane.
+    // If ccx makes the reference itself, the top stays plane too.
     let rigid = solve(&deck("*RIGID BODY, NSET=TOP\n", &[load])).expect("solved");
     let z = |node: usize| rigid[0][node - 1][2];
     assert!((z(5) + z(7) - z(6) - z(8)).abs() < 1e-8 && (z(5) - z(7)).abs() > 1e-4);
@@ -123,7 +123,7 @@ fn a_mean_rotation_is_the_one_that_ccx_prescribes() {
     if !is_there() {
         return;
     }
-    // Node 10 gives the axis, so that its place does not matter; its first DOF is the turn.
+    // Node 10 gives the axis, so that its position does not matter; its first DOF is the rotation.
     let cards = "*NODE\n10,0.,0.,3.\n*MPC\nMEANROT,5,5,5,6,6,6,7,7,7,8,8,8,10\n*BOUNDARY\n10,1,1,1e-3\n";
     let text = deck(cards, &["*CLOAD\n5,3,.1\n"]);
     let printed = solve(&text).expect("solved");
@@ -169,7 +169,7 @@ fn a_kinematic_coupling_acts_along_its_orientation_or_the_basic_axes_in_ccx() {
                 let printed = solve(&text).unwrap_or_else(|| panic!("ccx stops:\n{text}"));
                 let model = model(Ccx, &text);
                 assert!(holds(&model, &printed), "{cards}\n{printed:?}");
-                // No slave twice where ccx finds one for each.
+                // No slave occurs twice if ccx finds one for each equation.
                 let slave = |i| model.dofs()[model.equation(i).expect("an equation").columns[0] as usize];
                 let slaves: std::collections::BTreeSet<Dof> = (0..model.equations()).map(slave).collect();
                 assert_eq!((model.equations(), slaves.len()), (count, count), "{cards}");
@@ -188,7 +188,7 @@ fn the_rotation_of_a_reference_does_nothing_in_ccx() {
         for idle in ["*BOUNDARY\n9,6,6,.1\n", "*CLOAD\n9,6,9.\n"] {
             let text = deck(body, &[&format!("*CLOAD\n5,1,1.\n{idle}")]);
             assert_eq!(solve(&text).expect("solved"), free, "{body}{idle}");
-            assert!(super::given::warnings(&model(Ccx, &text)).contains("9:6 has no effect"), "{body}{idle}");
+            assert!(super::from_text::warnings(&model(Ccx, &text)).contains("9:6 has no effect"), "{body}{idle}");
         }
     }
 }
@@ -201,12 +201,12 @@ fn no_slave_is_written_at_a_node_with_axes_of_its_own_that_is_prescribed() {
     let turned = "*NSET, NSET=NT\n6\n*TRANSFORM, NSET=NT, TYPE=R\n1.,1.,0.,-1.,1.,0.\n";
     let load = "*CLOAD\n7,2,3.\n7,3,5.\n";
     let whole = |terms: &str| deck(&format!("{turned}*BOUNDARY\n6,1,1,.01\n*EQUATION\n3\n{terms}\n"), &[load]);
-    // Along the basic axes one of its components at node 6 has no coefficient.
+    // Along the global axes, one of its components at node 6 has no coefficient.
     assert!(solve(&whole("6,2,1.,7,2,-1.,6,1,-1.")).is_none());
     let expected = solve(&whole("7,2,1.,6,2,-1.,6,1,1.")).expect("solved");
     for terms in ["6,1,-1.,6,2,1.,7,2,-1.", "6,1,-1.,6,2,1.,7,2,-1.\n3\n6,1,-2.,6,2,2.,7,2,-2."] {
         let text = whole(terms);
-        let deck = super::given::parsed(Ccx, &text).expect("read");
+        let deck = super::from_text::parsed(Ccx, &text).expect("read");
         let plan = qless_io::deck::clean::plan(&deck, &qless::Options::default()).expect("a plan");
         let cleaned = qless_io::deck::clean::write(&deck, &plan).expect("written");
         let cleaned = String::from_utf8(cleaned).expect("text");
@@ -226,7 +226,7 @@ fn slaves_at_nodes_with_axes_of_their_own_are_those_that_ccx_can_take() {
         let coupling = "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*KINEMATIC\n1,2\n";
         let held = "*BOUNDARY\n5,1,1,.02\n9,1,1,.015\n9,2,2,.01\n8,3,3,.01\n";
         let text = deck(&format!("{turned}{coupling}{held}"), &["*CLOAD\n8,2,3.\n5,3,5.\n"]);
-        let deck = super::given::parsed(Ccx, &text).expect("read");
+        let deck = super::from_text::parsed(Ccx, &text).expect("read");
         let plan = qless_io::deck::clean::plan(&deck, &qless::Options::default()).expect("a plan");
         assert!(plan.written.len() > 4, "{plan:?}");
         let cleaned = qless_io::deck::clean::write(&deck, &plan).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -240,7 +240,7 @@ fn slaves_at_nodes_with_axes_of_their_own_are_those_that_ccx_can_take() {
         let axes: Vec<String> = (0..6).map(|k| at(k).to_string()).collect();
         let turned = format!("*NSET, NSET=NT\n6,7\n*TRANSFORM, NSET=NT, TYPE=R\n{}\n", axes.join(","));
         let found = cleaned(&turned);
-        // The turned nodes are printed along their own axes.
+        // Nodes with local axes are printed along these.
         for node in [4, 7] {
             let far = (0..3).any(|k| (found[0][node][k] - expected[0][node][k]).abs() > 1e-6);
             assert!(!far, "{turned}\n{found:?}\n{expected:?}");

@@ -1,9 +1,9 @@
-//! Cards that are left out by name, and the DOFs that they claim.
+//! Cards that are left out, and the DOFs that they claim.
 
 use qless_io::deck::Model;
 use qless_io::deck::Solver::{Abaqus, Ccx};
 
-use super::given::{brick, equations, warnings};
+use super::from_text::{brick, equations, warnings};
 
 fn claimed(model: &Model) -> Vec<String> {
     let mut nodes: Vec<String> = model.left_out_claims().iter().map(|(dof, _)| model.node_name(dof.node)).collect();
@@ -44,7 +44,7 @@ fn a_mean_rotation_is_that_of_the_whole() {
     let model = brick(Ccx, nodes);
     assert_eq!(model.equations(), 1);
     let equation = model.equation(0).expect("an equation");
-    // A turn w about the axis through any point, and any shift: u = t + w e x x, and the last node's value w.
+    // Any rotation w about the axis and any translation t: u = t + w e x x, and w at the last node.
     for (shift, w) in [([0.0, 0.0, 0.0], 1.0), ([3.0, -1.0, 2.0], 0.0), ([1.0, 2.0, 3.0], -0.5)] {
         let value = |j: u32| {
             let dof = model.dofs()[j as usize];
@@ -73,7 +73,7 @@ fn a_bound_of_a_distance_holds_once_it_is_reached() {
     assert_eq!(equations(&deck("1.")), ["1 5:1 -1 6:1 0.5 20:1"]);
 }
 
-/// A quarter of a ring: nodes 1 to 4 on its first side, 5 to 8 on the second; the sides are nodes or faces.
+/// A quarter of a ring, with nodes 1 to 4 on its first side and 5 to 8 on the second. The sides are nodes or faces.
 fn sector(tie: &str, model: &str) -> String {
     format!(
         "*NODE\n1,1.,0.,0.\n2,2.,0.,0.\n3,2.,0.,1.\n4,1.,0.,1.\n5,0.,1.,0.\n6,0.,2.,0.\n7,0.,2.,1.\n8,0.,1.,1.
@@ -86,10 +86,10 @@ fn sector(tie: &str, model: &str) -> String {
 #[test]
 fn a_sector_repeats_itself_around_its_axis() {
     for slaves in ["NODES", "FIRST"] {
-        let model = super::given::model(Ccx, &sector(&format!("\n{slaves},SECOND"), ""));
+        let model = super::from_text::model(Ccx, &sector(&format!("\n{slaves},SECOND"), ""));
         let expected = ["1 1:1 -1 5:2", "1 1:2 1 5:1", "1 1:3 -1 5:3"];
         assert_eq!(model.left_out().count(), 0);
-        let wide = super::given::model(Ccx, &sector(&format!(", POSITION TOLERANCE=1.5\n{slaves},SECOND"), ""));
+        let wide = super::from_text::model(Ccx, &sector(&format!(", POSITION TOLERANCE=1.5\n{slaves},SECOND"), ""));
         assert_eq!(equations(&wide), equations(&model), "the nearest is the partner");
         assert_eq!((equations(&model)[..3].to_vec(), model.equations()), (expected.map(str::to_owned).to_vec(), 12));
     }
@@ -97,9 +97,9 @@ fn a_sector_repeats_itself_around_its_axis() {
 
 #[test]
 fn a_slave_without_a_partner_follows_the_face_opposite() {
-    // Its image stands at (0, 1.5, 0.5), in the middle of the second side.
+    // Its image is at (0, 1.5, 0.5), in the middle of the second side.
     let moved = sector("\nNODES,SECOND", "").replacen("\n1,1.,0.,0.", "\n9,1.5,0.,.5\n1,1.,0.,0.", 1);
-    let model = super::given::model(Ccx, &moved.replace("TYPE=NODE\n1,", "TYPE=NODE\n9,"));
+    let model = super::from_text::model(Ccx, &moved.replace("TYPE=NODE\n1,", "TYPE=NODE\n9,"));
     assert_eq!(equations(&model)[9], "1 9:1 -0.25 6:2 -0.25 7:2 -0.25 8:2 -0.25 5:2");
 }
 
@@ -109,11 +109,11 @@ fn what_a_sector_cannot_be_read_for_is_left_out_with_its_claims() {
     let several = sector("\nNODES,SECOND", "")
         + "*STEP\n*FREQUENCY\n2\n*SELECT CYCLIC SYMMETRY MODES, NMIN=0, NMAX=2\n*END STEP\n";
     for text in [on_axis, several] {
-        let model = super::given::model(Ccx, &text);
+        let model = super::from_text::model(Ccx, &text);
         assert_eq!((model.equations(), model.left_out().count()), (0, 1));
         assert_eq!(claimed(&model).len(), 8);
     }
-    let message = super::given::refused(Ccx, &sector("\nNODES,SECOND", "").replace(", N=4", ""));
+    let message = super::from_text::refused(Ccx, &sector("\nNODES,SECOND", "").replace(", N=4", ""));
     assert!(message.contains("the parameter N is missing"), "{message}");
 }
 
@@ -125,7 +125,7 @@ fn cards_that_cannot_be_so_are_refused_in_words() {
         ("*MPC\nDIST,5\n", "7 nodes are promised"),
         ("*NODE\n4294967295,0.,0.,0.\n*RIGID BODY, NSET=TOP\n", "the largest number of a node exceeds the limit"),
     ] {
-        let message = super::given::refused(Ccx, &format!("{}{cards}", super::given::BRICK));
+        let message = super::from_text::refused(Ccx, &format!("{}{cards}", super::from_text::BRICK));
         assert!(message.contains(expected), "{message}");
     }
     for (from, to, expected) in [
@@ -133,7 +133,7 @@ fn cards_that_cannot_be_so_are_refused_in_words() {
         ("SYMMETRY\n", "SYMMETRY, POSITION TOLERANCE=nan\n", "`nan` is no usable number"),
         ("0.,0.,0.,0.,0.,1.\n", "0.,0.,0.,0.,0.,0.\n", "the two points define no axis"),
     ] {
-        let message = super::given::refused(Ccx, &sector("\nNODES,SECOND", "").replacen(from, to, 1));
+        let message = super::from_text::refused(Ccx, &sector("\nNODES,SECOND", "").replacen(from, to, 1));
         assert!(message.contains(expected), "{message}");
     }
 }

@@ -1,18 +1,18 @@
-//! CalculiX and Abaqus decks in, constraints out.
+//! Constraints of CalculiX and Abaqus decks.
 
-/// Parts, instances and assemblies.
+/// Abaqus parts, instances and assemblies.
 mod assembly;
-/// `*RIGID BODY` and `*COUPLING` as each solver has them.
+/// `*RIGID BODY` and `*COUPLING`, in each solver's meaning.
 mod bodies;
-/// What ccx itself does with these decks.
+/// Comparison with runs of ccx.
 mod ccx;
-/// Cards that are left out by name, and the DOFs that they claim.
+/// Cards that are left out, and the DOFs that they claim.
 mod claims;
-/// Decks from text, and what was read as text.
-mod given;
-/// What ccx stops at when it reads a deck.
+/// Helpers: decks from text, and models as text.
+mod from_text;
+/// Decks that stop ccx when it reads them.
 mod refused;
 /// Masters that an equation names twice, in ccx.
 mod repeated;
-/// Values, their courses, and what holds in each step.
+/// Prescribed values by step, and their time histories.
 mod steps;

@@ -1,14 +1,14 @@
-//! What ccx stops at when it reads a deck: it does, it is said, and the deck is not cleaned.
+//! Decks that stop ccx when it reads them: ccx does stop, the reader says why, and the deck is not cleaned.
 
 use qless_io::deck::Solver::{Abaqus, Ccx};
 use qless_io::deck::clean;
 
 use super::ccx::{deck, is_there, solve};
-use super::given::{model, parsed};
+use super::from_text::{model, parsed};
 
 const COUPLING: &str = "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*KINEMATIC\n";
 
-/// What stands before the first step, in it, and what is said of it.
+/// Text before the first step, text in it, and the expected message.
 fn decks() -> Vec<(String, &'static str, &'static str)> {
     let equation = |terms: &str| format!("*NSET, NSET=SB\n6\n*EQUATION\n{terms}\n");
     let kinematic = |from: &str, to: &str| format!("{}1,3\n*BOUNDARY\n9,2,6\n", COUPLING.replace(from, to));

@@ -1,17 +1,18 @@
-//! Masters named twice, asked of ccx: where it adds them up, where its results are wrong without a word, and what `clean` makes of them.
+//! Masters that an equation names twice, in runs of ccx: whether it adds them up or is silently wrong, and how `clean`
+//! rewrites them.
 
 use std::collections::BTreeMap;
 
 use qless_io::deck::Solver::Ccx;
-use qless_io::deck::clean::{self, Fault};
+use qless_io::deck::clean::{self, EquationFault};
 
 use super::ccx::{deck, is_there, solve};
-use super::given::parsed;
+use super::from_text::parsed;
 
 /// Terms `(node, component, coefficient)`, the slave first.
 type Terms = Vec<(usize, usize, f64)>;
 
-/// Node 7 with axes of its own: `A` in the direction of the first, `B` in the plane of the first two.
+/// Node 7 with local axes: `A` along the first axis, `B` in the plane of the first two.
 const TURNED: &str = "*NSET, NSET=NT\n7\n*TRANSFORM, NSET=NT, TYPE=R\n1.,.3,.2,-.2,1.,.1\n";
 const LOADS: &str = "*CLOAD\n5,3,1.\n8,1,2.\n6,2,-1.5\n";
 
@@ -37,7 +38,7 @@ fn text(equations: &[Terms]) -> String {
     equations.iter().map(equation).collect::<Vec<_>>().concat()
 }
 
-/// The axes that `TURNED` gives.
+/// The axes of `TURNED`.
 fn axes() -> [[f64; 3]; 3] {
     let unit = |v: [f64; 3]| v.map(|x| x / v.iter().map(|x| x * x).sum::<f64>().sqrt());
     let cross =
@@ -47,7 +48,7 @@ fn axes() -> [[f64; 3]; 3] {
     [first, cross(third, first), third]
 }
 
-/// Each DOF once, along the global axes.
+/// Terms along the global axes, each DOF once.
 fn added_up(terms: &Terms, is_turned: bool) -> Terms {
     let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     for &(node, component, v) in terms {
@@ -62,7 +63,7 @@ fn added_up(terms: &Terms, is_turned: bool) -> Terms {
     own.chain(sums).map(|((node, component), v)| (node, component, v)).collect()
 }
 
-/// An equation of three nodes with terms named twice, and perhaps another whose slave it names.
+/// An equation of three nodes with repeated terms, and possibly another one whose slave it names.
 fn system(random: &mut Random) -> Vec<Terms> {
     let slave = (5, 1 + random.below(3), 1.0);
     let (a, b) = ((7, 1 + random.below(3)), (6, 1 + random.below(3)));
@@ -81,7 +82,7 @@ fn system(random: &mut Random) -> Vec<Terms> {
     all
 }
 
-/// The largest difference at nodes 5, 6, 8, in units of the largest displacement.
+/// Largest difference at nodes 5, 6, 8, relative to the largest displacement.
 fn far(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     let size = a.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
     let differences = [4, 5, 7].into_iter().flat_map(|k| (0..3).map(move |c| (a[k][c] - b[k][c]).abs()));
@@ -104,7 +105,7 @@ fn ccx_is_wrong_where_we_say_so_and_right_after_clean() {
         let found = solve(&own).expect("solved");
         let read = parsed(Ccx, &own).expect("read");
         let faults = clean::faults(read.model());
-        let is_said = faults.iter().any(|fault| matches!(fault, Fault::MasterTwice { .. }));
+        let is_said = faults.iter().any(|fault| matches!(fault, EquationFault::MasterTwice { .. }));
         let is_wrong = far(&expected[0], &found[0]) > 1e-6;
         assert_eq!(is_said, is_wrong, "{own}\n{faults:?}\n{expected:?}\n{found:?}");
         wrong[usize::from(is_turned)] += usize::from(is_wrong);

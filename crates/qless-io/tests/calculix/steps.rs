@@ -1,10 +1,10 @@
-//! Values, their courses, and what holds in each step.
+//! Prescribed values by step, and their time histories.
 
 use qless_io::deck::Model;
 use qless_io::deck::Solver::{Abaqus, Ccx};
 use qless_io::deck::clean;
 
-use super::given::{BRICK, brick, parsed, prescribed, refused, warnings};
+use super::from_text::{BRICK, brick, parsed, prescribed, refused, warnings};
 
 const COURSES: &str = "*AMPLITUDE, NAME=up\n0.,0.,1.,1.\n*AMPLITUDE, NAME=DOWN\n0.,1.,1.,0.\n";
 
@@ -33,7 +33,7 @@ fn values_of_one_step_clash_where_their_courses_differ() {
     assert_eq!(clashes(&format!("{up}{up}")), 0);
     assert_eq!(clashes(&format!("{up}*BOUNDARY, AMPLITUDE=DOWN\n5,1,1,.1\n")), 1);
     assert_eq!(clashes(&format!("{up}*BOUNDARY\n5,1,1,.1\n")), 1);
-    // Nothing is nothing in any course.
+    // A value of zero is the same in every time history.
     assert_eq!(clashes("*BOUNDARY, AMPLITUDE=DOWN\n5,1\n*BOUNDARY\n5,1\n"), 0);
 }
 
@@ -50,7 +50,7 @@ fn op_new_forgets_earlier_values_and_their_clashes() {
     let model = brick(Ccx, &steps("", &[twice, "*BOUNDARY, OP=NEW\n6,1\n"]));
     assert_eq!(cases(&model), [["5:1=0.1"], ["6:1=0"]]);
     assert_eq!(model.cases().iter().map(|case| case.clashes.len()).collect::<Vec<_>>(), [1, 0]);
-    // Of the model too.
+    // This holds for the values before the first step too.
     assert_eq!(cases(&brick(Ccx, &steps("*BOUNDARY\n5,1\n", &["*BOUNDARY, OP=NEW\n6,1\n"]))), [["6:1=0"]]);
 }
 
@@ -84,7 +84,7 @@ fn removed_equations_are_those_of_all_cards_and_stay_removed() {
     assert_eq!(removed("", "*EQUATION, REMOVE ALL\n"), [vec![], vec![], vec![0, 1, 2, 3, 4, 5]]);
 }
 
-/// Nine equations solved for other slaves: what rounding leaves of prescribed values is no contradiction.
+/// Nine equations solved for other slaves: rounding errors of prescribed values are no contradiction.
 #[test]
 fn rounding_of_a_prescribed_value_is_no_other_meaning() {
     let text = "*NODE\n9,2.05693945,1.882106,0.0930959197\n12,2.06892053,-0.0304074738,1.06699813\n\

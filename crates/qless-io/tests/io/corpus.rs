@@ -1,4 +1,5 @@
-//! Every case folder of the corpus, that of this repository and that under `QLESS_CORPUS`, is read, or refused if its `expected.json` says `invalid`.
+//! Reads every case of the corpora in this repository and under `QLESS_CORPUS`. Cases whose `expected.json` says
+//! `invalid` must be refused.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,7 @@ fn every_case_is_read_or_refused_as_expected() {
     println!("{} cases agree", cases.len());
 }
 
-/// The folder itself, its folders and theirs.
+/// Folders with a case: `root`, its subfolders and theirs.
 fn cases_below(root: &Path) -> Vec<PathBuf> {
     let mut folders = vec![root.to_path_buf()];
     for _ in 0..2 {

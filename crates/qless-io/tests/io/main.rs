@@ -1,12 +1,12 @@
-//! Files in, files out.
+//! Reading and writing files.
 
-/// Folders of real and extreme systems, where they are at hand.
+/// A failed write changes nothing.
+mod atomic_writes;
+/// Real and extreme systems, if they are installed.
 mod corpus;
 /// Every kind of malformed input and its message.
 mod malformed;
-/// A failed write changes nothing.
-mod nothing_left;
-/// What is written reads back bit for bit.
+/// Files read back bit for bit.
 mod round_trip;
-/// Spellings that are accepted.
+/// Accepted spellings.
 mod spellings;

@@ -1,4 +1,4 @@
-//! Every kind of malformed input: the message names file and line, what was found and what to do.
+//! Every kind of malformed input: messages name the file, the line, what was found and what to do.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use qless_io::read_case;
 
 const HEAD: &str = "%%MatrixMarket matrix coordinate real general\n";
 
-/// Writes the files, reads the folder, returns the message.
+/// The message of reading a folder with these files.
 fn message(files: &[(&str, &str)]) -> String {
     let place = tempfile::tempdir().expect("a temporary folder");
     for (name, text) in files {

@@ -1,10 +1,10 @@
-//! Random systems to files and back, bit for bit.
+//! Random systems read back from their files bit for bit.
 
 use proptest::prelude::*;
 use qless::ConstraintSystem;
 use qless_io::{read_case, write_case};
 
-/// Any finite number: of every magnitude, signed zeros and subnormals.
+/// Finite numbers of all magnitudes, with signed zeros and subnormals.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits).prop_filter("finite", |x| x.is_finite()),
@@ -15,7 +15,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// A label as the files hold it: one line, not blank.
+/// A valid label: one line, not blank.
 fn label() -> impl Strategy<Value = String> {
     r"[#%]?[a-z0-9:,é ]{0,6}[a-z]"
 }
@@ -52,7 +52,7 @@ proptest! {
     fn write_then_read_is_the_same_system(first in systems(), second in systems()) {
         let place = tempfile::tempdir().expect("a temporary folder");
         let folder = place.path().join("case");
-        // The second write goes over the first, whose optional files must not show through.
+        // The second write replaces the first; no optional file of the first may remain.
         for system in [first, second] {
             write_case(&folder, &system).expect("written");
             let back = read_case(&folder, None, None).expect("read");

@@ -1,4 +1,4 @@
-//! What different programs write, and all of them mean.
+//! Accepts the spellings of different programs.
 
 use qless_io::read_case;
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use qless_io::part::CaseFiles;
+use qless_io::chunk::CaseFiles;
 
 use super::CaseError;
 use super::blocks::Blocks;

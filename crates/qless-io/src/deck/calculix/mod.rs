@@ -1,16 +1,16 @@
 //! CalculiX and Abaqus decks, `.inp`.
 //!
-//! The deck is gone through twice: first for what it defines (nodes, sets, surfaces, elements), then, in order, for what
-//! constrains. Equations are homogeneous and their first term is the slave; every step is a load case.
+//! The deck is read twice: first for definitions (nodes, sets, surfaces, elements), then, in order, for constraints.
+//! Equations are homogeneous, their first term is the slave, and every step is a load case.
 //!
-//! | folder | holds |
+//! | folder | content, lowest layer first |
 //! | --- | --- |
-//! | `syntax` | lines as cards, parameters and fields |
-//! | `model` | what cards refer to: nodes, sets, surfaces, parts and instances |
-//! | `cards` | what each card that constrains says |
-//! | `write` | the deck with other equations |
+//! | `syntax` | cards, parameters and fields; expands Abaqus parts into instances |
+//! | `model` | definitions that cards refer to: nodes, sets, elements, surfaces, axes, instances |
+//! | `cards` | equations and prescribed values of each card that constrains |
+//! | `write` | the cleaned deck |
 //!
-//! `reader` goes through the cards and keeps what each step inherits.
+//! `reader` reads the cards in order and keeps what each step inherits.
 
 mod cards;
 mod model;
@@ -19,4 +19,38 @@ mod syntax;
 mod write;
 
 pub(super) use reader::read;
-pub(super) use write::{node_set, node_set_names, positions, write};
+pub(super) use write::write;
+
+use std::collections::HashMap;
+
+use crate::deck::{Deck, DeckError};
+use model::definitions::DeckDefinitions;
+use syntax::card::{KeywordCard, Scope};
+use syntax::walk::walk;
+
+/// Reads the definitions of a deck again.
+fn definitions(deck: &Deck) -> Result<DeckDefinitions, DeckError> {
+    let mut definitions = DeckDefinitions::default();
+    let mut note = |card: &KeywordCard| {
+        definitions.note(card);
+        Ok(())
+    };
+    deck.again(|sources| walk(sources, &mut note))?;
+    Ok(definitions)
+}
+
+/// Positions of the nodes of a deck; empty if they cannot be read.
+pub(super) fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
+    let found = definitions(deck).ok().and_then(|definitions| definitions.all_positions().ok());
+    found.map(|all| all.into_iter().collect()).unwrap_or_default()
+}
+
+/// Nodes of a set, if it exists.
+pub(super) fn node_set(deck: &Deck, name: &str) -> Option<Vec<u32>> {
+    definitions(deck).ok()?.nodes(Scope::DECK, name).ok().map(|nodes| nodes.to_vec())
+}
+
+/// Names of all node sets.
+pub(super) fn node_set_names(deck: &Deck) -> Vec<String> {
+    definitions(deck).map(|found| found.node_set_names().map(str::to_owned).collect()).unwrap_or_default()
+}

@@ -1,12 +1,13 @@
-//! From cards to a model: every step inherits what holds before it.
+//! Builds the model from the cards; every step inherits what holds before it.
 
 use std::collections::BTreeMap;
 
 use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
-use crate::deck::calculix::cards::coupling::{self, Coupling};
-use crate::deck::calculix::cards::rigid::Reference;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::{Card, walk};
+use crate::deck::calculix::cards::coupling::{self, CouplingCard};
+use crate::deck::calculix::cards::rigid::BodyReference;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
 /// Reads a deck.
@@ -14,52 +15,52 @@ use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, So
 /// # Errors
 /// [`DeckError`].
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let (mut definitions, mut has_mpc) = (Definitions::default(), false);
-    walk(sources, &mut |card: &Card| {
+    let (mut definitions, mut has_mpc) = (DeckDefinitions::default(), false);
+    walk(sources, &mut |card: &KeywordCard| {
         definitions.note(card);
         has_mpc |= card.is("*MPC");
         Ok(())
     })?;
     if !definitions.instances.is_empty() {
-        // Only Abaqus knows parts and instances.
+        // Only Abaqus has instances of parts.
         sources.set_solver(Solver::Abaqus);
     }
-    // Any *MPC makes all steps nonlinear in ccx.
+    // In ccx, any `*MPC` makes all steps nonlinear.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
-    let mut reader = Reader::new(sources, definitions)?;
+    let mut reader = CalculixReader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
         refused::byte_order_marks(sources, &mut reader.model);
     }
-    walk(sources, &mut |card: &Card| reader.card(card))?;
+    walk(sources, &mut |card: &KeywordCard| reader.card(card))?;
     reader.finish()
 }
 
-struct Reader {
+struct CalculixReader {
     solver: Solver,
     model: Model,
-    definitions: Definitions,
-    /// Values in force, with the step that gave them; 0 before the first.
+    definitions: DeckDefinitions,
+    /// Prescribed values in force, with the step of their card; step 0 is before the first step.
     prescribed: BTreeMap<Dof, (Prescribed, usize)>,
     clashes: Vec<Prescribed>,
     loads: Vec<Load>,
     removed: Vec<u32>,
-    /// The last `*COUPLING`, for the card that says of which kind it is.
-    coupling: Option<Coupling>,
-    /// References that only distribute forces, by file and line of the card.
+    /// Last `*COUPLING`; the next card decides its type.
+    coupling: Option<CouplingCard>,
+    /// References that only distribute forces, with file and line of their cards.
     forces: Vec<(u32, u32, u32)>,
     /// References of rigid bodies.
-    bodies: Vec<Reference>,
-    /// `*CYCLIC SYMMETRY MODEL` cards, and ties that they may use.
-    sectors: Vec<Card>,
-    cyclic: Vec<Card>,
+    bodies: Vec<BodyReference>,
+    /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
+    sectors: Vec<KeywordCard>,
+    cyclic: Vec<KeywordCard>,
     steps: usize,
-    /// Whether the step, or what stands before the first, has had a `*BOUNDARY` card.
+    /// Whether the current step, or the part before the first step, already has a `*BOUNDARY` card.
     has_boundary: bool,
     in_step: bool,
 }
 
-impl Reader {
-    fn new(sources: &Sources, definitions: Definitions) -> Result<Self, DeckError> {
+impl CalculixReader {
+    fn new(sources: &Sources, definitions: DeckDefinitions) -> Result<Self, DeckError> {
         let mut model = Model::new(sources.paths().to_vec());
         model.reserve(definitions.equations, definitions.terms);
         name_nodes(&mut model, &definitions)?;
@@ -82,7 +83,7 @@ impl Reader {
         })
     }
 
-    fn card(&mut self, card: &Card) -> Result<(), DeckError> {
+    fn card(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         match card.keyword.as_slice() {
             b"*EQUATION" if card.parameter("REMOVE").is_some() || card.parameter("REMOVEALL").is_some() => {
                 self.removed.extend(equation::removed(card, &mut self.model, &self.definitions)?);
@@ -103,7 +104,7 @@ impl Reader {
                 if self.solver == Solver::Ccx {
                     refused::coupling(card, &mut self.model);
                 }
-                self.coupling = Some(Coupling::of(card));
+                self.coupling = Some(CouplingCard::from_card(card));
             }
             b"*KINEMATIC" | b"*DISTRIBUTING" => self.coupled(card)?,
             b"*KINEMATICCOUPLING" => {
@@ -127,20 +128,20 @@ impl Reader {
         Ok(())
     }
 
-    /// The card that says of which kind the last `*COUPLING` is.
-    fn coupled(&mut self, card: &Card) -> Result<(), DeckError> {
+    /// Reads the card that decides the type of the last `*COUPLING`.
+    fn coupled(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let Some(coupling) = &self.coupling else { return Ok(()) };
         let constrains = coupling::read(card, coupling, &mut self.model, &self.definitions, self.solver)?;
         if !constrains && card.is("*DISTRIBUTING") && self.solver == Solver::Ccx {
-            // That it is there was checked when the card was read.
+            // Reading the card has already checked that the reference exists.
             let reference = coupling.reference(&self.definitions).unwrap_or_default();
             self.forces.push((card.file, card.line, reference));
         }
         Ok(())
     }
 
-    /// Values of a later step replace earlier ones; two in the same step contradict each other.
-    fn boundary(&mut self, card: &Card) -> Result<(), DeckError> {
+    /// A value of a later step replaces an earlier one; two values in the same step contradict each other.
+    fn boundary(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let is_first = !std::mem::replace(&mut self.has_boundary, true);
         if card.word("OP").as_deref() == Some("NEW") {
             self.forget(card, is_first);
@@ -166,8 +167,8 @@ impl Reader {
         Ok(())
     }
 
-    /// `OP=NEW`: values of earlier steps are no more. ccx heeds it on the first `*BOUNDARY` of a step only.
-    fn forget(&mut self, card: &Card, is_first: bool) {
+    /// `OP=NEW` removes the values of earlier steps. ccx heeds it only on the first `*BOUNDARY` of a step.
+    fn forget(&mut self, card: &KeywordCard, is_first: bool) {
         if self.solver == Solver::Ccx && !is_first {
             let text =
                 "*BOUNDARY, OP=NEW is not the first of its step: ccx passes over OP=NEW, so that earlier values stay";
@@ -178,7 +179,7 @@ impl Reader {
         self.clashes.retain(|clash| self.prescribed.contains_key(&clash.dof));
     }
 
-    fn load(&mut self, card: &Card) -> Result<(), DeckError> {
+    fn load(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         if card.word("OP").as_deref() == Some("NEW") {
             self.loads.clear();
         }
@@ -203,7 +204,7 @@ impl Reader {
         }
     }
 
-    /// Cyclic symmetry: each model card with the tie that it names, or with the only one. It is read before the first step.
+    /// Reads cyclic symmetry before the first step: each model card with the tie that it names, or with the only tie.
     fn cyclic_symmetry(&mut self) -> Result<(), DeckError> {
         if self.sectors.is_empty() {
             return Ok(());
@@ -247,7 +248,7 @@ impl Reader {
         Ok(self.model)
     }
 
-    /// A motion prescribed where only forces are distributed.
+    /// Warns of prescribed motions at references that only distribute forces.
     fn warn_of_forces(&mut self) {
         for (file, line, node) in std::mem::take(&mut self.forces) {
             let mut given = self.model.cases.iter().flat_map(|case| &case.prescribed);
@@ -261,7 +262,8 @@ impl Reader {
         }
     }
 
-    /// Values and moments on the components 4 to 6 of a body's reference, which ccx passes over unless an element or an equation has them.
+    /// Warns of values and moments on components 4 to 6 of a body's reference: ccx ignores them unless an element or
+    /// an equation has these DOFs.
     fn warn_of_rotations(&mut self) {
         if self.solver != Solver::Ccx {
             return;
@@ -283,16 +285,14 @@ impl Reader {
                     "{name} has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of that, node {node}"
                 ),
                 None => {
-                    format!(
-                        "{name} has no effect: the rotation of a *RIGID BODY without ROT NODE is reached by no card"
-                    )
+                    format!("{name} has no effect: no card can name the rotation of a *RIGID BODY without ROT NODE")
                 }
             };
             self.model.warn(file, line, text);
         }
     }
 
-    /// A node that no card defines: the first equation that names it is at fault.
+    /// Refuses equations that name an undefined node; the error is at the first of them.
     fn check_nodes(&self) -> Result<(), DeckError> {
         let defined = self.definitions.node_numbers();
         if defined.is_empty() || self.definitions.generates_nodes {
@@ -314,13 +314,13 @@ impl Reader {
     }
 }
 
-/// Whether the values come from another model, from a user's routine or from where the nodes are by then.
-fn is_from_elsewhere(card: &Card) -> bool {
+/// Whether the values come from another model, from a user's routine, or from the current displacements.
+fn is_from_elsewhere(card: &KeywordCard) -> bool {
     ["SUBMODEL", "USER", "FIXED"].iter().any(|source| card.parameter(source).is_some())
 }
 
-/// Names of the nodes of instances.
-fn name_nodes(model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+/// Names the nodes of instances.
+fn name_nodes(model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     if definitions.instances.is_empty() {
         return Ok(());
     }

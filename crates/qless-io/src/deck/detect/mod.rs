@@ -1,37 +1,37 @@
-//! Which solver's language a text is in: its first cards decide, and what the caller expects breaks ties.
+//! Detects the format of a deck by its first cards. The expected format breaks ties.
 
-mod seen;
+mod unrecognized;
 mod words;
 
-pub use seen::Seen;
+pub use unrecognized::UnrecognizedText;
 
 use super::Format;
 
-/// Lines looked at that are neither blank nor comments, until one decides.
+/// Most lines examined, without blank lines and comments.
 const LINES: usize = 1000;
 
-/// How much a line says for a format.
+/// How strongly a line points to a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Evidence {
-    /// Nothing.
+    /// Not at all.
     None,
-    /// It could be one of its cards.
+    /// It may be a card of the format.
     Possible,
-    /// It is one of its cards.
+    /// It is a card of the format.
     Certain,
 }
 
-/// The format of a text; `expected` is that of the file's ending or of the solver asked for.
+/// The format of a text. `expected` comes from the file's ending or from the solver asked for.
 ///
 /// # Errors
-/// [`Seen`], where no card of any format comes first.
-pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Seen> {
-    if let Some(foreign) = Seen::foreign(text) {
+/// [`UnrecognizedText`] if no card of any format comes first.
+pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, UnrecognizedText> {
+    if let Some(foreign) = UnrecognizedText::foreign(text) {
         return Err(foreign);
     }
     let mut is_possible = false;
     for line in lines(text).take(LINES) {
-        if let Some(foreign) = Seen::foreign_card(line) {
+        if let Some(foreign) = UnrecognizedText::foreign_card(line) {
             return Err(foreign);
         }
         let says = |format: Format| evidence(format, line);
@@ -42,10 +42,10 @@ pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Seen> 
             _ => is_possible |= expected.is_some_and(|format| says(format) == Evidence::Possible),
         }
     }
-    expected.filter(|_| is_possible).ok_or_else(|| Seen::of(text))
+    expected.filter(|_| is_possible).ok_or_else(|| UnrecognizedText::from_text(text))
 }
 
-/// Lines that are neither blank nor comments in any of the formats, without blanks at their ends.
+/// Lines that are neither blank nor comments in any of the formats, trimmed.
 fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
@@ -72,8 +72,8 @@ fn calculix(line: &[u8]) -> Evidence {
     let is_keyword = keyword.first().is_some_and(u8::is_ascii_alphabetic)
         && keyword.iter().all(|&byte| byte.is_ascii_alphanumeric() || matches!(byte, b' ' | b'-' | b'\t'));
     // `*END` alone ends a macro of APDL, `*END STEP` a step.
-    match is_keyword && !words::is_in(&words::APDL_STARRED, keyword.trim_ascii()) {
-        true if words::is_in(&words::CALCULIX, first) => Evidence::Certain,
+    match is_keyword && !words::is_in(words::APDL_STARRED, keyword.trim_ascii()) {
+        true if words::is_in(words::CALCULIX, first) => Evidence::Certain,
         true => Evidence::Possible,
         false => Evidence::None,
     }
@@ -89,17 +89,17 @@ fn nastran(line: &[u8]) -> Evidence {
     let is_field = matches!(rest.first(), Some(b',' | b' ' | b'\t'));
     let is_number = next.is_some_and(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.'));
     let is_set = next == Some(b'=') || rest.contains(&b'=');
-    if words::is_in(&words::NASTRAN_ALONE, line) || is_card && is_control(name, rest, is_set) {
+    if words::is_in(words::NASTRAN_ALONE, line) || is_card && is_control(name, rest, is_set) {
         return Evidence::Certain;
     }
     match is_card && is_field {
-        true if words::is_in(&words::NASTRAN_BULK, name) && (is_number || rest.starts_with(b",")) => Evidence::Certain,
+        true if words::is_in(words::NASTRAN_BULK, name) && (is_number || rest.starts_with(b",")) => Evidence::Certain,
         true if is_number => Evidence::Possible,
         _ => Evidence::None,
     }
 }
 
-/// Executive and case control.
+/// Whether a line belongs to the executive or case control.
 fn is_control(name: &[u8], rest: &[u8], is_set: bool) -> bool {
     let word = rest.trim_ascii().split(|byte| !byte.is_ascii_alphanumeric()).next().unwrap_or_default();
     let of_two = [("SOL", ""), ("BEGIN", "BULK"), ("BEGIN", "SUPER"), ("BEGIN", "AUXMODEL"), ("SUBCASE", "")];
@@ -108,7 +108,7 @@ fn is_control(name: &[u8], rest: &[u8], is_set: bool) -> bool {
             && (second.is_empty() && !word.is_empty() && rest.starts_with(b" ")
                 || word.eq_ignore_ascii_case(second.as_bytes()))
     };
-    of_two.into_iter().any(is_pair) || is_set && words::is_in(&words::NASTRAN_CONTROL, name)
+    of_two.into_iter().any(is_pair) || is_set && words::is_in(words::NASTRAN_CONTROL, name)
 }
 
 /// `/PREP7`, `*DIM,...`, `CE,...`, `NBLOCK,...`.
@@ -125,15 +125,15 @@ fn ansys(line: &[u8]) -> Evidence {
     match mark {
         _ if !is_command => Evidence::None,
         Some(b'/') => Evidence::Certain,
-        Some(_) if words::is_in(&words::APDL_STARRED, name) && is_end(tail) => Evidence::Certain,
-        None if words::is_in(&words::APDL, name) && tail.starts_with(b",") => Evidence::Certain,
-        None if words::is_in(&words::APDL_ALONE, name) && tail.is_empty() => Evidence::Certain,
+        Some(_) if words::is_in(words::APDL_STARRED, name) && is_end(tail) => Evidence::Certain,
+        None if words::is_in(words::APDL, name) && tail.starts_with(b",") => Evidence::Certain,
+        None if words::is_in(words::APDL_ALONE, name) && tail.is_empty() => Evidence::Certain,
         None if tail.starts_with(b",") => Evidence::Possible,
         Some(_) | None => Evidence::None,
     }
 }
 
-/// Whether a command has no more words: fields follow, or a comment.
+/// Whether only fields or a comment follow the name of a command.
 fn is_end(tail: &[u8]) -> bool {
     matches!(tail.first(), None | Some(b',' | b'!'))
 }
@@ -142,7 +142,7 @@ fn is_end(tail: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    fn of(text: &str) -> Option<Format> {
+    fn detect(text: &str) -> Option<Format> {
         format_of(text.as_bytes(), None).ok()
     }
 
@@ -180,7 +180,7 @@ mod tests {
                 ],
             ),
         ] {
-            texts.iter().for_each(|text| assert_eq!(of(text), Some(format), "{text}"));
+            texts.iter().for_each(|text| assert_eq!(detect(text), Some(format), "{text}"));
         }
     }
 
@@ -193,14 +193,14 @@ mod tests {
             assert_eq!(format_of(b"*NODE\n1,0.,0.,0.\n", Some(format)), Ok(Format::Calculix));
         }
         assert!(format_of(both, None).is_err());
-        // A keyword that nobody has heard of.
+        // A keyword unknown here.
         assert_eq!(format_of(b"*NOVELTY\n", Some(Format::Calculix)), Ok(Format::Calculix));
         assert!(format_of(b"*NOVELTY\n", None).is_err());
     }
 
     #[test]
     fn what_is_nothing_known_is_told_by_what_it_is() {
-        for (text, told) in [
+        for (text, message) in [
             (&b""[..], "it is empty"),
             (b" \n\n", "it is empty"),
             (b"** a\n$ b\n! c\n", "line 1 is `** a`"),
@@ -214,8 +214,8 @@ mod tests {
             (b"\x01\x02\xfe*NODE\n", "it starts with the bytes 01 02 fe 2a 4e 4f 44 45"),
         ] {
             for expected in [None, Some(Format::Calculix), Some(Format::Nastran), Some(Format::Ansys)] {
-                let seen = format_of(text, expected).expect_err(told).to_string();
-                assert!(seen.contains(told), "{seen}");
+                let seen = format_of(text, expected).expect_err(message).to_string();
+                assert!(seen.contains(message), "{seen}");
             }
         }
     }

@@ -1,16 +1,16 @@
-//! A coordinate frame in the basic one: `x = origin + e1 a + e2 b + e3 c`, with `(a, b, c)` from its own coordinates.
+//! Coordinate frames: `x = origin + e1 a + e2 b + e3 c`, where `(a, b, c)` follow from the frame's own coordinates.
 //!
 //! | kind        | coordinates   | (a, b, c)                                        |
 //! | ----------- | ------------- | ------------------------------------------------ |
-//! | rectangular | x, y, z       | as they are                                      |
+//! | rectangular | x, y, z       | x, y, z                                          |
 //! | cylindrical | r, theta, z   | r cos theta, r sin theta, z                      |
 //! | spherical   | r, theta, phi | r sin theta cos phi, r sin theta sin phi, r cos theta |
 //!
-//! Angles are in degrees; theta of a spherical frame counts from its third axis.
+//! Angles are in degrees. The angle theta of a spherical frame is measured from its third axis.
 
 use super::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 
-/// What the coordinates of a frame mean.
+/// Meaning of a frame's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Rectangular,
@@ -18,7 +18,7 @@ pub enum Kind {
     Spherical,
 }
 
-/// A frame, or the local axes of a point: orthonormal rows `axes` at `origin`.
+/// A coordinate frame: origin and orthonormal axes, as rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     pub kind: Kind,
@@ -26,13 +26,14 @@ pub struct Frame {
     pub axes: [Vector; 3],
 }
 
-/// The axes of the basic frame.
+/// Axes of the global frame.
 pub const BASIC_AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Frame {
     pub const BASIC: Self = Self { kind: Kind::Rectangular, origin: [0.0; 3], axes: BASIC_AXES };
 
-    /// The frame with `b - a` as its third axis and `c` in the plane of the first and third; none where they are in line.
+    /// The frame with `b - a` as its third axis and `c` in the plane of the first and third axis; `None` if the points
+    /// are on a line.
     pub fn through(kind: Kind, a: Vector, b: Vector, c: Vector) -> Option<Self> {
         const LEAST_SINE: f64 = 1e-10;
         let third = unit(minus(b, a))?;
@@ -45,7 +46,7 @@ impl Frame {
         Some(Self { kind, origin: a, axes: [cross(second, third), second, third] })
     }
 
-    /// The basic coordinates of a point given in this frame.
+    /// Global coordinates of a point given in this frame.
     pub fn point(&self, given: Vector) -> Vector {
         let [p, q, r] = given;
         let local = match self.kind {
@@ -56,7 +57,7 @@ impl Frame {
         (0..3).fold(self.origin, |sum, k| plus(sum, scaled(self.axes[k], local[k])))
     }
 
-    /// The directions of displacement at a point given in basic coordinates.
+    /// Local axes at a point given in global coordinates.
     pub fn axes_at(&self, point: Vector) -> [Vector; 3] {
         let from = minus(point, self.origin);
         let local = self.axes.map(|axis| dot(axis, from));
@@ -68,32 +69,32 @@ impl Frame {
         }
     }
 
-    /// Directions in this frame as directions in the basic one.
+    /// Global components of directions given in this frame.
     fn turned(&self, directions: [Vector; 3]) -> [Vector; 3] {
         directions.map(|d| (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(self.axes[k], d[k]))))
     }
 }
 
-/// Radial, tangential and axial direction; on the axis the angle is taken as 0.
+/// Radial, tangential and axial direction. On the axis the angle is taken as 0.
 fn around([a, b, _]: Vector, size: f64) -> [Vector; 3] {
     let [cos, sin] = direction(a, b, size);
     [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]
 }
 
-/// Directions of growing r, theta and phi.
+/// Directions of increasing r, theta and phi.
 fn spherical([a, b, c]: Vector, size: f64) -> [Vector; 3] {
     let [cos_phi, sin_phi] = direction(a, b, size);
     let [cos, sin] = direction(c, a.hypot(b), size);
     [[sin * cos_phi, sin * sin_phi, cos], [cos * cos_phi, cos * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
 }
 
-/// `(a, b)` of length 1; `(1, 0)` where both are rounding of coordinates of this size.
+/// `(a, b)` scaled to length 1; `(1, 0)` if both are rounding errors of coordinates of this size.
 fn direction(a: f64, b: f64, size: f64) -> [f64; 2] {
     let radius = a.hypot(b);
     if radius <= 16.0 * f64::EPSILON * size { [1.0, 0.0] } else { [a / radius, b / radius] }
 }
 
-/// Sine of degrees, exact at multiples of 90.
+/// Sine of an angle in degrees; exact at multiples of 90.
 fn sine(degrees: f64) -> f64 {
     let turn = degrees % 360.0;
     match turn.abs() {

@@ -1,14 +1,15 @@
-//! Rigid motion of a grid point: `u = (t + w x r, w)` along the point's own axes, r from the origin of the motion.
+//! Rigid motion of a grid point: `u = (t + w x r, w)` along the point's own axes, where r is the arm from the origin
+//! of the motion.
 //!
-//! A motion is six numbers, translation t and rotation w about basic axes. Component i of a point, 1 to 3 along its axes
-//! e and 4 to 6 about them, is a row with six entries: `(e, r x e)` or `(0, e)`.
+//! A motion is six numbers: translation t and rotation w about the global axes. Component i of a point is a row of
+//! six: `(e, r x e)` for 1 to 3, along its axis e, and `(0, e)` for 4 to 6, about it.
 
 use super::vector::{Vector, largest, minus};
 
-/// Row of one component: its value is the product with the motion.
+/// Row of one component. Its product with a motion is the component's value.
 pub type MotionRow = [f64; 6];
 
-/// Where a grid point is and along which directions its components count, all in basic coordinates.
+/// Position and axes of a grid point, in global coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     pub position: Vector,
@@ -28,7 +29,8 @@ impl Pose {
         [x, y, z, turning([q, -r], [z, y]), turning([r, -p], [x, z]), turning([p, -q], [y, x])]
     }
 
-    /// This point in the axes of another, whose place is the origin: rows are then those of the other's components.
+    /// This point in the axes of another one, with that point as origin. The rows are then in terms of the other
+    /// point's components.
     pub fn seen_from(&self, other: &Self) -> Self {
         let arm = minus(self.position, other.position);
         let rounding = 8.0 * f64::EPSILON * (largest(self.position) + largest(other.position));
@@ -39,13 +41,13 @@ impl Pose {
     }
 }
 
-/// a . b; 0 where it is only the rounding of vectors of this size, so that what is at right angles stays uncoupled.
+/// Scalar product; 0 if it is only a rounding error, so that perpendicular directions stay uncoupled.
 pub fn product(a: &[f64], b: &[f64]) -> f64 {
     let largest = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     clean(a.iter().zip(b).map(|(x, y)| x * y).sum(), largest(a) * largest(b))
 }
 
-/// `sum`, or 0 if it is only the rounding of terms of this size.
+/// `sum`, or 0 if it is only a rounding error of terms of this size.
 pub fn clean(sum: f64, size: f64) -> f64 {
     const ROUNDING: f64 = 64.0 * f64::EPSILON;
     if sum.is_finite() && sum.abs() <= ROUNDING * size { 0.0 } else { sum }

@@ -1,6 +1,6 @@
-//! Components of a point as a set.
+//! Sets of components of a grid point.
 
-/// Components 1 to 6 of a grid point as a set; the empty set is a scalar point's `0`.
+/// A set of components 1 to 6 of a grid point. The empty set stands for the `0` of a scalar point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Components(u8);
 
@@ -25,7 +25,7 @@ impl Components {
         self.0 >> component & 1 == 1
     }
 
-    /// Those of `self` that are not in `other`.
+    /// The components of `self` without those of `other`.
     pub fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
@@ -34,12 +34,12 @@ impl Components {
         Self(self.0 & other.0)
     }
 
-    /// The components in ascending order, 1 to 6.
+    /// The components, ascending.
     pub fn iter(self) -> impl Iterator<Item = u8> {
         (1..=6).filter(move |&component| self.contains(component))
     }
 
-    /// `246` as a set; `0` and no text are the empty set.
+    /// Parses `246`; `0` and empty text give the empty set.
     pub fn parse(word: &[u8]) -> Option<Self> {
         if word == b"0" {
             return Some(Self(0));

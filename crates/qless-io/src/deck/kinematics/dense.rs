@@ -1,9 +1,14 @@
-//! `A x = b` for a small square A by Gauss elimination with complete pivoting; A may be singular.
+//! Solves small square systems `A x = b` by Gauss elimination with complete pivoting; A may be singular.
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
-/// `P A Q = L U`, with the rank that the pivots show.
-pub struct Factor {
+use super::body::clean;
+use super::row::Row;
+use crate::deck::{CardFault, Dof, Problem};
+
+/// `P A Q = L U`, with the rank found.
+pub struct DenseFactor {
     n: usize,
     rank: usize,
     lu: Vec<f64>,
@@ -11,13 +16,13 @@ pub struct Factor {
     columns: Vec<usize>,
 }
 
-/// A pivot below this part of the largest entry counts as zero.
+/// Pivots below this fraction of the largest entry count as zero.
 const SINGULAR: f64 = 1e-10;
-/// A solution has to fulfil the equations without a pivot to this part of the right-hand side.
+/// Largest residual of equations without a pivot, relative to the right-hand side.
 const CONSISTENT: f64 = 1e-9;
 
-impl Factor {
-    /// Factors the n x n matrix `a`, by rows.
+impl DenseFactor {
+    /// Factors an n x n matrix, given by rows.
     pub fn new(n: usize, a: Vec<f64>) -> Self {
         let mut factor = Self { n, rank: n, lu: a, rows: (0..n).collect(), columns: (0..n).collect() };
         let largest = factor.lu.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -29,7 +34,7 @@ impl Factor {
         self.rank == self.n
     }
 
-    /// A solution of `A x = b`; none if there is none.
+    /// A solution of `A x = b`; `None` if there is no solution.
     pub fn solve(&self, b: &[f64]) -> Option<Vec<f64>> {
         let n = self.n;
         let mut y: Vec<f64> = self.rows.iter().map(|&row| b[row]).collect();
@@ -39,7 +44,7 @@ impl Factor {
             }
         }
         let size = b.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        if y[self.rank..].iter().any(|left| left.abs() > CONSISTENT * size) {
+        if y[self.rank..].iter().any(|residual| residual.abs() > CONSISTENT * size) {
             return None;
         }
         let mut x = vec![0.0; n];
@@ -50,13 +55,13 @@ impl Factor {
         Some(x)
     }
 
-    /// Step k; false if no pivot is above `least`.
+    /// Eliminates column k; returns false if no pivot exceeds `least`.
     fn eliminate(&mut self, k: usize, least: f64) -> bool {
         let n = self.n;
         let places = (k..n).flat_map(|i| (k..n).map(move |j| (i, j)));
         let size = |&(i, j): &(usize, usize)| self.lu[i * n + j].abs();
         let Some((row, column)) = places.max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
-        // Neither a number too small nor one that is none.
+        // This also refuses a pivot that is not a number.
         if size(&(row, column)).partial_cmp(&least) != Some(Ordering::Greater) {
             return false;
         }
@@ -80,13 +85,57 @@ impl Factor {
     }
 }
 
+/// Solves rows for the components `dependent`, one for each row. `size` converts rotations to lengths.
+pub fn solved_for(rows: &[Row], dependent: &[Dof], size: f64) -> Result<Vec<Row>, Problem> {
+    let m = rows.len();
+    if dependent.len() != m {
+        return Err(CardFault::UmCount { found: dependent.len(), expected: m }.into());
+    }
+    let columns = columns(rows, size);
+    let mut matrix = vec![0.0; m * m];
+    for (j, dof) in dependent.iter().enumerate() {
+        let column = columns.get(dof).ok_or(CardFault::UmSingular)?;
+        (0..m).for_each(|i| matrix[m * i + j] = column[i]);
+    }
+    let factor = DenseFactor::new(m, matrix);
+    if !factor.is_regular() {
+        return Err(CardFault::UmSingular.into());
+    }
+    let others = columns.iter().filter(|(dof, _)| !dependent.contains(dof));
+    let solved: Vec<(Dof, Vec<f64>)> =
+        others.map(|(&dof, column)| (dof, factor.solve(column).unwrap_or_default())).collect();
+    Ok((0..m).map(|i| row(i, dependent[i], &solved, size)).collect())
+}
+
+/// Coefficients of each component in all rows, converted to lengths.
+fn columns(rows: &[Row], size: f64) -> BTreeMap<Dof, Vec<f64>> {
+    let mut columns = BTreeMap::new();
+    for (i, row) in rows.iter().enumerate() {
+        for &(dof, value) in &row.terms {
+            let column = columns.entry(dof).or_insert_with(|| vec![0.0; rows.len()]);
+            column[i] += value * unit(row.terms[0].0, size) / unit(dof, size);
+        }
+    }
+    columns
+}
+
+fn row(i: usize, dependent: Dof, solved: &[(Dof, Vec<f64>)], size: f64) -> Row {
+    let largest = solved.iter().fold(1.0, |m: f64, (_, column)| m.max(column[i].abs()));
+    let back = |dof| unit(dof, size) / unit(dependent, size);
+    Row::new(dependent, solved.iter().map(|(dof, column)| (*dof, -clean(column[i], largest) * back(*dof))))
+}
+
+fn unit(dof: Dof, size: f64) -> f64 {
+    if dof.component > 3 { size } else { 1.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn regular_systems() {
-        let factor = Factor::new(3, vec![0.0, 2.0, 1.0, 1.0, 0.0, 3.0, 4.0, 1.0, 0.0]);
+        let factor = DenseFactor::new(3, vec![0.0, 2.0, 1.0, 1.0, 0.0, 3.0, 4.0, 1.0, 0.0]);
         assert!(factor.is_regular());
         let x = factor.solve(&[7.0, 10.0, 6.0]).expect("a solution");
         for (x, expected) in x.iter().zip([1.0, 2.0, 3.0]) {
@@ -96,12 +145,12 @@ mod tests {
 
     #[test]
     fn singular_systems_are_solved_where_they_can_be() {
-        let factor = Factor::new(2, vec![1.0, 2.0, 2.0, 4.0]);
+        let factor = DenseFactor::new(2, vec![1.0, 2.0, 2.0, 4.0]);
         assert!(!factor.is_regular());
         let x = factor.solve(&[3.0, 6.0]).expect("a solution");
         assert_eq!(x[0] + 2.0 * x[1], 3.0);
         assert!(factor.solve(&[3.0, 5.0]).is_none());
-        assert!(!Factor::new(2, vec![0.0; 4]).is_regular());
-        assert!(!Factor::new(1, vec![f64::NAN]).is_regular());
+        assert!(!DenseFactor::new(2, vec![0.0; 4]).is_regular());
+        assert!(!DenseFactor::new(1, vec![f64::NAN]).is_regular());
     }
 }

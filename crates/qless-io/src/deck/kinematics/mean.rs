@@ -1,22 +1,21 @@
-//! `RBE3`: the reference moves as the weighted mean of its grid points, `u_r = A_r S^-1 sum w_k a_k^T u_k` with
-//! `S = sum w_k a_k^T a_k`.
+//! `RBE3`: the reference moves as the weighted mean of grid points, `u_r = A_r S^-1 sum w_k a_k^T u_k` with `S = sum
+//! w_k a_k^T a_k`.
 //!
-//! a_k is the motion row of connected component k, w_k its weight; A_r holds the rows of the reference components. So that
-//! the result does not depend on the unit of length, the weight of a rotation counts times L^2, where L is the mean distance
-//! of the grid points from the reference. With an `UM` list the equations are solved for its components; what they say stays.
+//! a_k is the motion row of connected component k and w_k its weight; A_r holds the rows of the reference components.
+//! The weight of a rotation is multiplied by L^2, where L is the mean distance of the grid points from the reference;
+//! this makes the result independent of the unit of length. With a `UM` list, the equations are solved for the
+//! components in it, which does not change their meaning.
 
 use rustc_hash::FxHashMap;
 
 use super::body::{MotionRow, Pose, clean, product};
 use super::components::Components;
-use super::dense::Factor;
+use super::dense::{DenseFactor, solved_for};
 use super::row::{Poses, Row};
-use super::solved::solved_for;
 use super::vector::{Vector, length, minus, plus, scaled};
-use crate::deck::CardFault;
-use crate::deck::{Dof, Problem};
+use crate::deck::{CardFault, Dof, Problem};
 
-/// Components of some grid points that have the same weight.
+/// Components of some grid points with the same weight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     pub weight: f64,
@@ -24,21 +23,21 @@ pub struct Group {
     pub nodes: Vec<u32>,
 }
 
-/// The element as its card has it.
+/// The element, as on its card.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mean {
     pub reference: u32,
     pub components: Components,
     pub groups: Vec<Group>,
-    /// Components to solve for; empty without `UM`.
+    /// Components to solve for (`UM`); may be empty.
     pub dependent: Vec<(u32, Components)>,
 }
 
 impl Mean {
-    /// One equation for each component of the reference, solved for `UM` if there is one.
+    /// One equation for each component of the reference, solved for the `UM` components if there are any.
     pub fn rows(&self, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
         let reference = poses.pose(self.reference)?;
-        let body = Connected::new(self, &reference, poses)?;
+        let body = ConnectedBody::new(self, &reference, poses)?;
         let row = |component| {
             let dof = Dof { node: self.reference, component };
             let undetermined = CardFault::MeanUndetermined { node: dof.node, component };
@@ -54,17 +53,17 @@ impl Mean {
     }
 }
 
-/// The connected components with their motion rows, about their centre and with rotations as lengths.
-struct Connected {
+/// Connected components with their motion rows about their centre; rotations are converted to lengths.
+struct ConnectedBody {
     dofs: Vec<(Dof, MotionRow, f64)>,
     centre: Vector,
     size: f64,
-    /// `D S D` with ones on its diagonal, and D: rotations may weigh far more than translations.
-    normal: Factor,
+    /// Factor of `D S D`, where D scales the diagonal to ones: rotations may weigh far more than translations.
+    normal: DenseFactor,
     scale: MotionRow,
 }
 
-impl Connected {
+impl ConnectedBody {
     fn new(element: &Mean, reference: &Pose, poses: &impl Poses) -> Result<Self, Problem> {
         let nodes = element.nodes(poses)?;
         let count = nodes.len() as f64;
@@ -73,8 +72,13 @@ impl Connected {
         let size = from(centre).fold(0.0, f64::max);
         let arm = from(reference.position).sum::<f64>() / count;
         let unit = |length: f64| if length > 0.0 { length } else { 1.0 };
-        let mut body =
-            Self { dofs: Vec::new(), centre, size: unit(size), normal: Factor::new(0, Vec::new()), scale: [1.0; 6] };
+        let mut body = Self {
+            dofs: Vec::new(),
+            centre,
+            size: unit(size),
+            normal: DenseFactor::new(0, Vec::new()),
+            scale: [1.0; 6],
+        };
         let poses: FxHashMap<u32, Pose> = nodes.into_iter().collect();
         for (dof, weight) in element.weights()? {
             let weight = if dof.component > 3 { weight * unit(arm).powi(2) } else { weight };
@@ -83,17 +87,17 @@ impl Connected {
         let s = body.normal_matrix();
         body.scale = std::array::from_fn(|i| if s[7 * i] > 0.0 { 1.0 / s[7 * i].sqrt() } else { 1.0 });
         let scaled = s.iter().enumerate().map(|(k, value)| value * body.scale[k / 6] * body.scale[k % 6]);
-        body.normal = Factor::new(6, scaled.collect());
+        body.normal = DenseFactor::new(6, scaled.collect());
         Ok(body)
     }
 
-    /// The motion row with every motion as a length.
+    /// Motion row with rotations converted to lengths.
     fn row(&self, pose: &Pose, component: u8) -> MotionRow {
         let [a, b, c, d, e, f] = pose.row(component, self.centre);
         [a, b, c, d / self.size, e / self.size, f / self.size]
     }
 
-    /// S by rows.
+    /// Matrix S, by rows.
     fn normal_matrix(&self) -> Vec<f64> {
         let mut s = vec![0.0; 36];
         for (_, row, weight) in &self.dofs {
@@ -104,7 +108,8 @@ impl Connected {
         s
     }
 
-    /// What each connected component adds to one of the reference; none if they do not determine it.
+    /// Coefficients of the connected components for one component of the reference; `None` if they do not determine
+    /// it.
     fn mean(&self, reference: &Pose, component: u8) -> Option<Vec<(Dof, f64)>> {
         let scaled = |row: &MotionRow| -> MotionRow { std::array::from_fn(|i| row[i] * self.scale[i]) };
         let mut motion = self.normal.solve(&scaled(&self.row(reference, component)))?;
@@ -115,7 +120,7 @@ impl Connected {
 }
 
 impl Mean {
-    /// Each connected grid point once, in the order of the card.
+    /// Connected grid points, each once, in the order of the card.
     fn nodes(&self, poses: &impl Poses) -> Result<Vec<(u32, Pose)>, Problem> {
         let mut seen = rustc_hash::FxHashSet::default();
         let nodes = self.groups.iter().flat_map(|group| &group.nodes).filter(|node| seen.insert(**node));
@@ -123,7 +128,7 @@ impl Mean {
         if nodes.is_empty() || self.components.is_empty() { Err(CardFault::NothingConnected.into()) } else { Ok(nodes) }
     }
 
-    /// The weight of each connected component; those given several times add up.
+    /// Weights of the connected components; repeated components add up.
     pub(super) fn weights(&self) -> Result<Vec<(Dof, f64)>, Problem> {
         let mut places = FxHashMap::default();
         let mut weights: Vec<(Dof, f64)> = Vec::new();
@@ -146,6 +151,44 @@ impl Mean {
     }
 }
 
+/// The mean over the reference's own components only: `u_r = S^-1 sum w_k a_k^T u_k` with `S = sum w_k a_k^T a_k`,
+/// where a_k has only their columns. Without rotations among them it is the weighted mean, without lever arms.
+/// MYSTRAN's `RBE3` works this way.
+pub fn partial_rows(element: &Mean, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
+    let reference = poses.pose(element.reference)?;
+    let own: Vec<u8> = element.components.iter().collect();
+    let mut connected: Vec<(Dof, f64, Vec<f64>)> = Vec::new();
+    for (dof, weight) in element.weights()? {
+        let row: MotionRow = poses.pose(dof.node)?.seen_from(&reference).row(dof.component, [0.0; 3]);
+        connected.push((dof, weight, own.iter().map(|&component| row[component as usize - 1]).collect()));
+    }
+    let (factor, scale) = partial_normal(&connected, own.len());
+    let row = |(i, &component): (usize, &u8)| {
+        let mut unit = vec![0.0; own.len()];
+        unit[i] = scale[i];
+        let undetermined = || CardFault::MeanUndetermined { node: element.reference, component };
+        let motion = Some(&factor).filter(|factor| factor.is_regular()).and_then(|factor| factor.solve(&unit));
+        let motion = motion.ok_or_else(undetermined)?;
+        let largest = motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let motion: Vec<f64> = motion.iter().zip(&scale).map(|(x, d)| clean(*x, largest) * d).collect();
+        let share = |row: &[f64]| row.iter().zip(&motion).map(|(a, x)| a * x).sum::<f64>();
+        let terms = connected.iter().map(|(dof, weight, row)| (*dof, weight * share(row)));
+        Ok(Row::new(Dof { node: element.reference, component }, terms))
+    };
+    own.iter().enumerate().map(row).collect()
+}
+
+/// Factor of `D S D`, whose diagonal is 1, and D.
+fn partial_normal(connected: &[(Dof, f64, Vec<f64>)], n: usize) -> (DenseFactor, Vec<f64>) {
+    let mut s = vec![0.0; n * n];
+    for (_, weight, row) in connected {
+        (0..n * n).for_each(|k| s[k] += weight * row[k / n] * row[k % n]);
+    }
+    let scale: Vec<f64> = (0..n).map(|i| s[(n + 1) * i]).map(|x| if x > 0.0 { 1.0 / x.sqrt() } else { 1.0 }).collect();
+    let scaled = (0..n * n).map(|k| s[k] * scale[k / n] * scale[k % n]).collect();
+    (DenseFactor::new(n, scaled), scale)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::axes::BASIC_AXES;
@@ -165,7 +208,7 @@ mod tests {
         Mean { reference: 9, components: set(refc), groups: groups.iter().map(group).collect(), dependent: Vec::new() }
     }
 
-    /// Node k on a unit square about node 9, basic axes.
+    /// Node k on a unit square about node 9, with global axes.
     struct Square;
 
     impl Poses for Square {
@@ -210,7 +253,7 @@ mod tests {
         assert_eq!(others.filter(|term| slaves.iter().any(|slave| slave.0 == term.0)).count(), 0);
     }
 
-    /// Node 1 and 2 on either side of node 9, `L` away.
+    /// Nodes 1 and 2 on either side of node 9, at distance `L`.
     struct Beam(f64);
 
     impl Poses for Beam {
@@ -220,7 +263,7 @@ mod tests {
         }
     }
 
-    /// With `S = 2 (L^2 + L^2)` a rotation counts a quarter, in any unit of length; a deflection `L / S`.
+    /// With `S = 2 (L^2 + L^2)`, a rotation has coefficient 1/4 in any unit of length, and a deflection `L / S`.
     #[test]
     fn rotations_weigh_the_same_in_every_unit_of_length() {
         for size in [1e-9, 1.0, 1000.0, 1e9] {

@@ -1,13 +1,11 @@
-//! How points move together: positions, axes, rigid bodies and weighted means as equations, whatever the deck's language.
+//! Equations for points that move together: frames, rigid bodies, rods and weighted means, for decks of all formats.
 
 pub mod axes;
 pub mod body;
 pub mod components;
 mod dense;
 pub mod mean;
-pub mod partial_mean;
 pub mod rigid;
 pub mod rod;
 pub mod row;
-mod solved;
 pub mod vector;

@@ -1,24 +1,23 @@
 //! Rigid elements: `u_m = A_m A_n^-1 u_n`, where A holds the motion rows of the dependent (m) and of six independent (n)
 //! components.
 //!
-//! `RBE2` has its six at one grid point, `RBAR` spreads them over two, `RBE1` over up to six. Where they are all at one
-//! point, A_n is orthogonal and nothing has to be solved.
+//! `RBE2` has its six at one grid point, `RBAR` at two, `RBE1` at up to six. If all are at one point, A_n is
+//! orthogonal and needs no factor.
 
 use super::body::{MotionRow, Pose, clean};
 use super::components::Components;
-use super::dense::Factor;
+use super::dense::DenseFactor;
 use super::row::{Poses, Row};
 use super::vector::{Vector, length, minus, plus, scaled};
-use crate::deck::CardFault;
-use crate::deck::{Dof, Problem};
+use crate::deck::{CardFault, Dof, Problem};
 
 /// Components of grid points, in the order of the card.
 pub type Side = Vec<(u32, Components)>;
 
-/// An element that lets its grid points move as one rigid body.
+/// A rigid element.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rigid {
-    /// Six components in all.
+    /// Independent components; six in all.
     pub independent: Side,
     pub dependent: Side,
 }
@@ -58,11 +57,11 @@ impl Rigid {
     }
 
     fn general(&self, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
-        let body = Body::new(&self.independent, poses)?;
+        let body = IndependentBody::new(&self.independent, poses)?;
         self.each_dependent(poses, |pose, component| body.depends(pose, component))
     }
 
-    /// A row for each dependent component from its coefficients.
+    /// One row for each dependent component, with the given coefficients.
     fn each_dependent(
         &self,
         poses: &impl Poses,
@@ -77,15 +76,15 @@ impl Rigid {
     }
 }
 
-/// The independent components, and A_n^T factored. Rotations are made lengths by the size of the body.
-struct Body {
+/// Independent components, with A_n^T factored. The size of the body converts rotations to lengths.
+struct IndependentBody {
     components: Vec<Dof>,
     origin: Vector,
     size: f64,
-    factor: Factor,
+    factor: DenseFactor,
 }
 
-impl Body {
+impl IndependentBody {
     fn new(independent: &Side, poses: &impl Poses) -> Result<Self, Problem> {
         let placed: Vec<_> = independent
             .iter()
@@ -95,7 +94,7 @@ impl Body {
             placed.iter().fold([0.0; 3], |sum, (.., pose)| plus(sum, scaled(pose.position, 1.0 / placed.len() as f64)));
         let farthest = placed.iter().map(|(.., pose)| length(minus(pose.position, origin))).fold(0.0, f64::max);
         let size = if farthest > 0.0 { farthest } else { 1.0 };
-        let mut body = Self { components: Vec::new(), origin, size, factor: Factor::new(0, Vec::new()) };
+        let mut body = Self { components: Vec::new(), origin, size, factor: DenseFactor::new(0, Vec::new()) };
         let mut transposed = vec![0.0; 36];
         for (node, set, pose) in placed {
             for component in set.iter() {
@@ -107,20 +106,20 @@ impl Body {
                 body.components.push(Dof { node, component });
             }
         }
-        body.factor = Factor::new(6, transposed);
+        body.factor = DenseFactor::new(6, transposed);
         if body.factor.is_regular() { Ok(body) } else { Err(CardFault::IndependentSingular.into()) }
     }
 
-    /// The motion row with every component and every motion as a length.
+    /// Motion row with components and motions converted to lengths.
     fn row(&self, pose: &Pose, component: u8) -> MotionRow {
         let [a, b, c, d, e, f] = pose.row(component, self.origin);
         let unit = if component > 3 { self.size } else { 1.0 };
         [a, b, c, d / self.size, e / self.size, f / self.size].map(|x| x * unit)
     }
 
-    /// What each independent component adds to a dependent one.
+    /// Coefficients of the independent components for a dependent one.
     fn depends(&self, pose: &Pose, component: u8) -> Vec<(Dof, f64)> {
-        // A regular factor solves every system.
+        // A nonsingular factor solves every system.
         let solution = self.factor.solve(&self.row(pose, component)).unwrap_or_default();
         let largest = solution.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let length = |at: u8| if at > 3 { self.size } else { 1.0 };
@@ -180,7 +179,7 @@ mod tests {
         assert_eq!(refused(&[(1, "123456")], &[]), CardFault::NothingConnected.into());
     }
 
-    /// Node k at x = 2 (k - 1), basic axes.
+    /// Node k at x = 2 (k - 1), with global axes.
     struct Straight;
 
     impl Poses for Straight {

@@ -1,10 +1,9 @@
-//! `RROD`: a rod that keeps its length, `n . (u_b - u_a) = 0` with n from one end to the other.
+//! `RROD`: a rod of constant length, `n . (u_b - u_a) = 0`, where n is its direction.
 
 use super::body::product;
 use super::row::{Poses, Row};
 use super::vector::{minus, unit};
-use crate::deck::CardFault;
-use crate::deck::{Dof, Problem};
+use crate::deck::{CardFault, Dof, Problem};
 
 /// A rigid rod between two grid points; `dependent` is one of their translations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +13,7 @@ pub struct Rod {
 }
 
 impl Rod {
-    /// The one equation, divided by the coefficient of the dependent component.
+    /// The equation, divided by the coefficient of the dependent component.
     pub fn rows(&self, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
         let [a, b] = self.ends;
         let (pose_a, pose_b) = (poses.pose(a)?, poses.pose(b)?);

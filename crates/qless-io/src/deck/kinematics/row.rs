@@ -1,9 +1,9 @@
-//! One equation between components: `sum a u = 0`, the dependent component first.
+//! Equations between components: `sum a u = 0`, dependent component first.
 
 use super::body::Pose;
 use crate::deck::{Dof, Problem};
 
-/// An equation. No coefficient is zero.
+/// An equation without zero coefficients.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     pub terms: Vec<(Dof, f64)>,
@@ -17,18 +17,18 @@ impl Row {
     }
 }
 
-/// Finds where a grid point is; an error where there is none.
+/// Finds the position and axes of grid points; fails for an undefined one.
 pub trait Poses {
     fn pose(&self, node: u32) -> Result<Pose, Problem>;
 }
 
-/// Test bodies: grid points at irregular places with irregular axes.
+/// Test data: grid points with irregular positions and axes.
 #[cfg(test)]
 pub mod samples {
     use super::super::axes::{Frame, Kind};
     use super::*;
 
-    /// Any node has a pose of its own.
+    /// A different pose for each node.
     pub struct Irregular;
 
     impl Poses for Irregular {
@@ -40,7 +40,7 @@ pub mod samples {
         }
     }
 
-    /// The largest residual of the rows under the six rigid motions, relative to the size of the terms.
+    /// Largest residual of the rows under the six rigid motions, relative to the size of the terms.
     pub fn rigid_residual(rows: &[Row], poses: &impl Poses) -> f64 {
         let mut worst = 0.0_f64;
         for row in rows {

@@ -1,4 +1,4 @@
-//! Vectors of three numbers.
+//! Vectors in space.
 
 pub type Vector = [f64; 3];
 
@@ -18,7 +18,8 @@ pub fn plus(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// a - b for points; a component that is only the rounding of such coordinates is 0, so that points in one plane stay in it.
+/// Difference of two points. A component that is only a rounding error of such coordinates becomes 0, so that points
+/// in one plane stay in it.
 pub fn minus(a: Vector, b: Vector) -> Vector {
     let rounding = 4.0 * f64::EPSILON * (largest(a) + largest(b));
     std::array::from_fn(|k| {
@@ -27,7 +28,7 @@ pub fn minus(a: Vector, b: Vector) -> Vector {
     })
 }
 
-/// The largest |a_i|.
+/// Largest absolute component.
 pub fn largest(a: Vector) -> f64 {
     a.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
@@ -37,7 +38,7 @@ pub fn length(a: Vector) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
 
-/// a / |a|; none where a is zero or beyond the range of floats.
+/// Unit vector `a / |a|`; `None` if a is zero or not finite.
 pub fn unit(a: Vector) -> Option<Vector> {
     let largest = largest(a);
     if !(largest > 0.0 && largest.is_finite()) {

@@ -1,28 +1,28 @@
 //! How readers fill a model.
 
-use super::runs::Run;
+use super::storage::OriginRun;
 use super::{Dof, Model, Origin, Warning};
 use crate::deck::CardName;
 
 impl Model {
-    /// Makes room for equations and terms to come.
-    pub(in crate::deck) fn reserve(&mut self, equations: usize, terms: usize) {
+    /// Reserves memory for equations and terms.
+    pub(crate) fn reserve(&mut self, equations: usize, terms: usize) {
         self.ends.reserve_exact(equations);
         self.terms.columns.reserve_exact(terms);
         self.terms.coefficients.reserve_exact(terms);
         self.dofs.reserve_exact(terms);
     }
 
-    /// Gives back the room made for DOFs: there can be as many as terms, but mostly there are fewer.
-    pub(in crate::deck) fn shrink(&mut self) {
-        // To give a little back would copy all for nothing.
+    /// Frees memory reserved for DOFs: usually there are fewer DOFs than terms.
+    pub(crate) fn shrink(&mut self) {
+        // Freeing little is not worth the copy.
         if self.dofs.len() < self.dofs.capacity() / 2 {
             self.dofs.shrink_to_fit();
         }
     }
 
-    /// Adds an equation. The terms are kept as they come: repeated DOFs and zeros included.
-    pub(in crate::deck) fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
+    /// Adds an equation. Terms are stored as given, with repeated DOFs and zeros.
+    pub(crate) fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
         let i = self.equations();
         for (turn, (dof, coefficient)) in terms.into_iter().enumerate() {
             let next = self.dofs.len() as u32;
@@ -39,44 +39,44 @@ impl Model {
             self.rhs.push(rhs);
         }
         if !self.runs.last_mut().is_some_and(|run| run.take(i, origin)) {
-            self.runs.push(Run { first: i as u32, origin, stride: 0, cards: 0 });
+            self.runs.push(OriginRun { first: i as u32, origin, stride: 0, cards: 0 });
         }
     }
 
     /// Adds a card and returns its number.
-    pub(in crate::deck) fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
+    pub(crate) fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
         self.cards.push(name.into(), file, line)
     }
 
     /// Adds a warning about a line.
-    pub(in crate::deck) fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
+    pub(crate) fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Says what the solver stops at.
-    pub(in crate::deck) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
+    /// Notes a card that stops the solver.
+    pub(crate) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Says that a card constrains, but was left out.
-    pub(in crate::deck) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
+    /// Notes a card that constrains but was left out.
+    pub(crate) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
 
-    /// Sets such DOFs.
-    pub(in crate::deck) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
+    /// Sets the DOFs that cards claim and that cannot be slaves.
+    pub(crate) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
         claims.sort_by_key(|(dof, _)| *dof);
         claims.dedup_by_key(|(dof, _)| *dof);
         self.claims = claims;
     }
 
-    /// Says that the equations of a card are kept by multipliers.
-    pub(in crate::deck) fn keep_by_multipliers(&mut self, card: u32) {
+    /// Notes that the solver enforces the equations of a card by multipliers.
+    pub(crate) fn keep_by_multipliers(&mut self, card: u32) {
         self.without_slaves.insert(card);
     }
 
-    /// The number of the course of this name.
-    pub(in crate::deck) fn course(&mut self, name: &str) -> u32 {
+    /// Number of the time history of this name.
+    pub(crate) fn course(&mut self, name: &str) -> u32 {
         let known = self.courses.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {
             self.courses.push(name.to_owned());
@@ -85,18 +85,18 @@ impl Model {
         at as u32 + 1
     }
 
-    /// Names nodes from `first` on by an instance and their numbers in it.
-    pub(in crate::deck) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
+    /// Names the nodes of an instance, from `first` on, by their numbers in it.
+    pub(crate) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
         self.names.instance(first, instance, own);
     }
 
     /// Names a node.
-    pub(in crate::deck) fn name_node(&mut self, node: u32, name: String) {
+    pub(crate) fn name_node(&mut self, node: u32, name: String) {
         self.names.one(node, name);
     }
 
-    /// Says that a card that is left out may claim DOFs.
-    pub(in crate::deck) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
+    /// Notes DOFs that a card which is left out may claim.
+    pub(crate) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
         self.left_out_claims.extend(dofs.into_iter().map(|dof| (dof, origin)));
         self.left_out_claims.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));
         self.left_out_claims.dedup();

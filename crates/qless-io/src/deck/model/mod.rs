@@ -1,68 +1,71 @@
-//! What a deck constrains, whatever its format: equations on DOFs, prescribed values by load case, and where each stands.
+//! Constraints of a deck of any format: equations, prescribed values by load case, and their origins.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::Cards;
-use super::columns::Columns;
-use super::node_names::NodeNames;
-pub(super) use parts::Traits;
-pub use parts::{Dof, Equation, Load, LoadCase, Origin, Prescribed, Warning};
-use runs::{Run, Terms};
+use rustc_hash::FxHashMap;
 
+use super::Cards;
+use constraints::DeckTraits;
+pub use constraints::{DeckEquation, Dof, Load, LoadCase, Origin, Prescribed, Warning};
+use names::NodeNames;
+use storage::{ColumnMap, OriginRun, TermStorage};
+
+mod constraints;
 mod fill;
 mod names;
-mod parts;
-mod runs;
+mod storage;
+mod system;
 
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
-    pub(in crate::deck) files: Vec<PathBuf>,
-    pub(in crate::deck) cards: Cards,
-    pub(in crate::deck) dofs: Vec<Dof>,
-    pub(in crate::deck) cases: Vec<LoadCase>,
-    pub(in crate::deck) warnings: Vec<Warning>,
-    pub(in crate::deck) refusals: Vec<Warning>,
-    /// Rotations that the solver makes for bodies: the first of three components of the reference node.
-    pub(in crate::deck) own_rotations: BTreeSet<Dof>,
-    pub(in crate::deck) traits: Traits,
-    /// Whether a load case takes nothing over from those before it.
-    pub(in crate::deck) has_separate_cases: bool,
-    /// Names of the courses after the first.
+    pub(crate) files: Vec<PathBuf>,
+    pub(crate) cards: Cards,
+    pub(crate) dofs: Vec<Dof>,
+    pub(crate) cases: Vec<LoadCase>,
+    pub(crate) warnings: Vec<Warning>,
+    pub(crate) refusals: Vec<Warning>,
+    /// Rotations that the solver makes for bodies, by the first of three components of the reference node.
+    pub(crate) own_rotations: BTreeSet<Dof>,
+    pub(crate) traits: DeckTraits,
+    /// Whether load cases are independent, so that none inherits from earlier ones.
+    pub(crate) has_separate_cases: bool,
+    /// Names of the time histories after the first.
     courses: Vec<String>,
     names: NodeNames,
-    /// Ascending by DOF.
+    /// DOFs that cards left out may claim, ascending.
     left_out_claims: Vec<(Dof, Origin)>,
-    /// DOFs that cards put where no slave may be, ascending.
+    /// DOFs that cards claim and that cannot be slaves, ascending.
     claims: Vec<(Dof, Origin)>,
-    /// Nodes with axes of their own: where one of their DOFs is prescribed, ccx takes slaves there as it likes.
-    pub(in crate::deck) turned: BTreeSet<u32>,
-    /// Whether the solver does not always add up terms of an equation that name a DOF twice.
-    pub(in crate::deck) keeps_repeated_terms: bool,
-    /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
+    /// Nodes with local axes. If one of their DOFs is prescribed, the slaves that ccx chooses there cannot be
+    /// predicted.
+    pub(crate) turned: BTreeSet<u32>,
+    /// Whether the solver may fail to add up terms of an equation with the same DOF.
+    pub(crate) keeps_repeated_terms: bool,
+    /// Cards whose equations the solver enforces by multipliers, without slaves.
     without_slaves: BTreeSet<u32>,
-    columns: Columns,
-    terms: Terms,
-    /// Where the terms of each equation end.
+    columns: ColumnMap,
+    terms: TermStorage,
+    /// End of each equation in `terms`.
     ends: Vec<u32>,
-    /// Right-hand sides up to the last that is not zero.
+    /// Right-hand sides, up to the last nonzero one.
     rhs: Vec<f64>,
-    runs: Vec<Run>,
+    runs: Vec<OriginRun>,
 }
 
 impl Model {
-    /// A model without equations or load cases, of these files.
-    pub(in crate::deck) fn new(files: Vec<PathBuf>) -> Self {
+    /// An empty model of these files.
+    pub(crate) fn new(files: Vec<PathBuf>) -> Self {
         Self { files, ..Self::default() }
     }
 
-    /// The files read, the main one first.
+    /// Files of the deck, the main file first.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
 
-    /// Cards that constrain, in the order met.
+    /// Cards that constrain, in the order of the deck.
     pub fn cards(&self) -> &Cards {
         &self.cards
     }
@@ -77,12 +80,12 @@ impl Model {
         &self.cases
     }
 
-    /// What was not understood or not exact.
+    /// Warnings: cards not understood, or equations that are not exact.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
-    /// What the solver stops at when it reads the deck, whatever its equations say.
+    /// Reasons for the solver to stop when it reads the deck, regardless of its equations.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -96,12 +99,13 @@ impl Model {
         &self.refusals
     }
 
-    /// How prescribed values run in time: 0 is the solver's standard course, which has no name; others have that of an amplitude.
+    /// Names of the time histories of prescribed values. The first one is the solver's standard history, without a
+    /// name; the others are amplitudes.
     pub fn courses(&self) -> impl Iterator<Item = Option<&str>> {
         std::iter::once(None).chain(self.courses.iter().map(|name| Some(name.as_str())))
     }
 
-    /// What constrains and was left out: while there is any, what is said of the rest need not be so of the deck.
+    /// Constraints that were left out. If there are any, results for the others may not hold for the whole deck.
     pub fn left_out(&self) -> impl Iterator<Item = &Warning> {
         self.warnings.iter().filter(|warning| warning.leaves_out)
     }
@@ -116,16 +120,16 @@ impl Model {
         self.terms.columns.len()
     }
 
-    /// Equation `i`, from 0, if it is there.
-    pub fn equation(&self, i: usize) -> Option<Equation<'_>> {
+    /// Equation `i`, from 0, if it exists.
+    pub fn equation(&self, i: usize) -> Option<DeckEquation<'_>> {
         (i < self.equations()).then(|| self.nth(i))
     }
 
-    /// Equation `i`, which is there.
-    pub(in crate::deck) fn nth(&self, i: usize) -> Equation<'_> {
+    /// Equation `i`, which must exist.
+    pub(crate) fn nth(&self, i: usize) -> DeckEquation<'_> {
         let range = if i == 0 { 0 } else { self.ends[i - 1] as usize }..self.ends[i] as usize;
         let run = self.runs[self.runs.partition_point(|run| run.first <= i as u32) - 1];
-        Equation {
+        DeckEquation {
             columns: &self.terms.columns[range.clone()],
             coefficients: &self.terms.coefficients[range],
             rhs: self.rhs.get(i).copied().unwrap_or(0.0),
@@ -138,24 +142,43 @@ impl Model {
         self.columns.get(dof)
     }
 
-    /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.
+    /// Origin of the claim on a DOF that cannot be a slave, as with Nastran's `ASET`.
     pub fn claimed(&self, dof: Dof) -> Option<Origin> {
         self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
     }
 
-    /// Whether the first term of equation `i` is a slave; not so where the solver keeps the equation by a multiplier.
+    /// Whether the first term of equation `i` is a slave. If the solver enforces it by a multiplier, it has none.
     pub fn has_slave(&self, i: usize) -> bool {
         self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
     }
 
-    /// DOFs that cards left out may claim, ascending, and where those stand: no equation written anew may have them as slaves.
+    /// DOFs that cards left out may claim, ascending, with the origins of the claims. New equations must not have them
+    /// as slaves.
     pub fn left_out_claims(&self) -> &[(Dof, Origin)] {
         &self.left_out_claims
     }
 
-    /// The equations in force in a load case, by their number in the deck.
+    /// Equations in force in a load case, by number.
     pub fn in_force(&self, case: &LoadCase) -> impl Iterator<Item = usize> + '_ {
         let removed = case.removed.clone();
         (0..self.equations()).filter(move |&i| removed.binary_search(&(i as u32)).is_err())
+    }
+
+    /// Columns prescribed in any of these load cases, with the origin of the value.
+    pub(crate) fn prescribed_in<'a>(&self, cases: impl IntoIterator<Item = &'a LoadCase>) -> FxHashMap<u32, Origin> {
+        let mut prescribed = FxHashMap::default();
+        for given in cases.into_iter().flat_map(|case| &case.prescribed) {
+            if let Some(column) = self.column(given.dof) {
+                prescribed.entry(column).or_insert(given.origin);
+            }
+        }
+        prescribed
+    }
+
+    /// The DOF itself; or, for a translation of a node with local axes, component 0, which stands for all three global
+    /// translations.
+    pub(crate) fn as_global(&self, dof: Dof) -> Dof {
+        let is_turned = (1..=3).contains(&dof.component) && self.turned.contains(&dof.node);
+        if is_turned { Dof { component: 0, ..dof } } else { dof }
     }
 }

@@ -1,4 +1,4 @@
-//! What the input calls nodes, DOFs, equations and places.
+//! Names of nodes, DOFs, equations and places, as in the deck.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use super::{Dof, Model, Origin, Warning};
 use crate::deck::{DeckError, Problem};
 
 impl Model {
-    /// What the deck calls a node: `Part-1-1.12`, or its number where that is its name.
+    /// Name of a node in the deck: `Part-1-1.12`, or simply its number.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -19,7 +19,7 @@ impl Model {
         self.names.get(node).unwrap_or_else(|| node.to_string())
     }
 
-    /// What the deck calls a DOF: `Part-1-1.12:3`.
+    /// Name of a DOF in the deck: `Part-1-1.12:3`.
     pub fn dof_name(&self, dof: Dof) -> String {
         match self.names.get(dof.node) {
             Some(name) => format!("{name}:{}", dof.component),
@@ -27,13 +27,13 @@ impl Model {
         }
     }
 
-    /// Whether nodes have names of instances, so that their numbers mean nothing in the deck's text.
+    /// Whether nodes belong to instances, so that their numbers do not occur in the deck's text.
     pub fn has_instances(&self) -> bool {
         self.names.has_instances()
     }
 
-    /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others; the line alone for an origin
-    /// that is none of this model.
+    /// Line and card of an origin: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others. An origin
+    /// of another model gives the line alone.
     pub fn place(&self, origin: Origin) -> String {
         let Some(card) = self.cards.get(origin.card) else { return format!("line {}", origin.line) };
         let path = self.files.get(card.file as usize).map(PathBuf::as_path);
@@ -44,7 +44,7 @@ impl Model {
         }
     }
 
-    /// Where something is that the user should know: `line 41`, `part.inc:41` in files that are included.
+    /// Place of a warning: `line 41`, or `part.inc:41` in included files.
     pub fn place_of(&self, warning: &Warning) -> String {
         let path = self.files.get(warning.file as usize).filter(|_| warning.file > 0);
         match path.and_then(|path| path.file_name()) {
@@ -53,13 +53,13 @@ impl Model {
         }
     }
 
-    /// `line 41 *EQUATION 6:3`: the place and the first DOF of equation `i`, if it is there.
+    /// Label of equation `i`, if it exists: its place and its first DOF, as in `line 41 *EQUATION 6:3`.
     pub fn label(&self, i: usize) -> Option<String> {
         (i < self.equations()).then(|| self.label_of(i))
     }
 
-    /// The label of equation `i`, which is there.
-    pub(in crate::deck) fn label_of(&self, i: usize) -> String {
+    /// Label of equation `i`, which must exist.
+    pub(crate) fn label_of(&self, i: usize) -> String {
         let equation = self.nth(i);
         let place = self.place(equation.origin);
         match equation.columns.first() {
@@ -69,9 +69,80 @@ impl Model {
     }
 
     /// An error at a line of a card.
-    pub(in crate::deck) fn error(&self, origin: Origin, field: Option<usize>, problem: Problem) -> DeckError {
+    pub(crate) fn error(&self, origin: Origin, field: Option<usize>, problem: Problem) -> DeckError {
         let card = self.cards.nth(origin.card);
         let path = self.files[card.file as usize].clone();
         DeckError { path, line: origin.line as usize, card: card.name.to_string(), field, problem }
+    }
+}
+
+/// Names of nodes by number.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NodeNames {
+    /// Runs, ascending by first number.
+    runs: Vec<NameRun>,
+}
+
+/// Names of consecutive nodes from `first` on.
+#[derive(Clone, Debug)]
+struct NameRun {
+    first: u32,
+    names: RunNames,
+}
+
+#[derive(Clone, Debug)]
+enum RunNames {
+    /// An instance, and the numbers of its nodes within it.
+    Instance(String, Vec<u32>),
+    /// Name of a single node.
+    One(String),
+}
+
+impl NodeNames {
+    /// Names the nodes of an instance, from `first` on.
+    pub fn instance(&mut self, first: u32, instance: String, own: Vec<u32>) {
+        self.insert(NameRun { first, names: RunNames::Instance(instance, own) });
+    }
+
+    /// Names a node.
+    pub fn one(&mut self, node: u32, name: String) {
+        self.insert(NameRun { first: node, names: RunNames::One(name) });
+    }
+
+    fn insert(&mut self, run: NameRun) {
+        let at = self.runs.partition_point(|known| known.first <= run.first);
+        self.runs.insert(at, run);
+    }
+
+    /// Name of a node, if it has one.
+    pub fn get(&self, node: u32) -> Option<String> {
+        let run = &self.runs[self.runs.partition_point(|run| run.first <= node).checked_sub(1)?];
+        let k = (node - run.first) as usize;
+        match &run.names {
+            RunNames::Instance(instance, own) => own.get(k).map(|own| format!("{instance}.{own}")),
+            RunNames::One(name) => (k == 0).then(|| name.clone()),
+        }
+    }
+
+    /// Whether some nodes belong to instances.
+    pub fn has_instances(&self) -> bool {
+        self.runs.iter().any(|run| matches!(run.names, RunNames::Instance(..)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_by_number() {
+        let mut names = NodeNames::default();
+        names.one(30, "reference".into());
+        names.instance(10, "I-1".into(), vec![1, 5]);
+        names.instance(12, "I-2".into(), vec![]);
+        names.instance(12, "I-3".into(), vec![7]);
+        let found = [9, 10, 11, 12, 13, 30, 31].map(|node| names.get(node));
+        let expected = [None, Some("I-1.1"), Some("I-1.5"), Some("I-3.7"), None, Some("reference"), None];
+        assert_eq!(found, expected.map(|name| name.map(str::to_owned)));
     }
 }

@@ -1,46 +1,45 @@
-//! CalculiX, as version 2.20 does; `tests/calculix/claims.rs` runs it on every pair.
+//! CalculiX 2.20; `tests/calculix/claims.rs` runs it on every pair of cards.
 //!
-//! Couplings are read before all other cards that constrain, ties become equations after the first step has been read. Some cards
-//! stop where their slave is one already, others pass that DOF by. Where a slave is prescribed is looked at in the first step, and in a
-//! later one only where the equations may have changed since.
+//! ccx reads couplings before all other cards that constrain, and turns ties into equations after the first step. If a
+//! slave is a slave already, some cards stop and others skip that DOF. ccx compares slaves with prescribed DOFs in the
+//! first step, and in later steps only if the equations may have changed.
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::{Dof, LoadCase, Model, Outcome};
+use super::{CardKind, Outcome};
+use crate::deck::{Dof, LoadCase, Model};
 
-use super::kind::Kind;
-
-/// When ccx looks at a card, whatever its place in the deck.
-fn turn(kind: Kind) -> u8 {
+/// Order in which ccx treats cards, regardless of their place in the deck.
+fn turn(kind: CardKind) -> u8 {
     match kind {
-        Kind::Kinematic => 0,
-        Kind::Tie => 2,
+        CardKind::Kinematic => 0,
+        CardKind::Tie => 2,
         _ => 1,
     }
 }
 
 /// Two cards with the same slave, in the order of the deck.
-pub fn twice(first: Kind, second: Kind) -> Outcome {
+pub fn twice(first: CardKind, second: CardKind) -> Outcome {
     let (late, dropped) =
         if turn(second) < turn(first) { (first, Outcome::IgnoresFirst) } else { (second, Outcome::IgnoresSecond) };
     match late {
-        Kind::Tie | Kind::Kinematic | Kind::RigidBody | Kind::Mpc | Kind::Sector => dropped,
+        CardKind::Tie | CardKind::Kinematic | CardKind::RigidBody | CardKind::Mpc | CardKind::Sector => dropped,
         _ => Outcome::Refused,
     }
 }
 
-/// A slave that is prescribed: from the first step on, or only later and then looked at again or not.
-pub fn prescribed(kind: Kind, is_later: bool, is_looked_at: bool) -> Outcome {
+/// A prescribed slave: from the first step on or only later, and then compared again or not.
+pub fn prescribed(kind: CardKind, is_later: bool, is_looked_at: bool) -> Outcome {
     match (kind, is_later) {
-        (Kind::Tie, false) => Outcome::IgnoresFirst,
+        (CardKind::Tie, false) => Outcome::IgnoresFirst,
         (_, true) if !is_looked_at => Outcome::IgnoresSecond,
         _ => Outcome::Refused,
     }
 }
 
-/// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave: it does in every step
-/// of a deck with `*TRANSFORM`, where `*EQUATION, REMOVE` takes equations away, and in nonlinear steps where equations of which one is
-/// nonlinear hang together.
+/// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave. It
+/// does so in every step of a deck with `*TRANSFORM`, where `*EQUATION, REMOVE` removes equations, and in nonlinear
+/// steps with linked equations of which one is nonlinear.
 pub fn looks_again(
     model: &Model,
     equation: usize,
@@ -57,21 +56,21 @@ pub fn looks_again(
     removes || model.traits.has_local_axes || hangs_together()
 }
 
-/// Whether some equation in force has the slave of another as a master, and one of the two is nonlinear.
+/// Whether a master of some equation in force is the slave of another one, and one of the two is nonlinear.
 pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
     if !model.traits.is_nonlinear {
         return false;
     }
-    // It makes them of equations to nodes of its own, which are slaves.
+    // Couplings with their own axes become equations to new nodes, which are slaves.
     if model.traits.has_turned_couplings {
         return true;
     }
-    let kind = |i: usize| Kind::of(&model.cards.nth(model.nth(i).origin.card).name);
-    let is_nonlinear = |i: usize| matches!(kind(i), Kind::Kinematic | Kind::RigidBody | Kind::Mpc);
+    let kind = |i: usize| CardKind::from_name(&model.cards.nth(model.nth(i).origin.card).name);
+    let is_nonlinear = |i: usize| matches!(kind(i), CardKind::Kinematic | CardKind::RigidBody | CardKind::Mpc);
     let mut kept = (0..model.equations()).filter(|&i| !left_out[i]);
     let slaves: FxHashMap<Dof, usize> = kept.clone().filter_map(|i| Some((slave(model, i)?, i))).collect();
     kept.any(|i| {
-        let masters = named(model, i, kind(i) == Kind::Mpc).into_iter().filter(|dof| Some(*dof) != slave(model, i));
+        let masters = named(model, i, kind(i) == CardKind::Mpc).into_iter().filter(|dof| Some(*dof) != slave(model, i));
         masters.filter_map(|dof| slaves.get(&dof)).any(|&j| is_nonlinear(i) || is_nonlinear(j))
     })
 }
@@ -80,8 +79,8 @@ fn slave(model: &Model, equation: usize) -> Option<Dof> {
     model.nth(equation).columns.first().map(|&j| model.dofs[j as usize])
 }
 
-/// The DOFs of an equation. `*MPC` names all directions of its nodes, even with coefficients of zero; where it has two equations for a
-/// node (STRAIGHT), each leaves out the slave's direction of the other.
+/// DOFs of an equation. `*MPC` names all directions of its nodes, even with zero coefficients. If it has two equations
+/// for a node (STRAIGHT), each leaves out the other's slave.
 fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
     let dofs = model.nth(equation).columns.iter().map(|&j| model.dofs[j as usize]);
     if !is_mpc {
@@ -97,8 +96,8 @@ fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
     dofs.flat_map(|dof| directions.clone().map(move |component| Dof { component, ..dof })).collect()
 }
 
-/// DOFs that `*KINEMATIC` makes slaves besides those of its nodes, each with the first equation of its card: the rotations of its
-/// reference node, which follow those of a node that ccx adds. They can be prescribed.
+/// Additional slaves of `*KINEMATIC`, with the first equation of each card: the rotations of its reference node follow
+/// those of a node that ccx adds. They can be prescribed.
 pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
     let mut rotations = Vec::new();
     let mut last = None;
@@ -108,7 +107,7 @@ pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
             continue;
         }
         last = Some(equation.origin.card);
-        if Kind::of(&model.cards.nth(equation.origin.card).name) == Kind::Kinematic {
+        if CardKind::from_name(&model.cards.nth(equation.origin.card).name) == CardKind::Kinematic {
             let nodes = || equation.columns.iter().map(|&j| model.dofs[j as usize].node);
             let reference = nodes().find(|node| Some(*node) != nodes().next());
             rotations
@@ -116,4 +115,67 @@ pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
         }
     }
     rotations
+}
+
+/// ccx takes coefficients below this for zero.
+const ZERO: f64 = 1e-10;
+/// Most insertions; beyond that, the result is unknown.
+const MOST_INSERTIONS: usize = 200_000;
+
+/// Terms of an equation, slave first.
+type TermList = Vec<(u32, f64)>;
+
+/// Inserts equations into each other as ccx does: for each master that is the slave of another equation, until there
+/// is none. ccx stops if the slave of an equation cancels. Returns whether all equations keep their slaves; `None` if
+/// that takes too many insertions.
+pub fn keeps_slaves(model: &Model, equations: &[usize]) -> Option<bool> {
+    let row = |&i: &usize| {
+        let equation = model.nth(i);
+        collected(equation.columns.iter().copied().zip(equation.coefficients.iter().copied()))
+    };
+    let mut rows: Vec<TermList> = equations.iter().map(row).filter(|row| !row.is_empty()).collect();
+    let slaves: FxHashMap<u32, usize> = rows.iter().map(|row| row[0].0).zip(0..).collect();
+    for _ in 0..MOST_INSERTIONS / rows.len().max(1) {
+        let mut is_done = true;
+        for i in 0..rows.len() {
+            let master = |&(j, _): &(u32, f64)| slaves.get(&j).copied().filter(|&k| k != i);
+            let Some((at, k)) = rows[i].iter().enumerate().skip(1).find_map(|(at, term)| Some((at, master(term)?)))
+            else {
+                continue;
+            };
+            rows[i] = inserted(&rows[i], at, &rows[k]);
+            is_done = false;
+            if rows[i][0].1.abs() < ZERO {
+                return Some(false);
+            }
+        }
+        if is_done {
+            return Some(true);
+        }
+    }
+    None
+}
+
+/// Adds up terms with the same DOF, in order of first occurrence. Keeps the first term, and others that are not zero.
+fn collected(terms: impl Iterator<Item = (u32, f64)>) -> TermList {
+    let mut row = TermList::new();
+    let mut at: FxHashMap<u32, usize> = FxHashMap::default();
+    for (j, a) in terms {
+        let k = *at.entry(j).or_insert(row.len());
+        if k == row.len() {
+            row.push((j, a));
+        } else {
+            row[k].1 += a;
+        }
+    }
+    let mut is_first = true;
+    row.retain(|(_, a)| std::mem::take(&mut is_first) || a.abs() >= ZERO);
+    row
+}
+
+/// A row in which the term at position `at` is replaced by its equation.
+fn inserted(row: &TermList, at: usize, equation: &TermList) -> TermList {
+    let factor = -row[at].1 / equation[0].1;
+    let instead = equation[1..].iter().map(|&(j, a)| (j, factor * a));
+    collected(row[..at].iter().copied().chain(instead).chain(row[at + 1..].iter().copied()))
 }

@@ -1,78 +1,24 @@
-//! The solver whose behaviour counts: what a card means to it, and what it does where two cards claim one DOF.
+//! Predicts what each solver does with the faults of a deck.
 
-mod abaqus;
-mod ansys;
-mod cascade;
-pub(super) mod ccx;
-pub(super) mod kind;
-mod nastran;
+mod ccx;
+mod findings;
+mod manuals;
 mod outcome;
-mod profile;
 
-use std::str::FromStr;
+use std::cell::OnceCell;
 
-use super::Format;
-use super::clean::Fault;
-use super::model::Model;
+use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::faults::EquationFault;
+use super::{LoadCase, Model, Solver};
+pub use findings::{Finding, findings};
+use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, nastran_exclusive, optistruct};
+pub(super) use outcome::CardKind;
 pub use outcome::Outcome;
-pub(super) use profile::Profile;
-
-/// A finite-element solver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Solver {
-    /// CalculiX.
-    Ccx,
-    /// Abaqus/Standard.
-    Abaqus,
-    /// MSC and Simcenter Nastran.
-    Nastran,
-    /// MYSTRAN.
-    Mystran,
-    /// OptiStruct.
-    Optistruct,
-    /// ANSYS Mechanical APDL.
-    Ansys,
-}
-
-/// Not one of the names of [`Solver`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no solver that is known here; take one of ccx, abaqus, nastran, mystran, optistruct, ansys")]
-pub struct UnknownSolver(String);
 
 impl Solver {
-    /// All of them.
-    pub const ALL: [Self; 6] = [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys];
-
-    /// Those that read a format.
-    pub fn that_read(format: Format) -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(move |solver| solver.format() == format)
-    }
-
-    /// The language that it reads.
-    pub fn format(self) -> Format {
-        match self {
-            Self::Ccx | Self::Abaqus => Format::Calculix,
-            Self::Nastran | Self::Mystran | Self::Optistruct => Format::Nastran,
-            Self::Ansys => Format::Ansys,
-        }
-    }
-
-    /// Its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ccx => "ccx",
-            Self::Abaqus => "abaqus",
-            Self::Nastran => "nastran",
-            Self::Mystran => "mystran",
-            Self::Optistruct => "optistruct",
-            Self::Ansys => "ansys",
-        }
-    }
-
-    /// What it does with a fault of a deck. For the faults of a whole load case, [`clean::findings`](super::clean::findings) also
-    /// knows which claims are left when others have been dropped.
+    /// Predicts the outcome of a fault. For a whole load case use [`clean::findings`](super::clean::findings): it also
+    /// knows which claims remain when others have been dropped.
     ///
     /// ```
     /// use qless_io::deck::{Outcome, Solver, clean, read};
@@ -84,14 +30,14 @@ impl Solver {
     /// assert_eq!(Solver::Ccx.outcome(fault, deck.model()), Outcome::Refused);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn outcome(self, fault: &Fault, model: &Model) -> Outcome {
+    pub fn outcome(self, fault: &EquationFault, model: &Model) -> Outcome {
         Profile::new(self, model).outcome(fault)
     }
 
-    /// What it does with two values for one DOF in one step: the first claim is the first value.
+    /// The outcome of two values for one DOF in one step; the first claim is the first value.
     ///
-    /// CalculiX takes the last one. The others are said to stop: Nastran and MYSTRAN do where the values differ, Abaqus where both
-    /// cards are in one step; ANSYS takes the last.
+    /// CalculiX and ANSYS take the last value. The other solvers are reported to stop: Nastran and MYSTRAN if the
+    /// values differ, Abaqus if both cards are in one step.
     pub fn prescribed_twice(self) -> Outcome {
         match self {
             Self::Ccx | Self::Ansys => Outcome::IgnoresFirst,
@@ -100,28 +46,129 @@ impl Solver {
     }
 }
 
-/// The solver that a format stands for where none is named.
-impl From<Format> for Solver {
-    fn from(format: Format) -> Self {
-        match format {
-            Format::Calculix => Self::Ccx,
-            Format::Nastran => Self::Nastran,
-            Format::Ansys => Self::Ansys,
+/// A solver and a deck, with properties of the deck that are computed once.
+pub(super) struct Profile<'a> {
+    pub solver: Solver,
+    pub model: &'a Model,
+    /// Load cases whose prescribed DOFs count.
+    cases: &'a [LoadCase],
+    /// For each equation, whether it is not in force.
+    pub left_out: Vec<bool>,
+    chain: OnceCell<bool>,
+    uses: OnceCell<ColumnUses>,
+}
+
+impl<'a> Profile<'a> {
+    /// Profile for all load cases.
+    pub fn new(solver: Solver, model: &'a Model) -> Self {
+        let left_out = vec![false; model.equations()];
+        let cases = &model.cases;
+        Self { solver, model, cases, left_out, chain: OnceCell::new(), uses: OnceCell::new() }
+    }
+
+    /// Profile for one load case, without its removed equations.
+    pub fn of_case(solver: Solver, model: &'a Model, case: &'a LoadCase) -> Self {
+        let mut profile = Self { cases: std::slice::from_ref(case), ..Self::new(solver, model) };
+        case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
+        profile
+    }
+
+    /// The outcome of a fault.
+    pub fn outcome(&self, fault: &EquationFault) -> Outcome {
+        match *fault {
+            EquationFault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
+            EquationFault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
+            EquationFault::SlaveVanishes { equation, .. } => self.vanishes(equation),
+            // These faults are fatal: coupled sets occur only in ANSYS decks, and sets of DOFs that exclude each other
+            // only in Nastran decks.
+            EquationFault::CoupledTwice { .. }
+            | EquationFault::CoupledPrescribed { .. }
+            | EquationFault::SlaveClaimed { .. } => Outcome::Refused,
+            EquationFault::MasterTwice { .. } => match self.solver {
+                Solver::Ccx => Outcome::Unsound,
+                _ => Outcome::Accepted,
+            },
+            EquationFault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
         }
     }
-}
 
-impl FromStr for Solver {
-    type Err = UnknownSolver;
+    /// The outcome for equations whose slaves depend on each other.
+    pub fn circle(&self, equations: &[usize]) -> Outcome {
+        match self.solver {
+            Solver::Ansys => self.ansys(equations),
+            Solver::Ccx if ccx::keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
+            _ => Outcome::Refused,
+        }
+    }
 
-    fn from_str(name: &str) -> Result<Self, UnknownSolver> {
-        let same = |solver: &Self| solver.name().eq_ignore_ascii_case(name);
-        Self::ALL.into_iter().find(same).ok_or_else(|| UnknownSolver(name.to_owned()))
+    /// Kind of the card of an equation.
+    pub fn kind(&self, equation: usize) -> CardKind {
+        CardKind::from_name(&self.model.cards.nth(self.model.nth(equation).origin.card).name)
+    }
+
+    fn prescribed(&self, fault: &EquationFault, equation: usize, since: usize) -> Outcome {
+        let kind = self.kind(equation);
+        match self.solver {
+            Solver::Ccx => {
+                let chain = || *self.chain.get_or_init(|| ccx::nonlinear_chain(self.model, &self.left_out));
+                let is_looked_at = since > 0 && ccx::looks_again(self.model, equation, fault.slave(), since, chain);
+                ccx::prescribed(kind, since > 0, is_looked_at)
+            }
+            Solver::Abaqus => abaqus_prescribed(kind),
+            Solver::Nastran | Solver::Mystran => nastran_exclusive(),
+            Solver::Optistruct => optistruct(&[kind]),
+            Solver::Ansys => self.ansys(&[equation]),
+        }
+    }
+
+    fn twice(&self, first: usize, second: usize) -> Outcome {
+        let kinds = [self.kind(first), self.kind(second)];
+        match self.solver {
+            Solver::Ccx => ccx::twice(kinds[0], kinds[1]),
+            Solver::Abaqus => abaqus_twice(kinds[0], kinds[1]),
+            Solver::Nastran | Solver::Mystran => nastran_exclusive(),
+            Solver::Optistruct => optistruct(&kinds),
+            Solver::Ansys => self.ansys(&[first, second]),
+        }
+    }
+
+    /// Outcome of a small or zero coefficient of a slave. ccx checks only sums of repeated terms for zero, and divides
+    /// by all others; other solvers refuse zero. All divide by a small coefficient.
+    fn vanishes(&self, equation: usize) -> Outcome {
+        let row = self.model.nth(equation);
+        let terms = row.columns.iter().zip(row.coefficients);
+        let of_slave = terms.filter(|(j, _)| Some(*j) == row.columns.first());
+        let (count, own) = of_slave.fold((0, 0.0), |(count, sum), (_, a)| (count + 1, sum + a));
+        match self.solver {
+            Solver::Ansys => self.ansys(&[equation]),
+            Solver::Ccx if count < 2 => Outcome::Unsound,
+            _ if own == 0.0 => Outcome::Refused,
+            _ => Outcome::Unsound,
+        }
+    }
+
+    fn ansys(&self, equations: &[usize]) -> Outcome {
+        let uses = self.uses.get_or_init(|| ColumnUses::count(self.model, self.cases, &self.left_out));
+        let equations: Vec<(usize, CardKind)> = equations.iter().map(|&i| (i, self.kind(i))).collect();
+        ansys_outcome(self.model, uses, &equations)
     }
 }
 
-impl std::fmt::Display for Solver {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
+/// An equation, and all equations whose slaves it depends on, directly or indirectly.
+fn connected(model: &Model, equation: usize) -> Vec<usize> {
+    let slave = |i: usize| model.nth(i).columns.first().copied();
+    let mut slaves: FxHashMap<u32, usize> = FxHashMap::default();
+    for i in (0..model.equations()).rev() {
+        slaves.extend(slave(i).map(|j| (j, i)));
     }
+    let mut found = vec![equation];
+    let mut known: FxHashSet<usize> = found.iter().copied().collect();
+    let mut next = 0;
+    while next < found.len() {
+        let masters = model.nth(found[next]).columns.iter().filter_map(|j| slaves.get(j).copied());
+        found.extend(masters.filter(|&i| known.insert(i)));
+        next += 1;
+    }
+    found.sort_unstable();
+    found
 }

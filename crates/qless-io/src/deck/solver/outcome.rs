@@ -1,18 +1,20 @@
-//! What a solver does where two cards claim one DOF.
+//! Kinds of cards that claim a DOF, and the outcome of two claims on the same DOF.
 
-/// What a solver does with a fault. The first claim is that of the equation that a fault names first, the second that of the value or
-/// of the other equation.
+use crate::deck::CardName;
+
+/// A solver's reaction to a fault. The first claim is the equation that a fault names first; the second is the
+/// prescribed value or the other equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
-    /// It stops.
+    /// The solver stops.
     Refused,
-    /// It drops the first claim and goes on; at most it prints a warning.
+    /// It drops the first claim and continues, at most with a warning.
     IgnoresFirst,
-    /// It drops the second claim and goes on; at most it prints a warning.
+    /// It drops the second claim and continues, at most with a warning.
     IgnoresSecond,
-    /// Both hold.
+    /// Both claims hold.
     Accepted,
-    /// It may go on; what it computes is infinite, not a number, or mostly rounding.
+    /// It may continue, but its results are infinite, not a number, or mostly rounding errors.
     Unsound,
 }
 
@@ -25,5 +27,52 @@ impl Outcome {
     /// ```
     pub fn ignores(self) -> bool {
         matches!(self, Self::IgnoresFirst | Self::IgnoresSecond)
+    }
+}
+
+/// Kind of a card that makes a DOF the slave of an equation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CardKind {
+    /// `*EQUATION`.
+    Equation,
+    /// `*MPC` of any type, and MPC.
+    Mpc,
+    /// `*TIE`.
+    Tie,
+    /// `*KINEMATIC` and `*KINEMATIC COUPLING`.
+    Kinematic,
+    /// `*RIGID BODY`.
+    RigidBody,
+    /// `*DISTRIBUTING`: its slave is the reference node.
+    Distributing,
+    /// `*DISTRIBUTING COUPLING`.
+    DistributingCoupling,
+    /// `*CYCLIC SYMMETRY MODEL` and `*PRE-TENSION SECTION`.
+    Sector,
+    /// RBE2, RBE3, RBAR and the like.
+    RigidElement,
+    /// CP.
+    CoupledSet,
+    /// CE, and any other card.
+    Other,
+}
+
+impl CardKind {
+    /// The kind for the name of a card, ignoring its number.
+    pub fn from_name(name: &CardName) -> Self {
+        let name: String = name.to_string().chars().filter(char::is_ascii_alphabetic).collect();
+        match name.to_ascii_uppercase().as_str() {
+            "EQUATION" => Self::Equation,
+            "TIE" => Self::Tie,
+            "KINEMATIC" | "KINEMATICCOUPLING" => Self::Kinematic,
+            "RIGIDBODY" => Self::RigidBody,
+            "DISTRIBUTING" => Self::Distributing,
+            "DISTRIBUTINGCOUPLING" => Self::DistributingCoupling,
+            "CYCLICSYMMETRYMODEL" | "PRETENSIONSECTION" => Self::Sector,
+            "MPC" => Self::Mpc,
+            "CP" => Self::CoupledSet,
+            rigid if rigid.starts_with('R') => Self::RigidElement,
+            _ => Self::Other,
+        }
     }
 }

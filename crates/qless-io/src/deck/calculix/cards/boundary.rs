@@ -1,13 +1,13 @@
 //! `*BOUNDARY` and `*CLOAD`: `node or set, first component, last component, value`, or a named support.
 
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::{Fault, Fields, component, number};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::folded;
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::calculix::syntax::{DataFields, FieldFault, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 
-/// Named supports and the components that they hold.
+/// Named supports and the components that they fix.
 const SUPPORTS: [(&str, &[u8]); 8] = [
     ("ENCASTRE", &[1, 2, 3, 4, 5, 6]),
     ("PINNED", &[1, 2, 3]),
@@ -19,27 +19,31 @@ const SUPPORTS: [(&str, &[u8]); 8] = [
     ("ZASYMM", &[1, 2, 6]),
 ];
 
-/// The values that a card prescribes, in its order.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<Vec<Prescribed>, DeckError> {
+/// Reads the prescribed values of a card, in its order.
+pub fn read(
+    card: &KeywordCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+) -> Result<Vec<Prescribed>, DeckError> {
     let number = model.card("*BOUNDARY", card.file, card.line);
     let course = course(card, model, definitions)
         .map_err(|problem| model.error(Origin { card: number, line: card.line, lines: 1 }, None, problem))?;
     let mut prescribed = Vec::new();
     for line in card.lines() {
         let origin = Origin { card: number, line: line.number, lines: 1 };
-        let mut fields = Fields::of(&line);
-        let fail = |(field, problem): Fault| model.error(origin, field, problem);
+        let mut fields = DataFields::new(&line);
+        let fail = |(field, problem): FieldFault| model.error(origin, field, problem);
         let dofs = range(card.scope, &mut fields, definitions).map_err(fail)?;
         let value = fields.real().map_err(fail)?.unwrap_or(0.0);
-        // Nothing times any course is nothing.
+        // A value of zero is the same in every time history.
         let course = if value == 0.0 { 0 } else { course };
         prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course, origin }));
     }
     Ok(prescribed)
 }
 
-/// How the values of a card run in time: as the step has it, or as an amplitude, which may come late.
-fn course(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<u32, Problem> {
+/// Time history of a card's values: the step's default, or a named amplitude, possibly delayed.
+fn course(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<u32, Problem> {
     let Some(amplitude) = card.word("AMPLITUDE") else { return Ok(0) };
     if !definitions.amplitudes.contains(&amplitude) {
         return Err(Problem::Undefined { what: "amplitude", name: amplitude });
@@ -50,14 +54,14 @@ fn course(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<u
     })
 }
 
-/// The DOFs that a card loads.
-pub fn loads(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<Vec<Load>, DeckError> {
+/// Reads the DOFs that a card loads.
+pub fn loads(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<Vec<Load>, DeckError> {
     let number = model.card("*CLOAD", card.file, card.line);
     let mut loads = Vec::new();
     for line in card.lines() {
         let origin = Origin { card: number, line: line.number, lines: 1 };
-        let mut fields = Fields::of(&line);
-        let fail = |(field, problem): Fault| model.error(origin, field, problem);
+        let mut fields = DataFields::new(&line);
+        let fail = |(field, problem): FieldFault| model.error(origin, field, problem);
         let nodes = nodes(card.scope, &mut fields, definitions).map_err(fail)?;
         let Some(dof) = fields.whole("a degree of freedom").map_err(fail)? else { continue };
         let component = component(dof, 2).map_err(fail)?;
@@ -66,15 +70,15 @@ pub fn loads(card: &Card, model: &mut Model, definitions: &Definitions) -> Resul
     Ok(loads)
 }
 
-/// `node or set, first, last`, the last the same as the first where it is left out; or `node or set, support`.
-pub fn range(scope: Scope, fields: &mut Fields, definitions: &Definitions) -> Result<Vec<Dof>, Fault> {
+/// `node or set, first, last`, where `last` defaults to `first`; or `node or set, support`.
+pub fn range(scope: Scope, fields: &mut DataFields, definitions: &DeckDefinitions) -> Result<Vec<Dof>, FieldFault> {
     let nodes = nodes(scope, fields, definitions)?;
     let components = components(fields)?;
     let dofs = |node| components.iter().map(move |&component| Dof { node, component });
     Ok(nodes.into_iter().flat_map(dofs).collect())
 }
 
-fn nodes(scope: Scope, fields: &mut Fields, definitions: &Definitions) -> Result<Vec<u32>, Fault> {
+fn nodes(scope: Scope, fields: &mut DataFields, definitions: &DeckDefinitions) -> Result<Vec<u32>, FieldFault> {
     let field = fields.next().unwrap_or_default();
     if field.is_empty() {
         let problem = Problem::Expected { expected: "a node or a node set", found: quote(field) };
@@ -83,10 +87,10 @@ fn nodes(scope: Scope, fields: &mut Fields, definitions: &Definitions) -> Result
     definitions.node_or_set(scope, field).map_err(|problem| (Some(fields.number), problem))
 }
 
-fn components(fields: &mut Fields) -> Result<Vec<u8>, Fault> {
+fn components(fields: &mut DataFields) -> Result<Vec<u8>, FieldFault> {
     const EXPECTED: &str = "a degree of freedom or a support such as ENCASTRE";
     let field = fields.next().unwrap_or_default();
-    let word = crate::deck::calculix::syntax::data::name(&String::from_utf8_lossy(field));
+    let word = folded(field);
     if let Some((_, held)) = SUPPORTS.iter().find(|(support, _)| *support == word) {
         return Ok(held.to_vec());
     }

@@ -1,37 +1,34 @@
 //! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`.
 //!
-//! A distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`: so Abaqus has it. In ccx the
-//! card only distributes forces, and the motion of the reference has no effect on the surface.
+//! In Abaqus, a distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`. In
+//! ccx, the card only distributes forces: the motion of the reference does not move the surface.
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
-use crate::deck::calculix::cards::refused;
-use crate::deck::calculix::cards::rigid::{Reference, kinematic, own_rotation};
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::frames::{Local, orientation};
-use crate::deck::calculix::model::mesh::Surface;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::Lines;
-use crate::deck::calculix::syntax::fields::{float, number};
+use crate::deck::calculix::cards::rigid::{BodyReference, kinematic, own_rotation};
+use crate::deck::calculix::cards::{CardEquation, CardPlace, refused};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::mesh::DeckSurface;
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::calculix::syntax::{DataLines, float, number};
+use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
 use crate::deck::kinematics::vector::{length, minus};
 use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
 
-/// What a `*COUPLING` card says to the card after it.
+/// A `*COUPLING` card; the next card decides its type.
 #[derive(Clone)]
-pub struct Coupling {
+pub struct CouplingCard {
     scope: Scope,
     reference: String,
     surface: String,
     orientation: Option<String>,
-    /// Nodes farther from the reference are not coupled.
+    /// Radius of influence: nodes farther from the reference are not coupled.
     radius: Option<String>,
 }
 
-impl Coupling {
-    pub fn of(card: &Card) -> Self {
+impl CouplingCard {
+    pub fn from_card(card: &KeywordCard) -> Self {
         let text = |name| card.parameter(name).map(str::to_owned);
         Self {
             scope: card.scope,
@@ -42,25 +39,25 @@ impl Coupling {
         }
     }
 
-    /// The reference: a node, or a set of one.
-    pub fn reference(&self, definitions: &Definitions) -> Result<u32, Problem> {
+    /// The reference node, given as a node or a set of one node.
+    pub fn reference(&self, definitions: &DeckDefinitions) -> Result<u32, Problem> {
         if self.reference.is_empty() {
             return Err(Problem::NoParameter { name: "REF NODE" });
         }
         definitions.one_node(self.scope, self.reference.as_bytes())
     }
 
-    /// Whether the reference is a node of the surface.
-    pub fn holds_its_reference(&self, definitions: &Definitions) -> bool {
-        let surface = Surface::find(definitions, self.scope, &self.surface);
+    /// Whether the reference is itself a node of the surface.
+    fn holds_its_reference(&self, definitions: &DeckDefinitions) -> bool {
+        let surface = DeckSurface::find(definitions, self.scope, &self.surface);
         let reference = self.reference(definitions).ok();
         surface.is_ok_and(|surface| reference.is_some_and(|reference| surface.all_nodes().contains(&reference)))
     }
 
-    /// The nodes of the surface without the reference, within the radius of influence.
-    fn nodes(&self, definitions: &Definitions) -> Result<Vec<u32>, Problem> {
+    /// Nodes of the surface within the radius of influence, without the reference.
+    fn nodes(&self, definitions: &DeckDefinitions) -> Result<Vec<u32>, Problem> {
         let reference = self.reference(definitions)?;
-        let mut nodes = Surface::find(definitions, self.scope, &self.surface)?.all_nodes();
+        let mut nodes = DeckSurface::find(definitions, self.scope, &self.surface)?.all_nodes();
         nodes.retain(|&node| node != reference);
         let Some(radius) = self.radius.as_ref().filter(|radius| !radius.eq_ignore_ascii_case("WORLD")) else {
             return Ok(nodes);
@@ -75,19 +72,24 @@ impl Coupling {
         Ok(near)
     }
 
-    fn kinematic(&self, card: &Card, definitions: &Definitions, solver: Solver) -> Result<Vec<Row>, Problem> {
+    fn kinematic(
+        &self,
+        card: &KeywordCard,
+        definitions: &DeckDefinitions,
+        solver: Solver,
+    ) -> Result<Vec<CardEquation>, Problem> {
         if couples_nothing(card, solver) {
             return Ok(Vec::new());
         }
-        let named = self.orientation.as_deref().map(|name| orientation(definitions, self.scope, name)).transpose()?;
-        // Without ORIENTATION ccx couples along the basic axes, whatever axes its nodes have.
-        let local = named.or((solver == Solver::Ccx).then_some(Local::BASIC));
-        let reference = Reference::turning(self.reference(definitions)?);
+        let named = self.orientation.as_deref().map(|name| definitions.orientation(self.scope, name)).transpose()?;
+        // Without ORIENTATION, ccx couples along the global axes, even at nodes with local axes.
+        let local = named.or((solver == Solver::Ccx).then_some(Frame::BASIC));
+        let reference = BodyReference::turning(self.reference(definitions)?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())
     }
 
-    fn distributing(&self, card: &Card, definitions: &Definitions) -> Result<Vec<Row>, Problem> {
+    fn distributing(&self, card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<CardEquation>, Problem> {
         let reference = self.reference(definitions)?;
         let nodes = self.nodes(definitions)?;
         let mut groups = Vec::new();
@@ -99,21 +101,21 @@ impl Coupling {
     }
 }
 
-/// `*KINEMATIC` without data: ccx couples nothing, Abaqus all.
-fn couples_nothing(card: &Card, solver: Solver) -> bool {
+/// `*KINEMATIC` without data couples nothing in ccx and everything in Abaqus.
+fn couples_nothing(card: &KeywordCard, solver: Solver) -> bool {
     solver == Solver::Ccx && card.lines().next().is_none()
 }
 
-/// `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`; false where it constrains nothing.
+/// Reads `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`. Returns false if it constrains nothing.
 pub fn read(
-    card: &Card,
-    coupling: &Coupling,
+    card: &KeywordCard,
+    coupling: &CouplingCard,
     model: &mut Model,
-    definitions: &Definitions,
+    definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<bool, DeckError> {
     let is_kinematic = card.is("*KINEMATIC");
-    let place = Place::of(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
+    let place = CardPlace::register(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
     let rows = match (is_kinematic, solver) {
         (true, _) => coupling.kinematic(card, definitions, solver),
         (false, Solver::Ccx) => coupling.reference(definitions).map(|_| Vec::new()),
@@ -121,7 +123,7 @@ pub fn read(
     };
     if is_kinematic && solver == Solver::Ccx && !couples_nothing(card, solver) {
         let components = components(card, 6).map_err(|problem| place.fail(model, problem))?;
-        refused::kinematic(card, &components, coupling, model, definitions);
+        refused::kinematic(card, &components, coupling.holds_its_reference(definitions), model);
     }
     let before = model.equations();
     if is_kinematic {
@@ -132,8 +134,8 @@ pub fn read(
     }
     let constrains = model.equations() > before;
     if is_kinematic && constrains {
-        // That it is there was checked when the rows were made.
-        let reference = Reference::turning(coupling.reference(definitions).unwrap_or_default());
+        // Making the rows has already checked that the reference exists.
+        let reference = BodyReference::turning(coupling.reference(definitions).unwrap_or_default());
         own_rotation(&place, reference, model, definitions);
         linearised(card, &place, model);
     }
@@ -143,8 +145,14 @@ pub fn read(
     Ok(constrains)
 }
 
-/// Adds the equations of a coupling; the rotations of its reference are DOFs that the solver adds.
-pub fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Row>, Problem>) -> Result<(), DeckError> {
+/// Adds the equations of a coupling. Its reference gets rotations that only the solver has, so that equations cannot
+/// replace the card.
+pub fn finish(
+    card: &KeywordCard,
+    place: &CardPlace,
+    model: &mut Model,
+    rows: Result<Vec<CardEquation>, Problem>,
+) -> Result<(), DeckError> {
     let before = model.equations();
     place.push(model, rows)?;
     if model.equations() > before {
@@ -154,17 +162,17 @@ pub fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Ro
     Ok(())
 }
 
-fn linearised(card: &Card, place: &Place, model: &mut Model) {
+fn linearised(card: &KeywordCard, place: &CardPlace, model: &mut Model) {
     let name = model.cards.nth(place.origin.card).name;
     model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
 }
 
-fn distance(definitions: &Definitions, a: u32, b: u32) -> Result<f64, Problem> {
+fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<f64, Problem> {
     Ok(length(minus(definitions.position(a)?, definitions.position(b)?)))
 }
 
-/// The weight of each node by its distance from the reference, in parts of the largest.
-fn weights(card: &Card, of: &Definitions, reference: u32, nodes: &[u32]) -> Result<Vec<f64>, Problem> {
+/// Weight of each node by its distance from the reference, relative to the largest distance.
+fn weights(card: &KeywordCard, of: &DeckDefinitions, reference: u32, nodes: &[u32]) -> Result<Vec<f64>, Problem> {
     const EXPECTED: &str = "UNIFORM, LINEAR, QUADRATIC or CUBIC";
     let method = card.word("WEIGHTINGMETHOD").unwrap_or_else(|| "UNIFORM".into());
     let weight: fn(f64) -> f64 = match method.as_str() {
@@ -178,31 +186,31 @@ fn weights(card: &Card, of: &Definitions, reference: u32, nodes: &[u32]) -> Resu
     let largest = distances.iter().fold(0.0, |largest: f64, x| largest.max(*x));
     let part = |x: f64| if largest > 0.0 { x / largest } else { 0.0 };
     let weights: Vec<f64> = distances.iter().map(|&x| weight(part(x))).collect();
-    // Nodes that are all as far away count all the same.
+    // Nodes at the same distance get equal weights.
     Ok(if weights.iter().all(|&x| x == 0.0) { vec![1.0; nodes.len()] } else { weights })
 }
 
-/// The rows of a mean motion.
+/// Equations of a weighted mean motion.
 pub fn mean(
-    definitions: &Definitions,
+    definitions: &DeckDefinitions,
     reference: u32,
     components: &[u8],
     groups: Vec<Group>,
-) -> Result<Vec<Row>, Problem> {
+) -> Result<Vec<CardEquation>, Problem> {
     let digits: Vec<u8> = components.iter().map(|component| b'0' + component).collect();
     let components = Components::parse(&digits).unwrap_or_default();
     let mean = Mean { reference, components, groups, dependent: Vec::new() };
-    Ok(mean.rows(definitions)?.into_iter().map(|row| Row { terms: row.terms, rhs: 0.0 }).collect())
+    Ok(mean.rows(definitions)?.into_iter().map(|row| CardEquation { terms: row.terms, rhs: 0.0 }).collect())
 }
 
 pub fn translations() -> Components {
     Components::parse(b"123").unwrap_or_default()
 }
 
-/// `first, last` a line; all up to `most` without data.
-fn components(card: &Card, most: u8) -> Result<Vec<u8>, Problem> {
+/// Components given as `first, last` on each line; all up to `most` without data.
+fn components(card: &KeywordCard, most: u8) -> Result<Vec<u8>, Problem> {
     let mut components = Vec::new();
-    for line in Lines::new(&card.data) {
+    for line in DataLines::new(&card.data) {
         components.extend(range(&mut line.fields(), most)?);
     }
     components.sort_unstable();
@@ -210,7 +218,7 @@ fn components(card: &Card, most: u8) -> Result<Vec<u8>, Problem> {
     Ok(if components.is_empty() { (1..=most).collect() } else { components })
 }
 
-/// `first, last`; all up to `most` where nothing stands.
+/// Components `first, last`; all up to `most` if both are missing.
 pub fn range<'a>(fields: &mut impl Iterator<Item = &'a [u8]>, most: u8) -> Result<Vec<u8>, Problem> {
     const EXPECTED: &str = "a degree of freedom from 1 to 6";
     let mut next = || {

@@ -1,30 +1,36 @@
-//! `*CYCLIC SYMMETRY MODEL` with `*TIE, CYCLIC SYMMETRY`, for nodal diameter 0: the sector's slave side moves as the master side turned onto
-//! it, `e . u_s = (R e) . sum N_i u_i` for every direction e.
+//! `*CYCLIC SYMMETRY MODEL` with `*TIE, CYCLIC SYMMETRY`, for nodal diameter 0. The slave side of the sector moves as
+//! the rotated master side: `e . u_s = (R e) . sum N_i u_i` for every direction e.
 //!
-//! Nodes are matched by radius and height; those without a partner follow the point of the master's faces that a turn by a sector
-//! takes them to.
+//! Nodes are matched by radius and height. A node without a partner is rotated by one sector and follows the nearest
+//! point of the master's faces.
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
-use crate::deck::calculix::cards::tie;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::frames::around;
-use crate::deck::calculix::model::mesh::Surface;
-use crate::deck::calculix::model::project::{Face, Grid};
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::cards::unread::claim;
+use crate::deck::calculix::cards::{CardEquation, CardPlace, tie};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::frames::{around, two_points};
+use crate::deck::calculix::model::mesh::DeckSurface;
+use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
+use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::syntax::float;
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Model, Problem};
+use crate::fault::quote;
 
-/// Part of the size of the slave side within which nodes are partners, where the tie does not say.
+/// Default distance between partners, relative to the size of the slave side.
 const TOLERANCE: f64 = 1e-4;
-/// Part of the distance from the origin within which a node lies on the axis.
+/// A node lies on the axis if its radius is below this fraction of its distance from the origin.
 const AXIS: f64 = 1e-9;
 
-/// Adds the equations of a model card and its tie, or leaves them out.
-pub fn read(card: &Card, tie: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
-    let place = Place::of(card, model, "*CYCLIC SYMMETRY MODEL");
+/// Adds the equations of a model card and its tie, or leaves the card out with a warning.
+pub fn read(
+    card: &KeywordCard,
+    tie: &KeywordCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+) -> Result<(), DeckError> {
+    let place = CardPlace::register(card, model, "*CYCLIC SYMMETRY MODEL");
     place.fix(model);
     let sector = Sector::new(card, tie, definitions);
     let sector = sector.map_err(|problem| place.fail(model, problem))?;
@@ -38,49 +44,38 @@ pub fn read(card: &Card, tie: &Card, model: &mut Model, definitions: &Definition
         "nodes of the slave side lie on the axis or have no partner on the master side"
     };
     model.leave_out(card.file, card.line, format!("*CYCLIC SYMMETRY MODEL constrains, but {why}: left out"));
-    crate::deck::calculix::cards::unread::claim(
-        &place,
-        model,
-        definitions,
-        sector.slaves.iter().chain(&sector.masters).copied(),
-    );
+    claim(&place, model, definitions, sector.slaves.iter().chain(&sector.masters).copied());
     Ok(())
 }
 
-/// One sector: its axis, its sides.
+/// One sector: its axis and its two sides.
 struct Sector<'a> {
-    definitions: &'a Definitions,
+    definitions: &'a DeckDefinitions,
     axis: Frame,
     angle: f64,
     slaves: Vec<u32>,
     masters: Vec<u32>,
-    faces: Vec<Face>,
+    faces: Vec<MasterFace>,
     tolerance: f64,
 }
 
 impl<'a> Sector<'a> {
-    fn new(card: &Card, tie: &Card, definitions: &'a Definitions) -> Result<Self, Problem> {
+    fn new(card: &KeywordCard, tie: &KeywordCard, definitions: &'a DeckDefinitions) -> Result<Self, Problem> {
         let count = card.parameter("N").ok_or(Problem::NoParameter { name: "N" })?;
         let count = float(count.as_bytes())?;
         if count < 1.0 {
-            let found = crate::fault::quote(count.to_string().as_bytes());
+            let found = quote(count.to_string().as_bytes());
             return Err(Problem::Expected { expected: "at least one sector", found });
         }
-        let mut numbers = Vec::with_capacity(6);
-        for field in card.lines().flat_map(|line| line.fields()).take(6) {
-            numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
-        }
-        let [ax, ay, az, bx, by, bz] = numbers[..] else {
-            return Err(Problem::TooFew { what: "coordinates of two points", promised: 6, found: numbers.len() });
-        };
-        let axis = around([ax, ay, az], [bx, by, bz]);
+        let [a, b] = two_points(card.lines().flat_map(|line| line.fields()))?;
+        let axis = around(a, b);
         let axis = axis.ok_or_else(|| Problem::Degenerate { what: "the two points define no axis".into() })?;
         let [slave, master] = tie::sides(tie)?;
-        let slaves = Surface::find(definitions, tie.scope, &slave)?.all_nodes();
-        let master = Surface::find(definitions, tie.scope, &master)?;
+        let slaves = DeckSurface::find(definitions, tie.scope, &slave)?.all_nodes();
+        let master = DeckSurface::find(definitions, tie.scope, &master)?;
         let masters = master.all_nodes();
         let is_line = master.is_line;
-        let face = |nodes| Face::new(nodes, is_line, definitions);
+        let face = |nodes| MasterFace::new(nodes, is_line, definitions);
         let faces = master.faces.into_iter().map(face).collect::<Result<Vec<_>, _>>()?;
         let given = tie.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
         let tolerance = given.map_or_else(|| size(definitions, &slaves).map(|size| TOLERANCE * size), Ok)?;
@@ -88,15 +83,15 @@ impl<'a> Sector<'a> {
         Ok(Self { definitions, axis, angle, slaves, masters, faces, tolerance })
     }
 
-    /// The rows of all slaves; none where one is on the axis or has no partner.
-    fn rows(&self) -> Result<Option<Vec<Row>>, Problem> {
+    /// Equations of all slaves; `None` if a slave is on the axis or has no partner.
+    fn rows(&self) -> Result<Option<Vec<CardEquation>>, Problem> {
         let mut masters = Vec::with_capacity(self.masters.len());
         for &master in &self.masters {
             masters.push((master, self.meridian(self.definitions.position(master)?)));
         }
-        // Along the radius, so that a partner is looked for among few.
+        // Sorted by radius, so that only few nodes are compared.
         masters.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
-        let grid = Grid::new(&self.faces, self.tolerance);
+        let grid = FaceGrid::new(&self.faces, self.tolerance);
         let mut rows = Vec::with_capacity(3 * self.slaves.len());
         for &slave in &self.slaves {
             let position = self.definitions.position(slave)?;
@@ -121,7 +116,7 @@ impl<'a> Sector<'a> {
         [first.hypot(second), third]
     }
 
-    /// The nearest of the nodes within the tolerance.
+    /// The nearest node within the tolerance.
     fn partner(&self, masters: &[(u32, [f64; 2])], [r, z]: [f64; 2]) -> Option<u32> {
         let start = masters.partition_point(|(_, meridian)| meridian[0] < r - self.tolerance);
         let near = masters[start..].iter().take_while(|(_, meridian)| meridian[0] <= r + self.tolerance);
@@ -130,9 +125,9 @@ impl<'a> Sector<'a> {
         (nearest.1 <= self.tolerance).then_some(nearest.0)
     }
 
-    /// The point of the faces that a turn by a sector, either way, takes a slave to.
-    fn projected(&self, grid: &Grid, x: Vector) -> Option<Vec<(u32, f64)>> {
-        let typical = self.faces.iter().map(Face::size).sum::<f64>() / self.faces.len().max(1) as f64;
+    /// The point of the master's faces nearest to the slave, rotated by one sector in either direction.
+    fn projected(&self, grid: &FaceGrid, x: Vector) -> Option<Vec<(u32, f64)>> {
+        let typical = self.faces.iter().map(MasterFace::size).sum::<f64>() / self.faces.len().max(1) as f64;
         let near = [self.angle, -self.angle].map(|angle| grid.nearest(&self.faces, self.turned(x, angle)));
         let near = near.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))?;
         let is_there = near.distance <= self.tolerance.max(tie::TOLERANCE * typical);
@@ -148,8 +143,8 @@ impl<'a> Sector<'a> {
         plus(plus(self.axis.origin, axial), across)
     }
 
-    /// The three components of a slave.
-    fn follow(&self, slave: u32, position: Vector, partners: &[(u32, f64)]) -> Result<Vec<Row>, Problem> {
+    /// Equations of the three components of a slave.
+    fn follow(&self, slave: u32, position: Vector, partners: &[(u32, f64)]) -> Result<Vec<CardEquation>, Problem> {
         let mut there = [0.0; 3];
         for &(node, weight) in partners {
             there = plus(there, scaled(self.definitions.position(node)?, weight));
@@ -159,14 +154,14 @@ impl<'a> Sector<'a> {
             let image = (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(there[k], dot(here[k], direction))));
             let others = partners.iter().map(|&(node, weight)| (node, scaled(image, -weight)));
             let gradients: Vec<(u32, Vector)> = std::iter::once((slave, direction)).chain(others).collect();
-            Row::along(self.definitions, &gradients, 0.0)
+            CardEquation::along(self.definitions, &gradients, 0.0)
         };
         self.definitions.pose(slave)?.axes.into_iter().map(row).collect()
     }
 }
 
-/// The diagonal of the box around nodes.
-fn size(definitions: &Definitions, nodes: &[u32]) -> Result<f64, Problem> {
+/// Diagonal of the bounding box of nodes.
+fn size(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<f64, Problem> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for &node in nodes {
         let x = definitions.position(node)?;

@@ -1,37 +1,36 @@
-//! `*EQUATION`: the number of terms, then `node, component, coefficient` for each, as many on a line as fit.
+//! `*EQUATION`: the number of terms, then `node, component, coefficient` for each of them, several to a line.
 
 use std::rc::Rc;
 
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::DataLine;
-use crate::deck::calculix::syntax::fields::{Fault, Fields, component, float, number};
+use crate::deck::calculix::cards::boundary::range;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::calculix::syntax::{DataFields, DataLine, FieldFault, component, float, number};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 
-/// Terms of an equation at most.
+/// Most terms of an equation.
 const TERMS: u32 = 50_000_000;
 
-/// One term: a node, or the nodes of a set, which stand for as many equations.
-enum Nodes {
+/// Nodes of a term: one node, or a set, which gives one equation for each of its nodes.
+enum TermNodes {
     One(u32),
     Set(Rc<Vec<u32>>),
 }
 
-struct Term {
-    nodes: Nodes,
+struct EquationTerm {
+    nodes: TermNodes,
     component: u8,
     coefficient: f64,
 }
 
 /// Adds the equations of a card.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     let mut lines = card.lines();
-    let mut terms: Vec<Term> = Vec::new();
+    let mut terms: Vec<EquationTerm> = Vec::new();
     while let Some(head) = lines.next() {
         let number = number_for(head.file, head.number, model);
-        let fail = |model: &Model, line: &DataLine, (field, problem): Fault| {
+        let fail = |model: &Model, line: &DataLine, (field, problem): FieldFault| {
             model.error(Origin { card: number, line: line.number, lines: 1 }, field, problem)
         };
         let mut lines_of_it = 1;
@@ -44,7 +43,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
             };
             add_terms(&line, promised, (card.scope, definitions), &mut terms)
                 .map_err(|fault| fail(model, &line, fault))?;
-            // An equation that goes on in another file is placed where it begins.
+            // The lines of an equation that continues in another file are counted in the first file only.
             if line.file == head.file {
                 lines_of_it = (line.number + 1).saturating_sub(head.number);
             }
@@ -55,7 +54,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
     Ok(())
 }
 
-/// Cards that follow each other in a file are one, so that a million of them take no room.
+/// Consecutive `*EQUATION` cards of a file are stored as one, to save memory.
 fn number_for(file: u32, line: u32, model: &mut Model) -> u32 {
     match model.cards.last() {
         Some(last) if last.name == "*EQUATION" && last.file == file => model.cards.len() as u32 - 1,
@@ -63,7 +62,7 @@ fn number_for(file: u32, line: u32, model: &mut Model) -> u32 {
     }
 }
 
-fn count(head: &DataLine) -> Result<usize, Fault> {
+fn count(head: &DataLine) -> Result<usize, FieldFault> {
     const EXPECTED: &str = "the number of terms of an equation, at least 1";
     let mut fields = head.fields();
     let field = fields.next().unwrap_or_default();
@@ -78,13 +77,13 @@ fn count(head: &DataLine) -> Result<usize, Fault> {
     Ok(terms as usize)
 }
 
-/// The terms on a line; more than promised are refused.
+/// Reads the terms on a line; refuses more terms than promised.
 fn add_terms(
     line: &DataLine,
     promised: usize,
-    names: (Scope, &Definitions),
-    terms: &mut Vec<Term>,
-) -> Result<(), Fault> {
+    names: (Scope, &DeckDefinitions),
+    terms: &mut Vec<EquationTerm>,
+) -> Result<(), FieldFault> {
     let mut fields = line.fields().enumerate().map(|(k, field)| (k + 1, field));
     while let Some((at, field)) = fields.next() {
         if terms.len() == promised {
@@ -97,33 +96,35 @@ fn add_terms(
         let component = component(dof, at)?;
         let (at, field) = fields.next().unwrap_or((at + 1, b""));
         let coefficient = if field.is_empty() { Ok(0.0) } else { float(field) };
-        terms.push(Term { nodes, component, coefficient: coefficient.map_err(|problem| (Some(at), problem))? });
+        terms.push(EquationTerm { nodes, component, coefficient: coefficient.map_err(|problem| (Some(at), problem))? });
     }
     Ok(())
 }
 
-fn nodes(field: &[u8], (scope, definitions): (Scope, &Definitions)) -> Result<Nodes, Problem> {
+fn nodes(field: &[u8], (scope, definitions): (Scope, &DeckDefinitions)) -> Result<TermNodes, Problem> {
     match definitions.by_number(scope, field) {
-        Some(node) => node.map(Nodes::One),
-        None if field.is_empty() || field[0].is_ascii_digit() => number(field, "a node or a node set").map(Nodes::One),
-        None => definitions.nodes(scope, &String::from_utf8_lossy(field)).map(Nodes::Set),
+        Some(node) => node.map(TermNodes::One),
+        None if field.is_empty() || field[0].is_ascii_digit() => {
+            number(field, "a node or a node set").map(TermNodes::One)
+        }
+        None => definitions.nodes(scope, &String::from_utf8_lossy(field)).map(TermNodes::Set),
     }
 }
 
-/// One equation, or one for each member of the sets, which must have as many.
-fn push(terms: &[Term], origin: Origin, model: &mut Model) -> Result<(), Problem> {
+/// Adds one equation, or one for each member of the sets, which must have the same size.
+fn push(terms: &[EquationTerm], origin: Origin, model: &mut Model) -> Result<(), Problem> {
     let mut sizes =
-        terms.iter().filter_map(|term| if let Nodes::Set(set) = &term.nodes { Some(set.len()) } else { None });
+        terms.iter().filter_map(|term| if let TermNodes::Set(set) = &term.nodes { Some(set.len()) } else { None });
     let size = sizes.next().unwrap_or(1);
     if let Some(other) = sizes.find(|&other| other != size) {
         let found = quote(format!("sets of {size} and {other} nodes").as_bytes());
         return Err(Problem::Expected { expected: "node sets of the same size in one equation", found });
     }
     for k in 0..size {
-        let term = |term: &Term| {
+        let term = |term: &EquationTerm| {
             let node = match &term.nodes {
-                Nodes::One(node) => *node,
-                Nodes::Set(set) => set[k],
+                TermNodes::One(node) => *node,
+                TermNodes::Set(set) => set[k],
             };
             (Dof { node, component: term.component }, term.coefficient)
         };
@@ -132,8 +133,8 @@ fn push(terms: &[Term], origin: Origin, model: &mut Model) -> Result<(), Problem
     Ok(())
 }
 
-/// `*EQUATION, REMOVE`: the equations whose slave is listed as `node or set, first, last`, or all.
-pub fn removed(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<Vec<u32>, DeckError> {
+/// `*EQUATION, REMOVE`: finds the equations whose slaves are listed as `node or set, first, last`, or all equations.
+pub fn removed(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<Vec<u32>, DeckError> {
     let all = 0..model.equations() as u32;
     if card.parameter("REMOVEALL").is_some() {
         return Ok(all.collect());
@@ -141,10 +142,8 @@ pub fn removed(card: &Card, model: &mut Model, definitions: &Definitions) -> Res
     let origin = Origin { card: number_for(card.file, card.line, model), line: card.line, lines: 1 };
     let mut slaves = rustc_hash::FxHashSet::default();
     for line in card.lines() {
-        let fail = |(field, problem): Fault| model.error(Origin { line: line.number, ..origin }, field, problem);
-        for dof in crate::deck::calculix::cards::boundary::range(card.scope, &mut Fields::of(&line), definitions)
-            .map_err(fail)?
-        {
+        let fail = |(field, problem): FieldFault| model.error(Origin { line: line.number, ..origin }, field, problem);
+        for dof in range(card.scope, &mut DataFields::new(&line), definitions).map_err(fail)? {
             slaves.insert(dof);
         }
     }

@@ -1,13 +1,126 @@
-//! What each card that constrains says, as equations and prescribed values.
+//! Cards that constrain, as equations and prescribed values. This file holds what they share: their location in the
+//! deck, and equations between displacements along any direction.
 
 pub mod boundary;
 pub mod coupling;
 pub mod cyclic;
 pub mod equation;
-pub mod geometric;
 pub mod mpc;
 pub mod old_coupling;
 pub mod refused;
 pub mod rigid;
 pub mod tie;
 pub mod unread;
+
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::{Vector, dot};
+use crate::deck::{DeckError, Dof, Model, Origin, Problem};
+
+/// An equation: its terms, slave first, and its right-hand side.
+pub struct CardEquation {
+    pub terms: Vec<(Dof, f64)>,
+    pub rhs: f64,
+}
+
+/// Coefficients below this fraction of the largest one are rounding errors.
+const ROUNDING: f64 = 1e-14;
+
+impl CardEquation {
+    /// `sum g_k . u_k = rhs` over nodes k, in the local axes of each. The slave is the component of the first node
+    /// with the largest coefficient.
+    pub fn along(definitions: &DeckDefinitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
+        let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
+        for &(node, gradient) in gradients {
+            let axes = definitions.pose(node)?.axes;
+            let component = |(axis, component): (&Vector, u8)| (Dof { node, component }, dot(*axis, gradient));
+            terms.extend(axes.iter().zip(1..).map(component));
+        }
+        let largest = terms.iter().fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
+        let first = gradients.first().map_or(0, |(node, _)| *node);
+        terms.retain(|(_, a)| a.abs() > ROUNDING * largest);
+        let own = terms.iter().enumerate().filter(|(_, (dof, _))| dof.node == first);
+        // Ties go to the first component, as in ccx.
+        let slave = own.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(k, _)| k);
+        let Some(slave) = slave.filter(|_| largest > 0.0) else {
+            return Err(Problem::Degenerate { what: format!("node {first} is not constrained by its geometry") });
+        };
+        terms.swap(0, slave);
+        let scale = terms[0].1;
+        terms.iter_mut().for_each(|(_, a)| *a /= scale);
+        Ok(Self { terms, rhs: rhs / scale })
+    }
+
+    /// The same equation with another slave, if its coefficient is no smaller.
+    pub fn led_by(mut self, slave: Dof) -> Self {
+        let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
+        if let Some(at) = at {
+            self.lead(at);
+        }
+        self
+    }
+
+    /// The same equation with a slave that is not in `slaves`, if possible: the component of the same node with the
+    /// largest coefficient.
+    pub fn led_by_none_of(mut self, slaves: &[Dof]) -> Self {
+        let own = self.terms[0].0;
+        if slaves.contains(&own) {
+            let is_other = |dof: &Dof| dof.node == own.node && dof.component <= 3 && !slaves.contains(dof);
+            let others = self.terms.iter().enumerate().filter(|(_, (dof, _))| is_other(dof));
+            let most = others.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(at, _)| at);
+            if let Some(at) = most {
+                self.lead(at);
+            }
+        }
+        self
+    }
+
+    fn lead(&mut self, at: usize) {
+        self.terms.swap(0, at);
+        let scale = self.terms[0].1;
+        self.terms.iter_mut().for_each(|(_, a)| *a /= scale);
+        self.rhs /= scale;
+    }
+
+    /// `u_a = u_b` in one component.
+    pub fn equal(a: u32, b: u32, component: u8) -> Self {
+        let dof = |node| Dof { node, component };
+        Self { terms: vec![(dof(a), 1.0), (dof(b), -1.0)], rhs: 0.0 }
+    }
+}
+
+/// A card that is turned into equations.
+pub struct CardPlace {
+    pub origin: Origin,
+}
+
+impl CardPlace {
+    /// Adds the card to the model, under its name in the deck.
+    pub fn register(card: &KeywordCard, model: &mut Model, name: &'static str) -> Self {
+        let number = model.card(name, card.file, card.line);
+        let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
+        let lines = (last + 1).saturating_sub(card.line).max(1);
+        // All instances share the text of their part, so that it cannot change for one of them.
+        model.cards.fix(number, card.scope != Scope::DECK);
+        Self { origin: Origin { card: number, line: card.line, lines } }
+    }
+
+    /// An error at the keyword line.
+    pub fn fail(&self, model: &Model, problem: Problem) -> DeckError {
+        model.error(self.origin, None, problem)
+    }
+
+    /// Adds equations, or returns the error at the card.
+    pub fn push(&self, model: &mut Model, rows: Result<Vec<CardEquation>, Problem>) -> Result<(), DeckError> {
+        for row in rows.map_err(|problem| self.fail(model, problem))? {
+            model.push(row.terms, row.rhs, self.origin);
+        }
+        Ok(())
+    }
+
+    /// Marks the card as one that equations cannot replace.
+    pub fn fix(&self, model: &mut Model) {
+        model.cards.fix(self.origin.card, true);
+    }
+}

@@ -1,29 +1,30 @@
 //! `*MPC`: a type and nodes, linearised at the reference configuration.
 //!
-//! | type | says |
+//! | type | equation |
 //! | --- | --- |
 //! | `PLANE a b c k...` | `det[x_k - x_a, x_b - x_a, x_c - x_a] = 0` for each k |
 //! | `STRAIGHT a b k...` | `(x_k - x_a) x (x_b - x_a) = 0` for each k |
-//! | `BEAM a b` | a rigid beam where both nodes rotate (Abaqus), else a constant distance (CalculiX) |
+//! | `BEAM a b` | a rigid beam if both nodes have rotations (Abaqus), else a constant distance (CalculiX) |
 //! | `LINK a b` | `abs(x_a - x_b)` constant |
 //! | `PIN a b` | `u_a = u_b` |
-//! | `TIE a b` | `u_a = u_b`, rotations too where both nodes have them |
-//! | `MEANROT k k k... p` | the mean turn of nodes k about the axis that p's coordinates give is p's first component (CalculiX) |
-//! | `DIST a a a b b b c` | `abs(x_a - x_b)` is at most the first coordinate of c (CalculiX) |
+//! | `TIE a b` | `u_a = u_b`, also for rotations if both nodes have them |
+//! | `MEANROT k k k... p` | component 1 of p is the mean rotation of nodes k about the axis along p's coordinates (CalculiX) |
+//! | `DIST a a a b b b c` | `abs(x_a - x_b)` does not exceed the first coordinate of c (CalculiX) |
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
-use crate::deck::calculix::cards::rigid::{Reference, kinematic};
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::name;
+use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
+use crate::deck::calculix::cards::unread::claim;
+use crate::deck::calculix::cards::{CardEquation, CardPlace};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::folded;
+use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
 /// Adds the equations of a card.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
-    let place = Place::of(card, model, "*MPC");
+pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
+    let place = CardPlace::register(card, model, "*MPC");
     let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
     for (kind, nodes) in lists {
         let rows = match kind.as_str() {
@@ -31,10 +32,10 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
             "STRAIGHT" => straight(definitions, &nodes),
             "BEAM" => beam(definitions, &nodes),
             "LINK" => pair(&nodes).and_then(|(a, b)| Ok(vec![distance(definitions, a, b)?])),
-            "PIN" => pair(&nodes).map(|(a, b)| (1..=3).map(|c| Row::equal(a, b, c)).collect()),
+            "PIN" => pair(&nodes).map(|(a, b)| (1..=3).map(|c| CardEquation::equal(a, b, c)).collect()),
             "TIE" => pair(&nodes).map(|(a, b)| {
                 let rotate = definitions.rotates(a) && definitions.rotates(b);
-                (1..=if rotate { 6 } else { 3 }).map(|c| Row::equal(a, b, c)).collect()
+                (1..=if rotate { 6 } else { 3 }).map(|c| CardEquation::equal(a, b, c)).collect()
             }),
             "MEANROT" => mean_rotation(definitions, &nodes).map(|row| vec![row]),
             "DIST" => bound(definitions, &nodes).map(|row| row.into_iter().collect()),
@@ -42,7 +43,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
                 let text =
                     format!("*MPC of type {kind} constrains {} nodes, but is not understood: left out", nodes.len());
                 model.leave_out(card.file, card.line, text);
-                crate::deck::calculix::cards::unread::claim(&place, model, definitions, nodes.iter().copied());
+                claim(&place, model, definitions, nodes.iter().copied());
                 continue;
             }
         };
@@ -52,7 +53,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
             let text = "*MPC DIST holds only once the nodes are as far apart as it allows: no equation until then";
             model.warn(card.file, card.line, text);
         } else if !matches!(kind.as_str(), "PIN" | "TIE") {
-            // The solver treats them as nonlinear.
+            // The solver treats these types as nonlinear.
             place.fix(model);
             model.warn(card.file, card.line, format!("*MPC {kind} is linearised at the reference configuration"));
         }
@@ -60,14 +61,14 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
     Ok(())
 }
 
-/// Types with their nodes; a line that begins with a number goes on.
-fn lists(card: &Card, definitions: &Definitions) -> Result<Vec<(String, Vec<u32>)>, Problem> {
+/// Reads the types with their nodes; a line that begins with a number continues the list.
+fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<(String, Vec<u32>)>, Problem> {
     let mut lists: Vec<(String, Vec<u32>)> = Vec::new();
     for line in card.lines() {
         let mut fields = line.fields().peekable();
         let starts = fields.peek().is_some_and(|field| !field.first().is_some_and(u8::is_ascii_digit));
         if starts || lists.is_empty() {
-            lists.push((name(&String::from_utf8_lossy(fields.next().unwrap_or_default())), Vec::new()));
+            lists.push((folded(fields.next().unwrap_or_default()), Vec::new()));
         }
         for field in fields.filter(|field| !field.is_empty() && *field != b"0") {
             let nodes = definitions.node_or_set(card.scope, field)?;
@@ -86,7 +87,7 @@ fn pair(nodes: &[u32]) -> Result<(u32, u32), Problem> {
     }
 }
 
-fn positions<const N: usize>(definitions: &Definitions, nodes: &[u32]) -> Result<[Vector; N], Problem> {
+fn positions<const N: usize>(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<[Vector; N], Problem> {
     let mut positions = [[0.0; 3]; N];
     if nodes.len() < N {
         return Err(Problem::TooFew { what: "nodes", promised: N, found: nodes.len() });
@@ -97,7 +98,7 @@ fn positions<const N: usize>(definitions: &Definitions, nodes: &[u32]) -> Result
     Ok(positions)
 }
 
-fn plane(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+fn plane(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEquation>, Problem> {
     let [a, b, c] = positions(definitions, nodes)?;
     let (to_b, to_c) = (minus(b, a), minus(c, a));
     let normal = cross(to_b, to_c);
@@ -111,12 +112,12 @@ fn plane(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> 
         let gradients = [(node, normal), (nodes[0], by_a), (nodes[1], by_b), (nodes[2], by_c)];
         let off = dot(to_k, normal);
         let is_off = off.abs() > 1e-6 * length(normal) * length(to_k);
-        Row::along(definitions, &gradients, if is_off { -off } else { 0.0 })
+        CardEquation::along(definitions, &gradients, if is_off { -off } else { 0.0 })
     };
     nodes[3..].iter().filter(|node| !nodes[..3].contains(node)).map(row).collect()
 }
 
-fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEquation>, Problem> {
     let [a, b] = positions(definitions, nodes)?;
     let along = minus(b, a);
     let largest = (0..3).rev().max_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs())).unwrap_or(0);
@@ -134,34 +135,34 @@ fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Proble
             let off = dot(cross(to_k, along), axis);
             let is_off = off.abs() > 1e-6 * length(along) * length(to_k);
             let gradients = [(node, by_k), (nodes[0], by_a), (nodes[1], by_b)];
-            let row = Row::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
-            // Each of the two other components is a slave once, on lines through the corners of a cube too.
+            let row = CardEquation::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
+            // Each of the other two components becomes a slave once, even on lines through the corners of a cube.
             rows.push(row.led_by(Dof { node, component: (3 - i - largest) as u8 + 1 }));
         }
     }
     Ok(rows)
 }
 
-fn beam(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+fn beam(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEquation>, Problem> {
     let (a, b) = pair(nodes)?;
     if definitions.rotates(a) && definitions.rotates(b) {
-        let reference = Reference::turning(b);
+        let reference = BodyReference::turning(b);
         return kinematic(definitions, reference, std::iter::once(a), &[1, 2, 3, 4, 5, 6], None);
     }
     Ok(vec![distance(definitions, a, b)?])
 }
 
-fn distance(definitions: &Definitions, a: u32, b: u32) -> Result<Row, Problem> {
+fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquation, Problem> {
     let along = minus(definitions.position(a)?, definitions.position(b)?);
     if length(along) == 0.0 {
         return Err(Problem::Degenerate { what: format!("nodes {a} and {b} coincide") });
     }
-    Row::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
+    CardEquation::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
 }
 
-/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`, with p_k the arm of node k from the mean place, across the axis e; nodes on the axis
-/// count for the mean alone. Each node stands three times.
-fn mean_rotation(definitions: &Definitions, nodes: &[u32]) -> Result<Row, Problem> {
+/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`: p_k is the arm of node k from the mean position,
+/// perpendicular to the axis e. Nodes on the axis only enter the mean. The card lists each node three times.
+fn mean_rotation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
     let Some((&pilot, nodes)) = nodes.split_last().filter(|(_, nodes)| !nodes.is_empty() && nodes.len() % 3 == 0)
     else {
         let found = quote(nodes.len().to_string().as_bytes());
@@ -187,16 +188,16 @@ fn mean_rotation(definitions: &Definitions, nodes: &[u32]) -> Result<Row, Proble
     let size = |gradient: &Vector| dot(*gradient, *gradient);
     let most = (0..gradients.len()).max_by(|&i, &j| size(&gradients[i].1).total_cmp(&size(&gradients[j].1)));
     gradients.swap(0, most.unwrap_or(0));
-    let mut row = Row::along(definitions, &gradients, 0.0)?;
+    let mut row = CardEquation::along(definitions, &gradients, 0.0)?;
     let own = usize::from(row.terms[0].0.component) - 1;
     let scale = dot(definitions.pose(gradients[0].0)?.axes[own], gradients[0].1);
     row.terms.push((Dof { node: pilot, component: 1 }, -(nodes.len() as f64) / scale));
     Ok(row)
 }
 
-/// The row of a distance that is not to be exceeded, where it is reached already; the first DOF of the last node, which is to be
-/// prescribed, stands for what it exceeds it by.
-fn bound(definitions: &Definitions, nodes: &[u32]) -> Result<Option<Row>, Problem> {
+/// Equation of an upper bound on a distance; `None` while the distance is smaller. The first DOF of the last node,
+/// which the deck has to prescribe, is the excess over the bound.
+fn bound(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Option<CardEquation>, Problem> {
     let [a, _, _, b, _, _, c] = *nodes else {
         return Err(Problem::TooFew { what: "nodes", promised: 7, found: nodes.len() });
     };
@@ -207,7 +208,7 @@ fn bound(definitions: &Definitions, nodes: &[u32]) -> Result<Option<Row>, Proble
     }
     let along = scaled(along, 2.0);
     let rhs = most * most - dot(along, along) / 4.0;
-    let mut row = Row::along(definitions, &[(a, along), (b, scaled(along, -1.0))], rhs)?;
+    let mut row = CardEquation::along(definitions, &[(a, along), (b, scaled(along, -1.0))], rhs)?;
     let own = usize::from(row.terms[0].0.component) - 1;
     let scale = dot(definitions.pose(a)?.axes[own], along);
     row.terms.push((Dof { node: c, component: 1 }, -1.0 / scale));

@@ -1,11 +1,11 @@
-//! `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, older than `*COUPLING`.
+//! `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, the predecessors of `*COUPLING`.
 
 use crate::deck::calculix::cards::coupling::{finish, mean, range, translations};
-use crate::deck::calculix::cards::geometric::{Place, Row};
-use crate::deck::calculix::cards::rigid::{Reference, kinematic};
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
+use crate::deck::calculix::cards::{CardEquation, CardPlace};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::syntax::float;
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::mean::Group;
 use crate::deck::kinematics::vector::{Vector, scaled};
@@ -14,12 +14,12 @@ use crate::fault::quote;
 
 /// `*KINEMATIC COUPLING, REF NODE=`: `node or set, first, last` a line.
 pub fn kinematic_coupling(
-    card: &Card,
+    card: &KeywordCard,
     model: &mut Model,
-    definitions: &Definitions,
+    definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<(), DeckError> {
-    let place = Place::of(card, model, "*KINEMATIC COUPLING");
+    let place = CardPlace::register(card, model, "*KINEMATIC COUPLING");
     if solver == Solver::Ccx {
         let text = "*KINEMATIC COUPLING is no card of ccx; write *COUPLING with *KINEMATIC";
         model.warn(card.file, card.line, text);
@@ -27,7 +27,7 @@ pub fn kinematic_coupling(
     let rows = || {
         let reference = card.parameter("REFNODE").ok_or(Problem::NoParameter { name: "REF NODE" })?;
         let reference = definitions.one_node(card.scope, reference.as_bytes())?;
-        let reference = Reference::turning(reference);
+        let reference = BodyReference::turning(reference);
         let mut rows = Vec::new();
         for line in card.lines() {
             let mut fields = line.fields();
@@ -42,15 +42,15 @@ pub fn kinematic_coupling(
     finish(card, &place, model, rows)
 }
 
-/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference, wherever that is. As ccx has
-/// it: `sum w_k u_k - sum w_k u_r = 0` in each direction, the first node being the slave. As Abaqus has it: the mean motion.
+/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference. In ccx: `sum
+/// w_k u_k - sum w_k u_r = 0` in each direction, with the first node as slave. In Abaqus: the mean motion.
 pub fn distributing_coupling(
-    card: &Card,
+    card: &KeywordCard,
     model: &mut Model,
-    definitions: &Definitions,
+    definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<(), DeckError> {
-    let place = Place::of(card, model, "*DISTRIBUTING COUPLING");
+    let place = CardPlace::register(card, model, "*DISTRIBUTING COUPLING");
     let rows = || {
         let (reference, weights) = weights(card, definitions)?;
         if solver == Solver::Ccx {
@@ -66,8 +66,8 @@ pub fn distributing_coupling(
     finish(card, &place, model, rows)
 }
 
-/// The reference, and the weighted nodes.
-fn weights(card: &Card, definitions: &Definitions) -> Result<(u32, Vec<(u32, f64)>), Problem> {
+/// The reference, and the nodes with their weights.
+fn weights(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<(u32, Vec<(u32, f64)>), Problem> {
     let set = card.parameter("ELSET").ok_or(Problem::NoParameter { name: "ELSET" })?;
     let [reference] = definitions.nodes_of(card.scope, set)?[..] else {
         let found = quote(set.as_bytes());
@@ -83,9 +83,13 @@ fn weights(card: &Card, definitions: &Definitions) -> Result<(u32, Vec<(u32, f64
     Ok((reference, weights))
 }
 
-fn plain_mean(of: &Definitions, reference: u32, mut weights: Vec<(u32, f64)>) -> Result<Vec<Row>, Problem> {
+fn plain_mean(
+    of: &DeckDefinitions,
+    reference: u32,
+    mut weights: Vec<(u32, f64)>,
+) -> Result<Vec<CardEquation>, Problem> {
     let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
     weights.push((reference, -total));
     let gradients = |axis: Vector| weights.iter().map(|&(node, w)| (node, scaled(axis, w))).collect::<Vec<_>>();
-    BASIC_AXES.iter().map(|&axis| Row::along(of, &gradients(axis), 0.0)).collect()
+    BASIC_AXES.iter().map(|&axis| CardEquation::along(of, &gradients(axis), 0.0)).collect()
 }

@@ -1,18 +1,16 @@
-//! What ccx stops at when it reads a deck, though its equations can be told.
+//! Cards that stop ccx when it reads the deck, although their equations are clear.
 
 use std::collections::BTreeSet;
 
-use crate::deck::calculix::cards::coupling::Coupling;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::DataLine;
-use crate::deck::calculix::syntax::fields::number;
+use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::syntax::{DataLine, number};
 use crate::deck::{Model, Sources};
 
-/// Fields of a line at most.
+/// Most fields of a line.
 const FIELDS: usize = 16;
 
-/// A byte order mark in front of a keyword, which ccx then does not know; a heading may be missed.
+/// Refuses a byte order mark in front of a keyword, which ccx then does not recognise. A missed `*HEADING` does no
+/// harm.
 pub fn byte_order_marks(sources: &Sources, model: &mut Model) {
     for (file, number) in (0..sources.paths().len()).zip(0..) {
         let text = sources.text(file);
@@ -25,20 +23,20 @@ pub fn byte_order_marks(sources: &Sources, model: &mut Model) {
     }
 }
 
-/// `*EQUATION` after a step has begun, and lines of it that ccx does not take, each kind once.
-pub fn equation(card: &Card, is_late: bool, model: &mut Model) {
+/// Refuses `*EQUATION` after the start of a step, and lines that ccx does not accept; reports each kind once.
+pub fn equation(card: &KeywordCard, is_late: bool, model: &mut Model) {
     if is_late {
         model.refuse(card.file, card.line, "ccx stops: *EQUATION stands after a step begins; write it before");
     }
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for line in card.lines() {
-        if let Some(flaw) = flaw(&line).filter(|flaw| told.insert(*flaw)) {
+        if let Some(flaw) = flaw(&line).filter(|flaw| reported.insert(*flaw)) {
             model.refuse(line.file, line.number, format!("ccx stops: {flaw}"));
         }
     }
 }
 
-/// What ccx does not take of a line of terms. The line with their number has one field.
+/// Why ccx does not accept a line of terms. A line with one field holds the number of terms.
 fn flaw(line: &DataLine) -> Option<&'static str> {
     let mut fields = line.fields().skip(1).peekable();
     fields.peek()?;
@@ -61,20 +59,20 @@ fn flaw(line: &DataLine) -> Option<&'static str> {
     None
 }
 
-/// `*COUPLING` itself.
-pub fn coupling(card: &Card, model: &mut Model) {
+/// Refuses a `*COUPLING` without a name.
+pub fn coupling(card: &KeywordCard, model: &mut Model) {
     if card.parameter("CONSTRAINTNAME").is_none_or(str::is_empty) {
         model.refuse(card.file, card.line, "ccx stops: *COUPLING has no CONSTRAINT NAME; give it one");
     }
 }
 
-/// `*KINEMATIC` after `*COUPLING`.
-pub fn kinematic(card: &Card, components: &[u8], coupling: &Coupling, model: &mut Model, definitions: &Definitions) {
+/// Refuses `*KINEMATIC` with rotations, or with its reference on its own surface.
+pub fn kinematic(card: &KeywordCard, components: &[u8], holds_its_reference: bool, model: &mut Model) {
     if components.iter().any(|component| *component > 3) {
         let text = "ccx stops: *KINEMATIC couples components above 3; write 1 to 3 at most";
         model.refuse(card.file, card.line, text);
     }
-    if coupling.holds_its_reference(definitions) {
+    if holds_its_reference {
         let text = "ccx stops: the REF NODE of the *COUPLING is on its own surface; take another node";
         model.refuse(card.file, card.line, text);
     }

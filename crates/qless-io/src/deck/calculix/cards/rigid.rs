@@ -1,42 +1,48 @@
 //! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration.
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::frames::Local;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::number;
-use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::calculix::cards::{CardEquation, CardPlace};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::syntax::number;
+use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
+use crate::deck::kinematics::body::product;
 use crate::deck::kinematics::row::Poses;
-use crate::deck::kinematics::vector::{Vector, cross, minus};
+use crate::deck::kinematics::vector::{Vector, cross, dot, minus};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 
-/// The node whose motion a body follows, and the first of the three components that are the body's rotation.
+/// Reference of a body: the node whose motion the body follows, and the first of three components for its rotation.
 #[derive(Clone, Copy)]
-pub struct Reference {
+pub struct BodyReference {
     pub node: u32,
     pub rotation: Dof,
 }
 
-/// The rotation that CalculiX makes for a `*RIGID BODY` without `ROT NODE`: no other card reaches it, components 4 to 6 included.
+/// Component of the rotation that CalculiX makes for a `*RIGID BODY` without `ROT NODE`. No card can name it, not even
+/// by components 4 to 6.
 const UNREACHED: u8 = 21;
 
-impl Reference {
+impl BodyReference {
     /// A reference whose components 4 to 6 are the rotation.
     pub fn turning(node: u32) -> Self {
         Self { node, rotation: Dof { node, component: 4 } }
     }
 
-    /// The motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`.
-    pub fn follows(&self, definitions: &Definitions, node: u32, direction: Vector) -> Result<Row, Problem> {
+    /// Equation of the motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`.
+    pub fn follows(
+        &self,
+        definitions: &DeckDefinitions,
+        node: u32,
+        direction: Vector,
+    ) -> Result<CardEquation, Problem> {
         let reference = definitions.pose(self.node)?;
         let arm = minus(definitions.position(node)?, reference.position);
-        let mut row = Row::along(definitions, &[(node, direction), (self.node, direction.map(|x| -x))], 0.0)?;
+        let mut row = CardEquation::along(definitions, &[(node, direction), (self.node, direction.map(|x| -x))], 0.0)?;
         let pose = definitions.pose(node)?;
         let own = row.terms[0].0.component;
-        let scale = crate::deck::kinematics::vector::dot(pose.axes[usize::from(own) - 1], direction);
+        let scale = dot(pose.axes[usize::from(own) - 1], direction);
         let moment = cross(arm, direction);
         for (k, axis) in reference.axes.iter().enumerate() {
-            let value = -crate::deck::kinematics::body::product(axis, &moment) / scale;
+            let value = -product(axis, &moment) / scale;
             if value != 0.0 {
                 row.terms.push((self.rotation_dof(k), value));
             }
@@ -44,7 +50,7 @@ impl Reference {
         Ok(row)
     }
 
-    /// The node that has the rotation as its components 1 to 3, if there is one.
+    /// The node whose components 1 to 3 are the rotation, if there is one.
     pub fn rotation_node(&self) -> Option<u32> {
         (self.rotation.component == 1).then_some(self.rotation.node)
     }
@@ -53,24 +59,24 @@ impl Reference {
         Dof { component: self.rotation.component + k as u8, ..self.rotation }
     }
 
-    /// A node's rotation is the body's.
-    pub fn turns(&self, node: u32, k: usize) -> Row {
+    /// Equation `rotation of a node = rotation of the body` about axis `k`.
+    pub fn turns(&self, node: u32, k: usize) -> CardEquation {
         let own = Dof { node, component: k as u8 + 4 };
-        Row { terms: vec![(own, 1.0), (self.rotation_dof(k), -1.0)], rhs: 0.0 }
+        CardEquation { terms: vec![(own, 1.0), (self.rotation_dof(k), -1.0)], rhs: 0.0 }
     }
 }
 
-/// `*RIGID BODY`: the sets of a body and its reference, which is handed back where anything follows it.
+/// Reads `*RIGID BODY`. Returns its reference if any node follows it.
 pub fn read(
-    card: &Card,
+    card: &KeywordCard,
     model: &mut Model,
-    definitions: &Definitions,
+    definitions: &DeckDefinitions,
     solver: Solver,
-) -> Result<Option<Reference>, DeckError> {
-    let place = Place::of(card, model, "*RIGID BODY");
-    let mut body = Body { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
+) -> Result<Option<BodyReference>, DeckError> {
+    let place = CardPlace::register(card, model, "*RIGID BODY");
+    let mut body = RigidBodyCard { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
     let rows = body.rows();
-    let Body { warnings, made, used, .. } = body;
+    let RigidBodyCard { warnings, made, used, .. } = body;
     warnings.into_iter().for_each(|text| model.warn(card.file, card.line, text));
     if let Some(node) = made {
         model.name_node(node, format!("reference of line {}", card.line));
@@ -90,20 +96,20 @@ pub fn read(
     Ok(used)
 }
 
-/// A body as its card has it.
-struct Body<'a> {
-    card: &'a Card,
-    definitions: &'a Definitions,
+/// A `*RIGID BODY` card that is being read.
+struct RigidBodyCard<'a> {
+    card: &'a KeywordCard,
+    definitions: &'a DeckDefinitions,
     solver: Solver,
     warnings: Vec<String>,
-    /// The reference, where the solver makes it.
+    /// Reference node, if the solver makes it.
     made: Option<u32>,
-    /// The reference that the rows were made with.
-    used: Option<Reference>,
+    /// Reference that the equations use.
+    used: Option<BodyReference>,
 }
 
-impl Body<'_> {
-    fn rows(&mut self) -> Result<Vec<Row>, Problem> {
+impl RigidBodyCard<'_> {
+    fn rows(&mut self) -> Result<Vec<CardEquation>, Problem> {
         let nodes = self.nodes()?;
         if nodes.is_empty() {
             return Ok(Vec::new());
@@ -119,7 +125,7 @@ impl Body<'_> {
         Ok(rows)
     }
 
-    /// A node that a parameter names, or the one of a set.
+    /// The node that a parameter names, directly or as a set of one node.
     fn node(&mut self, parameter: &str) -> Result<Option<u32>, Problem> {
         let Some(text) = self.card.parameter(parameter) else { return Ok(None) };
         if self.solver == Solver::Ccx && number(text.as_bytes(), "a node").is_err() {
@@ -128,7 +134,7 @@ impl Body<'_> {
         self.definitions.one_node(self.card.scope, text.as_bytes()).map(Some)
     }
 
-    /// The reference; ccx makes one at the origin where none is given.
+    /// The reference node; without one, ccx makes a node at the origin.
     fn reference(&mut self) -> Result<u32, Problem> {
         match self.node("REFNODE")? {
             Some(node) => Ok(node),
@@ -141,15 +147,15 @@ impl Body<'_> {
         }
     }
 
-    /// The reference and its rotation, which may be a node's of its own.
-    fn motion(&mut self) -> Result<Reference, Problem> {
+    /// The reference and its rotation, which may belong to another node.
+    fn motion(&mut self) -> Result<BodyReference, Problem> {
         let node = self.reference()?;
         let own = Dof { node, component: if self.solver == Solver::Ccx { UNREACHED } else { 4 } };
         let rotation = self.node("ROTNODE")?.map_or(own, |node| Dof { node, component: 1 });
-        Ok(Reference { node, rotation })
+        Ok(BodyReference { node, rotation })
     }
 
-    /// The nodes of the body in the order of the card, each once, and whether their rotations are the body's too.
+    /// Nodes of the body, each once and in the order of the card, and whether they rotate with it.
     fn nodes(&mut self) -> Result<Vec<(u32, bool)>, Problem> {
         let mut all: Vec<(u32, bool)> = Vec::new();
         for (parameter, turns) in self.sets() {
@@ -168,8 +174,8 @@ impl Body<'_> {
         Ok(all)
     }
 
-    /// The parameters that name sets, and whether those tie rotations; a node in several of them is that of the first. What ccx does
-    /// not know it passes over, and a card that names no set it knows altogether.
+    /// Parameters that name sets, and whether nodes of these sets rotate with the body. A node in several sets belongs
+    /// to the first. ccx ignores parameters that it does not know, and the whole card if it knows none of them.
     fn sets(&mut self) -> Vec<(&'static str, bool)> {
         if self.solver != Solver::Ccx {
             return vec![("PINNSET", false), ("TIENSET", true), ("NSET", false), ("ELSET", true)];
@@ -186,8 +192,9 @@ impl Body<'_> {
     }
 }
 
-/// The solver makes the rotation of a reference: one along the basic axes can be that of a new node.
-pub fn own_rotation(place: &Place, reference: Reference, model: &mut Model, definitions: &Definitions) {
+/// Notes a rotation that the solver makes. If it is along the global axes, a new node can have it; otherwise equations
+/// cannot replace the card.
+pub fn own_rotation(place: &CardPlace, reference: BodyReference, model: &mut Model, definitions: &DeckDefinitions) {
     let node = reference.node;
     let is_plain = definitions.pose(node).is_ok_and(|pose| pose.axes == BASIC_AXES);
     if is_plain && !definitions.is_nonlinear && !definitions.rotates(node) {
@@ -197,16 +204,16 @@ pub fn own_rotation(place: &Place, reference: Reference, model: &mut Model, defi
     }
 }
 
-/// The rows of nodes that follow a reference in these components, along the axes of `local` or their own.
+/// Equations of nodes that follow a reference in these components, along `local` or else along their own axes.
 pub fn kinematic(
-    definitions: &Definitions,
-    reference: Reference,
+    definitions: &DeckDefinitions,
+    reference: BodyReference,
     nodes: impl Iterator<Item = u32>,
     components: &[u8],
-    local: Option<&Local>,
-) -> Result<Vec<Row>, Problem> {
+    local: Option<&Frame>,
+) -> Result<Vec<CardEquation>, Problem> {
     let mut rows = Vec::new();
-    // All three directions say the same along any axes.
+    // All three directions together mean the same along any axes.
     let local = local.filter(|_| !(1..=3).all(|component| components.contains(&component)));
     for node in nodes {
         let pose = definitions.pose(node)?;

@@ -1,32 +1,36 @@
-//! `*TIE`: each node of the slave surface moves with the point of the master surface nearest to it, `u_s = sum N_i(xi) u_i`.
+//! `*TIE`: each node of the slave surface moves with the nearest point of the master surface, `u_s = sum N_i(xi) u_i`.
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::mesh::Surface;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::cards::unread::claim;
+use crate::deck::calculix::cards::{CardEquation, CardPlace};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::mesh::DeckSurface;
+use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::syntax::float;
+use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
-use crate::deck::calculix::model::project::{Face, Grid};
+use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
 
-/// Part of the typical size of a face within which a node is tied, where the card does not say.
+/// Default distance within which a node is tied, relative to the typical size of a face.
 pub const TOLERANCE: f64 = 0.025;
 
-/// Part of the typical size of a face up to which a node lies on it: coordinates have six or seven digits in many decks.
+/// Distance within which a node counts as lying on a face, relative to the typical size of a face. In many decks,
+/// coordinates have only six or seven digits.
 const ON_FACE: f64 = 1e-6;
 const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
 
 /// Adds the equations of a card.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     for special in ["MULTISTAGE", "FLUIDPERIODIC", "FLUIDCYCLIC"] {
         if card.parameter(special).is_some() {
             leave_out(card, special, model, definitions);
             return Ok(());
         }
     }
-    let place = Place::of(card, model, "*TIE");
+    let place = CardPlace::register(card, model, "*TIE");
     let tied = tied(card, definitions).map_err(|problem| place.fail(model, problem))?;
     if let Some(first) = tied.apart.first() {
         let text = format!(
@@ -43,24 +47,24 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
 }
 
 struct Tied {
-    rows: Vec<Row>,
+    rows: Vec<CardEquation>,
     apart: Vec<u32>,
-    /// Whether some tied node is off its face.
+    /// Whether a tied node does not lie on its face.
     has_gap: bool,
     tolerance: f64,
 }
 
-/// Leaves a tie of a special kind out, with all that its surfaces may claim.
-pub fn leave_out(card: &Card, kind: &str, model: &mut Model, definitions: &Definitions) {
-    let place = Place::of(card, model, "*TIE");
+/// Leaves out a tie of a special kind, with all DOFs that it may claim.
+pub fn leave_out(card: &KeywordCard, kind: &str, model: &mut Model, definitions: &DeckDefinitions) {
+    let place = CardPlace::register(card, model, "*TIE");
     let text = format!("*TIE with {kind} constrains, but is not understood: left out");
     model.leave_out(card.file, card.line, text);
     let nodes = sides(card).and_then(|sides| nodes(card, definitions, &sides)).unwrap_or_default();
-    crate::deck::calculix::cards::unread::claim(&place, model, definitions, nodes.into_iter());
+    claim(&place, model, definitions, nodes.into_iter());
 }
 
 /// The names of the slave and of the master surface.
-pub fn sides(card: &Card) -> Result<[String; 2], Problem> {
+pub fn sides(card: &KeywordCard) -> Result<[String; 2], Problem> {
     let line = card.lines().next();
     let names: Vec<String> =
         line.into_iter().flat_map(|line| line.fields()).map(|f| String::from_utf8_lossy(f).into_owned()).collect();
@@ -71,30 +75,33 @@ pub fn sides(card: &Card) -> Result<[String; 2], Problem> {
 }
 
 /// The nodes of both surfaces.
-fn nodes(card: &Card, definitions: &Definitions, sides: &[String; 2]) -> Result<Vec<u32>, Problem> {
+fn nodes(card: &KeywordCard, definitions: &DeckDefinitions, sides: &[String; 2]) -> Result<Vec<u32>, Problem> {
     let mut nodes = Vec::new();
     for side in sides {
-        nodes.extend(Surface::find(definitions, card.scope, side)?.all_nodes());
+        nodes.extend(DeckSurface::find(definitions, card.scope, side)?.all_nodes());
     }
     Ok(nodes)
 }
 
-fn tied(card: &Card, definitions: &Definitions) -> Result<Tied, Problem> {
+fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Problem> {
     let [slave, master] = &sides(card)?;
-    let slaves = Surface::find(definitions, card.scope, slave)?.all_nodes();
+    let slaves = DeckSurface::find(definitions, card.scope, slave)?.all_nodes();
     let master_name = master;
-    let master = Surface::find(definitions, card.scope, master)?;
+    let master = DeckSurface::find(definitions, card.scope, master)?;
     if master.faces.is_empty() {
         let found = quote(master_name.as_bytes());
         return Err(Problem::Expected { expected: "a master surface of element faces", found });
     }
     let is_line = master.is_line;
-    let faces =
-        master.faces.into_iter().map(|nodes| Face::new(nodes, is_line, definitions)).collect::<Result<Vec<_>, _>>()?;
-    let typical = faces.iter().map(Face::size).sum::<f64>() / faces.len() as f64;
+    let faces = master
+        .faces
+        .into_iter()
+        .map(|nodes| MasterFace::new(nodes, is_line, definitions))
+        .collect::<Result<Vec<_>, _>>()?;
+    let typical = faces.iter().map(MasterFace::size).sum::<f64>() / faces.len() as f64;
     let given = card.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
     let tolerance = given.unwrap_or(TOLERANCE * typical);
-    let grid = Grid::new(&faces, tolerance);
+    let grid = FaceGrid::new(&faces, tolerance);
     let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), has_gap: false, tolerance };
     for node in slaves {
         let position: Vector = definitions.position(node)?;
@@ -110,25 +117,28 @@ fn tied(card: &Card, definitions: &Definitions) -> Result<Tied, Problem> {
     Ok(tied)
 }
 
-/// The three components of a tied node.
-fn rows(definitions: &Definitions, node: u32, masters: &[u32], weights: &[f64]) -> Result<Vec<Row>, Problem> {
-    use crate::deck::kinematics::row::Poses;
-    let plain = crate::deck::kinematics::axes::BASIC_AXES;
-    let mut is_plain = definitions.pose(node)?.axes == plain;
+/// Equations of the three components of a tied node.
+fn rows(
+    definitions: &DeckDefinitions,
+    node: u32,
+    masters: &[u32],
+    weights: &[f64],
+) -> Result<Vec<CardEquation>, Problem> {
+    let mut is_plain = definitions.pose(node)?.axes == BASIC_AXES;
     for &master in masters {
-        is_plain &= definitions.pose(master)?.axes == plain;
+        is_plain &= definitions.pose(master)?.axes == BASIC_AXES;
     }
     let row = |k: usize| {
         if is_plain {
             let component = k as u8 + 1;
             let dof = |node| Dof { node, component };
             let others = masters.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(&m, w)| (dof(m), -w));
-            return Ok(Row { terms: std::iter::once((dof(node), 1.0)).chain(others).collect(), rhs: 0.0 });
+            return Ok(CardEquation { terms: std::iter::once((dof(node), 1.0)).chain(others).collect(), rhs: 0.0 });
         }
         let axis = definitions.pose(node)?.axes[k];
         let others = masters.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(&m, w)| (m, axis.map(|x| -w * x)));
         let gradients: Vec<(u32, Vector)> = std::iter::once((node, axis)).chain(others).collect();
-        Row::along(definitions, &gradients, 0.0)
+        CardEquation::along(definitions, &gradients, 0.0)
     };
     (0..3).map(row).collect()
 }

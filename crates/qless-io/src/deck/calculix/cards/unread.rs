@@ -1,12 +1,12 @@
-//! Cards that constrain and are left out by name, with the DOFs that they are known to claim.
+//! Cards that constrain but are not read, and the DOFs that they may claim.
 
-use crate::deck::calculix::cards::geometric::Place;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::mesh::Surface;
-use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::cards::CardPlace;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::mesh::DeckSurface;
+use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::{Dof, Model, Problem};
 
-/// Keywords without blanks, and as they are written.
+/// Keywords without blanks, and their usual spelling.
 const UNREAD: [(&str, &str); 10] = [
     ("*PRE-TENSIONSECTION", "*PRE-TENSION SECTION"),
     ("*EMBEDDEDELEMENT", "*EMBEDDED ELEMENT"),
@@ -20,23 +20,23 @@ const UNREAD: [(&str, &str); 10] = [
     ("*CONTACTPAIR", "*CONTACT PAIR, TIED"),
 ];
 
-/// Leaves a card out that constrains; others are none of its business.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) {
+/// Leaves out a card that constrains; ignores all other cards.
+pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) {
     let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else { return };
     if *keyword == "*CONTACTPAIR" && card.parameter("TIED").is_none() {
         return;
     }
-    let place = Place::of(card, model, name);
+    let place = CardPlace::register(card, model, name);
     model.leave_out(card.file, card.line, format!("{name} constrains, but is not understood: left out"));
-    // Names that are not defined: then nothing is known to be claimed.
+    // If a name is not defined, no claims are known.
     let nodes = nodes(card, definitions).unwrap_or_default();
     claim(&place, model, definitions, nodes.into_iter());
 }
 
-/// The nodes whose DOFs a card may take.
-fn nodes(card: &Card, definitions: &Definitions) -> Result<Vec<u32>, Problem> {
+/// Nodes whose DOFs a card may claim.
+fn nodes(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<u32>, Problem> {
     let fields = || card.lines().flat_map(|line| line.fields()).filter(|field| !field.is_empty());
-    let surface = |name: &str| Surface::find(definitions, card.scope, name).map(|surface| surface.all_nodes());
+    let surface = |name: &str| DeckSurface::find(definitions, card.scope, name).map(|surface| surface.all_nodes());
     let elements = |field: &[u8]| -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
         for element in definitions.element_or_set(card.scope, field)? {
@@ -64,8 +64,8 @@ fn nodes(card: &Card, definitions: &Definitions) -> Result<Vec<u32>, Problem> {
     Ok(nodes)
 }
 
-/// Says that a card claims all DOFs of nodes.
-pub fn claim(place: &Place, model: &mut Model, definitions: &Definitions, nodes: impl Iterator<Item = u32>) {
+/// Notes that a card claims all DOFs of these nodes.
+pub fn claim(place: &CardPlace, model: &mut Model, definitions: &DeckDefinitions, nodes: impl Iterator<Item = u32>) {
     let of = |node: u32| {
         let last = if definitions.rotates(node) { 6 } else { 3 };
         (1..=last).map(move |component| Dof { node, component })

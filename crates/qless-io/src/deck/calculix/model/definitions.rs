@@ -1,85 +1,59 @@
-//! What a deck defines, as text until something asks for it.
+//! Definitions of a deck, and the lookups that cards need.
 
 use std::cell::{OnceCell, RefCell};
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::frames::{Local, locals};
-use crate::deck::calculix::model::instances::{Instance, Motion, Numbers};
-use crate::deck::calculix::model::mesh::{Elements, positions};
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::model::sets::{Part, Set, Sets};
-use crate::deck::calculix::syntax::card::{Card, Piece};
-use crate::deck::calculix::syntax::data::{Lines, name};
-use crate::deck::calculix::syntax::fields::number;
-use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
+use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumbers};
+use crate::deck::calculix::model::{
+    AxesCard, ElementCard, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
+};
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::calculix::syntax::{DataLines, DataPiece, float, number};
+use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
 
-/// A name and whose it is.
-pub type Key = (Scope, String);
-
-/// An `*ELEMENT` card.
-pub struct Block {
-    pub scope: Scope,
-    pub kind: String,
-    pub set: Option<String>,
-    pub data: Vec<Piece>,
-}
-
-/// A `*SURFACE` card.
-pub struct Patch {
-    pub scope: Scope,
-    pub of_nodes: bool,
-    pub data: Vec<Piece>,
-}
-
-/// A `*TRANSFORM` or `*ORIENTATION` card.
-pub struct Axes {
-    pub scope: Scope,
-    pub is_cylindrical: bool,
-    pub data: Vec<Piece>,
-}
-
-/// Definitions, as text until they are needed.
+/// Definitions of a deck, kept as text until they are needed.
 #[derive(Default)]
-pub struct Definitions {
-    /// By scope.
-    nodes: Vec<Vec<Piece>>,
-    pub sets: Sets,
-    pub blocks: Vec<Block>,
-    pub surfaces: FxHashMap<Key, Vec<Patch>>,
-    /// `*TRANSFORM` with its node set.
-    pub transforms: Vec<(String, Axes)>,
-    pub orientations: FxHashMap<Key, Axes>,
+pub struct DeckDefinitions {
+    /// Text of the `*NODE` cards, by scope.
+    nodes: Vec<Vec<DataPiece>>,
+    pub sets: SetTable,
+    pub blocks: Vec<ElementCard>,
+    pub surfaces: FxHashMap<ScopedName, Vec<SurfaceCard>>,
+    /// `*TRANSFORM` cards with their node sets.
+    pub transforms: Vec<(String, AxesCard)>,
+    pub orientations: FxHashMap<ScopedName, AxesCard>,
     /// Names of `*AMPLITUDE` cards.
     pub amplitudes: FxHashSet<String>,
     pub instances: Vec<Instance>,
     pub by_instance: FxHashMap<String, Scope>,
     assemblies: Vec<String>,
-    numbers: OnceCell<Result<Numbers, Problem>>,
+    numbers: OnceCell<Result<NodeNumbers, Problem>>,
     positions: OnceCell<Result<FxHashMap<u32, Vector>, Problem>>,
-    elements: OnceCell<Result<Elements, Problem>>,
-    locals: OnceCell<Result<FxHashMap<u32, Local>, Problem>>,
+    elements: OnceCell<Result<MeshElements, Problem>>,
+    locals: OnceCell<Result<FxHashMap<u32, Frame>, Problem>>,
     rotating: OnceCell<FxHashSet<u32>>,
-    /// Where nodes are that no card lists, because the solver makes them.
+    /// Positions of nodes that the solver makes.
     made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
     pub is_nonlinear: bool,
-    /// Whether modes of several nodal diameters are asked for.
+    /// Whether the deck asks for modes of several nodal diameters.
     pub has_diameters: bool,
-    /// Bounds of the number of equations and of their terms.
+    /// Upper bounds of the number of equations and of their terms.
     pub equations: usize,
     pub terms: usize,
-    /// Whether nodes may exist that no `*NODE` card lists.
+    /// Whether other cards than `*NODE` may define nodes.
     pub generates_nodes: bool,
 }
 
-impl Definitions {
-    /// Notes what a card defines.
-    pub fn note(&mut self, card: &Card) {
+impl DeckDefinitions {
+    /// Notes the definitions on a card.
+    pub fn note(&mut self, card: &KeywordCard) {
         let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
         match card.keyword.as_slice() {
             b"*INSTANCE" => self.instance(card),
@@ -88,19 +62,25 @@ impl Definitions {
                 let scope = card.scope.0 as usize;
                 self.nodes.resize_with(self.nodes.len().max(scope + 1), Vec::new);
                 self.nodes[scope].extend_from_slice(&card.data);
-                self.set(card, || Part::Lines(card.data.clone()));
+                self.set(card, || SetMembers::Lines(card.data.clone()));
             }
-            b"*NSET" if card.parameter("GENERATE").is_some() => self.set(card, || Part::Generate(card.data.clone())),
+            b"*NSET" if card.parameter("GENERATE").is_some() => {
+                self.set(card, || SetMembers::Generate(card.data.clone()));
+            }
             b"*NSET" if card.parameter("ELSET").is_some() => {
-                self.set(card, || Part::OfElements(card.word("ELSET").unwrap_or_default()));
+                self.set(card, || SetMembers::OfElements(card.word("ELSET").unwrap_or_default()));
             }
-            b"*NSET" => self.set(card, || Part::List(card.data.clone())),
+            b"*NSET" => self.set(card, || SetMembers::List(card.data.clone())),
             b"*ELSET" => {
                 let data = card.data.clone();
-                let part = if card.parameter("GENERATE").is_some() { Part::Generate(data) } else { Part::List(data) };
-                self.sets.of_elements.entry(key("ELSET")).or_default().push(Set::of(card, part));
+                let part = if card.parameter("GENERATE").is_some() {
+                    SetMembers::Generate(data)
+                } else {
+                    SetMembers::List(data)
+                };
+                self.sets.of_elements.entry(key("ELSET")).or_default().push(SetPart::from_card(card, part));
             }
-            b"*ELEMENT" => self.blocks.push(Block {
+            b"*ELEMENT" => self.blocks.push(ElementCard {
                 scope: card.scope,
                 kind: card.word("TYPE").unwrap_or_default(),
                 set: card.word("ELSET"),
@@ -108,7 +88,7 @@ impl Definitions {
             }),
             b"*SURFACE" => {
                 let of_nodes = card.word("TYPE").as_deref() == Some("NODE");
-                let patch = Patch { scope: card.scope, of_nodes, data: card.data.clone() };
+                let patch = SurfaceCard { scope: card.scope, of_nodes, data: card.data.clone() };
                 self.surfaces.entry(key("NAME")).or_default().push(patch);
             }
             b"*TRANSFORM" => {
@@ -128,30 +108,35 @@ impl Definitions {
         }
     }
 
-    fn instance(&mut self, card: &Card) {
+    fn instance(&mut self, card: &KeywordCard) {
         let name = card.parameter("NAME").unwrap_or_default().to_owned();
         let key = card.word("NAME").unwrap_or_default();
         self.by_instance.insert(key, card.scope);
         self.instances.push(Instance { name, data: card.data.clone() });
     }
 
-    /// Notes a part of the node set that a card names, if it names one.
-    fn set(&mut self, card: &Card, part: impl FnOnce() -> Part) {
+    /// Notes members of the node set that a card names, if it names one.
+    fn set(&mut self, card: &KeywordCard, part: impl FnOnce() -> SetMembers) {
         if let Some(set) = card.word("NSET") {
-            self.sets.of_nodes.entry((card.scope, set)).or_default().push(Set::of(card, part()));
+            self.sets.of_nodes.entry((card.scope, set)).or_default().push(SetPart::from_card(card, part()));
         }
     }
 
-    /// An equation takes two lines at least; a line of k terms has 3 k - 1 commas.
-    fn count(&mut self, piece: &Piece) {
+    /// An equation takes at least two lines; a line of k terms has 3 k - 1 commas.
+    fn count(&mut self, piece: &DataPiece) {
         let text = &piece.text[piece.range.clone()];
         let lines = memchr::memchr_iter(b'\n', text).count();
         self.equations += lines / 2;
         self.terms += (memchr::memchr_iter(b',', text).count() + lines / 2) / 3;
     }
 
-    /// Where something of this name is: in the scope itself, or in the instance that the name begins with.
-    pub fn find<'m, V>(&self, map: &'m FxHashMap<Key, V>, scope: Scope, name: &str) -> Option<(Key, &'m V)> {
+    /// Looks up a name in the scope itself, or in the instance that the name begins with.
+    pub fn find<'m, V>(
+        &self,
+        map: &'m FxHashMap<ScopedName, V>,
+        scope: Scope,
+        name: &str,
+    ) -> Option<(ScopedName, &'m V)> {
         let own = (scope, name.to_owned());
         if let Some(value) = map.get(&own) {
             return Some((own, value));
@@ -161,7 +146,8 @@ impl Definitions {
         map.get(&key).map(|value| (key, value))
     }
 
-    /// `I.rest`, after the name of the assembly or not, with I the name of an instance: its scope and the rest.
+    /// Splits `I.rest`, where I is an instance: returns its scope and the rest. The name of the assembly may stand in
+    /// front.
     pub fn qualified<'n>(&self, name: &'n str) -> Option<(Scope, &'n str)> {
         let inner = |assembly: &String| name.strip_prefix(assembly.as_str()).and_then(|rest| rest.strip_prefix('.'));
         let name = self.assemblies.iter().find_map(inner).unwrap_or(name);
@@ -169,28 +155,28 @@ impl Definitions {
         name.match_indices('.').find_map(|(dot, _)| split(dot))
     }
 
-    /// The numbers in the deck of the nodes of instances.
-    pub fn numbers(&self) -> Result<&Numbers, Problem> {
+    /// Numbers in the deck for the nodes of instances.
+    pub fn numbers(&self) -> Result<&NodeNumbers, Problem> {
         let find = || {
             let scopes = 1..=self.instances.len();
-            Numbers::of(&self.listed(0), scopes.map(|scope| self.listed(scope)))
+            NodeNumbers::build(&self.listed(0), scopes.map(|scope| self.listed(scope)))
         };
         self.numbers.get_or_init(find).as_ref().map_err(Clone::clone)
     }
 
-    /// The numbers that the nodes of a scope have in it, ascending.
+    /// Numbers of the nodes of a scope within it, ascending.
     fn listed(&self, scope: usize) -> Vec<u32> {
-        let lines = Lines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
+        let lines = DataLines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
         let mut numbers: Vec<u32> = lines.filter_map(|line| number(line.fields().next()?, "a node").ok()).collect();
         numbers.sort_unstable();
         numbers.dedup();
         numbers
     }
 
-    /// The numbers of all nodes, ascending.
+    /// Numbers of all nodes, ascending.
     pub fn node_numbers(&self) -> Vec<u32> {
         let mut all = self.listed(0);
-        for (first, own) in self.numbers().map_or(&[][..], Numbers::instances) {
+        for (first, own) in self.numbers().map_or(&[][..], NodeNumbers::instances) {
             all.extend((0..own.len() as u32).map(|k| first + k));
         }
         all.extend(self.made.borrow().keys());
@@ -198,13 +184,13 @@ impl Definitions {
         all
     }
 
-    /// The names of all node sets of the deck itself.
+    /// Names of the node sets outside all instances.
     pub fn node_set_names(&self) -> impl Iterator<Item = &str> {
         let own = self.sets.of_nodes.keys().filter(|(scope, _)| *scope == Scope::DECK);
         own.map(|(_, name)| name.as_str())
     }
 
-    /// A node that the solver makes; its number is that of no other.
+    /// Adds a node that the solver makes, under an unused number.
     pub fn make_node(&self, position: Vector) -> Result<u32, Problem> {
         let advice = "use smaller numbers";
         let limit = Problem::Limit { what: "the largest number of a node", limit: u32::MAX as usize, advice };
@@ -215,11 +201,11 @@ impl Definitions {
     }
 
     /// All elements.
-    pub fn elements(&self) -> Result<&Elements, Problem> {
-        self.elements.get_or_init(|| Elements::parse(self)).as_ref().map_err(Clone::clone)
+    pub fn elements(&self) -> Result<&MeshElements, Problem> {
+        self.elements.get_or_init(|| self.parse_elements()).as_ref().map_err(Clone::clone)
     }
 
-    /// Where all nodes are that cards list.
+    /// Positions of all nodes that cards list.
     pub fn all_positions(&self) -> Result<FxHashMap<u32, Vector>, Problem> {
         let mut all = FxHashMap::default();
         for (pieces, scope) in self.nodes.iter().zip(0..) {
@@ -227,7 +213,7 @@ impl Definitions {
                 0 => None,
                 _ => Some(self.motion(Scope(scope))?),
             };
-            for (own, position) in positions(Lines::new(pieces))? {
+            for (own, position) in positions(DataLines::new(pieces))? {
                 let position = motion.map_or(position, |motion| motion.point(position));
                 all.insert(self.numbered(Scope(scope), own)?, position);
             }
@@ -235,17 +221,17 @@ impl Definitions {
         Ok(all)
     }
 
-    /// Where an instance stands.
-    fn motion(&self, scope: Scope) -> Result<Motion, Problem> {
-        Motion::read(&self.instances[scope.0 as usize - 1].data)
+    /// Position of an instance.
+    fn motion(&self, scope: Scope) -> Result<InstanceMotion, Problem> {
+        InstanceMotion::read(&self.instances[scope.0 as usize - 1].data)
     }
 
-    /// Axes as the scope that gives them stands.
-    pub fn placed(&self, scope: Scope, frame: Local) -> Result<Local, Problem> {
+    /// Axes of a scope, moved with its instance.
+    pub fn placed(&self, scope: Scope, frame: Frame) -> Result<Frame, Problem> {
         if scope == Scope::DECK { Ok(frame) } else { Ok(self.motion(scope)?.frame(frame)) }
     }
 
-    /// Where a node is.
+    /// Position of a node.
     pub fn position(&self, node: u32) -> Result<Vector, Problem> {
         if let Some(position) = self.made.borrow().get(&node) {
             return Ok(*position);
@@ -254,20 +240,18 @@ impl Definitions {
         all.get(&node).copied().ok_or_else(|| Problem::Undefined { what: "node", name: node.to_string() })
     }
 
-    /// Nodes that `*TRANSFORM` gives axes of their own; none of a set that is not defined.
+    /// Nodes to which `*TRANSFORM` gives local axes. Undefined sets are skipped.
     pub fn turned(&self) -> impl Iterator<Item = u32> {
-        let nodes = |(set, axes): &(String, Axes)| self.nodes(axes.scope, set).map(|nodes| nodes.to_vec());
+        let nodes = |(set, axes): &(String, AxesCard)| self.nodes(axes.scope, set).map(|nodes| nodes.to_vec());
         self.transforms.iter().flat_map(move |transform| nodes(transform).unwrap_or_default())
     }
 
-    /// Whether a node belongs to an element whose nodes rotate.
+    /// Whether a node belongs to an element with rotations.
     pub fn rotates(&self, node: u32) -> bool {
         let find = || {
             let mut rotating = FxHashSet::default();
-            for block in
-                self.blocks.iter().filter(|block| crate::deck::calculix::model::shape::Shape::of(&block.kind).rotates)
-            {
-                let fields = Lines::new(&block.data).flat_map(|line| line.fields().skip(1));
+            for block in self.blocks.iter().filter(|block| ElementShape::from_type(&block.kind).rotates) {
+                let fields = DataLines::new(&block.data).flat_map(|line| line.fields().skip(1));
                 rotating.extend(fields.filter_map(|field| self.node(block.scope, field).ok()));
             }
             rotating
@@ -276,19 +260,22 @@ impl Definitions {
     }
 }
 
-fn axes(card: &Card, is_cylindrical: bool) -> Axes {
-    Axes { scope: card.scope, is_cylindrical, data: card.data.clone() }
+/// Positions by node.
+fn positions(lines: DataLines) -> Result<FxHashMap<u32, Vector>, Problem> {
+    let mut positions = FxHashMap::default();
+    for line in lines {
+        let mut fields = line.fields();
+        let node = number(fields.next().unwrap_or_default(), "a node")?;
+        let mut next = || fields.next().filter(|field| !field.is_empty()).map_or(Ok(0.0), float);
+        positions.insert(node, [next()?, next()?, next()?]);
+    }
+    Ok(positions)
 }
 
-impl Poses for Definitions {
+impl Poses for DeckDefinitions {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
         let position = self.position(node)?;
-        let locals = self.locals.get_or_init(|| locals(self)).as_ref().map_err(Clone::clone)?;
+        let locals = self.locals.get_or_init(|| self.locals()).as_ref().map_err(Clone::clone)?;
         Ok(Pose { position, axes: locals.get(&node).map_or(BASIC_AXES, |local| local.axes_at(position)) })
     }
-}
-
-/// The name of an amplitude, a surface and the like, as it is compared.
-pub fn word(field: &[u8]) -> String {
-    name(&String::from_utf8_lossy(field))
 }

@@ -1,69 +1,71 @@
-//! `*TRANSFORM` and `*ORIENTATION`: local axes by two points a and b.
+//! `*TRANSFORM` and `*ORIENTATION`: local axes from two points a and b.
 //!
-//! Rectangular: the first axis points to a, b lies in the plane of the first two. Cylindrical: the third axis goes from a to b, the first is
-//! radial.
+//! Rectangular: the first axis points to a, and b lies in the plane of the first two axes. Cylindrical: the third axis
+//! points from a to b, and the first is radial.
 
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::{Axes, Definitions};
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Piece;
-use crate::deck::calculix::syntax::data::Lines;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::model::AxesCard;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::{self, DataLines, DataPiece, float};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
-/// Local axes, which may depend on the place.
-pub type Local = Frame;
-
-/// The local axes of transformed nodes.
-pub fn locals(definitions: &Definitions) -> Result<FxHashMap<u32, Local>, Problem> {
-    let mut locals = FxHashMap::default();
-    for (set, axes) in &definitions.transforms {
-        let local = placed(definitions, axes)?;
-        locals.extend(definitions.nodes(axes.scope, set)?.iter().map(|&node| (node, local)));
-    }
-    Ok(locals)
-}
-
-/// The axes of an `*ORIENTATION`.
-pub fn orientation(definitions: &Definitions, scope: Scope, name: &str) -> Result<Local, Problem> {
-    let name = crate::deck::calculix::syntax::data::name(name);
-    match definitions.find(&definitions.orientations, scope, &name) {
-        Some((_, axes)) => placed(definitions, axes),
-        None => Err(Problem::Undefined { what: "orientation", name }),
-    }
-}
-
-fn placed(definitions: &Definitions, axes: &Axes) -> Result<Local, Problem> {
-    definitions.placed(axes.scope, local(axes.is_cylindrical, &axes.data)?)
-}
-
-fn local(cylindrical: bool, data: &[Piece]) -> Result<Local, Problem> {
-    let mut numbers = Vec::with_capacity(6);
-    if let Some(line) = Lines::new(data).next() {
-        for field in line.fields().take(6) {
-            numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
+impl DeckDefinitions {
+    /// Local axes of nodes with `*TRANSFORM`.
+    pub fn locals(&self) -> Result<FxHashMap<u32, Frame>, Problem> {
+        let mut locals = FxHashMap::default();
+        for (set, axes) in &self.transforms {
+            let local = self.placed_axes(axes)?;
+            locals.extend(self.nodes(axes.scope, set)?.iter().map(|&node| (node, local)));
         }
+        Ok(locals)
+    }
+
+    /// Axes of an `*ORIENTATION`.
+    pub fn orientation(&self, scope: Scope, name: &str) -> Result<Frame, Problem> {
+        let name = syntax::fold_name(name);
+        match self.find(&self.orientations, scope, &name) {
+            Some((_, axes)) => self.placed_axes(axes),
+            None => Err(Problem::Undefined { what: "orientation", name }),
+        }
+    }
+
+    fn placed_axes(&self, axes: &AxesCard) -> Result<Frame, Problem> {
+        self.placed(axes.scope, local(axes.is_cylindrical, &axes.data)?)
+    }
+}
+
+fn local(cylindrical: bool, data: &[DataPiece]) -> Result<Frame, Problem> {
+    let [a, b] = two_points(DataLines::new(data).take(1).flat_map(|line| line.fields()))?;
+    let axes = if cylindrical { around(a, b) } else { along(a, b) };
+    axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })
+}
+
+/// Two points, as six coordinates; empty fields are zero.
+pub fn two_points<'a>(fields: impl Iterator<Item = &'a [u8]>) -> Result<[Vector; 2], Problem> {
+    let mut numbers = Vec::with_capacity(6);
+    for field in fields.take(6) {
+        numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
     }
     let [ax, ay, az, bx, by, bz] = numbers[..] else {
         return Err(Problem::TooFew { what: "coordinates of two points", promised: 6, found: numbers.len() });
     };
-    let axes = if cylindrical { around([ax, ay, az], [bx, by, bz]) } else { along([ax, ay, az], [bx, by, bz]) };
-    axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })
+    Ok([[ax, ay, az], [bx, by, bz]])
 }
 
-fn along(a: Vector, b: Vector) -> Option<Local> {
+fn along(a: Vector, b: Vector) -> Option<Frame> {
     let first = unit(a)?;
     let third = unit(cross(first, unit(b)?))?;
     Some(Frame { kind: Kind::Rectangular, origin: [0.0; 3], axes: [first, cross(third, first), third] })
 }
 
-/// Cylindrical axes around the line from one point to another; none where they coincide.
-pub fn around(a: Vector, b: Vector) -> Option<Local> {
+/// Cylindrical axes around the line between two points; `None` if they coincide.
+pub fn around(a: Vector, b: Vector) -> Option<Frame> {
     let axis = unit(minus(b, a))?;
-    // Any direction across the axis: the radial one at a point does not depend on it.
+    // Any direction across the axis will do: the radial direction at a point does not depend on it.
     let least = (0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs()))?;
     let second = unit(cross(axis, BASIC_AXES[least]))?;
     Some(Frame { kind: Kind::Cylindrical, origin: a, axes: [cross(second, axis), second, axis] })

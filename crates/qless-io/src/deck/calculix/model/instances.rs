@@ -1,47 +1,45 @@
-//! Instances of parts: their names, where they stand, and numbers of their nodes that no other node of the deck has.
+//! Instances of Abaqus parts: names, positions, and unique numbers for their nodes.
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Piece;
-use crate::deck::calculix::syntax::data::Lines;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::{DataLines, DataPiece, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, unit};
 
-/// An instance as its card has it.
+/// An `*INSTANCE` card.
 pub struct Instance {
-    /// As the deck writes it.
+    /// Spelling in the deck.
     pub name: String,
-    /// How far it is moved, and how it is turned then.
-    pub data: Vec<Piece>,
+    /// Translation, then rotation.
+    pub data: Vec<DataPiece>,
 }
 
-/// Where an instance stands: `x = R (x_part + t)`, R a turn about an axis through two points.
+/// Position of an instance: `x = R (x_part + t)`, where R is a rotation about an axis through two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct InstanceMotion {
     shift: Vector,
-    turn: Option<Turn>,
+    turn: Option<InstanceRotation>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Turn {
+struct InstanceRotation {
     through: Vector,
     axis: Vector,
     cos: f64,
     sin: f64,
 }
 
-impl Turn {
+impl InstanceRotation {
     fn direction(&self, v: Vector) -> Vector {
         let along = scaled(self.axis, dot(self.axis, v) * (1.0 - self.cos));
         plus(plus(scaled(v, self.cos), scaled(cross(self.axis, v), self.sin)), along)
     }
 }
 
-impl Motion {
-    /// Reads the lines of an `*INSTANCE` card: a translation; two points of an axis and an angle in degrees.
-    pub fn read(data: &[Piece]) -> Result<Self, Problem> {
-        let mut lines = Lines::new(data);
+impl InstanceMotion {
+    /// Reads the data of an `*INSTANCE` card: a translation, then two points of an axis and an angle in degrees.
+    pub fn read(data: &[DataPiece]) -> Result<Self, Problem> {
+        let mut lines = DataLines::new(data);
         let mut motion = Self { shift: [0.0; 3], turn: None };
         if let Some(line) = lines.next() {
             for (x, field) in motion.shift.iter_mut().zip(line.fields()) {
@@ -58,20 +56,20 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Where a point of the part is.
+    /// Position of a point of the Abaqus part.
     pub fn point(&self, x: Vector) -> Vector {
         let moved = plus(x, self.shift);
         self.turn.map_or(moved, |turn| plus(turn.through, turn.direction(minus(moved, turn.through))))
     }
 
-    /// Local axes of the part.
+    /// Local axes of the Abaqus part.
     pub fn frame(&self, frame: Frame) -> Frame {
         let axes = frame.axes.map(|axis| self.turn.map_or(axis, |turn| turn.direction(axis)));
         Frame { origin: self.point(frame.origin), axes, ..frame }
     }
 }
 
-fn turn(numbers: &[f64]) -> Result<Option<Turn>, Problem> {
+fn turn(numbers: &[f64]) -> Result<Option<InstanceRotation>, Problem> {
     let [ax, ay, az, bx, by, bz, angle] = *numbers else {
         return Err(Problem::TooFew { what: "numbers of a rotation", promised: 7, found: numbers.len() });
     };
@@ -84,20 +82,20 @@ fn turn(numbers: &[f64]) -> Result<Option<Turn>, Problem> {
         quarter if quarter.abs() == 270.0 => (-quarter.signum(), 0.0),
         other => other.to_radians().sin_cos(),
     };
-    Ok(Some(Turn { through: [ax, ay, az], axis, cos, sin }))
+    Ok(Some(InstanceRotation { through: [ax, ay, az], axis, cos, sin }))
 }
 
-/// Numbers of nodes in the deck by their numbers in the instance.
-pub struct Numbers {
-    /// By scope: the first number, and the instance's own ones, ascending.
+/// Numbers in the deck for the nodes of instances.
+pub struct NodeNumbers {
+    /// By scope: the first number in the deck, and the numbers within the instance, ascending.
     scopes: Vec<(u32, Vec<u32>)>,
 }
 
-impl Numbers {
-    /// Numbers the nodes of each instance, from above those of the deck itself.
-    pub fn of(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
+impl NodeNumbers {
+    /// Numbers the nodes of all instances consecutively, above the largest number in the deck itself.
+    pub fn build(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
         let mut next = deck.last().map_or(Some(1), |last| last.checked_add(1));
-        // Numbers from here on are none of the deck's own.
+        // The deck itself has no number from here on.
         let mut scopes = vec![(next.unwrap_or(u32::MAX), Vec::new())];
         for own in instances {
             let advice = "use smaller numbers for the nodes of the assembly";
@@ -109,7 +107,7 @@ impl Numbers {
         Ok(Self { scopes })
     }
 
-    /// The number in the deck of a node that has this one in the scope.
+    /// Number in the deck of node `own` of a scope.
     pub fn get(&self, scope: Scope, own: u32) -> Option<u32> {
         let (first, numbers) = self.scopes.get(scope.0 as usize)?;
         if scope == Scope::DECK {
@@ -118,7 +116,7 @@ impl Numbers {
         numbers.binary_search(&own).ok().map(|k| first + k as u32)
     }
 
-    /// First numbers and own ones of each instance, in their order.
+    /// For each instance the first number in the deck and the numbers within it.
     pub fn instances(&self) -> &[(u32, Vec<u32>)] {
         &self.scopes[1..]
     }
@@ -130,9 +128,9 @@ mod tests {
 
     use super::*;
 
-    fn motion(text: &str) -> Result<Motion, Problem> {
+    fn motion(text: &str) -> Result<InstanceMotion, Problem> {
         let text = Arc::new(text.as_bytes().to_vec());
-        Motion::read(&[Piece { file: 0, line: 1, range: 0..text.len(), text }])
+        InstanceMotion::read(&[DataPiece { file: 0, line: 1, range: 0..text.len(), text }])
     }
 
     #[test]
@@ -157,10 +155,10 @@ mod tests {
 
     #[test]
     fn every_node_gets_a_number_of_its_own() {
-        let numbers = Numbers::of(&[3, 7], [vec![1, 2, 9], vec![9]].into_iter()).expect("few");
+        let numbers = NodeNumbers::build(&[3, 7], [vec![1, 2, 9], vec![9]].into_iter()).expect("few");
         assert_eq!((numbers.get(Scope(1), 9), numbers.get(Scope(2), 9)), (Some(10), Some(11)));
         assert_eq!((numbers.get(Scope(1), 3), numbers.get(Scope::DECK, 3)), (None, Some(3)));
         assert_eq!(numbers.get(Scope::DECK, 8), None);
-        assert!(Numbers::of(&[u32::MAX], [vec![1]].into_iter()).is_err());
+        assert!(NodeNumbers::build(&[u32::MAX], [vec![1]].into_iter()).is_err());
     }
 }

@@ -1,10 +1,94 @@
-//! What other cards refer to: nodes, sets, surfaces, parts and instances, axes, faces.
+//! Definitions: nodes, sets, elements, surfaces and axes. This file holds the text of their cards; the modules below
+//! parse it when it is needed.
 
 pub mod definitions;
+pub mod elements;
 pub mod frames;
 pub mod instances;
 pub mod mesh;
-pub mod parts;
 pub mod project;
 pub mod sets;
-pub mod shape;
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use rustc_hash::FxHashMap;
+
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::calculix::syntax::{DataPiece, fold_name};
+
+/// A name within a scope.
+pub type ScopedName = (Scope, String);
+
+/// An `*ELEMENT` card.
+pub struct ElementCard {
+    pub scope: Scope,
+    pub kind: String,
+    pub set: Option<String>,
+    pub data: Vec<DataPiece>,
+}
+
+/// A `*SURFACE` card.
+pub struct SurfaceCard {
+    pub scope: Scope,
+    pub of_nodes: bool,
+    pub data: Vec<DataPiece>,
+}
+
+/// A `*TRANSFORM` or `*ORIENTATION` card.
+pub struct AxesCard {
+    pub scope: Scope,
+    pub is_cylindrical: bool,
+    pub data: Vec<DataPiece>,
+}
+
+/// The axes on a card.
+pub fn axes(card: &KeywordCard, is_cylindrical: bool) -> AxesCard {
+    AxesCard { scope: card.scope, is_cylindrical, data: card.data.clone() }
+}
+
+/// Members of a set, as one card gives them.
+pub enum SetMembers {
+    /// Lines that begin with a node.
+    Lines(Vec<DataPiece>),
+    /// Numbers, and names of other sets.
+    List(Vec<DataPiece>),
+    /// `first, last, increment` a line.
+    Generate(Vec<DataPiece>),
+    /// The nodes of an element set.
+    OfElements(String),
+}
+
+/// What one card adds to a set.
+pub struct SetPart {
+    pub scope: Scope,
+    /// `INSTANCE=` on the card; replaces the card's own scope.
+    pub instance: Option<String>,
+    pub part: SetMembers,
+}
+
+impl SetPart {
+    /// What this card adds to a set.
+    pub fn from_card(card: &KeywordCard, part: SetMembers) -> Self {
+        Self { scope: card.scope, instance: card.word("INSTANCE"), part }
+    }
+}
+
+/// A set, parsed or in progress.
+pub enum ParsedSet {
+    InProgress,
+    Done(Rc<Vec<u32>>),
+}
+
+/// All node sets and element sets of a deck.
+#[derive(Default)]
+pub struct SetTable {
+    pub of_nodes: FxHashMap<ScopedName, Vec<SetPart>>,
+    pub of_elements: FxHashMap<ScopedName, Vec<SetPart>>,
+    pub known: RefCell<FxHashMap<(bool, ScopedName), ParsedSet>>,
+}
+
+/// The name in a field, folded for comparison.
+pub fn folded(field: &[u8]) -> String {
+    fold_name(&String::from_utf8_lossy(field))
+}

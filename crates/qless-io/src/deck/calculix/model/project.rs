@@ -1,40 +1,42 @@
-//! The point of a set of faces that is nearest to a given one: `min over xi of abs(x - sum N_i(xi) x_i)` by Gauss-Newton steps.
+//! Finds the point of a set of faces nearest to a given point: `min over xi of abs(x - sum N_i(xi) x_i)`, by
+//! Gauss-Newton steps.
 
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
+use crate::fault::quote;
 
-/// Shape functions below this are rounding.
+/// Shape functions below this are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// A face: corners in turn, then the middles of its edges.
-pub struct Face {
+/// A face of the master surface: corners in order, then the middle nodes of its edges.
+pub struct MasterFace {
     pub nodes: Vec<u32>,
     points: Vec<Vector>,
-    shape: shape::Shape,
+    shape: shape::FaceShape,
 }
 
-/// Where on a face a point is nearest.
-pub struct Near {
+/// The nearest point of a face.
+pub struct NearestPoint {
     pub face: usize,
     pub distance: f64,
-    /// Shape functions there, by node of the face.
+    /// Shape functions at that point, by node of the face.
     pub weights: Vec<f64>,
 }
 
-impl Face {
-    pub fn new(nodes: Vec<u32>, is_line: bool, definitions: &Definitions) -> Result<Self, Problem> {
+impl MasterFace {
+    pub fn new(nodes: Vec<u32>, is_line: bool, definitions: &DeckDefinitions) -> Result<Self, Problem> {
         let points = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
-        let shape = shape::Shape::of(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
+        let shape = shape::FaceShape::with_nodes(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
             expected: "a master face with 2, 3, 4, 6 or 8 nodes",
-            found: crate::fault::quote(nodes.len().to_string().as_bytes()),
+            found: quote(nodes.len().to_string().as_bytes()),
         })?;
         Ok(Self { nodes, points, shape })
     }
 
-    /// The longest side of its bounding box.
+    /// Longest side of the bounding box.
     pub fn size(&self) -> f64 {
         let (low, high) = self.bounds();
         (0..3).fold(0.0, |size: f64, k| size.max(high[k] - low[k]))
@@ -46,7 +48,7 @@ impl Face {
         (self.points.iter().fold([f64::INFINITY; 3], low), self.points.iter().fold([f64::NEG_INFINITY; 3], high))
     }
 
-    /// Parameters inside the face at which it is nearest to `x`, and the distance.
+    /// Shape functions at the point of the face nearest to `x`, and the distance.
     fn project(&self, x: Vector) -> (Vec<f64>, f64) {
         let mut xi = self.shape.centre();
         for _ in 0..30 {
@@ -63,7 +65,7 @@ impl Face {
                 [p / a.max(f64::MIN_POSITIVE), 0.0]
             };
             xi = self.shape.inside([xi[0] + step[0], xi[1] + step[1]]);
-            // On an edge the step may leave the face again; then along the edge is what remains.
+            // On an edge, the clamped step leaves only the part along the edge.
             if (xi[0] - before[0]).abs() + (xi[1] - before[1]).abs() < 1e-14 {
                 break;
             }
@@ -81,15 +83,15 @@ impl Face {
     }
 }
 
-/// Faces by cells of space, so that only those near a point are looked at.
-pub struct Grid {
+/// Faces sorted into cells of space, so that only faces near a point are compared.
+pub struct FaceGrid {
     cell: f64,
     cells: FxHashMap<[i64; 3], Vec<usize>>,
 }
 
-impl Grid {
-    pub fn new(faces: &[Face], tolerance: f64) -> Self {
-        let largest = faces.iter().map(Face::size).fold(tolerance, f64::max);
+impl FaceGrid {
+    pub fn new(faces: &[MasterFace], tolerance: f64) -> Self {
+        let largest = faces.iter().map(MasterFace::size).fold(tolerance, f64::max);
         let mut grid = Self { cell: largest.max(f64::MIN_POSITIVE), cells: FxHashMap::default() };
         for (number, face) in faces.iter().enumerate() {
             let (low, high) = face.bounds();
@@ -107,24 +109,24 @@ impl Grid {
         x.map(|x| (x / self.cell).floor() as i64)
     }
 
-    /// The nearest of the faces in reach; of several at the same distance the first.
-    pub fn nearest(&self, faces: &[Face], x: Vector) -> Option<Near> {
-        let mut best: Option<Near> = None;
+    /// The nearest face in the cell of a point; ties go to the first face.
+    pub fn nearest(&self, faces: &[MasterFace], x: Vector) -> Option<NearestPoint> {
+        let mut best: Option<NearestPoint> = None;
         for &face in self.cells.get(&self.cell(x))? {
             let (weights, distance) = faces[face].project(x);
             if best.as_ref().is_none_or(|best| distance < best.distance * (1.0 - 1e-9)) {
-                best = Some(Near { face, distance, weights });
+                best = Some(NearestPoint { face, distance, weights });
             }
         }
         best
     }
 }
 
-/// Shape functions of faces, corners first, then the middles of the edges.
+/// Shape functions of faces: corners first, then the middle nodes of the edges.
 mod shape {
-    /// Which functions.
+    /// Shape of a face, by number of nodes.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Shape {
+    pub enum FaceShape {
         Line2,
         Line3,
         Triangle3,
@@ -133,9 +135,9 @@ mod shape {
         Quadrilateral8,
     }
 
-    impl Shape {
+    impl FaceShape {
         /// The shape of a face with so many nodes.
-        pub fn of(nodes: usize, is_line: bool) -> Option<Self> {
+        pub fn with_nodes(nodes: usize, is_line: bool) -> Option<Self> {
             match (nodes, is_line) {
                 (2, _) => Some(Self::Line2),
                 (3, true) => Some(Self::Line3),
@@ -155,7 +157,7 @@ mod shape {
             if self.is_triangle() { [1.0 / 3.0; 2] } else { [0.0; 2] }
         }
 
-        /// The parameters moved into the face.
+        /// Parameters, clamped to the face.
         pub fn inside(self, [s, t]: [f64; 2]) -> [f64; 2] {
             match self {
                 Self::Line2 | Self::Line3 => [s.clamp(-1.0, 1.0), 0.0],
@@ -168,7 +170,7 @@ mod shape {
             }
         }
 
-        /// Shape functions and their slopes.
+        /// Shape functions and their derivatives.
         pub fn at(self, [s, t]: [f64; 2]) -> (Vec<f64>, [Vec<f64>; 2]) {
             match self {
                 Self::Line2 => (vec![0.5 - s / 2.0, 0.5 + s / 2.0], [vec![-0.5, 0.5], vec![0.0; 2]]),
@@ -215,14 +217,14 @@ mod shape {
 
     #[cfg(test)]
     mod tests {
-        use super::Shape;
+        use super::FaceShape;
 
         #[test]
         fn shape_functions_sum_to_one_and_slopes_are_their_differences() {
             let h = 1e-6;
             for (nodes, is_line) in [(2, true), (3, true), (3, false), (4, false), (6, false), (8, false)] {
                 let xi = [0.3, 0.2];
-                let shape = Shape::of(nodes, is_line).expect("a shape");
+                let shape = FaceShape::with_nodes(nodes, is_line).expect("a shape");
                 let (n, slopes) = shape.at(xi);
                 assert!((n.iter().sum::<f64>() - 1.0).abs() < 1e-14);
                 for (axis, slope) in slopes.iter().enumerate() {

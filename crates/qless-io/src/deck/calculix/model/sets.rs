@@ -1,64 +1,21 @@
-//! Sets of nodes and of elements: what a field stands for that holds a number or a name.
+//! Sets of nodes and of elements, and fields that hold a number or the name of a set.
 
-use std::cell::RefCell;
 use std::rc::Rc;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::{Definitions, Key, word};
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::{Card, Piece};
-use crate::deck::calculix::syntax::data::{Lines, name};
-use crate::deck::calculix::syntax::fields::number;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::{ParsedSet, SetMembers, SetPart, folded};
+use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::{DataLines, fold_name, number};
 use crate::fault::quote;
 
-/// Members of a set at most.
+/// Most members of a set.
 const MEMBERS: usize = 200_000_000;
 
-/// Where members stand.
-pub enum Part {
-    /// Lines that begin with a node.
-    Lines(Vec<Piece>),
-    /// Numbers and names of other sets.
-    List(Vec<Piece>),
-    /// `first, last, increment` a line.
-    Generate(Vec<Piece>),
-    /// The nodes of an element set.
-    OfElements(String),
-}
-
-/// A part of a set, and whose members it names.
-pub struct Set {
-    scope: Scope,
-    /// `INSTANCE=` on the card.
-    instance: Option<String>,
-    part: Part,
-}
-
-impl Set {
-    /// The part of a set that a card gives.
-    pub fn of(card: &Card, part: Part) -> Self {
-        Self { scope: card.scope, instance: card.word("INSTANCE"), part }
-    }
-}
-
-/// A set that is being parsed, or has been.
-enum Known {
-    InProgress,
-    Done(Rc<Vec<u32>>),
-}
-
-/// The sets of a deck.
-#[derive(Default)]
-pub struct Sets {
-    pub of_nodes: FxHashMap<Key, Vec<Set>>,
-    pub of_elements: FxHashMap<Key, Vec<Set>>,
-    known: RefCell<FxHashMap<(bool, Key), Known>>,
-}
-
-impl Definitions {
-    /// The number in the deck of a node that has this one in the scope.
+impl DeckDefinitions {
+    /// Number in the deck of node `own` of a scope.
     pub fn numbered(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
         if self.instances.is_empty() {
             return Ok(own);
@@ -71,28 +28,28 @@ impl Definitions {
         self.numbers()?.get(scope, own).ok_or_else(undefined)
     }
 
-    /// A node by its number, or by an instance and the number in it.
+    /// The node of a field: a number, or an instance and a number in it.
     pub fn node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
         self.by_number(scope, field).unwrap_or_else(|| number(field, "a node"))
     }
 
-    /// The node of a field that is a number or an instance and a number; none for other fields.
+    /// The node of a field that holds a number, or an instance and a number; `None` for other fields.
     pub fn by_number(&self, scope: Scope, field: &[u8]) -> Option<Result<u32, Problem>> {
         let own = number(field, "a node").ok().map(|own| (scope, own));
         own.or_else(|| self.of_instance(field)).map(|(scope, own)| self.numbered(scope, own))
     }
 
-    /// `I.12`: the scope of the instance I, and 12.
+    /// Splits `I.12` into the scope of the instance I, and 12.
     fn of_instance(&self, field: &[u8]) -> Option<(Scope, u32)> {
         if self.instances.is_empty() {
             return None;
         }
-        let text = word(field);
+        let text = folded(field);
         let (scope, rest) = self.qualified(&text)?;
         Some((scope, number(rest.as_bytes(), "a number").ok()?))
     }
 
-    /// A node, or the one node of a set.
+    /// A node, or the only node of a set.
     pub fn one_node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
         match self.node_or_set(scope, field)?[..] {
             [node] => Ok(node),
@@ -111,23 +68,23 @@ impl Definitions {
         }
     }
 
-    /// An element, or the elements of a set, as indices into [`Elements`](crate::deck::calculix::model::mesh::Elements).
+    /// An element, or the elements of a set, as indices into [`MeshElements`](crate::deck::calculix::model::elements::MeshElements).
     pub fn element_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
         match number(field, "an element").ok().map(|own| (scope, own)).or_else(|| self.of_instance(field)) {
             Some((scope, own)) => Ok(vec![self.elements()?.index(scope, own)?]),
-            None => self.members(true, scope, &word(field)).map(|elements| elements.to_vec()),
+            None => self.members(true, scope, &folded(field)).map(|elements| elements.to_vec()),
         }
     }
 
-    /// The nodes of a set, in the order of its definition, each once.
+    /// Nodes of a set, each once and in the order of its definition.
     pub fn nodes(&self, scope: Scope, set: &str) -> Result<Rc<Vec<u32>>, Problem> {
-        self.members(false, scope, &name(set))
+        self.members(false, scope, &fold_name(set))
     }
 
-    /// The nodes of the elements of a set, ascending, each once.
+    /// Nodes of the elements of a set, ascending, each once.
     pub fn nodes_of(&self, scope: Scope, elements: &str) -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
-        for &element in self.members(true, scope, &name(elements))?.iter() {
+        for &element in self.members(true, scope, &fold_name(elements))?.iter() {
             nodes.extend_from_slice(self.elements()?.nodes(element));
         }
         nodes.sort_unstable();
@@ -144,11 +101,11 @@ impl Definitions {
             (None, None) => return Err(Problem::Undefined { what, name: set.to_owned() }),
         };
         match self.sets.known.borrow().get(&key) {
-            Some(Known::Done(members)) => return Ok(Rc::clone(members)),
-            Some(Known::InProgress) => return Err(Problem::Circular { what, name: set.to_owned() }),
+            Some(ParsedSet::Done(members)) => return Ok(Rc::clone(members)),
+            Some(ParsedSet::InProgress) => return Err(Problem::Circular { what, name: set.to_owned() }),
             None => {}
         }
-        self.sets.known.borrow_mut().insert(key.clone(), Known::InProgress);
+        self.sets.known.borrow_mut().insert(key.clone(), ParsedSet::InProgress);
         let mut members = named.map(|(_, members)| members.clone()).unwrap_or_default();
         for part in parts.map_or(&[][..], |(_, parts)| parts.as_slice()) {
             self.add(part, of_elements, &mut members)?;
@@ -156,13 +113,13 @@ impl Definitions {
         let mut seen = FxHashSet::default();
         members.retain(|&member| seen.insert(member));
         let members = Rc::new(members);
-        self.sets.known.borrow_mut().insert(key, Known::Done(Rc::clone(&members)));
+        self.sets.known.borrow_mut().insert(key, ParsedSet::Done(Rc::clone(&members)));
         Ok(members)
     }
 
-    fn add(&self, set: &Set, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
+    fn add(&self, set: &SetPart, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
         let scope = match &set.instance {
-            // A flat deck may keep what it once was: ccx passes over it.
+            // A deck without instances may still name one; ccx ignores it.
             Some(instance) if !self.instances.is_empty() => *self
                 .by_instance
                 .get(instance)
@@ -170,13 +127,13 @@ impl Definitions {
             _ => set.scope,
         };
         match &set.part {
-            Part::Lines(pieces) => {
-                for line in Lines::new(pieces) {
+            SetMembers::Lines(pieces) => {
+                for line in DataLines::new(pieces) {
                     members.push(self.node(scope, line.fields().next().unwrap_or_default())?);
                 }
             }
-            Part::List(pieces) => {
-                for field in Lines::new(pieces).flat_map(|line| line.fields()).filter(|field| !field.is_empty()) {
+            SetMembers::List(pieces) => {
+                for field in DataLines::new(pieces).flat_map(|line| line.fields()).filter(|field| !field.is_empty()) {
                     if of_elements {
                         members.extend(self.element_or_set(scope, field)?);
                     } else if let Some(node) = self.by_number(scope, field) {
@@ -186,17 +143,18 @@ impl Definitions {
                     }
                 }
             }
-            Part::Generate(pieces) => {
-                for line in Lines::new(pieces) {
+            SetMembers::Generate(pieces) => {
+                for line in DataLines::new(pieces) {
                     self.generate(&mut line.fields(), of_elements, scope, members)?;
                 }
             }
-            Part::OfElements(set) => members.extend(self.nodes_of(scope, set)?),
+            SetMembers::OfElements(set) => members.extend(self.nodes_of(scope, set)?),
         }
         Ok(())
     }
 
-    /// `first, last, increment`: numbers in between that no element or node of an instance has are passed over.
+    /// Adds the range `first, last, increment`. Numbers that no element of the deck or node of an instance has are
+    /// skipped.
     fn generate<'a>(
         &self,
         fields: &mut impl Iterator<Item = &'a [u8]>,

@@ -1,14 +1,16 @@
-//! New equations as text.
+//! Writes new equations, and the cards of steps that remove equations.
 
-use super::New;
-use crate::deck::clean::{CleanError, Plan, Written};
+use rustc_hash::FxHashSet;
+
+use super::new_nodes::{NewNodes, RotationNodes};
+use crate::deck::plan::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model};
 
-/// Characters of a number that CalculiX reads.
+/// Most characters of a number that CalculiX reads.
 const NUMBER: usize = 20;
 
-/// The new equations.
-pub fn new_text(deck: &Deck, plan: &Plan, new: &New) -> Result<Vec<u8>, CleanError> {
+/// Text of the new equations.
+pub fn new_text(deck: &Deck, plan: &Plan, new: &NewNodes) -> Result<Vec<u8>, CleanError> {
     if plan.written.is_empty() {
         return Ok(Vec::new());
     }
@@ -20,13 +22,13 @@ pub fn new_text(deck: &Deck, plan: &Plan, new: &New) -> Result<Vec<u8>, CleanErr
     let head =
         "** qless: independent equations; each slave, the first DOF, occurs once and is not prescribed\n*EQUATION\n";
     let mut text = nodes + head;
-    let stood_for: Vec<Written> = new.doubles.equations().collect();
+    let stood_for: Vec<Written> = new.proxies.equations().collect();
     plan.written.iter().chain(&stood_for).for_each(|written| add_equation(&mut text, written, &deck.model, new));
     Ok(text.into_bytes())
 }
 
-fn add_equation(text: &mut String, written: &Written, model: &Model, new: &New) {
-    let others = new.doubles.in_place_of(model, written);
+fn add_equation(text: &mut String, written: &Written, model: &Model, new: &NewNodes) {
+    let others = new.proxies.in_place_of(model, written);
     let term = |dof: Dof, v: f64| {
         let Dof { node, component } = new.rotations.name(*others.get(&dof).unwrap_or(&dof));
         format!("{},{component},{}", model.node_name(node), number(v))
@@ -41,7 +43,7 @@ fn add_equation(text: &mut String, written: &Written, model: &Model, new: &New) 
     }
 }
 
-/// The number with all of its digits, or with as many as CalculiX reads.
+/// The number with all digits, or as many as CalculiX reads.
 fn number(value: f64) -> String {
     let shortest = [format!("{value:?}"), format!("{value:e}")];
     if let Some(text) = shortest.into_iter().filter(|text| text.len() <= NUMBER).min_by_key(String::len) {
@@ -57,6 +59,36 @@ fn number(value: f64) -> String {
 
 fn error(text: &str, value: f64) -> f64 {
     text.parse::<f64>().map_or(f64::INFINITY, |read| (read - value).abs())
+}
+
+/// For each step the card that removes the equations which end before it; `None` if the deck's own cards remain right.
+/// CalculiX accepts one `*EQUATION, REMOVE` a step, with any number of lines.
+pub fn ends(deck: &Deck, plan: &Plan, rotations: &RotationNodes) -> Option<Vec<String>> {
+    let cases = &deck.model.cases;
+    let ends_sooner = !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
+    if !ends_sooner && cases.iter().all(|case| case.removed.is_empty()) {
+        return None;
+    }
+    let mut slaves: Vec<Vec<Dof>> = vec![Vec::new(); cases.len()];
+    for written in &plan.written {
+        (1..cases.len()).filter(|&k| written.cases == Cases::UpTo(k - 1)).for_each(|k| slaves[k].push(written.slave));
+    }
+    let slave = |i: usize| deck.model.nth(i).columns.first().map(|&j| deck.model.dofs[j as usize]);
+    plan.ended.iter().for_each(|ended| slaves[ended.last + 1].extend(slave(ended.equation)));
+    let mut done: FxHashSet<usize> = plan.removed.iter().map(|removed| removed.equation).collect();
+    done.extend(plan.ended.iter().map(|ended| ended.equation));
+    for (k, case) in cases.iter().enumerate() {
+        let own = case.removed.iter().map(|&i| i as usize);
+        own.filter(|&i| done.insert(i)).for_each(|i| slaves[k].extend(slave(i)));
+    }
+    let card = |slaves: Vec<Dof>| removal_card(slaves.into_iter().map(|dof| rotations.name(dof)));
+    Some(slaves.into_iter().map(card).collect())
+}
+
+fn removal_card(slaves: impl Iterator<Item = Dof>) -> String {
+    let line = |Dof { node, component }: Dof| format!("{node},{component},{component}\n");
+    let lines = slaves.fold(String::new(), |lines, dof| lines + &line(dof));
+    if lines.is_empty() { lines } else { "*EQUATION, REMOVE\n".to_owned() + &lines }
 }
 
 #[cfg(test)]

@@ -1,29 +1,26 @@
-//! A deck with other equations: old ones become comments, new ones stand before the first step and are taken back where they end.
+//! Writes a cleaned deck: removed equations become comments, and new ones stand before the first step. Steps remove
+//! equations that end.
 
-mod doubles;
 mod equations;
-mod rotations;
-mod steps;
-mod turned;
+mod local_axes;
+mod new_nodes;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
-use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
-use crate::deck::{Deck, DeckError, Model};
-use doubles::Doubles;
-use rotations::Rotations;
+use crate::deck::calculix::syntax::walk::{card_input, is_include, keyword_end, next_keyword};
+use crate::deck::plan::{CleanError, Edits, Plan, Reason, Removed, Renamed};
+use crate::deck::{Deck, Model};
+use new_nodes::NewNodes;
 
-/// Terms of a certificate that a comment names at most.
+/// Most terms of a certificate that a comment names.
 const NAMED: usize = 8;
 
-/// The main file with the plan carried out, and DOFs that have other names in it. Included files that must change are written into it.
+/// The main file with the plan carried out, and the DOFs that have other names in it. Included files that change are
+/// written into the main file.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError> {
     let model = &deck.model;
-    let plan = &Plan { written: turned::with_slaves_for_ccx(deck, plan)?, ..plan.clone() };
+    let plan = &Plan { written: local_axes::with_slaves_for_ccx(deck, plan)?, ..plan.clone() };
     let mut comments: BTreeMap<(u32, u32), (u32, String)> = BTreeMap::new();
     for removed in &plan.removed {
         let origin = model.nth(removed.equation).origin;
@@ -33,56 +30,33 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
             entry.1 = comment(model, removed);
         }
     }
-    let new = New::of(deck, plan)?;
+    let new = NewNodes::build(deck, plan)?;
     comments.extend(new.rotations.lines(deck)?.into_iter().map(|(at, text)| (at, (1, text))));
     let text = equations::new_text(deck, plan, &new)?;
-    let ends = steps::ends(deck, plan, &new.rotations);
-    let mut writer = Writer { deck, comments, new: Some(text), ends, steps: 0 };
+    let ends = equations::ends(deck, plan, &new.rotations);
+    let mut writer = CalculixWriter { deck, comments, new: Some(text), ends, steps: 0 };
     let text = writer.file(0)?;
     if writer.ends.is_some_and(|ends| ends.len() != writer.steps) {
         let path = deck.model.files[0].clone();
         let why = "equations have to be taken back in a step of an included file; put the steps here";
         return Err(CleanError::Place { path, line: 1, why });
     }
-    Ok((text, new.rotations.renamed().chain(new.doubles.renamed()).collect()))
+    Ok((text, new.rotations.renamed().chain(new.proxies.renamed()).collect()))
 }
 
-/// Nodes that the deck does not have.
-struct New {
-    rotations: Rotations,
-    doubles: Doubles,
-}
-
-impl New {
-    fn of(deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
-        let rotations = Rotations::of(deck, plan)?;
-        let doubles = Doubles::of(deck, &plan.written, rotations.count())?;
-        Ok(Self { rotations, doubles })
-    }
-
-    /// Their text.
-    fn nodes(&self, deck: &Deck) -> String {
-        if self.rotations.count() == 0 && self.doubles.is_empty() {
-            return String::new();
-        }
-        let places = positions(deck);
-        "*NODE\n".to_owned() + &self.rotations.nodes(&places) + &self.doubles.nodes(deck, &places)
-    }
-}
-
-struct Writer<'a> {
+struct CalculixWriter<'a> {
     deck: &'a Deck,
-    /// By file and line: how many lines go, and the comment in their place.
+    /// By file and line: number of lines removed, and the comment in their place.
     comments: BTreeMap<(u32, u32), (u32, String)>,
-    /// What is still to be put before the first step.
+    /// New equations, until they are written before the first step.
     new: Option<Vec<u8>>,
-    /// For each step the equations that it takes back, if any step takes some back; then those of the deck itself go.
+    /// For each step the equations that it removes, if any step removes some. These replace the deck's own removals.
     ends: Option<Vec<String>>,
-    /// Steps of the main file met so far.
+    /// Number of steps of the main file so far.
     steps: usize,
 }
 
-impl Writer<'_> {
+impl CalculixWriter<'_> {
     fn file(&mut self, file: u32) -> Result<Vec<u8>, CleanError> {
         let text = std::sync::Arc::clone(&self.deck.texts[file as usize]);
         let mut edits = Edits::default();
@@ -113,7 +87,8 @@ impl Writer<'_> {
         Ok(edits.apply(&text))
     }
 
-    /// A keyword line: new equations stand before a step or at the end of the assembly, and no `*EQUATION` stands without data.
+    /// Handles a keyword line. New equations go before a step or at the end of the assembly; an `*EQUATION` without
+    /// data is removed.
     fn keyword(
         &mut self,
         file: u32,
@@ -125,7 +100,7 @@ impl Writer<'_> {
     ) -> Result<(), CleanError> {
         let word: Vec<u8> = keyword.iter().filter(|b| !b.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
         let is_step = word.starts_with(b"*STEP");
-        // Nodes of instances are known to the assembly.
+        // Only the assembly can name nodes of instances.
         let is_place = if self.deck.model.has_instances() { word.starts_with(b"*ENDASSEMBLY") } else { is_step };
         if is_place && file == 0 {
             self.new.take().into_iter().for_each(|new| edits.replace(line, 0, new));
@@ -143,7 +118,7 @@ impl Writer<'_> {
                 b"** qless: what is taken back stands at the start of the step\n".to_vec(),
             );
         } else if word.starts_with(b"*COUPLING") {
-            // It says nothing without the card that follows.
+            // A `*COUPLING` without its second card would be incomplete.
             let next = line + lines + memchr::memchr_iter(b'\n', data).count() as u32;
             if self.is_removed(file, next) {
                 edits.replace(line, lines, b"** qless: *COUPLING, written as equations\n".to_vec());
@@ -178,7 +153,7 @@ impl Writer<'_> {
         before.is_some_and(|((_, first), (lines, _))| line < first + lines)
     }
 
-    /// The number of an included file in which, or in whose own includes, something changes.
+    /// Number of an included file, if it or one of its includes changes.
     fn included(&self, name: &str, from: u32) -> Option<u32> {
         let files = &self.deck.model.files;
         let beside = |file: usize| files[file].parent().unwrap_or(Path::new("")).join(name);
@@ -210,7 +185,7 @@ fn with_end(mut text: Vec<u8>) -> Vec<u8> {
     text
 }
 
-/// Why an equation is gone, in a line.
+/// Comment that says why an equation was removed.
 fn comment(model: &Model, removed: &Removed) -> String {
     let origin = model.nth(removed.equation).origin;
     let line = |i: usize| format!("line {}", model.nth(i).origin.line);
@@ -231,31 +206,4 @@ fn comment(model: &Model, removed: &Removed) -> String {
         Reason::Fault(fault) => format!("{what} written anew below: {}\n", fault.describe(model)),
         Reason::Connected => format!("{what} written anew below: it shares DOFs with others that are\n"),
     }
-}
-
-/// What a deck that was read before defines.
-fn definitions(deck: &Deck) -> Result<Definitions, DeckError> {
-    let mut definitions = Definitions::default();
-    let mut note = |card: &Card| {
-        definitions.note(card);
-        Ok(())
-    };
-    deck.again(|sources| walk(sources, &mut note))?;
-    Ok(definitions)
-}
-
-/// Where the nodes of a deck are; none where its nodes cannot be read.
-pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
-    let found = definitions(deck).ok().and_then(|definitions| definitions.all_positions().ok());
-    found.map(|all| all.into_iter().collect()).unwrap_or_default()
-}
-
-/// The nodes of a set, if there is such a set.
-pub fn node_set(deck: &Deck, name: &str) -> Option<Vec<u32>> {
-    definitions(deck).ok()?.nodes(Scope::DECK, name).ok().map(|nodes| nodes.to_vec())
-}
-
-/// The names of all node sets.
-pub fn node_set_names(deck: &Deck) -> Vec<String> {
-    definitions(deck).map(|found| found.node_set_names().map(str::to_owned).collect()).unwrap_or_default()
 }

@@ -7,7 +7,7 @@ use super::exclusive;
 use super::points::{Point, Points, Twice, limited};
 use super::ties::{Element, Tie};
 use super::warnings::brief;
-use crate::deck::kinematics::partial_mean::partial_rows;
+use crate::deck::kinematics::mean::partial_rows;
 use crate::deck::kinematics::rigid::Rigid;
 use crate::deck::kinematics::row::{Poses, Row};
 use crate::deck::kinematics::vector::minus;

@@ -1,0 +1,186 @@
+//! A file, and chunks of its lines.
+
+use std::fs;
+use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
+use std::ops::{Add, Range};
+use std::path::{Path, PathBuf};
+
+use crate::matrix_market::header::is_banner;
+use crate::{ReadError, bytes, lines};
+
+/// Bytes read at a time beyond a range, up to the end of its last line.
+const PIECE: usize = 1 << 16;
+
+/// A file that is read in chunks.
+#[derive(Debug)]
+pub struct ChunkedFile {
+    path: PathBuf,
+    size: u64,
+}
+
+impl ChunkedFile {
+    /// Finds the size of the file.
+    ///
+    /// # Errors
+    /// [`ReadError::Io`]: the file does not exist, or has no size, like a device or a pipe.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let kind = fs::metadata(path).map_err(ReadError::io(path))?;
+        if !kind.is_file() && !kind.is_dir() {
+            let problem = "it has no size, so that it cannot be read in parts; save it as a file and name that";
+            return Err(ReadError::io(path)(io::Error::new(ErrorKind::Unsupported, problem)));
+        }
+        let mut byte = [0];
+        fs::File::open(path).and_then(|mut file| file.read(&mut byte)).map_err(ReadError::io(path))?;
+        Ok(Self { path: path.to_path_buf(), size: kind.len() })
+    }
+
+    /// Size in bytes.
+    #[expect(clippy::len_without_is_empty, reason = "an empty file is as good as any")]
+    pub fn len(&self) -> u64 {
+        self.size
+    }
+
+    /// Path of the file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Reads the lines that start in this range of bytes, up to the end of the last one.
+    ///
+    /// # Errors
+    /// [`ReadError::Io`], also if memory runs out.
+    pub fn lines(&self, range: Range<u64>) -> Result<FileChunk, ReadError> {
+        let bytes = self.read(range.clone()).map_err(ReadError::io(&self.path))?;
+        Ok(FileChunk { path: self.path.clone(), is_first: range.start == 0, bytes })
+    }
+
+    fn read(&self, Range { start, end }: Range<u64>) -> io::Result<Vec<u8>> {
+        let end = end.min(self.size);
+        if start >= end {
+            return Ok(Vec::new());
+        }
+        let mut file = fs::File::open(&self.path)?;
+        // The byte in front shows whether a line starts at the range.
+        let from = start.saturating_sub(1);
+        file.seek(SeekFrom::Start(from))?;
+        let mut bytes = bytes::room_for(end - from)?;
+        file.by_ref().take(end - from).read_to_end(&mut bytes)?;
+        if start > 0 {
+            let searched = bytes.len().saturating_sub(1);
+            let Some(last) = memchr::memchr(b'\n', &bytes[..searched]) else { return Ok(Vec::new()) };
+            bytes.drain(..=last);
+        }
+        to_end_of_line(&mut file, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    pub(super) fn reader(&self) -> Result<io::BufReader<fs::File>, ReadError> {
+        fs::File::open(&self.path).map(io::BufReader::new).map_err(ReadError::io(&self.path))
+    }
+}
+
+fn to_end_of_line(file: &mut fs::File, bytes: &mut Vec<u8>) -> io::Result<()> {
+    while bytes.last().is_some_and(|&last| last != b'\n') {
+        let before = bytes.len();
+        if file.take(PIECE as u64).read_to_end(bytes)? == 0 {
+            break;
+        }
+        if let Some(end) = memchr::memchr(b'\n', &bytes[before..]) {
+            bytes.truncate(before + end + 1);
+        }
+    }
+    Ok(())
+}
+
+/// Consecutive lines of a file.
+#[derive(Debug)]
+pub struct FileChunk {
+    path: PathBuf,
+    /// Whether the chunk starts the file.
+    is_first: bool,
+    bytes: Vec<u8>,
+}
+
+/// Number of lines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LineCount {
+    /// All lines.
+    pub lines: usize,
+    /// Lines that are neither blank nor comments.
+    pub items: usize,
+}
+
+impl Add for LineCount {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { lines: self.lines + other.lines, items: self.items + other.items }
+    }
+}
+
+impl FileChunk {
+    /// Counts the lines.
+    pub fn count(&self) -> LineCount {
+        let (mut lines, mut items) = (self.after(0), 0);
+        while lines.content().is_some() {
+            items += 1;
+        }
+        LineCount { lines: lines.number(), items }
+    }
+
+    /// Number of the last line that is not blank, from 1; 0 if all are blank.
+    pub fn last_filled(&self) -> usize {
+        let (mut lines, mut last) = (self.after(0), 0);
+        while let Some(line) = lines.any() {
+            if !String::from_utf8_lossy(line.text).trim().is_empty() {
+                last = line.number;
+            }
+        }
+        last
+    }
+
+    pub(super) fn after(&self, number: usize) -> lines::TextLines<'_> {
+        if self.is_first { lines::TextLines::new(&self.bytes) } else { lines::TextLines::after(&self.bytes, number) }
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// Header and sizes of a Matrix Market file. Comments are replaced by blank lines: these take no memory and keep the
+/// line numbers.
+pub(super) struct FileHead {
+    pub text: Vec<u8>,
+    /// Size of the head in the file, in bytes.
+    pub end: u64,
+}
+
+/// Reads the head. Returns `None` if the first line that is not blank is no Matrix Market header and `any` is false.
+pub(super) fn read_head(file: &ChunkedFile, any: bool) -> Result<Option<FileHead>, ReadError> {
+    let mut reader = file.reader()?;
+    let mut head = FileHead { text: Vec::new(), end: 0 };
+    let (mut line, mut found) = (Vec::new(), 0);
+    while found < 2 {
+        line.clear();
+        if reader.read_until(b'\n', &mut line).map_err(ReadError::io(file.path()))? == 0 {
+            break;
+        }
+        let mut lines = if head.end == 0 { lines::TextLines::new(&line) } else { lines::TextLines::after(&line, 0) };
+        let only = lines.any();
+        head.end += line.len() as u64;
+        let counts = |line: &lines::TextLine| {
+            if found == 0 { !line.text.trim_ascii().is_empty() } else { line.words().next().is_some() }
+        };
+        if !only.as_ref().is_some_and(counts) {
+            head.text.push(b'\n');
+            continue;
+        }
+        if found == 0 && !any && !only.as_ref().is_some_and(is_banner) {
+            return Ok(None);
+        }
+        found += 1;
+        head.text.extend_from_slice(&line);
+    }
+    Ok((any || found > 0).then_some(head))
+}

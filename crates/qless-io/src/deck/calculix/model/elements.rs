@@ -1,0 +1,185 @@
+//! Elements and their shapes: number of nodes, and which nodes lie on a face.
+
+use rustc_hash::FxHashMap;
+
+use crate::deck::Problem;
+use crate::deck::calculix::model::ScopedName;
+use crate::deck::calculix::syntax::card::Scope;
+
+/// Shape of an element type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ElementShape {
+    /// Number of nodes; `None` for an unknown type, whose lines continue after a trailing comma.
+    pub nodes: Option<usize>,
+    family: ElementFamily,
+    /// Whether the nodes have rotations.
+    pub rotates: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ElementFamily {
+    Hexahedron,
+    Tetrahedron,
+    Wedge,
+    Shell,
+    Plane,
+    Other,
+}
+
+/// Corners of each face; corners and middle node of each edge. All count from 0.
+struct FaceTable {
+    faces: &'static [&'static [usize]],
+    edges: &'static [(usize, usize, usize)],
+}
+
+const HEXAHEDRON: FaceTable = FaceTable {
+    faces: &[&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]],
+    edges: &[
+        (0, 1, 8),
+        (1, 2, 9),
+        (2, 3, 10),
+        (3, 0, 11),
+        (4, 5, 12),
+        (5, 6, 13),
+        (6, 7, 14),
+        (7, 4, 15),
+        (0, 4, 16),
+        (1, 5, 17),
+        (2, 6, 18),
+        (3, 7, 19),
+    ],
+};
+const TETRAHEDRON: FaceTable = FaceTable {
+    faces: &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
+    edges: &[(0, 1, 4), (1, 2, 5), (2, 0, 6), (0, 3, 7), (1, 3, 8), (2, 3, 9)],
+};
+const WEDGE: FaceTable = FaceTable {
+    faces: &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]],
+    edges: &[(0, 1, 6), (1, 2, 7), (2, 0, 8), (3, 4, 9), (4, 5, 10), (5, 3, 11), (0, 3, 12), (1, 4, 13), (2, 5, 14)],
+};
+
+impl ElementShape {
+    /// The shape of an element type such as `C3D20R`.
+    pub fn from_type(kind: &str) -> Self {
+        let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).collect::<String>().parse().ok();
+        let starts = |prefix: &str| kind.strip_prefix(prefix).map(digits);
+        let (family, nodes, rotates) =
+            if let Some(nodes) = starts("C3D").or_else(|| starts("F3D")).or_else(|| starts("DC3D")) {
+                let family = match nodes {
+                    Some(8 | 20) => ElementFamily::Hexahedron,
+                    Some(4 | 10) => ElementFamily::Tetrahedron,
+                    Some(6 | 15) => ElementFamily::Wedge,
+                    _ => ElementFamily::Other,
+                };
+                (family, nodes, false)
+            } else if let Some(nodes) = starts("CPS").or_else(|| starts("CPE")).or_else(|| starts("CAX")) {
+                (ElementFamily::Plane, nodes, false)
+            } else if let Some(nodes) = starts("M3D") {
+                (ElementFamily::Shell, nodes, false)
+            } else if let Some(nodes) = starts("S") {
+                (ElementFamily::Shell, nodes, true)
+            } else {
+                let is_beam = kind.starts_with('B');
+                let nodes = match kind {
+                    _ if kind.starts_with("B31") || kind.starts_with("T3D2") => Some(2),
+                    _ if kind.starts_with("B32") || kind.starts_with("T3D3") => Some(3),
+                    _ => None,
+                };
+                (ElementFamily::Other, nodes, is_beam)
+            };
+        Self { nodes, family, rotates }
+    }
+
+    /// Whether the element is plane, so that its faces are lines.
+    pub fn is_plane(&self) -> bool {
+        self.family == ElementFamily::Plane
+    }
+
+    /// Nodes of face `S3`: corners in order, then the middle nodes of the edges between them.
+    pub fn face(&self, face: &str, nodes: &[u32]) -> Option<Vec<u32>> {
+        let number: Option<usize> = face.strip_prefix('S').and_then(|number| number.parse().ok());
+        match self.family {
+            ElementFamily::Hexahedron => HEXAHEDRON.face(number?, nodes),
+            ElementFamily::Tetrahedron => TETRAHEDRON.face(number?, nodes),
+            ElementFamily::Wedge => WEDGE.face(number?, nodes),
+            ElementFamily::Shell => Some(nodes.to_vec()),
+            ElementFamily::Plane => edge(number?, nodes),
+            ElementFamily::Other => None,
+        }
+    }
+}
+
+impl FaceTable {
+    fn face(&self, number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
+        let corners = *self.faces.get(number.checked_sub(1)?)?;
+        let mut face: Vec<u32> = corners.iter().map(|&k| nodes.get(k).copied()).collect::<Option<_>>()?;
+        let quadratic = nodes.len() > self.edges.first()?.2;
+        if quadratic {
+            let next = corners.iter().cycle().skip(1);
+            for (&a, &b) in corners.iter().zip(next) {
+                let is_edge = |edge: &&(usize, usize, usize)| (edge.0, edge.1) == (a, b) || (edge.0, edge.1) == (b, a);
+                face.push(*nodes.get(self.edges.iter().find(is_edge)?.2)?);
+            }
+        }
+        Some(face)
+    }
+}
+
+/// Edge `number` of a plane element: its ends and, if it has one, its middle node.
+fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
+    let corners = if matches!(nodes.len(), 3 | 6) { 3 } else { 4 };
+    let first = number.checked_sub(1).filter(|&k| k < corners)?;
+    let mut edge = vec![*nodes.get(first)?, *nodes.get((first + 1) % corners)?];
+    edge.extend(nodes.get(corners + first));
+    Some(edge)
+}
+
+/// All elements with their shapes and nodes.
+#[derive(Default)]
+pub struct MeshElements {
+    pub nodes: Vec<u32>,
+    /// Shape, and range of its nodes in `nodes`.
+    pub all: Vec<(ElementShape, usize, usize)>,
+    pub by_number: FxHashMap<(Scope, u32), u32>,
+    /// Elements of the sets that `*ELEMENT` cards name.
+    pub by_set: FxHashMap<ScopedName, Vec<u32>>,
+}
+
+impl MeshElements {
+    /// The element with this number in the scope.
+    pub fn index(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
+        let undefined = || Problem::Undefined { what: "element", name: own.to_string() };
+        self.by_number.get(&(scope, own)).copied().ok_or_else(undefined)
+    }
+
+    /// The nodes of an element.
+    pub fn nodes(&self, element: u32) -> &[u32] {
+        let (_, start, end) = self.all[element as usize];
+        &self.nodes[start..end]
+    }
+
+    /// The shape of an element.
+    pub fn shape(&self, element: u32) -> ElementShape {
+        self.all[element as usize].0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ElementShape;
+
+    #[test]
+    fn faces_go_round_their_corners_and_then_their_middles() {
+        let nodes: Vec<u32> = (1..=20).collect();
+        assert_eq!(ElementShape::from_type("C3D20R").face("S4", &nodes), Some(vec![2, 6, 7, 3, 18, 14, 19, 10]));
+        assert_eq!(ElementShape::from_type("C3D8").face("S6", &nodes[..8]), Some(vec![4, 8, 5, 1]));
+        assert_eq!(ElementShape::from_type("C3D10").face("S2", &nodes[..10]), Some(vec![1, 4, 2, 8, 9, 5]));
+        assert_eq!(ElementShape::from_type("CPS4").face("S4", &nodes[..4]), Some(vec![4, 1]));
+        assert_eq!(ElementShape::from_type("C3D8").face("S7", &nodes[..8]), None);
+        assert!(
+            ElementShape::from_type("S8R").rotates
+                && ElementShape::from_type("B32R").nodes == Some(3)
+                && !ElementShape::from_type("T3D2").rotates
+        );
+    }
+}

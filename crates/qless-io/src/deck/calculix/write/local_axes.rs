@@ -1,0 +1,177 @@
+//! Slaves at nodes with local axes (`*TRANSFORM`).
+//!
+//! ccx rewrites an equation at such a node in the global axes `d`, and chooses a global direction as its slave: for a
+//! slave along the local axis `e_s`, the first of `s, s + 1, s + 2` (modulo 3) that no earlier equation of this node
+//! has and in which `e_s` exceeds 1e-5. It ignores the coefficient `sum_c l_c e_c . d` of the whole equation; if that
+//! is zero, it stops. This module combines the equations of one node until no such coefficient is zero: `L_S^-1 E`,
+//! with the coefficients `L_S` of other local slaves S.
+
+use std::collections::BTreeMap;
+
+use crate::deck::calculix::definitions;
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::Vector;
+use crate::deck::plan::{CleanError, Plan, Written};
+use crate::deck::{Deck, Dof};
+
+/// Smallest component that ccx takes for nonzero.
+const LEAST: f64 = 1e-5;
+/// Coefficients below this count as zero; the local slave has 1.
+const ZERO: f64 = 1e-6;
+
+/// The equations of a plan, with slaves that ccx accepts.
+pub fn with_slaves_for_ccx(deck: &Deck, plan: &Plan) -> Result<Vec<Written>, CleanError> {
+    let mut written = plan.written.clone();
+    let mut of_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (i, equation) in written.iter().enumerate() {
+        let node = equation.slave.node;
+        if deck.model.turned.contains(&node) && (1..=3).contains(&equation.slave.component) {
+            of_node.entry(node).or_default().push(i);
+        }
+    }
+    if of_node.is_empty() {
+        return Ok(written);
+    }
+    let definitions = definitions(deck)?;
+    for (node, equations) in of_node {
+        let pose = definitions.pose(node).map_err(|problem| refused(deck, node, &problem.to_string()))?;
+        let own = TransformedNode { deck, number: node, axes: pose.axes };
+        own.choose_slaves(&equations, &mut written)?;
+    }
+    Ok(written)
+}
+
+fn refused(deck: &Deck, node: u32, why: &str) -> CleanError {
+    let why = format!("its slaves at node {}, which has axes of its own: {why}", deck.model.node_name(node));
+    CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
+}
+
+/// A node with its local axes, `axes[c]` in global coordinates.
+struct TransformedNode<'a> {
+    deck: &'a Deck,
+    number: u32,
+    axes: [Vector; 3],
+}
+
+impl TransformedNode<'_> {
+    /// Keeps the equations if ccx accepts them; otherwise combines them so that it does.
+    fn choose_slaves(&self, equations: &[usize], written: &mut [Written]) -> Result<(), CleanError> {
+        let rows: Vec<[f64; 3]> = equations.iter().map(|&i| self.coefficients(&written[i])).collect();
+        let slaves: Vec<usize> = equations.iter().map(|&i| usize::from(written[i].slave.component) - 1).collect();
+        if self.is_taken(&rows, &slaves) {
+            return Ok(());
+        }
+        let is_one_layer = equations.iter().all(|&i| written[i].cases == written[equations[0]].cases);
+        let others = choices(slaves.len()).into_iter().filter(|others| is_one_layer && self.is_free(others));
+        let found = others.filter_map(|others| Some((inverse(&rows, &others)?, others)));
+        let fitting = found.filter(|(by, others)| self.is_taken(&product(by, &rows), others));
+        let Some((by, others)) = fitting.min_by(|a, b| size(&a.0).total_cmp(&size(&b.0))) else {
+            let why = "ccx would take directions in which their equations have no coefficient; remove *TRANSFORM there";
+            return Err(refused(self.deck, self.number, why));
+        };
+        let old: Vec<Written> = equations.iter().map(|&i| written[i].clone()).collect();
+        for (k, &i) in equations.iter().enumerate() {
+            let slave = Dof { node: self.number, component: others[k] as u8 + 1 };
+            written[i] = combined(&old, &by[k], slave);
+        }
+        Ok(())
+    }
+
+    /// Coefficients of an equation at this node.
+    fn coefficients(&self, equation: &Written) -> [f64; 3] {
+        let mut all = [0.0; 3];
+        for &(dof, v) in equation.terms.iter().chain(&[(equation.slave, 1.0)]) {
+            if dof.node == self.number && (1..=3).contains(&dof.component) {
+                all[usize::from(dof.component) - 1] += v;
+            }
+        }
+        all
+    }
+
+    /// Whether the directions that ccx chooses determine the slaves, one by one and together.
+    fn is_taken(&self, rows: &[[f64; 3]], slaves: &[usize]) -> bool {
+        let global = |row: &[f64; 3], d: usize| (0..3).map(|c| row[c] * self.axes[c][d]).sum::<f64>();
+        let mut taken: Vec<usize> = Vec::new();
+        for &s in slaves {
+            let free = (0..3).map(|k| (s + k) % 3).filter(|d| !taken.contains(d));
+            match free.into_iter().find(|&d| self.axes[s][d].abs() >= LEAST) {
+                Some(d) => taken.push(d),
+                None => return false,
+            }
+        }
+        let turned: Vec<[f64; 3]> = rows.iter().map(|row| [0, 1, 2].map(|d| global(row, d))).collect();
+        let own = turned.iter().zip(&taken).all(|(row, &d)| row[d].abs() > ZERO);
+        own && inverse(&turned, &taken).is_some()
+    }
+
+    /// Whether these components may be slaves, since no other card claims them.
+    fn is_free(&self, components: &[usize]) -> bool {
+        let model = &self.deck.model;
+        components.iter().all(|&c| {
+            let dof = Dof { node: self.number, component: c as u8 + 1 };
+            let left_out = model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
+            model.claimed(dof).is_none() && !left_out
+        })
+    }
+}
+
+/// All ordered choices of `count` out of three components.
+fn choices(count: usize) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
+    for _ in 0..count {
+        let longer = |choice: &Vec<usize>| {
+            let next = (0..3).filter(|c| !choice.contains(c)).collect::<Vec<_>>();
+            next.into_iter().map(|c| [choice.as_slice(), &[c]].concat()).collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all
+}
+
+/// Inverse of the chosen columns, by elimination with pivoting; `None` if it is nearly singular.
+fn inverse(rows: &[[f64; 3]], columns: &[usize]) -> Option<Vec<Vec<f64>>> {
+    let n = columns.len();
+    let unit = |i: usize| (0..n).map(move |j| if i == j { 1.0 } else { 0.0 });
+    let mut work: Vec<Vec<f64>> =
+        rows.iter().enumerate().map(|(i, row)| columns.iter().map(|&c| row[c]).chain(unit(i)).collect()).collect();
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&a, &b| work[a][k].abs().total_cmp(&work[b][k].abs()))?;
+        work.swap(k, pivot);
+        let scale = work[k][k];
+        if scale.abs() <= ZERO {
+            return None;
+        }
+        work[k].iter_mut().for_each(|v| *v /= scale);
+        let own = work[k].clone();
+        for (_, row) in work.iter_mut().enumerate().filter(|(i, _)| *i != k) {
+            let factor = row[k];
+            row.iter_mut().zip(&own).for_each(|(v, own)| *v -= factor * own);
+        }
+    }
+    Some(work.into_iter().map(|row| row[n..].to_vec()).collect())
+}
+
+fn product(by: &[Vec<f64>], rows: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let sum = |row: &Vec<f64>, c: usize| row.iter().zip(rows).map(|(v, other)| v * other[c]).sum();
+    by.iter().map(|row| [0, 1, 2].map(|c| sum(row, c))).collect()
+}
+
+fn size(by: &[Vec<f64>]) -> f64 {
+    by.iter().flatten().fold(0.0, |most, v| most.max(v.abs()))
+}
+
+/// `sum_k by_k E_k`: coefficient 1 at its slave, and 0 at the slaves of the other equations of the node.
+fn combined(old: &[Written], by: &[f64], slave: Dof) -> Written {
+    let mut sums: BTreeMap<Dof, (f64, f64)> = BTreeMap::new();
+    for (equation, factor) in old.iter().zip(by) {
+        for &(dof, v) in equation.terms.iter().chain(&[(equation.slave, 1.0)]) {
+            let sum = sums.entry(dof).or_default();
+            *sum = (sum.0 + factor * v, sum.1 + (factor * v).abs());
+        }
+    }
+    sums.remove(&slave);
+    // Terms that cancel up to rounding are dropped.
+    let terms = sums.into_iter().filter(|(_, (v, size))| v.abs() > 1e-14 * size).map(|(dof, (v, _))| (dof, v));
+    let rhs = old.iter().zip(by).map(|(equation, factor)| factor * equation.rhs).sum();
+    Written { slave, terms: terms.collect(), rhs, cases: old[0].cases.clone() }
+}

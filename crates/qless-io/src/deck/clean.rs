@@ -1,0 +1,221 @@
+//! Cleans a deck: makes its equations independent, with each slave once and never prescribed.
+//!
+//! Equations are treated by connected component ("part"); equations that share free DOFs or text belong together. A
+//! part without faults stays byte for byte. If its dependent equations can simply be removed, they are. Otherwise the
+//! whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
+//! has no faults, so that cleaning it again changes nothing.
+//!
+//! The new text is read again to prove that it constrains as the original: in every load case its equations span the
+//! same space, and are independent. Let `C u = b` be the equations of the deck and `C' u = b'` those of the cleaned one.
+//!
+//! - `rank [C b; C' b'] = rank [C b]` over all DOFs: every solution of the deck solves the cleaned deck.
+//! - `rank C' = rank C` without the prescribed DOFs: the converse holds too.
+//!
+//! Whether the deck has a solution is tested separately, so that rounding of new coefficients cannot decide it. Loads
+//! must stay at their DOFs. Cost: five analyses for each case, and one more for each of several time histories.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use qless::{Analysis, ConstraintSystem, Kind, Options, SystemBuilder, analyse};
+use rustc_hash::FxHashMap;
+
+use super::plan::conflicts;
+use super::{Deck, Dof, Format, LoadCase, Model, ansys, calculix, nastran, parse};
+
+pub use super::faults::{EquationFault, faults, faults_in};
+pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
+pub(super) use super::plan::{Edits, Renamed};
+pub use super::solver::{Finding, findings};
+
+/// Carries out a plan: returns the new text of the main file. It is read again, and proved to constrain as the deck
+/// does in every load case.
+///
+/// # Errors
+/// [`CleanError`]: text that must change cannot, or the proof fails.
+pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
+    plan.check(&deck.model)?;
+    if plan.is_empty() {
+        return Ok(deck.texts[0].to_vec());
+    }
+    let (text, renamed) = match deck.format() {
+        Format::Calculix => calculix::write(deck, plan)?,
+        Format::Nastran => (nastran::write(deck, plan)?, Renamed::default()),
+        Format::Ansys => (ansys::write(deck, plan)?, Renamed::default()),
+    };
+    prove(deck, &text, &renamed)?;
+    Ok(text)
+}
+
+/// Proves that a new text of the main file constrains as the deck does.
+///
+/// # Errors
+/// [`CleanError::Unproven`] if the text constrains differently, [`CleanError::Deck`] if it cannot be read.
+fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> {
+    let old = &deck.model;
+    let mut open = |path: &Path| {
+        let known = old.files.iter().position(|file| file == path);
+        known.map(|file| deck.texts[file].to_vec()).ok_or(std::io::ErrorKind::NotFound.into())
+    };
+    let new = parse(deck.solver(), &old.files[0], text.to_vec(), &mut open)?.model;
+    if new.cases.len() > old.cases.len() {
+        let what = format!("{} load cases instead of {}", new.cases.len(), old.cases.len());
+        return Err(CleanError::Unproven { case: "the deck".into(), what });
+    }
+    for (k, a) in old.cases.iter().enumerate() {
+        if conflicts(old, a, &Options::default())? {
+            return Err(CleanError::Conflicting { case: a.name.clone() });
+        }
+        let unproven = |what: String| CleanError::Unproven { case: a.name.clone(), what };
+        let b = partner(old, k, &new).ok_or_else(|| unproven("it is no load case any more".into()))?;
+        same(old, a, &new, b, renamed).map_err(unproven)?;
+    }
+    Ok(())
+}
+
+/// The load case of the cleaned deck for load case `k`. Subcases that now constrain alike are merged; the name lists
+/// all their numbers.
+fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
+    if old.cases.len() == new.cases.len() {
+        return new.cases.get(k);
+    }
+    let numbers = |case: &LoadCase| -> Vec<u32> {
+        case.name.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect()
+    };
+    let own = numbers(&old.cases[k]);
+    new.cases.iter().find(|case| !own.is_empty() && own.iter().all(|number| numbers(case).contains(number)))
+}
+
+/// Checks that two load cases constrain the same; otherwise says what differs.
+fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
+    let given = same_values(old, a, new, b, renamed)?;
+    same_loads(a, b, renamed)?;
+    let both = SharedColumns::new(old, new, renamed);
+    let analyse = |systems: &[(&Model, &LoadCase)], given: &BTreeSet<Dof>| {
+        let system = both.system(systems, given).map_err(|error| error.to_string())?;
+        analyse(&system, &Options::default()).map_err(|error| error.to_string())
+    };
+    let none = BTreeSet::new();
+    let (alone, joined) = (analyse(&[(old, a)], &none)?, analyse(&[(old, a), (new, b)], &none)?);
+    let conflicts =
+        |analysis: &Analysis| analysis.dependent().iter().filter(|one| one.kind == Kind::Conflicting).count();
+    if joined.rank() != alone.rank() || conflicts(&joined) != conflicts(&alone) {
+        return Err(format!("it demands more: rank {} instead of {}", joined.rank(), alone.rank()));
+    }
+    let (before, after) = (analyse(&[(old, a)], &given)?.rank(), analyse(&[(new, b)], &given)?.rank());
+    if before != after {
+        return Err(format!("it demands less: rank {after} instead of {before}"));
+    }
+    independent(new, b, after, &both)
+}
+
+/// Checks that the equations of a cleaned load case are independent and have no faults.
+fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) -> Result<(), String> {
+    let count = new.in_force(case).filter(|&i| !both.names_one_dof(new, i)).count();
+    if count != rank {
+        return Err(format!("{} of {count} equations still redundant", count - rank));
+    }
+    faults_in(new, case).first().map_or(Ok(()), |fault| Err(fault.describe(new)))
+}
+
+/// Checks the prescribed values of the new load case: those of the old one, and values of DOFs that only the new deck
+/// has.
+fn same_values(
+    old: &Model,
+    a: &LoadCase,
+    new: &Model,
+    b: &LoadCase,
+    renamed: &Renamed,
+) -> Result<BTreeSet<Dof>, String> {
+    let (before, after) = (given_in(old, a), given_in(new, b));
+    if let Some(dof) = renamed.values().find(|dof| after.contains_key(dof)) {
+        return Err(format!("{dof} is still prescribed under its old name"));
+    }
+    let mut after: BTreeMap<_, _> =
+        after.into_iter().map(|(dof, given)| (*renamed.get(&dof).unwrap_or(&dof), given)).collect();
+    if let Some((dof, _)) = before.iter().find(|(dof, given)| after.get(dof) != Some(given)) {
+        return Err(format!("{dof} is not prescribed as before"));
+    }
+    // DOFs that only the new deck has exist for its equations.
+    after.retain(|dof, _| before.contains_key(dof) || new.column(*dof).is_some());
+    if let Some(dof) = after.keys().find(|dof| !before.contains_key(dof) && old.column(**dof).is_some()) {
+        return Err(format!("{dof} was not prescribed before"));
+    }
+    Ok(after.into_keys().collect())
+}
+
+/// Checks that each DOF has as many loads as before.
+fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
+    let sorted = |mut dofs: Vec<Dof>| {
+        dofs.sort_unstable();
+        dofs
+    };
+    let before = sorted(a.loads.iter().map(|load| load.dof).collect());
+    let after = sorted(b.loads.iter().map(|load| *renamed.get(&load.dof).unwrap_or(&load.dof)).collect());
+    if before == after { Ok(()) } else { Err("loads are no longer where they were".into()) }
+}
+
+/// A prescribed value with the name of its time history, which is empty for the standard one.
+#[derive(PartialEq)]
+struct PrescribedValue {
+    value: f64,
+    course: String,
+}
+
+fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, PrescribedValue> {
+    let names: Vec<Option<&str>> = model.courses().collect();
+    let course = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
+    case.prescribed
+        .iter()
+        .map(|one| (one.dof, PrescribedValue { value: one.value, course: course(one.course) }))
+        .collect()
+}
+
+/// Common columns for the DOFs of two models.
+struct SharedColumns<'a> {
+    columns: FxHashMap<Dof, usize>,
+    renamed: &'a Renamed,
+}
+
+impl<'a> SharedColumns<'a> {
+    fn new(old: &Model, new: &Model, renamed: &'a Renamed) -> Self {
+        let mut columns = FxHashMap::default();
+        let named = new.dofs.iter().map(|dof| renamed.get(dof).unwrap_or(dof));
+        for &dof in old.dofs.iter().chain(named) {
+            let next = columns.len();
+            columns.entry(dof).or_insert(next);
+        }
+        Self { columns, renamed }
+    }
+
+    fn column(&self, dof: Dof) -> Option<usize> {
+        self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
+    }
+
+    /// Whether an equation only equates a new DOF with the DOF that it repeats.
+    fn names_one_dof(&self, new: &Model, i: usize) -> bool {
+        let equation = new.nth(i);
+        let names: Vec<Dof> = equation.columns.iter().map(|&j| new.dofs[j as usize]).collect();
+        let [a, b] = names[..] else { return false };
+        a != b && self.column(a) == self.column(b) && equation.coefficients[0] == -equation.coefficients[1]
+    }
+
+    /// The equations in force in some load cases, one below the other, with these DOFs prescribed as zero.
+    fn system(
+        &self,
+        parts: &[(&Model, &LoadCase)],
+        given: &BTreeSet<Dof>,
+    ) -> Result<ConstraintSystem, qless::SystemError> {
+        let mut builder = SystemBuilder::new(self.columns.len().max(1));
+        for &(model, case) in parts {
+            for i in model.in_force(case) {
+                let equation = model.nth(i);
+                let terms = equation.columns.iter().zip(equation.coefficients);
+                let term = |(&j, &a): (&u32, &f64)| Some((self.column(model.dofs[j as usize])?, a));
+                builder.equation(terms.filter_map(term), equation.rhs);
+            }
+        }
+        given.iter().filter_map(|&dof| self.column(dof)).for_each(|column| builder.prescribe(column, 0.0));
+        builder.build()
+    }
+}

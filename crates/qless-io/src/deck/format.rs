@@ -1,0 +1,122 @@
+//! Formats of decks, and the solvers that read them.
+
+use std::path::Path;
+use std::str::FromStr;
+
+/// The format of a deck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// CalculiX and Abaqus, `.inp`.
+    Calculix,
+    /// ANSYS archives, `.cdb`.
+    Ansys,
+    /// Nastran, `.bdf`, `.dat`, `.nas`.
+    Nastran,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 3] = [Self::Calculix, Self::Ansys, Self::Nastran];
+
+    /// The format for the ending of a path, without `.gz`.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        match ending.as_str() {
+            "inp" => Some(Self::Calculix),
+            "cdb" => Some(Self::Ansys),
+            "bdf" | "dat" | "nas" | "fem" => Some(Self::Nastran),
+            "gz" => Self::from_path(Path::new(path.file_stem()?)),
+            _ => None,
+        }
+    }
+}
+
+impl std::fmt::Display for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Calculix => "CalculiX or Abaqus",
+            Self::Ansys => "ANSYS",
+            Self::Nastran => "Nastran",
+        })
+    }
+}
+
+/// A finite-element solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Solver {
+    /// CalculiX.
+    Ccx,
+    /// Abaqus/Standard.
+    Abaqus,
+    /// MSC and Simcenter Nastran.
+    Nastran,
+    /// MYSTRAN.
+    Mystran,
+    /// OptiStruct.
+    Optistruct,
+    /// ANSYS Mechanical APDL.
+    Ansys,
+}
+
+/// The name of no known [`Solver`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no solver that is known here; take one of ccx, abaqus, nastran, mystran, optistruct, ansys")]
+pub struct UnknownSolver(String);
+
+impl Solver {
+    /// All solvers.
+    pub const ALL: [Self; 6] = [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys];
+
+    /// The solvers that read a format.
+    pub fn that_read(format: Format) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |solver| solver.format() == format)
+    }
+
+    /// The format that the solver reads.
+    pub fn format(self) -> Format {
+        match self {
+            Self::Ccx | Self::Abaqus => Format::Calculix,
+            Self::Nastran | Self::Mystran | Self::Optistruct => Format::Nastran,
+            Self::Ansys => Format::Ansys,
+        }
+    }
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ccx => "ccx",
+            Self::Abaqus => "abaqus",
+            Self::Nastran => "nastran",
+            Self::Mystran => "mystran",
+            Self::Optistruct => "optistruct",
+            Self::Ansys => "ansys",
+        }
+    }
+}
+
+/// The default solver of a format.
+impl From<Format> for Solver {
+    fn from(format: Format) -> Self {
+        match format {
+            Format::Calculix => Self::Ccx,
+            Format::Nastran => Self::Nastran,
+            Format::Ansys => Self::Ansys,
+        }
+    }
+}
+
+impl FromStr for Solver {
+    type Err = UnknownSolver;
+
+    fn from_str(name: &str) -> Result<Self, UnknownSolver> {
+        let same = |solver: &Self| solver.name().eq_ignore_ascii_case(name);
+        Self::ALL.into_iter().find(same).ok_or_else(|| UnknownSolver(name.to_owned()))
+    }
+}
+
+impl std::fmt::Display for Solver {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}

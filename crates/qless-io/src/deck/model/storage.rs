@@ -1,0 +1,89 @@
+//! Compact storage of a model: columns by DOF, terms, and origins of equations.
+
+use rustc_hash::FxHashMap;
+
+use super::constraints::{Dof, Origin};
+use crate::deck::chunks::Chunks;
+
+/// Consecutive nodes in a page.
+const PAGE: u32 = 16;
+const NONE: u32 = u32::MAX;
+
+/// A map from DOFs to columns. DOFs of the same component at consecutive nodes share a page; only pages are hashed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ColumnMap {
+    pages: FxHashMap<(u32, u8), u32>,
+    entries: Chunks<[u32; PAGE as usize]>,
+    /// Pages used last, by position in the equation and by component: the next equation often uses the same ones.
+    last: [Option<((u32, u8), u32)>; 16],
+}
+
+impl ColumnMap {
+    /// The column of a DOF.
+    pub fn get(&self, dof: Dof) -> Option<u32> {
+        let &page = self.pages.get(&key(dof))?;
+        let column = self.entries[page as usize][(dof.node % PAGE) as usize];
+        (column != NONE).then_some(column)
+    }
+
+    /// The column of a DOF; assigns `next` to a new DOF.
+    pub fn get_or_insert(&mut self, dof: Dof, next: u32, turn: usize) -> u32 {
+        let key = key(dof);
+        let slot = turn % 4 * 4 + usize::from(dof.component % 4);
+        let page = match self.last[slot] {
+            Some((last, page)) if last == key => page,
+            _ => {
+                let fresh = self.entries.len() as u32;
+                let page = *self.pages.entry(key).or_insert(fresh);
+                if page == fresh {
+                    self.entries.push([NONE; PAGE as usize]);
+                }
+                self.last[slot] = Some((key, page));
+                page
+            }
+        };
+        let entry = &mut self.entries[page as usize][(dof.node % PAGE) as usize];
+        if *entry == NONE {
+            *entry = next;
+        }
+        *entry
+    }
+}
+
+fn key(dof: Dof) -> (u32, u8) {
+    (dof.node / PAGE, dof.component)
+}
+
+/// A run of equations: equation `first + k` has the origin `origin` moved by `k stride` lines and `k cards` cards.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OriginRun {
+    pub first: u32,
+    pub origin: Origin,
+    pub stride: u32,
+    pub cards: u32,
+}
+
+impl OriginRun {
+    /// Origin of equation `i`.
+    pub fn at(&self, i: usize) -> Origin {
+        let further = |from: u32, stride: u32| from.wrapping_add((i as u32 - self.first).wrapping_mul(stride));
+        let Origin { card, line, lines } = self.origin;
+        Origin { card: further(card, self.cards), line: further(line, self.stride), lines }
+    }
+
+    /// Takes equation `i` into the run if it fits. The second equation of a run sets the strides.
+    pub fn take(&mut self, i: usize, origin: Origin) -> bool {
+        if self.first + 1 == i as u32 {
+            self.stride = origin.line.wrapping_sub(self.origin.line);
+            self.cards = origin.card.wrapping_sub(self.origin.card);
+        }
+        self.at(i) == origin
+    }
+}
+
+/// Terms of all equations, one after the other.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TermStorage {
+    pub columns: Vec<u32>,
+    pub coefficients: Vec<f64>,
+}

@@ -1,0 +1,133 @@
+//! `C u = b` of a load case: at its end, and for each time history of its prescribed values.
+//!
+//! Values with different time histories have no fixed ratio. The equations are therefore consistent at all times only
+//! if they are consistent for the values of each history alone, with all others zero. The converse holds because a sum
+//! of consistent right-hand sides is consistent. One test at the end does not suffice: values may cancel at one time
+//! and conflict at all others.
+
+use qless::{ConstraintSystem, SystemBuilder, SystemError};
+
+use super::{Dof, LoadCase, Model, Prescribed};
+
+impl Model {
+    /// `C u = b` of a load case, with labels in the deck's terms. Rows: equations in force, then values that
+    /// contradict others. Columns: the DOFs in them. Values are those at the end of the load case.
+    ///
+    /// # Errors
+    /// [`SystemError`] if coefficients of one DOF in one equation overflow when summed.
+    pub fn system(&self, case: &LoadCase) -> Result<ConstraintSystem, SystemError> {
+        self.system_with(case, true, |given| given.value)
+    }
+
+    /// Time histories of the nonzero prescribed values of a load case, as indices into [`Model::courses`], ascending.
+    /// If there are several, [`Model::system_of_course`] of each must be consistent, and so must [`Model::system`].
+    pub fn courses_of(&self, case: &LoadCase) -> Vec<u32> {
+        let moved = case.prescribed.iter().chain(&case.clashes).filter(|given| given.value != 0.0);
+        let mut courses: Vec<u32> = moved.map(|given| given.course).collect();
+        courses.sort_unstable();
+        courses.dedup();
+        courses
+    }
+
+    /// [`Model::system`] with the values of one time history alone. All other values are zero. The right-hand sides of
+    /// equations are kept for the first history of the load case only.
+    ///
+    /// # Errors
+    /// As [`Model::system`].
+    pub fn system_of_course(&self, case: &LoadCase, course: u32) -> Result<ConstraintSystem, SystemError> {
+        let has_rhs = self.courses_of(case).first().is_none_or(|&first| first == course);
+        self.system_with(case, has_rhs, |given| if given.course == course { given.value } else { 0.0 })
+    }
+
+    fn system_with(
+        &self,
+        case: &LoadCase,
+        has_rhs: bool,
+        value: impl Fn(&Prescribed) -> f64,
+    ) -> Result<ConstraintSystem, SystemError> {
+        let extra = self.clashing_alone(case);
+        let column = |dof: Dof| match self.column(dof) {
+            Some(j) => Some(j as usize),
+            None => extra.binary_search(&dof).ok().map(|k| self.dofs.len() + k),
+        };
+        // A system needs at least one DOF: a deck without constraints gets a free one.
+        let dofs = self.dofs.len() + extra.len();
+        let mut builder = SystemBuilder::new(dofs.max(1));
+        for i in self.in_force(case) {
+            let equation = self.nth(i);
+            let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
+            let rhs = if has_rhs { equation.rhs } else { 0.0 };
+            builder.labelled_equation(self.label_of(i), terms.map(|(&j, &a)| (j as usize, a)), rhs);
+        }
+        for clash in &case.clashes {
+            let label = format!("{} {}", self.place(clash.origin), self.dof_name(clash.dof));
+            builder.labelled_equation(label, [(column(clash.dof).unwrap_or_default(), 1.0)], value(clash));
+        }
+        for given in &case.prescribed {
+            if let Some(j) = column(given.dof) {
+                builder.prescribe(j, value(given));
+            }
+        }
+        if dofs > 0 {
+            builder.dof_labels(self.dofs.iter().chain(&extra).map(|&dof| self.dof_name(dof)).collect());
+        }
+        builder.build()
+    }
+
+    /// DOFs with clashing values that occur in no equation.
+    fn clashing_alone(&self, case: &LoadCase) -> Vec<Dof> {
+        let clashing = case.clashes.iter().map(|clash| clash.dof);
+        let mut alone: Vec<Dof> = clashing.filter(|&dof| self.column(dof).is_none()).collect();
+        alone.sort_unstable();
+        alone.dedup();
+        alone
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use qless::{Kind, Options, analyse};
+
+    use super::*;
+    use crate::deck::Origin;
+
+    /// `u1 = u2`, with these values prescribed in these time histories.
+    fn two_ends(values: [(f64, u32); 2]) -> (Model, LoadCase) {
+        let mut model = Model::new(vec![PathBuf::from("ends.inp")]);
+        let card = model.card("*EQUATION", 0, 1);
+        let origin = Origin { card, line: 1, lines: 1 };
+        let dof = |node| Dof { node, component: 1 };
+        model.push([(dof(1), 1.0), (dof(2), -1.0)], 0.0, origin);
+        let given = |(node, (value, course))| Prescribed { dof: dof(node), value, course, origin };
+        let prescribed = [1, 2].into_iter().zip(values).map(given).collect();
+        (model, LoadCase { name: "step 1".into(), prescribed, ..LoadCase::default() })
+    }
+
+    fn kind(system: &ConstraintSystem) -> Kind {
+        analyse(system, &Options::default()).expect("an analysis").kinds()[0]
+    }
+
+    #[test]
+    fn values_that_agree_at_the_end_conflict_on_the_way_there() {
+        let (model, case) = two_ends([(1.0, 0), (1.0, 1)]);
+        assert_eq!(kind(&model.system(&case).expect("a system")), Kind::Redundant);
+        assert_eq!(model.courses_of(&case), [0, 1]);
+        for course in [0, 1] {
+            assert_eq!(kind(&model.system_of_course(&case, course).expect("a system")), Kind::Conflicting);
+        }
+    }
+
+    #[test]
+    fn one_course_is_no_other_system() {
+        for values in [[(1.0, 1), (1.0, 1)], [(2.0, 0), (2.0, 0)], [(1.0, 0), (0.0, 1)]] {
+            let (model, case) = two_ends(values);
+            let [course] = model.courses_of(&case)[..] else { panic!("one course") };
+            let whole = model.system(&case).expect("a system");
+            assert_eq!(model.system_of_course(&case, course).expect("a system"), whole);
+        }
+        let (model, case) = two_ends([(0.0, 0), (0.0, 1)]);
+        assert!(model.courses_of(&case).is_empty());
+    }
+}

@@ -1,0 +1,108 @@
+//! Why a deck cannot be cleaned.
+
+use std::path::PathBuf;
+
+use qless::{AnalysisError, ReductionError, SystemError};
+use rustc_hash::FxHashMap;
+
+use crate::deck::{DeckError, Dof};
+
+/// Why a deck cannot be cleaned.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CleanError {
+    /// The equations contradict each other in this load case.
+    #[error("the equations conflict in {case}: see `qless check`")]
+    Conflicting {
+        /// The load case.
+        case: String,
+    },
+    /// Load cases prescribe different DOFs or remove equations, so that no single set of equations fits all of them.
+    #[error(
+        "{case} needs {found} independent equations, but only {common} of them can be kept in all load cases; make a deck for each load case"
+    )]
+    CasesDiffer {
+        /// The load case.
+        case: String,
+        /// Its rank.
+        found: usize,
+        /// Its rank if every DOF is prescribed that any load case prescribes.
+        common: usize,
+    },
+    /// Equations return in a later load case or hold in some load cases only, which the format cannot express for new
+    /// equations.
+    #[error(
+        "{case} has other equations than those before it, which new equations cannot express; make a deck for each load case"
+    )]
+    Apart {
+        /// The load case.
+        case: String,
+    },
+    /// A DOF would have to become a slave although a card that is no equation claims it.
+    #[error("{case}: {slave} would have to be a slave, but another card claims it; change that card by hand")]
+    Claimed {
+        /// The load case.
+        case: String,
+        /// The DOF.
+        slave: String,
+    },
+    /// The new text does not constrain as the deck does. This is a fault of this program.
+    #[error("{case}: the cleaned deck would not constrain the same ({what}); please report this deck")]
+    Unproven {
+        /// The load case.
+        case: String,
+        /// What differs.
+        what: String,
+    },
+    /// A card that equations cannot replace has a fault.
+    #[error("{place} cannot be replaced by equations: {why}; change it or the equations that meet it by hand")]
+    Fixed {
+        /// File, line and card.
+        place: String,
+        /// Why it would have to be replaced.
+        why: String,
+    },
+    /// The solver stops when it reads the deck, whatever its equations are.
+    #[error("{place}: {why} (by hand, before the deck is cleaned)")]
+    Refused {
+        /// File and line.
+        place: String,
+        /// Why it stops, and what to do.
+        why: String,
+    },
+    /// Text that must change is in a place where it cannot.
+    #[error("{}:{line}: {why}", path.display())]
+    Place {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// What to do.
+        why: &'static str,
+    },
+    /// The plan belongs to another deck, or was changed by hand.
+    #[error(
+        "the plan names equation {equation} (from 0), but the deck has {count}, each of which can be removed only once; make a plan of this deck"
+    )]
+    Foreign {
+        /// The equation, or its second mention.
+        equation: usize,
+        /// Number of equations in the deck.
+        count: usize,
+    },
+    /// The deck's numbers cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// The deck's equations cannot be solved for slaves.
+    #[error("{0} (rows count from 0 in the order of the deck)")]
+    Reduction(#[from] ReductionError),
+    /// The deck's equations form no valid system.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// A deck could not be read.
+    #[error(transparent)]
+    Deck(#[from] DeckError),
+}
+
+/// DOFs of a cleaned deck that have another name in the original deck.
+pub(crate) type Renamed = FxHashMap<Dof, Dof>;

@@ -1,0 +1,165 @@
+//! Chooses independent equations for load cases that follow each other, as steps do: equations hold from the start and
+//! can only be removed.
+//!
+//! Let `U_k` be the DOFs prescribed in any of the cases up to k. The cases are treated from last to first. Layer k
+//! consists of the equations of case k that are independent, without the columns `U_k`, of those kept so far; they
+//! hold up to case k. Kept equations are independent in every case in which they hold, since fewer DOFs are prescribed
+//! there. Ranks show whether they suffice. With constant prescribed DOFs and no removal there is one layer. Cost: one
+//! analysis for each layer and for each case.
+
+use qless::{Analysis, Kind, Options, Preferences, analyse};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::{Cases, CleanError};
+use crate::deck::faults::{EquationFault, faults_of};
+use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
+
+/// Prescribed columns, with the cards that prescribe them.
+pub type PrescribedColumns = FxHashMap<u32, Origin>;
+
+/// Load cases up to `last`. The equations that hold in all of them are independent without the columns prescribed in
+/// any of them.
+pub struct Layer {
+    /// Last load case.
+    pub last: usize,
+    /// Name of the last load case.
+    pub name: String,
+    /// Columns prescribed in any of the load cases.
+    pub prescribed: PrescribedColumns,
+}
+
+/// The equations that are kept, and for how long.
+pub struct KeptEquations<'a> {
+    pub model: &'a Model,
+    pub options: &'a Options,
+    /// Layers, with the last load case first.
+    pub layers: Vec<Layer>,
+    /// For each equation the layer up to which it is kept; `None` if it is dependent.
+    pub layer_of: Vec<Option<usize>>,
+    /// For each dependent equation, its combination of kept equations.
+    pub because: FxHashMap<usize, Vec<(usize, f64)>>,
+    /// For each equation the last load case in which the deck has it in force; `None` if it never is.
+    pub end: Vec<Option<usize>>,
+}
+
+impl<'a> KeptEquations<'a> {
+    /// Chooses equations for load cases that follow each other.
+    pub fn choose(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
+        let model = &deck.model;
+        let end = ends(model, cases)?;
+        let count = model.equations();
+        let (layer_of, because) = (vec![None; count], FxHashMap::default());
+        let mut kept = Self { model, options, layers: Vec::new(), layer_of, because, end };
+        for last in (0..cases.len()).rev() {
+            let next = (last + 1 < cases.len()).then(|| &cases[last + 1]);
+            let prescribed = model.prescribed_in(&cases[..=last]);
+            let is_same = |next: &LoadCase| {
+                next.removed == cases[last].removed
+                    && kept.layers[kept.layers.len() - 1].prescribed.len() == prescribed.len()
+            };
+            if !next.is_some_and(is_same) {
+                kept.add(Layer { last, name: cases[last].name.clone(), prescribed }, &cases[last])?;
+            }
+        }
+        Ok(kept)
+    }
+
+    /// Keeps the equations that a layer needs in addition to those kept already.
+    fn add(&mut self, layer: Layer, case: &LoadCase) -> Result<(), CleanError> {
+        let rows: Vec<usize> = self.model.in_force(case).collect();
+        let vanishing = vanishing(self.model, &layer.prescribed);
+        let own = |&i: &usize| self.model.nth(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
+        let slaves = unprescribed(rows.iter().filter_map(own), &layer.prescribed);
+        let is_fixed =
+            |&i: &usize| self.layer_of[i].is_some() || self.model.cards.nth(self.model.nth(i).origin.card).is_fixed;
+        let equations = rows.iter().zip(0..).filter(|(i, _)| is_fixed(i)).map(|(_, row)| row).collect();
+        let analysis = self.analyse(&layer, &rows, Preferences { slaves, equations, ..Preferences::default() })?;
+        let number = self.layers.len();
+        for (&i, kind) in rows.iter().zip(analysis.kinds()) {
+            match (kind, self.layer_of[i]) {
+                (Kind::Independent, None) => self.layer_of[i] = Some(number),
+                (Kind::Independent, Some(_)) => {}
+                (_, Some(_)) => return Err(CleanError::Apart { case: case.name.clone() }),
+                (_, None) => self.note(i, &rows, &analysis),
+            }
+        }
+        self.layers.push(layer);
+        Ok(())
+    }
+
+    /// Notes the combination for a dependent equation, from the last load case in which it holds.
+    fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
+        let Ok(row) = rows.binary_search(&i) else { return };
+        self.because.entry(i).or_insert_with(|| {
+            let because = analysis.because(row).unwrap_or_default();
+            because.iter().map(|term| (rows[term.row], term.coefficient)).collect()
+        });
+    }
+
+    /// Analyses some equations with the prescribed columns of a layer. Right-hand sides count, prescribed values are
+    /// taken as zero.
+    pub fn analyse(&self, layer: &Layer, rows: &[usize], preferences: Preferences) -> Result<Analysis, CleanError> {
+        let dof = |&column: &u32| self.model.dofs[column as usize];
+        let given = |(column, &origin): (&u32, &Origin)| Prescribed { dof: dof(column), value: 0.0, course: 0, origin };
+        let mut is_in = vec![false; self.model.equations()];
+        rows.iter().for_each(|&i| is_in[i] = true);
+        let removed = (0..is_in.len()).filter(|&i| !is_in[i]).map(|i| i as u32).collect();
+        let case =
+            LoadCase { prescribed: layer.prescribed.iter().map(given).collect(), removed, ..LoadCase::default() };
+        let options = Options { preferences, ..self.options.clone() };
+        Ok(analyse(&self.model.system(&case)?, &options)?)
+    }
+
+    /// Whether an equation is kept in a layer.
+    pub fn holds(&self, i: usize, layer: usize) -> bool {
+        self.layer_of[i].is_some_and(|of| of <= layer)
+    }
+
+    /// The load cases of a layer.
+    pub fn cases(&self, layer: usize) -> Cases {
+        if layer == 0 { Cases::All } else { Cases::UpTo(self.layers[layer].last) }
+    }
+
+    /// The faults of the equations in each layer; `is_in` selects equations by number and layer. Solvers react
+    /// differently to faults, but all treat equations without faults alike.
+    pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<EquationFault> {
+        let count = self.model.equations();
+        let of = |(k, layer): (usize, &Layer)| {
+            let left_out: Vec<bool> = (0..count).map(|i| !is_in(i, k)).collect();
+            faults_of(self.model, &layer.prescribed, &left_out)
+        };
+        self.layers.iter().enumerate().flat_map(of).collect()
+    }
+}
+
+/// For each equation the last load case in which it is in force. It must be in force in all earlier ones.
+fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanError> {
+    let mut end = vec![cases.len().checked_sub(1); model.equations()];
+    for (k, case) in cases.iter().enumerate().rev() {
+        for &i in &case.removed {
+            if end[i as usize] != Some(k) {
+                return Err(CleanError::Apart { case: case.name.clone() });
+            }
+            end[i as usize] = k.checked_sub(1);
+        }
+    }
+    Ok(end)
+}
+
+/// Equations whose own slave has a coefficient too small to divide by.
+pub fn vanishing(model: &Model, prescribed: &PrescribedColumns) -> FxHashSet<usize> {
+    let faults = faults_of(model, prescribed, &vec![false; model.equations()]);
+    faults
+        .iter()
+        .filter(|fault| matches!(fault, EquationFault::SlaveVanishes { .. }))
+        .map(EquationFault::equation)
+        .collect()
+}
+
+/// Columns that are not prescribed, ascending, each once.
+pub fn unprescribed(columns: impl Iterator<Item = u32>, prescribed: &PrescribedColumns) -> Vec<usize> {
+    let mut columns: Vec<usize> = columns.filter(|j| !prescribed.contains_key(j)).map(|j| j as usize).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    columns
+}

@@ -1,0 +1,101 @@
+//! Solves equations for their slaves: `u_s - T u_q - G u_p = g`.
+//!
+//! Layers are solved from the last load case on. Slaves of earlier solved layers stay slaves, and only the rows of new
+//! slaves are written. These may be masters in rows of other layers, since solvers follow chains.
+
+use qless::{Analysis, Preferences};
+use rustc_hash::FxHashSet;
+
+use super::layers::{KeptEquations, unprescribed, vanishing};
+use super::{CleanError, Written};
+use crate::deck::Model;
+
+/// The rows of the parts that are rewritten.
+pub fn written(kept: &KeptEquations, is_rewritten: &dyn Fn(usize) -> bool) -> Result<Vec<Written>, CleanError> {
+    let mut slaves: FxHashSet<usize> = FxHashSet::default();
+    let mut all = Vec::new();
+    for layer in 0..kept.layers.len() {
+        let rows: Vec<usize> = (0..kept.layer_of.len()).filter(|&i| kept.holds(i, layer) && is_rewritten(i)).collect();
+        if rows.iter().any(|&i| kept.layer_of[i] == Some(layer)) {
+            solve(kept, layer, &rows, &mut slaves, &mut all)?;
+        }
+    }
+    Ok(all)
+}
+
+fn solve(
+    kept: &KeptEquations,
+    layer: usize,
+    rows: &[usize],
+    slaves: &mut FxHashSet<usize>,
+    all: &mut Vec<Written>,
+) -> Result<(), CleanError> {
+    let prescribed = &kept.layers[layer].prescribed;
+    let vanishing = vanishing(kept.model, prescribed);
+    let new = rows.iter().filter(|&&i| kept.layer_of[i] == Some(layer) && !vanishing.contains(&i));
+    let own = new.filter_map(|&i| kept.model.nth(i).columns.first().copied());
+    // The deck's own slaves are preferred, except those with small coefficients and those that other cards claim.
+    let claims = SlaveClaims::collect(kept.model);
+    let preferred = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !claims.hold(j as usize));
+    let preferred = unprescribed(preferred, prescribed);
+    let masters = (0..kept.model.dofs.len()).filter(|&j| claims.hold(j)).collect();
+    let preferences = Preferences { slaves: preferred, masters, ..Preferences::default() };
+    let analysis = kept.analyse(&kept.layers[layer], rows, preferences)?;
+    let before = all.len();
+    add(kept, layer, &analysis, slaves, all)?;
+    let chosen: FxHashSet<usize> = analysis.reduction()?.slaves().iter().copied().collect();
+    if slaves.iter().any(|slave| !chosen.contains(slave)) || all.len() - before + slaves.len() != chosen.len() {
+        return Err(CleanError::Apart { case: kept.layers[layer].name.clone() });
+    }
+    *slaves = chosen;
+    Ok(())
+}
+
+/// DOFs that cannot be slaves because other cards claim them.
+struct SlaveClaims<'a> {
+    model: &'a Model,
+    /// Nodes with local axes and a prescribed DOF.
+    held: FxHashSet<u32>,
+}
+
+impl<'a> SlaveClaims<'a> {
+    fn collect(model: &'a Model) -> Self {
+        let given = model.cases.iter().filter(|_| !model.turned.is_empty()).flat_map(|case| &case.prescribed);
+        let held = given.map(|given| given.dof.node).filter(|node| model.turned.contains(node)).collect();
+        Self { model, held }
+    }
+
+    /// Whether a DOF cannot be a slave.
+    fn hold(&self, column: usize) -> bool {
+        let dof = self.model.dofs[column];
+        let left_out = || self.model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
+        self.model.claimed(dof).is_some() || self.held.contains(&dof.node) || left_out()
+    }
+}
+
+/// Adds the rows of slaves that are new in this layer.
+fn add(
+    kept: &KeptEquations,
+    layer: usize,
+    analysis: &Analysis,
+    before: &FxHashSet<usize>,
+    all: &mut Vec<Written>,
+) -> Result<(), CleanError> {
+    let model = kept.model;
+    let claims = SlaveClaims::collect(model);
+    let reduction = analysis.reduction()?;
+    // Right-hand sides that cancel up to rounding are zero.
+    let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.nth(i).rhs.abs()));
+    for (row, &slave) in reduction.slaves().iter().enumerate().filter(|(_, slave)| !before.contains(slave)) {
+        let masters = reduction.t().row(row).map(|(j, v)| (model.dofs[reduction.masters()[j]], -v));
+        let given = reduction.g_matrix().row(row).map(|(j, v)| (model.dofs[reduction.prescribed()[j]], -v));
+        let terms = masters.chain(given).filter(|term| term.1 != 0.0).collect();
+        let rhs = if reduction.g()[row].abs() <= rounding { 0.0 } else { reduction.g()[row] };
+        if claims.hold(slave) {
+            let (slave, case) = (model.dof_name(model.dofs[slave]), kept.layers[layer].name.clone());
+            return Err(CleanError::Claimed { case, slave });
+        }
+        all.push(Written { slave: model.dofs[slave], terms, rhs, cases: kept.cases(layer) });
+    }
+    Ok(())
+}

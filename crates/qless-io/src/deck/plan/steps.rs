@@ -1,0 +1,141 @@
+//! Plans the changes for load cases that follow each other, as steps do.
+
+use qless::common::DisjointSets;
+use qless::{Kind, Options, analyse};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::layers::KeptEquations;
+use super::{Cases, CleanError, Ended, Plan, Reason, Removed, solved};
+use crate::deck::faults::EquationFault;
+use crate::deck::{Deck, LoadCase, Model, Origin};
+
+/// Whether a format can remove an equation in a later load case.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum LateRemoval {
+    Possible,
+    Impossible,
+}
+
+/// The plan for all load cases of a deck.
+pub fn plan(deck: &Deck, options: &Options, late_removal: LateRemoval) -> Result<Plan, CleanError> {
+    let model = &deck.model;
+    let plan = plan_for(deck, &model.cases, options)?;
+    let says_more = || !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
+    if late_removal == LateRemoval::Impossible
+        && (says_more() || !plan.is_empty() && model.cases.iter().any(|c| !c.removed.is_empty()))
+    {
+        return Err(CleanError::Apart { case: model.cases[model.cases.len() - 1].name.clone() });
+    }
+    Ok(plan)
+}
+
+/// The plan for some load cases that follow each other, ignoring all others.
+pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
+    let kept = KeptEquations::choose(deck, cases, options)?;
+    check_cases(&kept, cases)?;
+    kept.plan()
+}
+
+impl KeptEquations<'_> {
+    /// Decides which equations are removed, written and ended.
+    fn plan(&self) -> Result<Plan, CleanError> {
+        let count = self.model.equations();
+        let before = self.faults(|i, k| self.end[i] >= Some(self.layers[k].last));
+        let fault_of: FxHashMap<usize, EquationFault> =
+            before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
+        // The first cases prescribe the fewest DOFs, so that the parts are largest there.
+        let first = &self.layers[self.layers.len() - 1].prescribed;
+        let part_of = parts(self.model, |j| first.contains_key(&j));
+        let mut is_rewritten = vec![false; part_of.iter().max().map_or(0, |last| last + 1)];
+        let after = self.faults(|i, k| self.holds(i, k));
+        after.iter().for_each(|fault| is_rewritten[part_of[fault.equation()]] = true);
+        self.torn().for_each(|i| is_rewritten[part_of[i]] = true);
+        let goes = |i: &usize| self.end[*i].is_some() && self.layer_of[*i].is_none() || is_rewritten[part_of[*i]];
+        let removed = (0..count).filter(goes).map(|i| Removed { equation: i, reason: self.reason(i, &fault_of) });
+        let (removed, stays) = (removed.collect(), |i: &usize| !goes(i));
+        let ended = (0..count).filter(stays).filter_map(|i| {
+            let last = self.layers[self.layer_of[i]?].last;
+            (Some(last) < self.end[i]).then_some(Ended { equation: i, last })
+        });
+        let ended = ended.collect();
+        let written = solved::written(self, &|i| is_rewritten[part_of[i]])?;
+        Ok(Plan { removed, written, ended })
+    }
+
+    fn reason(&self, i: usize, fault_of: &FxHashMap<usize, EquationFault>) -> Reason {
+        match self.because.get(&i).filter(|_| self.layer_of[i].is_none()) {
+            Some(because) => Reason::Redundant(because.clone()),
+            None => fault_of.get(&i).map_or(Reason::Connected, |fault| Reason::Fault(*fault)),
+        }
+    }
+
+    /// Equations that share their lines with others that are kept for another time.
+    fn torn(&self) -> impl Iterator<Item = usize> + '_ {
+        let mut kept: FxHashMap<(u32, u32), Option<usize>> = FxHashMap::default();
+        let text = |i: usize| text_of(self.model, self.model.nth(i).origin);
+        let mut torn = FxHashSet::default();
+        for i in 0..self.model.equations() {
+            if *kept.entry(text(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
+                torn.insert(text(i));
+            }
+        }
+        (0..self.model.equations()).filter(move |&i| torn.contains(&text(i)))
+    }
+}
+
+/// Checks that no load case conflicts, and that the equations kept for it have the rank of its own equations.
+fn check_cases(kept: &KeptEquations, cases: &[LoadCase]) -> Result<(), CleanError> {
+    for (k, case) in cases.iter().enumerate() {
+        if k > 0 && case.constrains_as(&cases[k - 1]) {
+            continue;
+        }
+        if conflicts(kept.model, case, kept.options)? {
+            return Err(CleanError::Conflicting { case: case.name.clone() });
+        }
+        let analysis = analyse(&kept.model.system(case)?, kept.options)?;
+        let holds = |layer: &Option<usize>| layer.is_some_and(|layer| kept.layers[layer].last >= k);
+        let (found, common) = (analysis.rank(), kept.layer_of.iter().filter(|layer| holds(layer)).count());
+        if found != common {
+            return Err(CleanError::CasesDiffer { case: case.name.clone(), found, common });
+        }
+    }
+    Ok(())
+}
+
+/// Whether a load case has no solution. If its values follow several time histories, each of these must have a
+/// solution of its own.
+pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bool, CleanError> {
+    let courses = model.courses_of(case);
+    let mut systems = vec![model.system(case)?];
+    for &course in courses.iter().filter(|_| courses.len() > 1) {
+        systems.push(model.system_of_course(case, course)?);
+    }
+    for system in systems {
+        let analysis = analyse(&system, options)?;
+        if analysis.dependent().iter().any(|one| one.kind == Kind::Conflicting) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// For each equation the number of its part (connected component), in order of their first equations.
+pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
+    let mut sets = DisjointSets::new(model.equations());
+    let mut by_column: FxHashMap<u32, usize> = FxHashMap::default();
+    let mut by_text: FxHashMap<(u32, u32), usize> = FxHashMap::default();
+    for i in 0..model.equations() {
+        let equation = model.nth(i);
+        let free =
+            equation.columns.iter().zip(equation.coefficients).filter(|(j, a)| **a != 0.0 && !is_prescribed(**j));
+        free.for_each(|(&j, _)| sets.join(*by_column.entry(j).or_insert(i), i));
+        sets.join(*by_text.entry(text_of(model, equation.origin)).or_insert(i), i);
+    }
+    sets.numbered().0.into_iter().map(|number| number as usize).collect()
+}
+
+/// Key of the lines of an equation. An Abaqus part is read once for each instance, so that its equations share lines.
+pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
+    let card = if model.has_instances() { model.cards.nth(origin.card).file } else { origin.card };
+    (card, origin.line)
+}

@@ -1,0 +1,78 @@
+//! Plans the changes for independent load cases, such as subcases: each selects its own equations.
+//!
+//! If one plan cannot serve all, each group of cases that constrain alike gets its own plan. An equation removed in
+//! any group is removed from the text, and rewritten for the groups that keep it.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use qless::Options;
+use rustc_hash::FxHashSet;
+
+use super::steps::{LateRemoval, plan as common_plan, plan_for, text_of};
+use super::{Cases, CleanError, Plan, Reason, Removed, Written};
+use crate::deck::{Deck, LoadCase, Model};
+
+/// One plan for all subcases, or else one for each group.
+pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
+    match common_plan(deck, options, LateRemoval::Impossible) {
+        Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => each(deck, options),
+        plan => plan,
+    }
+}
+
+/// Groups of load cases that constrain alike, by number.
+fn groups(model: &Model) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for k in 0..model.cases.len() {
+        let alike = |group: &&mut Vec<usize>| model.cases[group[0]].constrains_as(&model.cases[k]);
+        match groups.iter_mut().find(alike) {
+            Some(group) => group.push(k),
+            None => groups.push(vec![k]),
+        }
+    }
+    groups
+}
+
+fn each(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
+    let model = &deck.model;
+    let groups = groups(model);
+    let plans =
+        groups.iter().map(|group| of_group(deck, &model.cases[group[0]], options)).collect::<Result<Vec<_>, _>>()?;
+    let mut reasons: BTreeMap<usize, Reason> = BTreeMap::new();
+    for removed in plans.iter().flat_map(|plan| &plan.removed) {
+        reasons.entry(removed.equation).or_insert_with(|| removed.reason.clone());
+    }
+    let texts: FxHashSet<(u32, u32)> = reasons.keys().map(|&i| text_of(model, model.nth(i).origin)).collect();
+    for i in (0..model.equations()).filter(|&i| texts.contains(&text_of(model, model.nth(i).origin))) {
+        reasons.entry(i).or_insert(Reason::Connected);
+    }
+    let mut written = Vec::new();
+    for (group, plan) in groups.into_iter().zip(plans) {
+        let (case, cases) = (&model.cases[group[0]], Cases::Only(Arc::from(group)));
+        let gone: FxHashSet<usize> = plan.removed.iter().map(|removed| removed.equation).collect();
+        let stays = model.in_force(case).filter(|i| reasons.contains_key(i) && !gone.contains(i));
+        let solved = plan.written.into_iter();
+        written
+            .extend(stays.map(|i| as_it_is(model, i)).chain(solved).map(|one| Written { cases: cases.clone(), ..one }));
+    }
+    let removed = reasons.into_iter().map(|(equation, reason)| Removed { equation, reason }).collect();
+    Ok(Plan { removed, written, ended: Vec::new() })
+}
+
+/// The plan for one load case alone; does not touch equations outside it.
+fn of_group(deck: &Deck, case: &LoadCase, options: &Options) -> Result<Plan, CleanError> {
+    let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
+    plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());
+    Ok(plan)
+}
+
+/// An equation, divided by the coefficient of its slave.
+fn as_it_is(model: &Model, i: usize) -> Written {
+    let equation = model.nth(i);
+    let own = equation.coefficients.first().copied().unwrap_or(1.0);
+    let term = |(&j, &a): (&u32, &f64)| (model.dofs[j as usize], a / own);
+    let terms = equation.columns.iter().zip(equation.coefficients).skip(1).map(term).filter(|term| term.1 != 0.0);
+    let slave = model.dofs[equation.columns.first().copied().unwrap_or(0) as usize];
+    Written { slave, terms: terms.collect(), rhs: equation.rhs / own, cases: Cases::All }
+}

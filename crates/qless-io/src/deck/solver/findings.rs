@@ -1,0 +1,169 @@
+//! The faults of a load case, and what a solver does with each. Equations that the solver drops have no further
+//! faults.
+
+use rustc_hash::FxHashMap;
+
+use super::{Outcome, Profile, ccx};
+use crate::deck::faults::{EquationFault, faults_of};
+use crate::deck::{Dof, LoadCase, Model, Origin, Solver};
+
+/// A fault, and the solver's reaction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Finding {
+    /// The fault.
+    pub fault: EquationFault,
+    /// The solver's reaction.
+    pub outcome: Outcome,
+}
+
+impl Finding {
+    /// Describes the fault and the solver's reaction in the deck's terms.
+    pub fn describe(&self, model: &Model, solver: Solver) -> String {
+        format!("{}: {solver} {}", self.fault.describe(model), self.reaction(model))
+    }
+
+    /// The solver's reaction, as a verb with its object.
+    fn reaction(&self, model: &Model) -> String {
+        let equation = |i: usize| model.equation(i).map_or_else(String::new, |e| model.place(e.origin));
+        match (self.outcome, self.fault) {
+            (Outcome::Refused, _) => "stops".into(),
+            (Outcome::Accepted, _) => "takes both".into(),
+            (Outcome::Unsound, _) => "may go on, but its results are not to be relied on".into(),
+            (Outcome::IgnoresFirst, EquationFault::SlaveTwice { first, .. }) => {
+                format!("drops this equation of {} in every step", equation(first))
+            }
+            (Outcome::IgnoresSecond, EquationFault::SlavePrescribed { by, .. }) => {
+                format!("drops the value of {}", model.place(by))
+            }
+            (Outcome::IgnoresFirst | Outcome::IgnoresSecond, fault) => {
+                format!("drops this equation of {} in every step", equation(fault.equation()))
+            }
+        }
+    }
+
+    /// The equation that the solver drops, if it drops one.
+    pub fn dropped(&self) -> Option<usize> {
+        match (self.outcome, self.fault) {
+            (Outcome::IgnoresFirst, EquationFault::SlaveTwice { first, .. }) => Some(first),
+            (Outcome::IgnoresFirst, fault) => Some(fault.equation()),
+            (Outcome::IgnoresSecond, EquationFault::SlaveTwice { equation, .. }) => Some(equation),
+            _ => None,
+        }
+    }
+}
+
+/// A solver's reaction to each fault of the equations in force in a load case, sorted by equation. Equations that the
+/// solver drops have no further faults; those dropped in the first load case stay dropped.
+///
+/// ```
+/// use qless_io::deck::{Outcome, Solver, clean, read};
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("bodies.inp");
+/// let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n4,1.,1.,0.\n*NSET,NSET=A\n1\n";
+/// let bodies = "*RIGID BODY,NSET=A,REF NODE=2,ROT NODE=3\n*RIGID BODY,NSET=A,REF NODE=4,ROT NODE=3\n";
+/// std::fs::write(&path, format!("{nodes}{bodies}"))?;
+/// let deck = read(&path)?;
+/// let findings = clean::findings(deck.model(), &deck.model().cases()[0], Solver::Ccx);
+/// assert_eq!(findings[0].outcome, Outcome::IgnoresSecond);
+/// assert_eq!(
+///     findings[0].describe(deck.model(), Solver::Ccx),
+///     "1:1 is the slave of line 8 *RIGID BODY, and of line 9 *RIGID BODY: \
+///      ccx drops this equation of line 9 *RIGID BODY in every step"
+/// );
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> {
+    let mut search = FaultSearch::new(model, case, solver);
+    search.drop_prescribed();
+    search.drop_shared();
+    search.add_remaining();
+    search.findings.sort_by_key(|finding| finding.fault.equation());
+    search.findings
+}
+
+/// Search for the faults of a load case.
+struct FaultSearch<'a> {
+    profile: Profile<'a>,
+    /// Prescribed columns and their cards, in this load case and in the first one.
+    prescribed: FxHashMap<u32, Origin>,
+    at_start: FxHashMap<u32, Origin>,
+    findings: Vec<Finding>,
+}
+
+impl<'a> FaultSearch<'a> {
+    fn new(model: &'a Model, case: &'a LoadCase, solver: Solver) -> Self {
+        Self {
+            profile: Profile::of_case(solver, model, case),
+            prescribed: model.prescribed_in([case]),
+            at_start: model.prescribed_in(model.cases.first()),
+            findings: Vec::new(),
+        }
+    }
+
+    /// Equations in force with their slaves.
+    fn slaves(&self) -> Vec<(usize, u32)> {
+        let Profile { model, left_out, .. } = &self.profile;
+        let kept = (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
+        kept.filter_map(|i| Some((i, *model.nth(i).columns.first()?))).collect()
+    }
+
+    fn dof(&self, column: u32) -> Dof {
+        self.profile.model.dofs[column as usize]
+    }
+
+    /// If the solver drops an equation because of this fault, notes the fault and leaves the equation out.
+    fn drop_for(&mut self, fault: EquationFault) -> Option<usize> {
+        let finding = Finding { fault, outcome: self.profile.outcome(&fault) };
+        let dropped = finding.dropped()?;
+        self.profile.left_out[dropped] = true;
+        self.findings.push(finding);
+        Some(dropped)
+    }
+
+    /// Drops equations whose slave is prescribed in the first load case. A value that comes later makes ccx drop no
+    /// equation.
+    fn drop_prescribed(&mut self) {
+        for (equation, column) in self.slaves() {
+            if let Some(&by) = self.at_start.get(&column) {
+                self.drop_for(EquationFault::SlavePrescribed { equation, slave: self.dof(column), by, since: 0 });
+            }
+        }
+    }
+
+    /// Drops equations with the slave of another equation. Each is compared with the one that remains of those before
+    /// it.
+    fn drop_shared(&mut self) {
+        let mut holders: FxHashMap<u32, usize> = FxHashMap::default();
+        for (equation, column) in self.slaves() {
+            let Some(&first) = holders.get(&column) else {
+                holders.insert(column, equation);
+                continue;
+            };
+            let slave = self.dof(column);
+            if self.drop_for(EquationFault::SlaveTwice { equation, slave, first }) == Some(first) {
+                holders.insert(column, equation);
+            }
+        }
+    }
+
+    /// Adds the faults of the remaining equations, and equations whose slave the solver itself makes a slave.
+    fn add_remaining(&mut self) {
+        let mut faults = faults_of(self.profile.model, &self.prescribed, &self.profile.left_out);
+        if self.profile.solver == Solver::Ccx {
+            let rotations: FxHashMap<Dof, usize> = ccx::rotations(self.profile.model).into_iter().collect();
+            let taken = |(equation, column): (usize, u32)| {
+                let slave = self.dof(column);
+                rotations.get(&slave).map(|&first| EquationFault::SlaveTwice { equation, slave, first })
+            };
+            faults.extend(self.slaves().into_iter().filter_map(taken));
+        }
+        let is_circle = |fault: &&EquationFault| matches!(fault, EquationFault::Circle { .. });
+        let circle: Vec<usize> = faults.iter().filter(is_circle).map(EquationFault::equation).collect();
+        // Slaves of a circle depend on each other, so that one reaction holds for all of them.
+        let round = (!circle.is_empty()).then(|| self.profile.circle(&circle));
+        for fault in faults {
+            let round = round.filter(|_| is_circle(&&fault));
+            self.findings.push(Finding { fault, outcome: round.unwrap_or_else(|| self.profile.outcome(&fault)) });
+        }
+    }
+}
