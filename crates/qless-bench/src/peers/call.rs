@@ -1,4 +1,4 @@
-//! The calls into the shims (`crates/qless-cli/peers`): the one unsafe module of the program.
+//! The calls into the shims (`peers`): the one unsafe module of the program.
 #![allow(unsafe_code, reason = "calls into C; every block says why it is sound")]
 
 use std::ffi::{CStr, c_char, c_int, c_void};

@@ -2,7 +2,7 @@
 
 use super::given_up::Reason;
 use super::methods::Method;
-use crate::args::BenchArgs;
+use crate::BenchArgs;
 
 /// How a method did on the last system of its family.
 #[derive(Clone, Copy)]

@@ -10,7 +10,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use super::super::systems::{Case, Family, below_table_1};
 use super::blocks::{Block, blocks};
 use super::{GAUSS, Level, Side, Way};
-use crate::args::BenchArgs;
+use crate::BenchArgs;
 
 /// The tolerance of the paper, section 3.2: absolute.
 const TOLERANCE: f64 = 1e-5;

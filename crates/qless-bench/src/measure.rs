@@ -9,7 +9,7 @@ use super::plan::{Past, Plan, limit, plan};
 use super::quality::Reference;
 use super::run::{Done, warm};
 use super::systems::{Case, Family};
-use crate::args::BenchArgs;
+use crate::BenchArgs;
 
 /// A method on a system.
 pub struct Sample {

@@ -5,6 +5,7 @@
 //! which is stopped at the limit; so do other libraries (feature `peers`), which are not tried where they would be slow.
 
 mod advice;
+mod args;
 mod chain;
 mod child;
 mod figure_15;
@@ -28,15 +29,27 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use std::process::ExitCode;
+use std::io::{self, Write};
 
+use qless_io::WriteError;
 use qless_io::write::Output;
 
-use crate::args::BenchArgs;
-use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::stdout;
+pub use args::BenchArgs;
 use measure::measure;
+
+/// Why nothing was measured or written.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// The user can correct it.
+    #[error("{0}")]
+    Input(String),
+    /// The machine lacks something.
+    #[error("{0}")]
+    Resource(String),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
 
 /// What was measured.
 struct Found {
@@ -45,31 +58,47 @@ struct Found {
     levels: Vec<figure_15::Level>,
 }
 
-/// Measures, prints the tables and, where a folder is given, writes them with their plots.
-pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
+/// What a command prints with: a writer of standard output that gets all of one text.
+pub type Text<'a> = &'a mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
+
+/// Measures, prints the tables with `print`, and writes the files if a folder is given. `stage` is told the name of each family of
+/// systems as it begins, and is dropped before anything is printed.
+///
+/// # Errors
+/// An unknown name, a system that cannot be made, a file that cannot be written, or the error of `print`.
+pub fn run<E: From<BenchError>>(
+    args: &BenchArgs,
+    stage: impl FnMut(&'static str),
+    print: impl Fn(Text) -> Result<(), E>,
+) -> Result<(), E> {
     check_names(args)?;
     let methods = methods::all(&args.method);
     let families = systems::families(args.short, &args.family);
     if let Some(size) = &args.child {
-        return as_child(size, &families[0], &methods[0], args.apart);
+        let scene = scene(size, &families[0])?;
+        return print(&mut |out| child::answer(&scene, &methods[0], args.apart, out));
     }
-    if let Some(folder) = &args.output {
-        drop(Output::new(folder)?);
+    let folder = || args.output.as_deref().map(Output::new).transpose().map_err(BenchError::from);
+    // Fails before hours of measuring if the folder cannot be written.
+    drop(folder()?);
+    let found = find(methods, &families, args, stage).map_err(BenchError::Input)?;
+    print(&mut |out| out.write_all(text(&found).as_bytes()))?;
+    if let Some(output) = folder()? {
+        write(&found, args, output)?;
     }
-    let found = find(methods, &families, args).map_err(Failure::Input)?;
-    stdout::write(|out| out.write_all(text(&found).as_bytes()))?;
-    if let Some(folder) = &args.output {
-        write(&found, args, Output::new(folder)?)?;
-    }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
-/// Figure 15 has methods of its own, so that it is left out where methods are named.
-fn find(methods: Vec<methods::Method>, families: &[systems::Family], args: &BenchArgs) -> Result<Found, String> {
-    let progress = Progress::new(args.quiet);
+/// Figure 15 has methods of its own, so that it is left out if methods are named.
+fn find(
+    methods: Vec<methods::Method>,
+    families: &[systems::Family],
+    args: &BenchArgs,
+    mut stage: impl FnMut(&'static str),
+) -> Result<Found, String> {
     let mut found = Found { methods, samples: Vec::new(), levels: Vec::new() };
     for family in families {
-        progress.stage(family.name);
+        stage(family.name);
         if !args.figure_15 {
             found.samples.extend(measure(family, &found.methods, args)?);
         }
@@ -89,10 +118,10 @@ fn text(found: &Found) -> String {
     text
 }
 
-fn write(found: &Found, args: &BenchArgs, mut output: Output) -> Result<(), Failure> {
+fn write(found: &Found, args: &BenchArgs, mut output: Output) -> Result<(), BenchError> {
     let Found { methods, samples, levels } = found;
-    let mut plots = plot::all(samples, methods).map_err(Failure::Resource)?;
-    plots.extend(figure_15::plots(levels).map_err(Failure::Resource)?);
+    let mut plots = plot::all(samples, methods).map_err(BenchError::Resource)?;
+    plots.extend(figure_15::plots(levels).map_err(BenchError::Resource)?);
     if !samples.is_empty() {
         output.file("trade.csv", |out| out.write_all(table::csv(samples, methods).as_bytes()))?;
     }
@@ -107,27 +136,20 @@ fn write(found: &Found, args: &BenchArgs, mut output: Output) -> Result<(), Fail
     Ok(output.commit()?)
 }
 
-/// One method on one system, for the process that started this one.
-fn as_child(
-    size: &str,
-    family: &systems::Family,
-    method: &methods::Method,
-    is_apart: bool,
-) -> Result<ExitCode, Failure> {
+/// The system of this size.
+fn scene(size: &str, family: &systems::Family) -> Result<qless_scenes::Scene, BenchError> {
     let case = family.cases.iter().find(|case| case.size == size);
-    let case = case.ok_or_else(|| Failure::Input(format!("{} has no size {size}", family.name)))?;
-    let scene = case.scene().map_err(Failure::Input)?;
-    stdout::write(|out| child::answer(&scene, method, is_apart, out))?;
-    Ok(ExitCode::SUCCESS)
+    let case = case.ok_or_else(|| BenchError::Input(format!("{} has no size {size}", family.name)))?;
+    case.scene().map_err(BenchError::Input)
 }
 
 /// Every name must be one that there is.
-fn check_names(args: &BenchArgs) -> Result<(), Failure> {
+fn check_names(args: &BenchArgs) -> Result<(), BenchError> {
     let methods: Vec<&str> = methods::all(&[]).iter().map(|method| method.name).collect();
     let families: Vec<&str> = systems::families(false, &[]).iter().map(|family| family.name).collect();
     for (what, named, known) in [("method", &args.method, methods), ("family", &args.family, families)] {
         if let Some(name) = named.iter().find(|name| !known.contains(&name.as_str())) {
-            return Err(Failure::Input(format!("no {what} is called `{name}`; there are: {}", known.join("; "))));
+            return Err(BenchError::Input(format!("no {what} is called `{name}`; there are: {}", known.join("; "))));
         }
     }
     Ok(())
