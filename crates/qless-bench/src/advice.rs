@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::measure::{Measured, Sample};
 use super::methods::Method;
+use super::sample::{Measured, Sample};
 
 /// A need, the option for it, the methods that were measured with it, and what it risks in words.
 struct Advice {

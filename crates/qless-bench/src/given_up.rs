@@ -3,7 +3,7 @@
 use qless::backend::BackendError;
 use qless::{AnalysisError, ReductionError};
 
-use super::table::thousands;
+use super::labels::thousands;
 
 /// What kept a method from an answer.
 #[derive(Clone, Debug, PartialEq)]

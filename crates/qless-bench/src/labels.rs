@@ -1,4 +1,4 @@
-//! Labels in a plot that do not stand on each other.
+//! Texts in plots and tables: labels that do not overlap, and numbers with commas.
 
 /// Where labels stand already, in pixels: left, right and height of each.
 #[derive(Default)]
@@ -18,6 +18,19 @@ impl Labels {
         self.0.push((left, right, y + lift));
         lift
     }
+}
+
+/// `31,832`.
+pub fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let mut out = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
 }
 
 #[cfg(test)]

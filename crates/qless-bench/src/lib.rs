@@ -14,7 +14,6 @@ mod gradients;
 mod labels;
 mod linkages;
 mod measure;
-mod memory;
 mod methods;
 mod page;
 #[cfg(feature = "peers")]
@@ -23,6 +22,7 @@ mod plan;
 mod plot;
 mod quality;
 mod run;
+mod sample;
 mod spring;
 mod systems;
 mod table;
@@ -54,7 +54,7 @@ pub enum BenchError {
 /// What was measured.
 struct Found {
     methods: Vec<methods::Method>,
-    samples: Vec<measure::Sample>,
+    samples: Vec<sample::Sample>,
     levels: Vec<figure_15::Level>,
 }
 

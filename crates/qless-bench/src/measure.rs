@@ -8,44 +8,9 @@ use super::methods::Method;
 use super::plan::{Past, Plan, limit, plan};
 use super::quality::Reference;
 use super::run::{Done, warm};
+use super::sample::{Measured, Sample};
 use super::systems::{Case, Family};
 use crate::BenchArgs;
-
-/// A method on a system.
-pub struct Sample {
-    pub family: &'static str,
-    pub size: String,
-    pub equations: usize,
-    pub method: &'static str,
-    pub rank: usize,
-    /// The error says why the method was given up.
-    pub result: Result<Measured, String>,
-}
-
-impl Sample {
-    /// None where the method was given up.
-    pub fn measured(&self) -> Option<Measured> {
-        self.result.as_ref().ok().copied()
-    }
-}
-
-/// What was found, and in what time; see [`super::quality`].
-#[derive(Clone, Copy, serde::Serialize, serde::Deserialize)]
-pub struct Measured {
-    /// Median and quartiles, seconds.
-    pub time: f64,
-    pub quartiles: (f64, f64),
-    pub rank: usize,
-    pub ambiguous: bool,
-    pub false_drops: usize,
-    pub false_keeps: usize,
-    pub residual: f64,
-    pub growth: f64,
-    /// Of the solved problem; none where it was not solved.
-    pub error: Option<f64>,
-    /// Bytes at the peak beyond those before; none where it was not measured.
-    pub memory: Option<u64>,
-}
 
 /// What is measured once only takes longer than this, or than a tenth of the limit; seconds.
 const SLOW: f64 = 5.0;

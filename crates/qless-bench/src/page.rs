@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use super::advice::advice;
 use super::figure_15::{self, Level};
-use super::measure::Sample;
 use super::methods::Method;
 use super::plot::{GROWTH, TRADE, front, has_growth, points};
+use super::sample::Sample;
 use super::table::{HEAD, cells, exponents};
 
 /// What the columns of the tables mean.

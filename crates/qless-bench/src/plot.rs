@@ -6,10 +6,8 @@ use plotters::coord::combinators::IntoLogRange;
 use plotters::prelude::*;
 
 use super::labels::Labels;
-use super::measure::Sample;
 use super::methods::Method;
-use super::systems::TIE;
-use super::table::verdict;
+use super::sample::{Sample, series, verdict};
 
 /// Colours that can be told apart, in print too.
 pub const COLOURS: [RGBColor; 10] = [
@@ -159,19 +157,6 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
         root.present()?;
     }
     Ok(svg)
-}
-
-/// Sizes and times of a method on the paper's tie, and the exponent by least squares of logarithms.
-pub fn series(samples: &[Sample], method: &str) -> (Vec<(f64, f64)>, Option<f64>) {
-    let of = samples.iter().filter(|sample| sample.family == TIE && sample.method == method);
-    let points: Vec<(f64, f64)> =
-        of.filter_map(|sample| Some((sample.equations as f64, 1e3 * sample.measured()?.time))).collect();
-    let n = points.len() as f64;
-    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-    let (x, y) = (mean(&|p| p.0.ln()), mean(&|p| p.1.ln()));
-    let (xy, xx) = (mean(&|p| (p.0.ln() - x) * (p.1.ln() - y)), mean(&|p| (p.0.ln() - x).powi(2)));
-    let exponent = (xx > 0.0).then(|| xy / xx);
-    (points, exponent)
 }
 
 fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {

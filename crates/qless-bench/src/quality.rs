@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use qless::{Analysis, ConstraintSystem, Kind, Options, analyse};
 use qless_scenes::{Scene, oracle};
 
-use super::measure::Measured;
 use super::run::Done;
+use super::sample::Measured;
 use super::spring::{Springs, with_rows};
 
 /// A system with its truth and its solution.

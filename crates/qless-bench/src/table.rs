@@ -2,9 +2,8 @@
 
 use std::fmt::Write;
 
-use super::measure::{Measured, Sample};
 use super::methods::Method;
-use super::plot::series;
+use super::sample::{Measured, Sample, series, verdict};
 use super::systems::TIE;
 
 /// Columns of the CSV file.
@@ -36,15 +35,6 @@ pub const HEAD: [&str; 11] =
 
 /// Characters of these columns in a terminal; what is not to be on the right begins there.
 const WIDTH: [usize; HEAD.len()] = [34, 11, 20, 10, 9, 15, 6, 6, 10, 10, 10];
-
-/// Whether the rank is right.
-pub fn verdict(sample: &Sample, measured: &Measured) -> &'static str {
-    match measured.rank.cmp(&sample.rank) {
-        std::cmp::Ordering::Equal => "right",
-        std::cmp::Ordering::Less => "drops",
-        std::cmp::Ordering::Greater => "keeps",
-    }
-}
 
 /// A block for each system.
 pub fn text(samples: &[Sample], methods: &[Method]) -> String {
@@ -154,17 +144,4 @@ fn csv_line(text: &mut String, sample: &Sample, first: &Sample) {
         String::new(),
     ];
     _ = writeln!(text, "{family},{size},{equations},{method},{}", numbers.join(","));
-}
-
-/// `31,832`.
-pub fn thousands(number: usize) -> String {
-    let digits = number.to_string();
-    let mut out = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
 }

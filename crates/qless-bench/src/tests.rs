@@ -1,6 +1,6 @@
 //! What is written is what was measured.
 
-use super::measure::{Measured, Sample};
+use super::sample::{Measured, Sample};
 use super::{methods, page, plot, systems, table};
 
 /// One system, on which every method but the last took as many milliseconds as its number.
@@ -122,7 +122,7 @@ fn the_plots_show_every_method_that_was_measured() {
         let name = format!("\n{}\n", method.name.replace('\'', "&apos;"));
         assert_eq!(plots[0].1.contains(&name), is_measured, "{name} in trade.svg");
         assert_eq!(plots[1].1.contains(&name), method.is_drawn, "{name} in growth.svg");
-        let series = plot::series(&samples, method.name).0;
+        let series = super::sample::series(&samples, method.name).0;
         let expected: Vec<_> = is_measured.then_some((9.0, (k + 1) as f64)).into_iter().collect();
         assert_eq!(series.len(), expected.len(), "{name}");
         for (found, expected) in series.iter().zip(&expected) {

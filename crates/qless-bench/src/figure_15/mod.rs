@@ -6,7 +6,6 @@
 
 mod blocks;
 mod crossing;
-mod paper;
 mod plot;
 mod section;
 #[cfg(test)]

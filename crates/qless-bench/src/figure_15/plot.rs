@@ -8,9 +8,8 @@ use plotters::prelude::*;
 
 use super::super::plot::{COLOURS, Drawn};
 use super::super::systems::TIE;
-use super::crossing::{Pair, crossings};
-use super::section::pairs;
-use super::{GAUSS, Level, Side, backends, families, paper, series};
+use super::crossing::{Pair, crossings, pairs, papers_pairs};
+use super::{GAUSS, Level, Side, backends, families, series};
 
 /// The file's name.
 pub const FILE: &str = "figure-15.svg";
@@ -75,7 +74,7 @@ pub fn lines(levels: &[Level], family: &str) -> Vec<Line> {
     if family == TIE {
         let own = |label: &str, time: fn(&Pair) -> f64, is_broken| Line {
             label: label.to_owned(),
-            points: paper::pairs().iter().map(|pair| (pair.equations, time(pair))).collect(),
+            points: papers_pairs().iter().map(|pair| (pair.equations, time(pair))).collect(),
             colour: COLOURS[4],
             is_broken,
         };
@@ -142,7 +141,7 @@ pub fn marks(levels: &[Level], family: &str) -> Vec<(f64, f64)> {
     let mut all: Vec<Vec<Pair>> =
         others.flat_map(|qr| Side::BOTH.map(|side| pairs(levels, family, side, qr))).collect();
     if family == TIE {
-        all.push(paper::pairs());
+        all.push(papers_pairs());
     }
     all.iter().flat_map(|pairs| crossings(pairs)).map(|crossing| (crossing.equations, 1e3 * crossing.time)).collect()
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::super::table::thousands;
-use super::crossing::{Pair, sentence};
+use super::super::labels::thousands;
+use super::crossing::{pairs, papers_pairs, sentence};
 use super::plot::FILE;
-use super::{GAUSS, Level, Side, Way, backends, families, paper};
+use super::{GAUSS, Level, Side, Way, backends, families};
 
 /// The file with every number.
 pub const CSV: &str = "figure-15.csv";
@@ -45,17 +45,8 @@ fn crossings(text: &mut String, levels: &[Level]) {
             }
         }
     }
-    let said = sentence(&paper::pairs()).unwrap_or_default();
+    let said = sentence(&papers_pairs()).unwrap_or_default();
     _ = writeln!(text, "| the paper's, its Table 1 | C | its QR | {said} |");
-}
-
-/// Levels that both did.
-pub fn pairs(levels: &[Level], family: &str, side: Side, qr: &str) -> Vec<Pair> {
-    let pair = |level: &Level| {
-        let (gauss, qr) = (level.time(GAUSS, side)?, level.time(qr, side)?);
-        Some(Pair { size: level.size.clone(), equations: level.equations as f64, gauss, qr })
-    };
-    levels.iter().filter(|level| level.family == family).filter_map(pair).collect()
 }
 
 fn times(text: &mut String, levels: &[Level], family: &str) {

@@ -1,8 +1,8 @@
 //! What is said and drawn of Gauss and QR is what was measured.
 
-use super::crossing::{Pair, crossings, sentence};
+use super::crossing::{Pair, crossings, papers_pairs, sentence};
 use super::plot::{LETTERS, below, lines, marks, plots};
-use super::{GAUSS, Level, Side, Way, csv, markdown, paper};
+use super::{GAUSS, Level, Side, Way, csv, markdown};
 
 /// Gauss over QR, on 100, 200, 400 equations and so on.
 fn pairs(ratios: &[f64]) -> Vec<Pair> {
@@ -41,7 +41,7 @@ fn the_sentence_says_who_is_faster_where() {
 
 #[test]
 fn the_papers_own_times_cross_between_80_and_90_percent() {
-    let found = crossings(&paper::pairs());
+    let found = crossings(&papers_pairs());
     assert_eq!((found.len(), found[0].after), (1, 3));
     assert!((17_408.0..22_360.0).contains(&found[0].equations), "{:?}", found[0]);
 }
