@@ -10,28 +10,34 @@ use qless_io::case_files;
 use qless_io::deck::Solver;
 use qless_io::write::Inputs;
 
-use crate::deck_input::Choice;
+use crate::deck_input::LoadCaseChoice;
 use crate::failure::say;
-use crate::memory;
+use crate::preferences::{PreferenceLists, WordList, words};
 use crate::scenes::SceneArgs;
-use crate::version;
-use crate::wishes::{Wishes, Words, words};
+use crate::{exit_code, memory};
 
 /// Finds redundant and conflicting constraint equations `C u = b` in finite-element models, says why, and reduces them.
 #[derive(Parser)]
-#[command(name = "qless", version = version::LONG, propagate_version = false, after_help = EXIT_CODES)]
+#[command(name = "qless", version = VERSION, propagate_version = false, after_help = exit_code::HELP)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "\
-Exit codes:
-  0  solvable: independent, or redundant but consistent
-  1  conflicting equations (with --deny redundant: redundant ones too), whatever else is left out
-  2  bad usage or bad input, or input that no reader knows
-  3  out of memory, or the output cannot be written
-  4  incomplete: something that constrains was left out, so that the rest may say too little (--allow-incomplete: 0)";
+/// The answer to `--version`: the release, the compiled backends, and the licence if it differs.
+#[cfg(feature = "spqr")]
+const VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    "\nbackends: faer (default), sparse, gauss, spqr\n",
+    "licence:  GPL-2.0-or-later, because SuiteSparseQR is compiled in; qless itself is MIT OR Apache-2.0",
+);
+
+#[cfg(not(feature = "spqr"))]
+const VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    "\nbackends: faer (default), sparse, gauss; spqr is not compiled in (rebuild with `--features spqr`)\n",
+    "licence:  MIT OR Apache-2.0",
+);
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -113,10 +119,10 @@ pub struct ReduceArgs {
     /// DOFs preferred as slaves, such as 3,7,10-20 (columns counted from 1); of a deck also 5:3 (node:component), line 41, names of
     /// node sets; of a folder also labels of cols.txt, in quotes where they have commas
     #[arg(long, value_name = "LIST", value_parser = words)]
-    pub prefer_slaves: Option<Words>,
+    pub prefer_slaves: Option<WordList>,
     /// DOFs that must not be slaves (loaded, interface), as far as the equations allow it; as --prefer-slaves
     #[arg(long, value_name = "LIST", value_parser = words)]
-    pub avoid_slaves: Option<Words>,
+    pub avoid_slaves: Option<WordList>,
 }
 
 #[derive(Args)]
@@ -166,7 +172,7 @@ pub struct ModelArgs {
     /// Equations to keep where others can be called dependent instead, such as 3,7,10-20 (rows counted from 1); of a deck also line 41,
     /// 5:3 (those that begin with this DOF), names of node sets; of a folder also labels of rows.txt
     #[arg(long, value_name = "LIST", value_parser = words)]
-    pub keep: Option<Words>,
+    pub keep: Option<WordList>,
     /// Solver of a deck whose behaviour counts: ccx, abaqus, nastran, mystran, optistruct or ansys [default: by the deck's format,
     /// ccx, nastran or ansys]
     #[arg(long, value_name = "NAME")]
@@ -256,8 +262,8 @@ impl ModelArgs {
     }
 
     /// Equations to keep.
-    pub fn wishes(&self) -> Wishes<'_> {
-        Wishes { keep: self.keep.as_ref(), ..Wishes::default() }
+    pub fn preferences(&self) -> PreferenceLists<'_> {
+        PreferenceLists { keep: self.keep.as_ref(), ..PreferenceLists::default() }
     }
 }
 
@@ -275,21 +281,21 @@ impl ReduceArgs {
     }
 
     /// Equations to keep, and DOFs as slaves or not.
-    pub fn wishes(&self) -> Wishes<'_> {
+    pub fn preferences(&self) -> PreferenceLists<'_> {
         let (prefer_slaves, avoid_slaves) = (self.prefer_slaves.as_ref(), self.avoid_slaves.as_ref());
-        Wishes { prefer_slaves, avoid_slaves, ..self.model.wishes() }
+        PreferenceLists { prefer_slaves, avoid_slaves, ..self.model.preferences() }
     }
 
     /// The load case; where they differ it has to be named.
-    pub fn choice(&self) -> Choice {
-        Choice::new(self.case.as_deref(), Choice::Any)
+    pub fn choice(&self) -> LoadCaseChoice {
+        LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::Any)
     }
 }
 
 impl CheckArgs {
     /// The load cases.
-    pub fn choice(&self) -> Choice {
-        Choice::new(self.case.as_deref(), Choice::All)
+    pub fn choice(&self) -> LoadCaseChoice {
+        LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::All)
     }
 }
 

@@ -5,14 +5,13 @@ use std::process::ExitCode;
 use qless_bench::{BenchArgs, BenchError};
 
 use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::stdout;
+use crate::terminal::{self, Progress};
 
 /// Measures, prints and writes.
 pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     let mut progress = None;
     let stage = move |name| progress.get_or_insert_with(|| Progress::new(args.quiet)).stage(name);
-    qless_bench::run(args, stage, |text| stdout::write(|out| text(out)))?;
+    qless_bench::run(args, stage, |text| terminal::write(|out| text(out)))?;
     Ok(ExitCode::SUCCESS)
 }
 

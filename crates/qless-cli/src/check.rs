@@ -8,8 +8,8 @@ use crate::args::{CheckArgs, Format};
 use crate::clean;
 use crate::diagnose::{Question, diagnose};
 use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::text::Outcome;
+use crate::report::Outcome;
+use crate::terminal::Progress;
 
 /// Prints the report; exit code 0, 1 or 4.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
@@ -26,7 +26,8 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         drop(OneFile::at(file, args.model.inputs())?);
     }
     let progress = Progress::new(args.model.quiet);
-    let question = Question { options: args.model.options(), wishes: args.model.wishes(), choice: args.choice() };
+    let question =
+        Question { options: args.model.options(), preferences: args.model.preferences(), choice: args.choice() };
     let mut diagnosis = diagnose(&args.model, question, &progress)?;
     diagnosis.take_meaning();
     if args.exact {

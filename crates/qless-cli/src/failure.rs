@@ -10,8 +10,8 @@ use qless::{AnalysisError, ConstraintSystem, OptionError, ReductionError};
 use qless_io::deck::Deck;
 use qless_io::{ReadError, WriteError};
 
-use crate::memory;
-use crate::text::name;
+use crate::wording;
+use crate::{exit_code, memory};
 
 /// Why a command could not be done.
 pub enum Failure {
@@ -32,8 +32,8 @@ impl Failure {
     /// What a shell sees.
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Self::Input(_) => 2,
-            Self::Resource(_) => 3,
+            Self::Input(_) => exit_code::INPUT,
+            Self::Resource(_) => exit_code::RESOURCE,
         })
     }
 
@@ -44,12 +44,12 @@ impl Failure {
                 "{}: {}: the right-hand side is too large for the coefficients (ratio beyond 1e308); \
                  rescale the equation",
                 input.display(),
-                system.map_or_else(|| format!("row {}", row + 1), |system| name::equation(system, row))
+                system.map_or_else(|| format!("row {}", row + 1), |system| wording::equation(system, row))
             )),
             AnalysisError::Subnormal { row } => Self::Input(format!(
                 "{}: {}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation",
                 input.display(),
-                system.map_or_else(|| format!("row {}", row + 1), |system| name::equation(system, row))
+                system.map_or_else(|| format!("row {}", row + 1), |system| wording::equation(system, row))
             )),
             AnalysisError::Option(OptionError::Preference { what, found, count }) => {
                 let (input, number) = (input.display(), found + 1);
@@ -103,7 +103,7 @@ impl Failure {
                 "{}: {}: the reduced form would leave {residual:.1e} of it where 1e-10 is allowed, so nothing was made; the \
                  equations are too nearly dependent: see what `qless check` says of them, and leave out what is nearly said twice",
                 input.display(),
-                name::equation(system, row)
+                wording::equation(system, row)
             )),
             ReductionError::Backend(error) => Self::of_backend(&error, input),
             error => Self::Input(format!("{}: {error}", input.display())),
@@ -112,7 +112,7 @@ impl Failure {
 
     /// A DOF would get a value beyond the range of doubles.
     pub fn of_overflow(input: &Path, dof: usize, label: &str) -> Self {
-        let (input, number, label) = (input.display(), dof + 1, name::label(label));
+        let (input, number, label) = (input.display(), dof + 1, wording::label(label));
         Self::Input(format!(
             "{input}: column {number} ({label}): the equations give it a value beyond 1e308; rescale them"
         ))

@@ -13,10 +13,10 @@ use qless_io::WriteError;
 use qless_io::write::Output;
 
 use crate::args::ReduceArgs;
-use crate::diagnose::{Diagnosis, Question, Reduced, diagnose};
+use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::failure::{Failure, say};
-use crate::progress::Progress;
-use crate::text::Outcome;
+use crate::report::{Outcome, Reduced};
+use crate::terminal::Progress;
 
 /// What is written, besides factors.
 pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
@@ -25,7 +25,7 @@ pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     check_place(args)?;
     let progress = Progress::new(args.model.quiet);
-    let question = Question { options: args.options(), wishes: args.wishes(), choice: args.choice() };
+    let question = Question { options: args.options(), preferences: args.preferences(), choice: args.choice() };
     let diagnosis = diagnose(&args.model, question, &progress)?;
     if diagnosis.is_refused() || diagnosis.is_incomplete() {
         let way = if diagnosis.is_refused() { "" } else { ", or write what was read with --allow-incomplete" };

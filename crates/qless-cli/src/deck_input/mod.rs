@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use qless::{Analysis, ConstraintSystem};
 use qless_io::deck::{Deck, LoadCase};
 
-pub use choice::Choice;
+pub use choice::LoadCaseChoice;
 use claims::Claims;
 use found::{Examined, Found, examine};
 pub use report::DeckReport;
@@ -47,7 +47,7 @@ impl DeckInput {
     /// Analyses the load cases that were chosen and keeps the worst; certificates of all of them have at most `terms` terms.
     pub fn analyse(
         deck: Deck,
-        choice: &Choice,
+        choice: &LoadCaseChoice,
         terms: usize,
         run: Run,
     ) -> Result<(ConstraintSystem, Analysis, Self), Failure> {

@@ -5,7 +5,7 @@ use qless_io::deck::{Dof, Load};
 
 use super::DeckInput;
 use super::claims::Ignored;
-use crate::text::Section;
+use crate::wording::layout::Section;
 
 impl DeckInput {
     /// In the order of their weight.

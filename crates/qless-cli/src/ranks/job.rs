@@ -3,9 +3,9 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use qless_mpi::{Ranks, Said, World, agree};
+use qless_mpi::{Ranks, World};
 
-use super::{Job, check};
+use super::{Job, all, check};
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
 use crate::set_up;
@@ -49,16 +49,4 @@ fn run(world: &World, command: &Command) -> Result<ExitCode, Failure> {
     };
     all(world, set_up(command))?;
     check::run(world, args)
-}
-
-/// The result of this rank, or the failure of the first rank that has one; collective.
-pub(super) fn all<T>(ranks: &dyn Ranks, own: Result<T, Failure>) -> Result<T, Failure> {
-    let said = own.map_err(|failure| match failure {
-        Failure::Input(text) => Said { code: 2, text },
-        Failure::Resource(text) => Said { code: 3, text },
-    });
-    agree(ranks, said).map_err(|said| match said.code {
-        2 => Failure::Input(said.text),
-        _ => Failure::Resource(said.text),
-    })
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::deck_input::DeckReport;
 use crate::diagnose::Diagnosis;
-use crate::text;
+use crate::report::text;
 use picture::Picture;
 
 const PAGE: &str = include_str!("page.html");
@@ -33,7 +33,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report) -> Result<String, serde_js
         verdict: text::verdict(report, diagnosis.deck.is_some()),
         version: env!("CARGO_PKG_VERSION"),
         report,
-        exact: text::exact(diagnosis, report),
+        exact: text::exact_rank(diagnosis, report),
         deck: diagnosis.deck.as_ref().map(|deck| deck.report(&diagnosis.analysis)),
         picture: Picture::of(diagnosis),
     };

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::time::Duration;
 
 use super::{guard, refusal, system};
+use crate::exit_code;
 
 /// Below this much address space each thread's own heap would take what the model needs.
 const SCARCE: usize = 2 << 30;
@@ -54,29 +55,29 @@ extern "C" fn end_of_abort(_: libc::c_int) {
 fn end() -> ! {
     if ENDING_HERE.replace(true) {
         // Not even the reserve was enough.
-        system::exit(3);
+        system::exit(i32::from(exit_code::RESOURCE));
     }
     while ENDING.swap(true, SeqCst) {
         // Another thread is at it.
         std::thread::sleep(Duration::from_secs(1));
     }
-    let mut line = Line { text: [0; 512], length: 0 };
+    let mut line = OneLine { text: [0; 512], length: 0 };
     if let Some(refusal) = refusal::largest() {
         let _ = writeln!(line, "error: out of memory: {refusal}");
     }
     system::tell(&line.text[..line.length]);
     guard::lift();
     CLEAN.get().into_iter().for_each(|clean| clean());
-    system::exit(3);
+    system::exit(i32::from(exit_code::RESOURCE));
 }
 
 /// Text of bounded length.
-struct Line {
+struct OneLine {
     text: [u8; 512],
     length: usize,
 }
 
-impl Write for Line {
+impl Write for OneLine {
     fn write_str(&mut self, more: &str) -> std::fmt::Result {
         let room = &mut self.text[self.length..];
         let count = more.len().min(room.len());

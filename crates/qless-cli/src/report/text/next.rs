@@ -4,23 +4,23 @@ use std::path::Path;
 
 use qless::{Report, Status};
 
-use super::Outcome;
-use super::fit::{printable, shorten, width};
-use super::name::count;
-use super::number::{number, rough};
-use super::told::Told;
+use super::super::Outcome;
+use super::equation_list::EquationList;
 use crate::deck_input::DeckInput;
+use crate::wording::count;
+use crate::wording::layout::{printable, shorten, width};
+use crate::wording::{number, rough};
 
 /// One or two lines.
-pub fn lines(told: &Told, report: &Report, outcome: &Outcome) -> Vec<String> {
+pub fn lines(list: &EquationList, report: &Report, outcome: &Outcome) -> Vec<String> {
     match outcome {
         Outcome::Written(folder) => written(report, folder),
         Outcome::Cleaned { output, removed, written, restored } => {
-            let changes = (*restored > 0).then(|| changed(told, *restored));
+            let changes = (*restored > 0).then(|| changed(list, *restored));
             std::iter::once(cleaned(output, *removed, *written)).chain(changes).collect()
         }
-        Outcome::Checked(obstacle) => vec![advice(told, report, *obstacle)],
-        Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(told, report, None)],
+        Outcome::Checked(obstacle) => vec![advice(list, report, *obstacle)],
+        Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(list, report, None)],
     }
 }
 
@@ -54,8 +54,8 @@ fn cleaned(output: &Path, removed: usize, written: usize) -> String {
 }
 
 /// Results of the deck as it was are those without what the solver drops.
-fn changed(told: &Told, restored: usize) -> String {
-    let solver = told.deck.map_or_else(String::new, |deck| deck.deck.solver().to_string());
+fn changed(list: &EquationList, restored: usize) -> String {
+    let solver = list.deck.map_or_else(String::new, |deck| deck.deck.solver().to_string());
     format!(
         "Results change: {} that {solver} dropped, as said above, now {}.",
         count(restored, "claim"),
@@ -63,13 +63,13 @@ fn changed(told: &Told, restored: usize) -> String {
     )
 }
 
-fn advice(told: &Told, report: &Report, obstacle: Option<&str>) -> String {
-    let input = quoted(told.input);
+fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> String {
+    let input = quoted(list.input);
     let mend = |what: &str| match obstacle {
         None => format!("Next: `qless clean {input} -o DECK` writes a deck {what}."),
         Some(why) => format!("Next: mend it by hand, which `qless clean` cannot do here: {}", shorten(why, 150)),
     };
-    let claims = told.deck.map(DeckInput::claims);
+    let claims = list.deck.map(DeckInput::claims);
     let is_refused = claims.as_ref().is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
     let is_dropped = claims.as_ref().is_some_and(|claims| !claims.ignored.is_empty());
     match report.status {
@@ -79,7 +79,7 @@ fn advice(told: &Told, report: &Report, obstacle: Option<&str>) -> String {
         Status::Incomplete => {
             "Next: write what was left out as equations, or judge by what was read (--allow-incomplete).".to_owned()
         }
-        _ if report.input.rows == 0 && told.deck.is_some() => "Next: nothing to mend.".to_owned(),
+        _ if report.input.rows == 0 && list.deck.is_some() => "Next: nothing to mend.".to_owned(),
         _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
         _ if report.confidence.ambiguous => {
             "Next: decide, as said above, which equations are meant to be independent.".to_owned()
@@ -87,7 +87,7 @@ fn advice(told: &Told, report: &Report, obstacle: Option<&str>) -> String {
         _ if is_dropped && !is_refused => {
             "Next: decide which of the claims are meant: what is dropped has no effect on the result.".to_owned()
         }
-        Status::Redundant if told.deck.is_some() => mend("without redundant equations"),
+        Status::Redundant if list.deck.is_some() => mend("without redundant equations"),
         Status::Redundant => {
             let them = if report.counts.redundant == 1 { "it" } else { "them" };
             format!("Next: remove {them}, or run `qless reduce {input} -o DIR`, which leaves {them} out.")

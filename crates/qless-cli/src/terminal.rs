@@ -1,12 +1,25 @@
-//! What is going on, for long runs: one line on standard error, if that is a terminal.
+//! Standard output, buffered and checked, and the progress display on standard error.
+//!
+//! A full disk is an error, not a panic. A reader that has gone, as `head` does, is no error and changes no exit code.
 
+use std::io::{self, BufWriter, Write};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::failure::Failure;
 use crate::memory::threads;
 
-/// A spinner with the stage and the time; gone when dropped.
+/// Gives `write` standard output, and sees that all of it arrives.
+pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::of_stdout(&error)),
+        _ => Ok(()),
+    }
+}
+
+/// A spinner on standard error with the stage and the time; gone when dropped.
 pub struct Progress(ProgressBar);
 
 impl Progress {

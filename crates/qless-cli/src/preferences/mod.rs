@@ -8,7 +8,6 @@
 //! | `5:3` | whose first DOF that is | component 3 of node 5 |
 //! | a set | whose first DOF is of a node in it | of its nodes, as far as equations hold them |
 
-mod near;
 mod resolve;
 mod word;
 
@@ -16,20 +15,20 @@ use qless::{ConstraintSystem, Options, Preferences};
 use qless_io::deck::{Deck, LoadCase};
 
 use crate::failure::Failure;
-use resolve::{Names, Wanted};
+use resolve::{NameIndex, Wanted};
 #[cfg_attr(not(feature = "mpi"), expect(unused_imports, reason = "ranks take numbers only"))]
-pub use word::Word;
-pub use word::{Words, words};
+pub use word::ListWord;
+pub use word::{WordList, words};
 
 /// What the user prefers, in words.
 #[derive(Clone, Copy, Default)]
-pub struct Wishes<'a> {
-    pub keep: Option<&'a Words>,
-    pub prefer_slaves: Option<&'a Words>,
-    pub avoid_slaves: Option<&'a Words>,
+pub struct PreferenceLists<'a> {
+    pub keep: Option<&'a WordList>,
+    pub prefer_slaves: Option<&'a WordList>,
+    pub avoid_slaves: Option<&'a WordList>,
 }
 
-impl Wishes<'_> {
+impl PreferenceLists<'_> {
     /// Whether nothing is preferred.
     pub fn is_empty(&self) -> bool {
         self.keep.is_none() && self.prefer_slaves.is_none() && self.avoid_slaves.is_none()
@@ -45,8 +44,8 @@ impl Wishes<'_> {
         if self.is_empty() {
             return Ok(options.clone());
         }
-        let names = Names::new(system, deck);
-        let list = |option, words: Option<&Words>, wanted| match words {
+        let names = NameIndex::new(system, deck);
+        let list = |option, words: Option<&WordList>, wanted| match words {
             None => Ok(Vec::new()),
             Some(words) => names.all(option, words, wanted).map_err(|error| Failure::Input(error.to_string())),
         };

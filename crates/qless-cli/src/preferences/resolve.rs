@@ -5,13 +5,13 @@ use std::collections::{HashMap, HashSet};
 
 use qless::ConstraintSystem;
 use qless_io::deck::{Deck, Dof, LoadCase, Model, Origin};
+use strsim::normalized_damerau_levenshtein;
 
-use super::near::nearest;
-use super::word::{Word, Words};
-use crate::text::name::label;
+use super::word::{ListWord, WordList};
+use crate::wording::label;
 
 /// What a system, and the deck that it is of, have names for.
-pub struct Names<'a> {
+pub struct NameIndex<'a> {
     system: &'a ConstraintSystem,
     deck: Option<(&'a Deck, &'a LoadCase)>,
     /// Rows and columns by their labels in small letters, where somebody asks for them.
@@ -52,18 +52,18 @@ fn did_you_mean(nearest: Option<&str>) -> String {
     nearest.map_or(String::new(), |name| format!("; did you mean `{}`?", label(name)))
 }
 
-impl<'a> Names<'a> {
+impl<'a> NameIndex<'a> {
     pub fn new(system: &'a ConstraintSystem, deck: Option<(&'a Deck, &'a LoadCase)>) -> Self {
         Self { system, deck, rows: OnceCell::new(), columns: OnceCell::new() }
     }
 
     /// Rows or columns from 0.
-    pub fn all(&self, option: &'static str, words: &Words, wanted: Wanted) -> Result<Vec<usize>, WordError> {
+    pub fn all(&self, option: &'static str, words: &WordList, wanted: Wanted) -> Result<Vec<usize>, WordError> {
         let mut all = Vec::new();
         for word in &words.0 {
             match word {
-                Word::Numbers(range) => all.extend(range.clone()),
-                Word::Name(name) => all.extend(self.named(option, name, wanted)?),
+                ListWord::Numbers(range) => all.extend(range.clone()),
+                ListWord::Name(name) => all.extend(self.named(option, name, wanted)?),
             }
         }
         Ok(all)
@@ -82,17 +82,17 @@ impl<'a> Names<'a> {
             WordError::Unknown { option, word: word.to_owned(), is_deck: self.deck.is_some(), nearest }
         };
         let Some((deck, case)) = self.deck else { return Err(unknown()) };
-        if let Some(line) = Line::of(word) {
+        if let Some(line) = DeckLine::parse(word) {
             let nowhere = |nearest| WordError::Line { option, word: word.to_owned(), nearest };
-            return at(deck.model(), case, &line, wanted).map_err(nowhere);
+            return at_line(deck.model(), case, &line, wanted).map_err(nowhere);
         }
         match dof(word) {
             // A DOF that no equation begins with, but some hold, is known.
             Some(dof) if deck.model().column(dof).is_none() => Err(unknown()),
-            Some(dof) => Ok(of(deck.model(), case, &|other| other == dof, wanted)),
+            Some(dof) => Ok(matching(deck.model(), case, &|other| other == dof, wanted)),
             None => {
                 let nodes: HashSet<u32> = deck.node_set(word).ok_or_else(unknown)?.into_iter().collect();
-                Ok(of(deck.model(), case, &|dof| nodes.contains(&dof.node), wanted))
+                Ok(matching(deck.model(), case, &|dof| nodes.contains(&dof.node), wanted))
             }
         }
     }
@@ -122,7 +122,7 @@ impl<'a> Names<'a> {
 }
 
 /// What stands at a line; the error has the nearest line of a constraint.
-fn at(model: &Model, case: &LoadCase, line: &Line, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
+fn at_line(model: &Model, case: &LoadCase, line: &DeckLine, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
     let is_there = |origin: Origin| line.is_in(model, origin);
     let equations = rows(model, case).filter(|(_, origin, _)| is_there(*origin));
     let clashes = (model.in_force(case).count()..).zip(&case.clashes).filter(|(_, clash)| is_there(clash.origin));
@@ -143,7 +143,7 @@ fn at(model: &Model, case: &LoadCase, line: &Line, wanted: Wanted) -> Result<Vec
 }
 
 /// Equations that begin with such a DOF, or the columns of such DOFs.
-fn of(model: &Model, case: &LoadCase, is_meant: &dyn Fn(Dof) -> bool, wanted: Wanted) -> Vec<usize> {
+fn matching(model: &Model, case: &LoadCase, is_meant: &dyn Fn(Dof) -> bool, wanted: Wanted) -> Vec<usize> {
     match wanted {
         Wanted::Dofs => (0..).zip(model.dofs()).filter(|(_, dof)| is_meant(**dof)).map(|(j, _)| j).collect(),
         Wanted::Equations => rows(model, case)
@@ -159,10 +159,23 @@ fn rows<'a>(model: &'a Model, case: &LoadCase) -> impl Iterator<Item = (usize, O
     (0..).zip(equations).map(|(row, equation)| (row, equation.origin, equation.columns))
 }
 
-fn nearest_line(model: &Model, line: &Line) -> Option<u32> {
+fn nearest_line(model: &Model, line: &DeckLine) -> Option<u32> {
     let equations = (0..model.equations()).filter_map(|i| model.equation(i));
     let lines = equations.map(|equation| equation.origin).filter(|&origin| line.file_of(model, origin)).map(|o| o.line);
     lines.min_by_key(|found| found.abs_diff(line.line))
+}
+
+/// NameIndex that are compared at most: the message is not worth more time.
+const COMPARED: usize = 200_000;
+/// Less alike than this is no help.
+const ALIKE: f64 = 0.5;
+
+/// The name most like `word`, in any case.
+pub fn nearest(word: &str, known: impl Iterator<Item = String>) -> Option<String> {
+    let word = word.to_lowercase();
+    let alike = |name: String| (normalized_damerau_levenshtein(&word, &name.to_lowercase()), name);
+    let best = known.take(COMPARED).map(alike).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= ALIKE).then_some(best.1)
 }
 
 /// `node:component`.
@@ -172,14 +185,14 @@ fn dof(word: &str) -> Option<Dof> {
 }
 
 /// `line 41`, or `part.inc:41` of an included file.
-struct Line {
+struct DeckLine {
     /// The name of an included file; none for the main one.
     file: Option<String>,
     line: u32,
 }
 
-impl Line {
-    fn of(word: &str) -> Option<Self> {
+impl DeckLine {
+    fn parse(word: &str) -> Option<Self> {
         if let Some(number) = word.get(..5).filter(|start| start.eq_ignore_ascii_case("line ")) {
             return Some(Self { file: None, line: word[number.len()..].trim().parse().ok()? });
         }

@@ -1,19 +1,19 @@
 //! `row 14 = 1 * row 3 - 2 * row 9`: why an equation is dependent.
 
-use qless::{CertificateTerm, ConstraintSystem};
+use qless::CertificateTerm;
 
 use super::COLUMNS;
-use super::fit::{Flow, flow};
-use super::name;
-use super::number::number;
-use super::told::{Equations, Facts};
+use crate::wording;
+use crate::wording::layout::{Flow, flow};
+use crate::wording::number;
+use crate::wording::{EquationFacts, EquationLookup};
 
 /// Columns of `+ ... and 1000000 more` at most.
 const TAIL: usize = 26;
 
 /// The equation and its certificate in one or two lines.
-pub fn lines(equations: &dyn Equations, row: usize, because: &[CertificateTerm]) -> Vec<String> {
-    let head = format!("  {}", name::equation(equations, row));
+pub fn lines(equations: &dyn EquationLookup, row: usize, because: &[CertificateTerm]) -> Vec<String> {
+    let head = format!("  {}", wording::equation(equations, row));
     if because.is_empty() {
         return vec![format!("{head} {}", Alone::of(equations, row).one())];
     }
@@ -27,7 +27,7 @@ pub fn lines(equations: &dyn Equations, row: usize, because: &[CertificateTerm])
     flowed.finish(&format!(" + ... and {more} more"))
 }
 
-fn fill(equations: &dyn Equations, head: &str, because: &[CertificateTerm]) -> Flow {
+fn fill(equations: &dyn EquationLookup, head: &str, because: &[CertificateTerm]) -> Flow {
     // Two lines hold fewer than this many, however short they are.
     let shown = because.iter().take(20).enumerate();
     let pieces: Vec<String> = shown.map(|(k, term)| piece(equations, term, k == 0)).collect();
@@ -35,7 +35,7 @@ fn fill(equations: &dyn Equations, head: &str, because: &[CertificateTerm]) -> F
 }
 
 /// The terms by what they contribute, largest first; those of the same size by row.
-fn largest(equations: &dyn Equations, because: &[CertificateTerm]) -> Vec<CertificateTerm> {
+fn largest(equations: &dyn EquationLookup, because: &[CertificateTerm]) -> Vec<CertificateTerm> {
     let size = |term: &CertificateTerm| term.coefficient.abs() * equations.facts(term.row).largest;
     let mut terms: Vec<_> = because.iter().map(|term| (size(term), *term)).collect();
     terms.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -43,8 +43,8 @@ fn largest(equations: &dyn Equations, because: &[CertificateTerm]) -> Vec<Certif
 }
 
 /// ` + 2 * row 3 "tie A/B"`.
-fn piece(equations: &dyn Equations, term: &CertificateTerm, is_first: bool) -> String {
-    let equation = name::equation(equations, term.row);
+fn piece(equations: &dyn EquationLookup, term: &CertificateTerm, is_first: bool) -> String {
+    let equation = wording::equation(equations, term.row);
     let sign = match (is_first, term.coefficient < 0.0) {
         (true, _) => return format!(" = {} * {equation}", number(term.coefficient)),
         (false, true) => "-",
@@ -65,8 +65,8 @@ pub enum Alone {
 }
 
 impl Alone {
-    pub fn of(equations: &dyn Equations, row: usize) -> Self {
-        let Facts { dofs, prescribed, .. } = equations.facts(row);
+    pub fn of(equations: &dyn EquationLookup, row: usize) -> Self {
+        let EquationFacts { dofs, prescribed, .. } = equations.facts(row);
         match dofs {
             0 => Self::Empty,
             _ if dofs == prescribed => Self::Prescribed,
@@ -83,9 +83,4 @@ impl Alone {
     pub fn several(self) -> &'static str {
         if self == Self::Empty { "rows without coefficients" } else { "rows whose DOFs are all prescribed" }
     }
-}
-
-/// Whether a DOF is prescribed.
-pub fn is_prescribed(system: &ConstraintSystem, dof: usize) -> bool {
-    system.prescribed().binary_search_by_key(&dof, |&(j, _)| j).is_ok()
 }

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 /// A list as the user typed it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Words(pub Vec<Word>);
+pub struct WordList(pub Vec<ListWord>);
 
 /// One word of a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Word {
+pub enum ListWord {
     /// Numbers counted from 0.
     Numbers(Range<usize>),
     /// What has to be looked up.
@@ -19,12 +19,12 @@ pub enum Word {
 const MOST: usize = 10_000_000;
 
 /// Reads a list; quotes keep commas in a word, and make a name of a number.
-pub fn words(text: &str) -> Result<Words, String> {
+pub fn words(text: &str) -> Result<WordList, String> {
     let mut all = Vec::new();
     let mut count = 0_usize;
     for (part, is_quoted) in parts(text)? {
-        let word = if is_quoted { Word::Name(part) } else { word(&part)? };
-        if let Word::Numbers(range) = &word {
+        let word = if is_quoted { ListWord::Name(part) } else { word(&part)? };
+        if let ListWord::Numbers(range) = &word {
             count = count.saturating_add(range.len());
             if count > MOST {
                 return Err(format!("the list is longer than {MOST} numbers"));
@@ -32,7 +32,7 @@ pub fn words(text: &str) -> Result<Words, String> {
         }
         all.push(word);
     }
-    Ok(Words(all))
+    Ok(WordList(all))
 }
 
 /// Between commas outside quotes, and whether in quotes.
@@ -53,16 +53,16 @@ fn parts(text: &str) -> Result<Vec<(String, bool)>, String> {
     Ok(parts.into_iter().map(|(part, is_quoted)| (part.trim().to_owned(), is_quoted)).collect())
 }
 
-fn word(part: &str) -> Result<Word, String> {
+fn word(part: &str) -> Result<ListWord, String> {
     let (first, last) = part.split_once('-').unwrap_or((part, part));
     match (number(first), number(last)) {
         (Some(0), _) | (_, Some(0)) => Err(format!("`{part}` is no number from 1")),
         (Some(first), Some(last)) if last < first => Err(format!("`{part}` runs backwards; write {last}-{first}")),
-        (Some(first), Some(last)) => Ok(Word::Numbers(first - 1..last)),
+        (Some(first), Some(last)) => Ok(ListWord::Numbers(first - 1..last)),
         _ if part.is_empty() => {
             Err("`` is no word of a list; write one such as 3,7,10-20 or 5:3,line 41,TOP".to_owned())
         }
-        _ => Ok(Word::Name(part.to_owned())),
+        _ => Ok(ListWord::Name(part.to_owned())),
     }
 }
 
@@ -76,8 +76,8 @@ mod tests {
 
     #[test]
     fn lists_and_ranges_count_from_one() {
-        let name = |text: &str| Word::Name(text.to_owned());
-        let numbers = |range| Word::Numbers(range);
+        let name = |text: &str| ListWord::Name(text.to_owned());
+        let numbers = |range| ListWord::Numbers(range);
         assert_eq!(words("3, 7,10-12").expect("a list").0, [numbers(2..3), numbers(6..7), numbers(9..12)]);
         let list = words("5-5,5:3, line 41 ,TOP-SIDE,\"tie A, x\",\"7\"").expect("a list").0;
         let expected = [numbers(4..5), name("5:3"), name("line 41"), name("TOP-SIDE"), name("tie A, x"), name("7")];

@@ -1,24 +1,25 @@
 //! Which equations are dependent, and why: as many as fit, the others by their rows.
 
-use qless::Kind;
+use qless::{Kind, Report};
 
 use super::COLUMNS;
 use super::combination::{self, Alone};
-use super::fit::flow;
-use super::number::number;
-use super::told::{Equations, Finding, Told};
+use super::equation_list::{DependentRow, EquationList};
+use crate::wording::EquationLookup;
+use crate::wording::layout::flow;
+use crate::wording::{label, number};
 
 /// The equations of one kind in at most `most` lines; only their certificates are computed.
-pub fn section(told: &Told, kind: Kind, most: usize) -> Vec<String> {
-    let of_kind: Vec<_> = told.dependent.iter().filter(|dependent| dependent.kind == kind).collect();
+pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
+    let of_kind: Vec<_> = list.dependent.iter().filter(|dependent| dependent.kind == kind).collect();
     if of_kind.is_empty() {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
     // Many equations that say 0 = 0 would hide the others.
-    let of_kind = if kind == Kind::Redundant { group(told, of_kind, &mut lines) } else { of_kind };
+    let of_kind = if kind == Kind::Redundant { group(list, of_kind, &mut lines) } else { of_kind };
     for (k, dependent) in of_kind.iter().enumerate() {
-        let entry = entry(told, dependent);
+        let entry = entry(list, dependent);
         let for_the_rest = usize::from(k + 1 < of_kind.len());
         if lines.len() + entry.len() + for_the_rest > most {
             lines.push(rest(&of_kind[k..], k));
@@ -30,10 +31,10 @@ pub fn section(told: &Told, kind: Kind, most: usize) -> Vec<String> {
 }
 
 /// Moves equations that need no others into one line for each sort, unless there are only a few.
-fn group<'a>(told: &Told, of_kind: Vec<&'a Finding>, lines: &mut Vec<String>) -> Vec<&'a Finding> {
+fn group<'a>(list: &EquationList, of_kind: Vec<&'a DependentRow>, lines: &mut Vec<String>) -> Vec<&'a DependentRow> {
     let mut left = of_kind;
     for sort in [Alone::Empty, Alone::Prescribed] {
-        let is_of_sort = |d: &&Finding| Alone::of(told.equations, d.row) == sort;
+        let is_of_sort = |d: &&DependentRow| Alone::of(list.equations, d.row) == sort;
         let (of_sort, others): (Vec<_>, Vec<_>) = left.iter().copied().partition(is_of_sort);
         if of_sort.len() > 1 {
             let what = format!("  {}:", sort.several());
@@ -51,17 +52,17 @@ fn heading(kind: Kind) -> &'static str {
     }
 }
 
-fn entry(told: &Told, dependent: &Finding) -> Vec<String> {
-    let because = (told.because)(dependent.row);
-    let mut lines = combination::lines(told.equations, dependent.row, &because);
+fn entry(list: &EquationList, dependent: &DependentRow) -> Vec<String> {
+    let because = (list.because)(dependent.row);
+    let mut lines = combination::lines(list.equations, dependent.row, &because);
     if dependent.kind == Kind::Conflicting {
-        lines.push(mismatch(told.equations, dependent, because.is_empty()));
+        lines.push(mismatch(list.equations, dependent, because.is_empty()));
     }
     lines
 }
 
 /// What the right-hand side is, and what it would have to be.
-fn mismatch(equations: &dyn Equations, dependent: &Finding, is_alone: bool) -> String {
+fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: bool) -> String {
     let facts = equations.facts(dependent.row);
     let found = facts.rhs;
     let needed = found - dependent.mismatch;
@@ -76,14 +77,14 @@ fn mismatch(equations: &dyn Equations, dependent: &Finding, is_alone: bool) -> S
 }
 
 /// `  and 480 more (why: --format json): rows 12, 15, 19-22, ...`.
-fn rest(dependent: &[&Finding], shown: usize) -> String {
+fn rest(dependent: &[&DependentRow], shown: usize) -> String {
     let (count, plural) = (dependent.len(), if dependent.len() == 1 { "" } else { "s" });
     let more = if shown == 0 { "" } else { " more" };
     rows(&format!("  and {count}{more} (why: --format json): row{plural}"), dependent)
 }
 
 /// `first 12, 15, 19-22, ...` in one line; JSON has all of them.
-fn rows(first: &str, dependent: &[&Finding]) -> String {
+fn rows(first: &str, dependent: &[&DependentRow]) -> String {
     const TAIL: &str = ", ...";
     let rows: Vec<usize> = dependent.iter().map(|d| d.row + 1).collect();
     let pieces = ranges(&rows);
@@ -107,6 +108,25 @@ fn ranges(rows: &[usize]) -> Vec<String> {
         rest = &rest[run..];
     }
     pieces
+}
+
+/// Free DOFs that the equations fix, `u3 = 0.5`: a heading and one line, or nothing.
+pub fn generated_conditions(report: &Report) -> Vec<String> {
+    let all = &report.generated_boundary_conditions;
+    if all.is_empty() {
+        return Vec::new();
+    }
+    let comma = |k: usize| if k + 1 < all.len() { "," } else { "" };
+    let shown = all.iter().take(COLUMNS).enumerate();
+    let pieces: Vec<String> =
+        shown.map(|(k, fixed)| format!(" {} = {}{}", label(&fixed.label), number(fixed.value), comma(k))).collect();
+    let tail = format!(" ... ({} in all)", all.len());
+    let flowed = flow(" ", "", &pieces, (1, COLUMNS), tail.len());
+    let tail = if flowed.used < all.len() { tail } else { String::new() };
+    let what = if all.len() == 1 { "a free DOF" } else { "free DOFs" };
+    let mut lines = vec![format!("Generated boundary conditions: the equations leave {what} one value only.")];
+    lines.extend(flowed.finish(&tail));
+    lines
 }
 
 #[cfg(test)]
