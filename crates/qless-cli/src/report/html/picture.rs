@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use qless::common::DisjointSets;
 use qless::{ConstraintSystem, Kind};
 use serde::Serialize;
 
@@ -61,30 +62,19 @@ fn spy(diagnosis: &Diagnosis) -> Spy {
 
 /// Connected sets of equations over free DOFs.
 fn blocks(system: &ConstraintSystem) -> Vec<(usize, usize)> {
-    let mut root: Vec<usize> = (0..system.equations()).collect();
+    let mut sets = DisjointSets::new(system.equations());
     let mut first = vec![None; system.dofs()];
     let is_prescribed = |j: usize| system.prescribed().binary_search_by_key(&j, |given| given.0).is_ok();
     for i in 0..system.equations() {
         for (j, _) in system.matrix().row(i).filter(|(j, _)| !is_prescribed(*j)) {
-            let other = *first[j].get_or_insert(i);
-            let (a, b) = (find(&mut root, other), find(&mut root, i));
-            root[a.max(b)] = a.min(b);
+            sets.join(*first[j].get_or_insert(i), i);
         }
     }
     let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
-    (0..root.len()).for_each(|i| *sizes.entry(find(&mut root, i)).or_default() += 1);
+    (0..system.equations()).for_each(|i| *sizes.entry(sets.root(i)).or_default() += 1);
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     sizes.values().for_each(|&size| *counts.entry(size).or_default() += 1);
     counts.into_iter().collect()
-}
-
-/// The representative of an equation's set.
-fn find(root: &mut [usize], mut i: usize) -> usize {
-    while root[i] != i {
-        root[i] = root[root[i]];
-        i = root[i];
-    }
-    i
 }
 
 type Nodes = (Vec<(u32, f64, f64, f64)>, Vec<(usize, Vec<u32>)>);
