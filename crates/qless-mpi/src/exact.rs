@@ -27,14 +27,14 @@ const LIFT: u64 = 1 << 40;
 /// assert_eq!(together(4, |ranks| exact_sum(ranks, [numbers[ranks.rank()]])), [1.0; 4]);
 /// ```
 pub fn exact_sum(ranks: &dyn Ranks, numbers: impl IntoIterator<Item = f64>) -> f64 {
-    let mut own = Exact::default();
+    let mut own = ExactSum::default();
     numbers.into_iter().for_each(|number| own.add(number));
     let mut words = own.into_words();
     ranks.sum(&mut words);
-    Exact::of_words(&words, ranks.size()).rounded()
+    ExactSum::of_words(&words, ranks.size()).rounded()
 }
 
-struct Exact {
+struct ExactSum {
     /// Ascending.
     digits: [i64; DIGITS],
     /// Since carries were moved on.
@@ -43,13 +43,13 @@ struct Exact {
     others: [u64; 3],
 }
 
-impl Default for Exact {
+impl Default for ExactSum {
     fn default() -> Self {
         Self { digits: [0; DIGITS], added: 0, others: [0; 3] }
     }
 }
 
-impl Exact {
+impl ExactSum {
     fn add(&mut self, number: f64) {
         if !number.is_finite() {
             self.others[if number.is_nan() { 2 } else { usize::from(number < 0.0) }] += 1;

@@ -6,7 +6,7 @@ mod run;
 use qless::{Confidence, Kind};
 
 use crate::parts::{Directory, Layout};
-use crate::solve::{GIVEN, Line, Lines};
+use crate::solve::{PRESCRIBED_BIT, ReductionRow, ReductionRows};
 
 pub use run::analyse;
 
@@ -74,8 +74,8 @@ pub struct Analysis {
     pub(crate) confidence: Confidence,
     pub(crate) counts: Counts,
     pub(crate) slaves: Vec<u64>,
-    pub(crate) lines: Lines,
-    pub(crate) needed: Lines,
+    pub(crate) lines: ReductionRows,
+    pub(crate) needed: ReductionRows,
     pub(crate) directory: Directory,
     pub(crate) dealt: Dealt,
 }
@@ -145,11 +145,15 @@ impl Analysis {
     /// `u_dof = sum value u_j + g` of a slave that this rank owns or needs: its terms, ascending, and g. None for other DOFs.
     pub fn row(&self, dof: u64) -> Option<(Vec<Term>, f64)> {
         let line = self.line(dof)?;
-        let term = |(&dof, &value): (&u64, &f64)| Term { dof: dof & !GIVEN, value, prescribed: dof & GIVEN != 0 };
+        let term = |(&dof, &value): (&u64, &f64)| Term {
+            dof: dof & !PRESCRIBED_BIT,
+            value,
+            prescribed: dof & PRESCRIBED_BIT != 0,
+        };
         Some((line.dofs.iter().zip(line.values).map(term).collect(), line.constant))
     }
 
-    pub(crate) fn line(&self, dof: u64) -> Option<Line<'_>> {
+    pub(crate) fn line(&self, dof: u64) -> Option<ReductionRow<'_>> {
         self.lines.find(dof).or_else(|| self.needed.find(dof))
     }
 
@@ -157,7 +161,7 @@ impl Analysis {
     pub fn ghosts(&self) -> Vec<u64> {
         let own = self.layout.owned(self.rank_of_job);
         let rows = self.lines.iter().chain(self.needed.iter());
-        let mut ghosts: Vec<u64> = rows.flat_map(|line| line.dofs.iter().map(|dof| dof & !GIVEN)).collect();
+        let mut ghosts: Vec<u64> = rows.flat_map(|line| line.dofs.iter().map(|dof| dof & !PRESCRIBED_BIT)).collect();
         ghosts.retain(|dof| !own.contains(dof));
         ghosts.sort_unstable();
         ghosts.dedup();

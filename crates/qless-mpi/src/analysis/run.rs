@@ -2,13 +2,13 @@
 
 use qless::{Kind, OptionError, Options};
 
-use super::attempt::{Attempt, Job};
+use super::attempt::{Attempt, AttemptInput};
 use super::{Analysis, Counts};
-use crate::deal::{Load, Sizes, sizes};
+use crate::distribute::{Sizes, sizes};
 use crate::error::{Error, agree};
-use crate::parts::{Component, Components, Directory, Known, Layout, Touched};
+use crate::parts::{Component, Components, Directory, Layout, TouchedDofs};
 use crate::ranks::Ranks;
-use crate::share::{Rows, Share, check_numbers};
+use crate::share::{Share, check_numbers};
 use crate::solve::ask;
 
 /// Diagnoses the equations of all ranks and solves them for slaves. Collective: every rank gives its share and the same options, and
@@ -44,10 +44,10 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
     agree(ranks, check(ranks, &layout, share, options))?;
     let rows = &share.rows;
     agree(ranks, check_numbers(ranks, rows).map_err(Error::from))?;
-    let touched = Touched::by(rows, &share.owned);
+    let touched = TouchedDofs::by(rows, &share.owned);
     let (directory, known) = Directory::new(ranks, &layout, &touched, &share.prescribed);
     let directory = agree(ranks, directory.map_err(Error::from))?;
-    let job = Job { ranks, layout: &layout, rows, touched: &touched, known: &known, options };
+    let job = AttemptInput { ranks, layout: &layout, rows, touched: &touched, known: &known, options };
     let whole = Components::of(ranks, &layout, (rows, &touched, &known), |_| true);
     let mut may_peel = peelable(&job, &whole);
     let mut attempts = 0;
@@ -106,7 +106,7 @@ fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -
 }
 
 /// The parts of components that cross ranks and in which equations may be solved where they stand.
-fn peelable(job: &Job, whole: &Components) -> Vec<bool> {
+fn peelable(job: &AttemptInput, whole: &Components) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));
     let allowed = plain && options.preferences == qless::Preferences::default();
@@ -133,21 +133,4 @@ fn withdraw(ranks: &dyn Ranks, whole: &Components, attempt: &Attempt, may_peel: 
     let told = whole.tell(ranks, &components, &troubled);
     may_peel.iter_mut().zip(told).for_each(|(may, troubled)| *may &= troubled == 0);
     true
-}
-
-/// Equations and terms of each part.
-pub(super) fn loads(rows: &Rows, components: &Components) -> Vec<Load> {
-    let mut loads = vec![[0, 0]; components.parts()];
-    for (i, &part) in components.of_row.iter().enumerate().filter(|&(_, &part)| (part as usize) < components.parts()) {
-        loads[part as usize][0] += 1;
-        loads[part as usize][1] += (rows.starts[i + 1] - rows.starts[i]) as u64;
-    }
-    loads
-}
-
-impl Job<'_> {
-    /// What the stages ask for.
-    pub(super) fn parts(&self) -> (&Rows, &Touched, &Known) {
-        (self.rows, self.touched, self.known)
-    }
 }

@@ -4,20 +4,20 @@
 
 use std::collections::BTreeMap;
 
-use super::{Layout, Touched};
-use crate::ranks::{Message, Post, Ranks, real};
+use super::{Layout, TouchedDofs};
+use crate::ranks::{Message, Outbox, Ranks, real};
 use crate::share::ShareError;
 
 /// Of the DOFs of a rank's equations, by place.
-pub(crate) struct Known {
-    pub said: Vec<Said>,
+pub(crate) struct KnownDofs {
+    pub said: Vec<DofFlags>,
     /// The values of those that are prescribed, by place.
     pub given: BTreeMap<u32, f64>,
 }
 
 /// What is said of a DOF.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Said(u8);
+pub(crate) struct DofFlags(u8);
 
 /// What a rank knows of the DOFs that it owns.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ const BITS: u32 = 3;
 /// Marks a DOF of which the same is said on the way to its owner.
 const FAINT_DOF: u64 = 1 << 63;
 
-impl Said {
+impl DofFlags {
     /// Whether equations of other ranks name it too.
     pub fn is_shared(self) -> bool {
         self.0 & SHARED != 0
@@ -55,12 +55,12 @@ impl Directory {
     pub fn new(
         ranks: &dyn Ranks,
         layout: &Layout,
-        touched: &Touched,
+        touched: &TouchedDofs,
         prescribed: &[(u64, f64)],
-    ) -> (Result<Self, ShareError>, Known) {
+    ) -> (Result<Self, ShareError>, KnownDofs) {
         let values = prescriptions(ranks, layout, prescribed);
-        let mut known = Known::own(touched);
-        let mut post = Post::default();
+        let mut known = KnownDofs::own(touched);
+        let mut post = Outbox::default();
         let own = layout.owned(ranks.rank());
         for (&dof, column) in touched.dofs.iter().zip(&touched.columns).filter(|(dof, _)| !own.contains(dof)) {
             post.to(layout.owner(dof)).push(if column.is_faint { dof | FAINT_DOF } else { dof });
@@ -74,7 +74,7 @@ impl Directory {
 
     /// What is told to each rank of the DOFs that it named: the place in its message and what there is to know, with the value. What
     /// the others say of DOFs that this rank knows itself is noted.
-    fn answers(&self, came: &[Message], touched: &Touched, known: &mut Known) -> Post {
+    fn answers(&self, came: &[Message], touched: &TouchedDofs, known: &mut KnownDofs) -> Outbox {
         let mut said: BTreeMap<u64, u8> = BTreeMap::new();
         for &word in came.iter().flat_map(|message| &message.words) {
             let faint = if word & FAINT_DOF == 0 { 0 } else { FAINT };
@@ -93,7 +93,7 @@ impl Directory {
             }
             said.entry(*dof).and_modify(|bits| *bits |= PRESCRIBED);
         }
-        let mut answers = Post::default();
+        let mut answers = Outbox::default();
         for message in came {
             for (place, word) in message.words.iter().enumerate() {
                 let dof = word & !FAINT_DOF;
@@ -115,7 +115,7 @@ fn prescriptions(
     layout: &Layout,
     prescribed: &[(u64, f64)],
 ) -> Result<BTreeMap<u64, f64>, ShareError> {
-    let mut post = Post::default();
+    let mut post = Outbox::default();
     prescribed.iter().for_each(|&(dof, value)| post.to(layout.owner(dof)).extend([dof, value.to_bits()]));
     let mut values: BTreeMap<u64, f64> = BTreeMap::new();
     let came = post.send(ranks);
@@ -129,14 +129,14 @@ fn prescriptions(
     Ok(values)
 }
 
-impl Known {
+impl KnownDofs {
     /// What a rank knows by itself.
-    fn own(touched: &Touched) -> Self {
-        let said = touched.columns.iter().map(|column| Said(if column.is_faint { FAINT } else { 0 }));
+    fn own(touched: &TouchedDofs) -> Self {
+        let said = touched.columns.iter().map(|column| DofFlags(if column.is_faint { FAINT } else { 0 }));
         Self { said: said.collect(), given: BTreeMap::new() }
     }
 
-    fn hear(&mut self, came: &[Message], touched: &Touched, layout: &Layout) {
+    fn hear(&mut self, came: &[Message], touched: &TouchedDofs, layout: &Layout) {
         for message in came {
             let first = touched.dofs.partition_point(|&dof| dof < layout.owned(message.rank).start);
             let mut words = message.words.iter();

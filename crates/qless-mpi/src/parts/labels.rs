@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use rustc_hash::FxHashMap;
 
-use crate::ranks::{Message, Post, Ranks};
+use crate::ranks::{Message, Outbox, Ranks};
 
 /// A vertex: the rank that holds it, and its number there.
 pub(crate) fn vertex(rank: usize, number: usize) -> u64 {
@@ -70,7 +70,7 @@ impl Forest<'_> {
         let mut asked: Vec<u64> = vertices.filter(|&v| rank_of(v) != own).collect();
         asked.sort_unstable();
         asked.dedup();
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         asked.iter().for_each(|&v| post.to(rank_of(v)).push(v));
         let answer = |Message { rank, words }: Message| {
             let words = words.iter().map(|&v| self.parent[number_of(v)]).collect();
@@ -95,7 +95,7 @@ impl Forest<'_> {
                 *best = other;
             }
         }
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         first.into_iter().for_each(|(root, other)| post.to(rank_of(root)).extend([root, other]));
         for message in post.send(self.ranks) {
             for pair in message.words.chunks_exact(2) {

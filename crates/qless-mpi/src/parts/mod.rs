@@ -7,6 +7,6 @@ mod layout;
 mod touched;
 
 pub(crate) use connected::{Component, Components, NONE};
-pub(crate) use directory::{Directory, Known};
+pub(crate) use directory::{Directory, KnownDofs};
 pub(crate) use layout::Layout;
-pub(crate) use touched::Touched;
+pub(crate) use touched::TouchedDofs;

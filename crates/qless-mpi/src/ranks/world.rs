@@ -1,9 +1,8 @@
 //! The ranks of an MPI job.
 
+mod exchange;
 mod fault;
 mod patience;
-mod pieces;
-mod travel;
 
 use std::cell::Cell;
 use std::fmt;
@@ -102,7 +101,7 @@ impl World {
         fault::make_fatal(&communicator);
         let (rank, size) = (communicator.rank() as usize, communicator.size() as usize);
         let (rounds, one_thread) = (Cell::new(0), PhantomData);
-        Self { communicator, universe: None, rank, size, piece: pieces::WORDS, rounds, one_thread }
+        Self { communicator, universe: None, rank, size, piece: exchange::WORDS, rounds, one_thread }
     }
 
     /// Longer messages travel in pieces of so many words: 2^27 (1 GiB) if nothing is said, at most 2^31 - 1. All ranks must say the same.
@@ -132,12 +131,12 @@ impl Ranks for World {
     }
 
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message> {
-        travel::exchange(self, messages)
+        exchange::exchange(self, messages)
     }
 
     /// How much travels during `work` is up to the MPI library: many move long messages only within calls of theirs.
     fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {
-        travel::overlap(self, messages, from, work)
+        exchange::overlap(self, messages, from, work)
     }
 
     fn sum(&self, numbers: &mut [u64]) {

@@ -1,7 +1,6 @@
 //! What one rank gives: equations in any numbers of the job's DOFs, and the DOFs that it owns and needs.
 
 mod error;
-mod numbers;
 mod rows;
 
 use std::ops::Range;
@@ -9,8 +8,7 @@ use std::ops::Range;
 use qless::ConstraintSystem;
 
 pub use error::{ShareError, SharePlace};
-pub(crate) use numbers::check_numbers;
-pub(crate) use rows::Rows;
+pub(crate) use rows::{ShareRows, check_numbers};
 
 /// The part of `C u = b` that one rank holds.
 ///
@@ -30,7 +28,7 @@ pub(crate) use rows::Rows;
 #[derive(Clone, Debug)]
 pub struct Share {
     pub(crate) owned: Range<u64>,
-    pub(crate) rows: Rows,
+    pub(crate) rows: ShareRows,
     pub(crate) prescribed: Vec<(u64, f64)>,
     pub(crate) needed: Vec<u64>,
     terms: Vec<(u64, f64)>,
@@ -39,7 +37,7 @@ pub struct Share {
 impl Share {
     /// No equations yet.
     pub fn new(owned: Range<u64>) -> Self {
-        Self { owned, rows: Rows::new(), prescribed: Vec::new(), needed: Vec::new(), terms: Vec::new() }
+        Self { owned, rows: ShareRows::new(), prescribed: Vec::new(), needed: Vec::new(), terms: Vec::new() }
     }
 
     /// Adds `sum a_j u_j = rhs`, equation `number` of the whole; terms on the same DOF are summed.

@@ -1,18 +1,27 @@
-//! The gate of rows that were made where they stand: put into the user's equation, T, G and g each on their own leave nothing of it.
+//! Checks the rows of T, G and g that a rank derived from one equation alone: put into that equation they must leave no residual.
+//!
+//! The check uses random u_q and u_p, and looks at the parts of T, of G and of g separately.
 
-use super::lines::GIVEN;
-use super::{Line, Slaves};
-use crate::deal::Peel;
-use crate::parts::Touched;
-use crate::share::Rows;
+use qless::common::SplitMix64;
 
-/// The sums of a row for random u_q, for random u_p, and its constant; with the sizes of their parts.
-type Parts = [(f64, f64); 3];
+use super::rows::{PRESCRIBED_BIT, ReductionRow, SlaveRows};
+use crate::distribute::Peel;
+use crate::parts::TouchedDofs;
+use crate::share::ShareRows;
+
+/// For random u_q, for random u_p, and for the constant: the sum, and the sum of the absolute values of its terms.
+type ResidualParts = [(f64, f64); 3];
 
 /// The largest residual of the equation, relative to the sizes of its parts; infinite if one of them is no number.
-pub(crate) fn residual(peel: Peel, rows: &Rows, touched: &Touched, slaves: &Slaves, made: Line) -> f64 {
+pub(crate) fn residual(
+    peel: Peel,
+    rows: &ShareRows,
+    touched: &TouchedDofs,
+    slaves: &SlaveRows,
+    made: ReductionRow,
+) -> f64 {
     let range = rows.starts[peel.row()]..rows.starts[peel.row() + 1];
-    let mut sums: Parts = [(0.0, 0.0), (0.0, 0.0), (-rows.rhs[peel.row()], rows.rhs[peel.row()].abs())];
+    let mut sums: ResidualParts = [(0.0, 0.0), (0.0, 0.0), (-rows.rhs[peel.row()], rows.rhs[peel.row()].abs())];
     for k in range {
         let of_dof = if k == peel.place(rows) {
             parts(made)
@@ -31,46 +40,43 @@ pub(crate) fn residual(peel: Peel, rows: &Rows, touched: &Touched, slaves: &Slav
     sums.into_iter().map(relative).fold(0.0, f64::max)
 }
 
-fn single(dof: u64, part: usize) -> Parts {
+fn single(dof: u64, part: usize) -> ResidualParts {
     let mut parts = [(0.0, 0.0); 3];
     parts[part] = (random(dof), 1.0);
     parts
 }
 
-fn parts(line: Line) -> Parts {
+fn parts(line: ReductionRow) -> ResidualParts {
     let mut parts = [(0.0, 0.0), (0.0, 0.0), (line.constant, line.constant.abs())];
     for (&dof, value) in line.dofs.iter().zip(line.values) {
-        let part = &mut parts[usize::from(dof & GIVEN != 0)];
-        *part = (part.0 + value * random(dof & !GIVEN), part.1 + value.abs());
+        let part = &mut parts[usize::from(dof & PRESCRIBED_BIT != 0)];
+        *part = (part.0 + value * random(dof & !PRESCRIBED_BIT), part.1 + value.abs());
     }
     parts
 }
 
 /// A number of a DOF between -1 and 1, the same on all ranks.
 fn random(dof: u64) -> f64 {
-    let mut x = dof.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    (SplitMix64::new(dof).next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::parts::NONE;
-    use crate::solve::Lines;
+    use crate::solve::ReductionRows;
 
     /// `2 u0 - u1 - u2 = 3`, u2 = 0.5 u3 + 1 by another rank: what is right passes, what is off in any part does not.
     #[test]
     fn what_is_off_by_a_millionth_does_not_pass() {
-        let mut rows = Rows::new();
+        let mut rows = ShareRows::new();
         rows.push(0, 3.0, [(0, 2.0), (1, -1.0), (2, -1.0)].into_iter());
-        let touched = Touched::by(&rows, &(0..4));
-        let mut lines = Lines::default();
+        let touched = TouchedDofs::by(&rows, &(0..4));
+        let mut lines = ReductionRows::default();
         lines.push(2, 1.0, [(3, 0.5)].into_iter());
-        let slaves = Slaves { lines, of_place: vec![NONE, NONE, 0], given: vec![false; 3] };
+        let slaves = SlaveRows { lines, of_place: vec![NONE, NONE, 0], given: vec![false; 3] };
         let found = |constant: f64, a: f64, b: f64| {
-            let mut made = Lines::default();
+            let mut made = ReductionRows::default();
             made.push(0, constant, [(1, a), (3, b)].into_iter());
             residual(Peel { row: 0, position: 0 }, &rows, &touched, &slaves, made.line(0))
         };

@@ -4,17 +4,21 @@
 //! data exchange, PPoPP 2010): a synchronous send ends when its receiver has begun to take it. Who sees all of its own taken enters
 //! a barrier without waiting, and receives until all have entered: nothing is under way then. Its cost is that of the messages and
 //! one barrier, whatever the number of ranks.
+//!
+//! Messages are sent in pieces, since MPI counts in 31 bits and some networks lose messages longer than 2 GiB. A full piece is
+//! followed by another, which may be empty: so the receiver knows the end. Pieces of one sender arrive in order, as MPI promises
+//! for one communicator and tag.
 
 use std::collections::BTreeMap;
 
 use mpi::Tag;
-use mpi::point_to_point::{Destination, Source};
+use mpi::point_to_point::{Destination, Message as Arrived, Source, Status};
 use mpi::request::{LocalScope, Request};
-use mpi::traits::{Communicator, CommunicatorCollectives};
+use mpi::traits::{Communicator, CommunicatorCollectives, Equivalence};
 
 use super::fault::EndOnPanic;
 use super::patience::{self, Patience};
-use super::{Message, World, pieces};
+use super::{Message, World};
 
 /// A rank may begin the next round while a slower one still receives in this one, but no rank gets two rounds ahead.
 const ROUND_TAGS: [Tag; 2] = [0, 1];
@@ -42,7 +46,7 @@ fn receive_until_all_have_sent(world: &World, mut sends: Sends, tag: Tag, came: 
     let _guard = EndOnPanic;
     loop {
         if let Some(arrived) = world.communicator.any_process().immediate_matched_probe_with_tag(tag) {
-            pieces::append(came.entry(arrived.1.source_rank() as usize).or_default(), arrived, world.piece);
+            append(came.entry(arrived.1.source_rank() as usize).or_default(), arrived, world.piece);
             patience = Patience::new();
             continue;
         }
@@ -77,9 +81,8 @@ fn part(world: &World, messages: Vec<Message>) -> (Option<Vec<u64>>, Vec<Message
 }
 
 fn send<'a, R>(world: &World, messages: &'a [Message], send: impl Fn(i32, &'a [u64]) -> R) -> Vec<R> {
-    let to_each = messages
-        .iter()
-        .flat_map(|message| pieces::cut(&message.words, world.piece).map(|words| (message.rank as i32, words)));
+    let to_each =
+        messages.iter().flat_map(|message| cut(&message.words, world.piece).map(|words| (message.rank as i32, words)));
     to_each.map(|(rank, words)| send(rank, words)).collect()
 }
 
@@ -91,10 +94,39 @@ fn receive(world: &World, rank: usize, own: &mut Option<Vec<u64>>) -> Vec<u64> {
     }
     let sender = world.communicator.process_at_rank(rank as i32);
     let mut words = Vec::new();
-    while !pieces::append(
-        &mut words,
-        patience::until(|| sender.immediate_matched_probe_with_tag(KNOWN_TAG)),
-        world.piece,
-    ) {}
+    while !append(&mut words, patience::until(|| sender.immediate_matched_probe_with_tag(KNOWN_TAG)), world.piece) {}
     words
+}
+
+/// 1 GiB.
+pub(super) const WORDS: usize = 1 << 27;
+
+/// The pieces of a message.
+fn cut(words: &[u64], piece: usize) -> impl Iterator<Item = &[u64]> {
+    (0..=words.len() / piece).map(move |at| &words[at * piece..words.len().min((at + 1) * piece)])
+}
+
+/// Appends a piece; whether it is the last one.
+fn append(words: &mut Vec<u64>, (arrived, status): (Arrived, Status), piece: usize) -> bool {
+    let count = status.count(u64::equivalent_datatype()) as usize;
+    let before = words.len();
+    words.resize(before + count, 0);
+    arrived.matched_receive_into(&mut words[before..]);
+    count < piece
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cut;
+
+    #[test]
+    fn a_full_piece_is_followed_by_another() {
+        for length in 0..10_u64 {
+            let words: Vec<u64> = (0..length).collect();
+            let pieces: Vec<&[u64]> = cut(&words, 3).collect();
+            assert_eq!(pieces.concat(), words);
+            let (last, full) = pieces.split_last().expect("at least one");
+            assert!(last.len() < 3 && full.iter().all(|piece| piece.len() == 3), "{pieces:?}");
+        }
+    }
 }

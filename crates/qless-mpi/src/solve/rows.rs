@@ -1,36 +1,38 @@
-//! Rows of `u_s = T u_q + G u_p + g`, over the DOFs of the job.
+//! ShareRows of `u_s = T u_q + G u_p + g`, over the DOFs of the job.
+
+use crate::parts::NONE;
 
 /// Marks the prescribed among the DOFs of a line.
-pub(crate) const GIVEN: u64 = 1 << 63;
+pub(crate) const PRESCRIBED_BIT: u64 = 1 << 63;
 
 /// One row.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Line<'a> {
+pub(crate) struct ReductionRow<'a> {
     pub slave: u64,
     pub constant: f64,
-    /// Masters, and prescribed DOFs with [`GIVEN`]; ascending by DOF.
+    /// Masters, and prescribed DOFs with [`PRESCRIBED_BIT`]; ascending by DOF.
     pub dofs: &'a [u64],
     pub values: &'a [f64],
 }
 
-/// Rows, ascending by slave once [`Lines::sort`]ed.
+/// ShareRows, ascending by slave once [`ReductionRows::sort`]ed.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Lines {
-    heads: Vec<Head>,
+pub(crate) struct ReductionRows {
+    heads: Vec<RowHead>,
     dofs: Vec<u64>,
     values: Vec<f64>,
 }
 
 /// A row and where its terms are.
 #[derive(Clone, Copy, Debug)]
-struct Head {
+struct RowHead {
     slave: u64,
     constant: f64,
     start: usize,
     len: u32,
 }
 
-impl Lines {
+impl ReductionRows {
     /// Room for more rows with so many terms.
     pub fn reserve(&mut self, rows: usize, terms: usize) {
         self.heads.reserve(rows);
@@ -46,24 +48,24 @@ impl Lines {
         self.heads.iter().map(|head| head.slave)
     }
 
-    pub fn line(&self, i: usize) -> Line<'_> {
-        let Head { slave, constant, start, len } = self.heads[i];
+    pub fn line(&self, i: usize) -> ReductionRow<'_> {
+        let RowHead { slave, constant, start, len } = self.heads[i];
         let range = start..start + len as usize;
-        Line { slave, constant, dofs: &self.dofs[range.clone()], values: &self.values[range] }
+        ReductionRow { slave, constant, dofs: &self.dofs[range.clone()], values: &self.values[range] }
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = Line<'_>> {
+    pub fn iter(&self) -> impl Iterator<Item = ReductionRow<'_>> {
         (0..self.len()).map(|i| self.line(i))
     }
 
     /// The row of a DOF, if it is a slave of these.
-    pub fn find(&self, dof: u64) -> Option<Line<'_>> {
+    pub fn find(&self, dof: u64) -> Option<ReductionRow<'_>> {
         self.heads.binary_search_by_key(&dof, |head| head.slave).ok().map(|i| self.line(i))
     }
 
     /// The rows of those of `dofs` that are slaves of these; both ascend.
-    pub fn among<'a>(&'a self, dofs: &'a [u64]) -> impl Iterator<Item = Line<'a>> {
-        let inside = move |(i, head): (usize, &Head)| dofs.binary_search(&head.slave).ok().map(|_| self.line(i));
+    pub fn among<'a>(&'a self, dofs: &'a [u64]) -> impl Iterator<Item = ReductionRow<'a>> {
+        let inside = move |(i, head): (usize, &RowHead)| dofs.binary_search(&head.slave).ok().map(|_| self.line(i));
         self.heads.iter().enumerate().filter_map(inside)
     }
 
@@ -73,7 +75,7 @@ impl Lines {
             self.dofs.push(dof);
             self.values.push(value);
         }
-        self.heads.push(Head { slave, constant, start, len: (self.dofs.len() - start) as u32 });
+        self.heads.push(RowHead { slave, constant, start, len: (self.dofs.len() - start) as u32 });
     }
 
     pub fn clear(&mut self) {
@@ -89,7 +91,7 @@ impl Lines {
         self
     }
 
-    pub fn push_line(&mut self, line: Line) {
+    pub fn push_line(&mut self, line: ReductionRow) {
         self.push(line.slave, line.constant, line.dofs.iter().copied().zip(line.values.iter().copied()));
     }
 
@@ -105,10 +107,30 @@ impl Lines {
     }
 }
 
-impl Line<'_> {
+impl ReductionRow<'_> {
     /// Appends the row to a message.
     pub fn write(&self, words: &mut Vec<u64>) {
         words.extend([self.slave, self.constant.to_bits(), self.dofs.len() as u64]);
         words.extend(self.dofs.iter().zip(self.values).flat_map(|(&dof, value)| [dof, value.to_bits()]));
+    }
+}
+
+/// ShareRows of the slaves among the DOFs of a rank's equations.
+pub(crate) struct SlaveRows {
+    pub lines: ReductionRows,
+    /// Index into them, by place of the DOF.
+    pub of_place: Vec<u32>,
+    /// Whether a DOF is prescribed, by place.
+    pub given: Vec<bool>,
+}
+
+impl SlaveRows {
+    pub fn is_given(&self, place: u32) -> bool {
+        self.given[place as usize]
+    }
+
+    pub fn find(&self, place: u32) -> Option<ReductionRow<'_>> {
+        let i = self.of_place[place as usize];
+        (i != NONE).then(|| self.lines.line(i as usize))
     }
 }

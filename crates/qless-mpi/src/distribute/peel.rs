@@ -3,8 +3,8 @@
 //! It is independent of all others, and stands in nobody's certificate. Only where the serial analysis would do just the same: the DOF's
 //! coefficient is larger than all others of the equation, and no equation of the component mixes sizes.
 
-use crate::parts::{Components, Known, NONE, Touched};
-use crate::share::Rows;
+use crate::parts::{Components, KnownDofs, NONE, TouchedDofs};
+use crate::share::ShareRows;
 
 /// An equation and the position of its slave.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +21,7 @@ const MODEST: std::ops::Range<f64> = 1e-100..1e100;
 /// How sizes lie in a part, counted so that what parts add up to errs towards mixed units.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sizes {
-    /// Rows near the ends of the range of doubles.
+    /// ShareRows near the ends of the range of doubles.
     pub wild: u64,
     /// Columns that are small in all rows that this rank holds.
     small: u64,
@@ -35,7 +35,7 @@ impl Peel {
     }
 
     /// Where the slave stands in the lists of terms.
-    pub fn place(self, rows: &Rows) -> usize {
+    pub fn place(self, rows: &ShareRows) -> usize {
         rows.starts[self.row as usize] + self.position as usize
     }
 }
@@ -52,7 +52,7 @@ impl Sizes {
 }
 
 /// Of each part.
-pub(crate) fn sizes(rows: &Rows, touched: &Touched, known: &Known, components: &Components) -> Vec<Sizes> {
+pub(crate) fn sizes(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, components: &Components) -> Vec<Sizes> {
     let mut of_part = vec![Sizes::default(); components.parts()];
     for i in 0..rows.len() {
         let largest = rows.values(i).iter().fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -70,11 +70,16 @@ pub(crate) fn sizes(rows: &Rows, touched: &Touched, known: &Known, components: &
 }
 
 /// The rows among those allowed that have such a DOF.
-pub(crate) fn peel(rows: &Rows, touched: &Touched, known: &Known, allowed: impl Fn(usize) -> bool) -> Vec<Peel> {
+pub(crate) fn peel(
+    rows: &ShareRows,
+    touched: &TouchedDofs,
+    known: &KnownDofs,
+    allowed: impl Fn(usize) -> bool,
+) -> Vec<Peel> {
     (0..rows.len()).filter(|&row| allowed(row)).filter_map(|row| slave(rows, touched, known, row)).collect()
 }
 
-fn slave(rows: &Rows, touched: &Touched, known: &Known, row: usize) -> Option<Peel> {
+fn slave(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, row: usize) -> Option<Peel> {
     let places = touched.row(rows, row);
     let (mut position, mut largest, mut is_alone) = (None, 0.0, false);
     for (k, (&j, value)) in places.iter().zip(rows.values(row)).enumerate() {

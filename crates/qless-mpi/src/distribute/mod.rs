@@ -1,10 +1,15 @@
-//! Components dealt out by predicted work.
+//! Distributes the analysis over the ranks: equations that a rank solves alone, components by predicted work, and the messages.
 //!
-//! A rank keeps the components that it holds alone up to a quarter more than the mean; what is beyond, and every component that crosses
-//! ranks, is laid along the room that is left, rank by rank: 16 bytes from each rank to each, and no rank that decides for all.
+//! A rank keeps the components that it holds alone, up to a quarter more work than the mean. The excess, and every component that
+//! crosses ranks, fills the capacity that is left, rank by rank. Each rank sends 16 bytes to each; no rank decides for all.
+
+mod exchange;
+mod peel;
 
 use crate::parts::{Component, Components};
 use crate::ranks::Ranks;
+pub(crate) use exchange::{AssignedEquations, exchange_equations};
+pub(crate) use peel::{Peel, Sizes, peel, sizes};
 
 /// Equations and terms of a part or component.
 pub(crate) type Load = [u64; 2];

@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use super::{Message, Ranks};
 
 /// One of the ranks; a channel from each to each, so that messages of two senders never mix.
-struct Together {
+struct ThreadRank {
     rank: usize,
     to: Vec<Sender<Vec<u64>>>,
     from: Vec<Receiver<Vec<u64>>>,
@@ -26,7 +26,8 @@ struct Together {
 /// # Panics
 /// As the function does on any rank; the others then end too.
 pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> Vec<T> {
-    let mut ranks: Vec<Together> = (0..size).map(|rank| Together { rank, to: Vec::new(), from: Vec::new() }).collect();
+    let mut ranks: Vec<ThreadRank> =
+        (0..size).map(|rank| ThreadRank { rank, to: Vec::new(), from: Vec::new() }).collect();
     for receiver in 0..size {
         for sender in 0..size {
             let (to, from) = channel();
@@ -36,7 +37,7 @@ pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> V
     }
     std::thread::scope(|scope| {
         let run = &run;
-        let start = |own: Together| {
+        let start = |own: ThreadRank| {
             let named = std::thread::Builder::new().name(format!("rank {}", own.rank));
             named.spawn_scoped(scope, move || run(&own)).expect("a thread for each rank")
         };
@@ -48,7 +49,7 @@ pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> V
     })
 }
 
-impl Together {
+impl ThreadRank {
     fn send(&self, rank: usize, words: Vec<u64>) {
         // Who has ended gets nothing, and is missed below.
         let _ = self.to[rank].send(words);
@@ -73,7 +74,7 @@ impl Together {
     }
 }
 
-impl Ranks for Together {
+impl Ranks for ThreadRank {
     fn rank(&self) -> usize {
         self.rank
     }

@@ -1,19 +1,19 @@
-//! Results on their way home: verdicts to the ranks that hold the equations, rows of T to the ranks that own the slaves.
+//! Returns the results: verdicts to the ranks that hold the equations, rows of T to the ranks that own the slaves.
 
 use qless::Kind;
 
-use super::lines::GIVEN;
-use super::{Lines, Solved};
+use super::rows::PRESCRIBED_BIT;
+use super::{LocalAnalysis, ReductionRows};
 use crate::analysis::{CertificateTerm, Dependent};
 use crate::parts::Layout;
-use crate::ranks::{Post, Ranks, real};
+use crate::ranks::{Message, Outbox, Ranks, real};
 
-/// What came home to a rank.
-pub(crate) struct Findings {
+/// The results for the equations and DOFs of one rank.
+pub(crate) struct ReturnedResults {
     /// Of its equations, ascending.
     pub dependent: Vec<Dependent>,
-    /// Rows of the slaves that it owns.
-    pub lines: Lines,
+    /// ShareRows of the slaves that it owns.
+    pub lines: ReductionRows,
     /// Free DOFs that it owns and that the equations fix, with their values.
     pub generated: Vec<(u64, f64)>,
     /// Its equations that stand for preferences that cannot be met.
@@ -21,11 +21,11 @@ pub(crate) struct Findings {
 }
 
 /// Collective.
-pub(crate) fn send_home(ranks: &dyn Ranks, layout: &Layout, solved: &[Solved]) -> Findings {
-    let mut verdicts = Post::default();
-    let mut rows = Post::default();
-    let mut values = Post::default();
-    let mut unmet = Post::default();
+pub(crate) fn return_results(ranks: &dyn Ranks, layout: &Layout, solved: &[LocalAnalysis]) -> ReturnedResults {
+    let mut verdicts = Outbox::default();
+    let mut rows = Outbox::default();
+    let mut values = Outbox::default();
+    let mut unmet = Outbox::default();
     for solved in solved {
         solved.write_verdicts(&mut verdicts);
         solved.write_rows(layout, &mut rows);
@@ -34,44 +34,63 @@ pub(crate) fn send_home(ranks: &dyn Ranks, layout: &Layout, solved: &[Solved]) -
             values.to(layout.owner(dof)).extend([dof, value.to_bits()]);
         }
         for &i in solved.analysis.unmet_equations() {
-            let (rank, place) = solved.guests.home[i];
+            let (rank, place) = solved.assigned.source[i];
             unmet.to(rank).push(place);
         }
     }
     let mut dependent = Vec::new();
     verdicts.send(ranks).iter().for_each(|message| read_verdicts(&message.words, &mut dependent));
     dependent.sort_unstable_by_key(|d: &Dependent| d.equation);
-    let mut lines = Lines::default();
+    let mut lines = ReductionRows::default();
     rows.send(ranks).iter().for_each(|message| lines.read(&message.words));
-    let pairs = |message: crate::Message| -> Vec<(u64, f64)> {
+    let pairs = |message: Message| -> Vec<(u64, f64)> {
         message.words.chunks_exact(2).map(|pair| (pair[0], real(pair[1]))).collect()
     };
     let generated = values.send(ranks).into_iter().flat_map(pairs).collect();
     let unmet = unmet.send(ranks).into_iter().flat_map(|message| message.words).map(|place| place as usize).collect();
-    Findings { dependent, lines, generated, unmet }
+    ReturnedResults { dependent, lines, generated, unmet }
 }
 
-impl Solved {
-    fn write_verdicts(&self, post: &mut Post) {
+/// The rows of those of `dofs` (ascending) that are slaves; `lines` are those of the slaves that this rank owns. Collective.
+pub(crate) fn ask(ranks: &dyn Ranks, layout: &Layout, lines: &ReductionRows, dofs: &[u64]) -> ReductionRows {
+    let own = layout.owned(ranks.rank());
+    let mut post = Outbox::default();
+    dofs.iter().filter(|dof| !own.contains(dof)).for_each(|&dof| post.to(layout.owner(dof)).push(dof));
+    let answer = |message: Message| {
+        let mut words = Vec::new();
+        message.words.iter().filter_map(|&dof| lines.find(dof)).for_each(|line| line.write(&mut words));
+        Message { rank: message.rank, words }
+    };
+    let answers = post.send(ranks).into_iter().map(answer).filter(|message| !message.words.is_empty()).collect();
+    let mut found = ReductionRows::default();
+    lines.among(dofs).for_each(|line| found.push_line(line));
+    ranks.exchange(answers).iter().for_each(|message| found.read(&message.words));
+    found
+}
+
+impl LocalAnalysis {
+    fn write_verdicts(&self, post: &mut Outbox) {
         for dependent in self.analysis.dependent() {
-            let (rank, place) = self.guests.home[dependent.row];
+            let (rank, place) = self.assigned.source[dependent.row];
             let because = self.analysis.because(dependent.row).unwrap_or_default();
             let words = post.to(rank);
             words.extend([place, u64::from(dependent.kind == Kind::Conflicting)]);
             words.extend([dependent.mismatch, dependent.relative_mismatch, dependent.dropped].map(f64::to_bits));
             words.push(because.len() as u64);
-            words.extend(because.iter().flat_map(|b| [self.guests.rows.numbers[b.row], b.coefficient.to_bits()]));
+            words.extend(because.iter().flat_map(|b| [self.assigned.rows.numbers[b.row], b.coefficient.to_bits()]));
         }
     }
 
-    fn write_rows(&self, layout: &Layout, post: &mut Post) {
+    fn write_rows(&self, layout: &Layout, post: &mut Outbox) {
         let reduction = &self.reduction;
         for (i, &slave) in reduction.slaves().iter().enumerate() {
             let of_masters = reduction.t().row(i).map(|(q, value)| (self.dofs[reduction.masters()[q]], value));
-            let of_given =
-                reduction.g_matrix().row(i).map(|(p, value)| (self.dofs[reduction.prescribed()[p]] | GIVEN, value));
+            let of_given = reduction
+                .g_matrix()
+                .row(i)
+                .map(|(p, value)| (self.dofs[reduction.prescribed()[p]] | PRESCRIBED_BIT, value));
             let mut terms: Vec<(u64, f64)> = of_masters.chain(of_given).collect();
-            terms.sort_unstable_by_key(|&(dof, _)| dof & !GIVEN);
+            terms.sort_unstable_by_key(|&(dof, _)| dof & !PRESCRIBED_BIT);
             let slave = self.dofs[slave];
             let words = post.to(layout.owner(slave));
             words.extend([slave, reduction.g()[i].to_bits(), terms.len() as u64]);

@@ -32,11 +32,11 @@ use ghosts::Ghosts;
 ///     if first {
 ///         share.equation(0, [(2, 1.0), (0, -0.5)], 1.0);
 ///     }
-///     let map = DistributedElimination::new(ranks, &share, &Options::default()).expect("consistent");
-///     let masters = vec![3.0; map.masters().len()];
-///     let mut u = vec![0.0; map.dofs().len()];
-///     map.expand_into(ranks, &masters, &mut u);
-///     (map.dofs().to_vec(), u)
+///     let elimination = DistributedElimination::new(ranks, &share, &Options::default()).expect("consistent");
+///     let masters = vec![3.0; elimination.masters().len()];
+///     let mut u = vec![0.0; elimination.dofs().len()];
+///     elimination.expand_into(ranks, &masters, &mut u);
+///     (elimination.dofs().to_vec(), u)
 /// });
 /// assert_eq!(sums[0], (vec![0, 1], vec![3.0, 3.0]));
 /// assert_eq!(sums[1], (vec![0, 2, 3], vec![3.0, 2.5, 3.0]));
@@ -47,11 +47,11 @@ pub struct DistributedElimination {
     /// The local DOFs, ascending.
     dofs: Vec<u64>,
     /// `u = L u_q + u_0` on them.
-    transform: Elimination,
+    elimination: Elimination,
     /// The masters that this rank owns.
     masters: Vec<u64>,
     ghosts: Ghosts,
-    /// Slaves whose rows name masters of this rank only, and the others; by their place in the transform.
+    /// SlaveRows whose rows name masters of this rank only, and the others; by their place in the elimination.
     inner: Vec<u32>,
     outer: Vec<u32>,
     /// `G u_p + g` of each slave.
@@ -66,18 +66,19 @@ impl DistributedElimination {
     pub fn new(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<Self, Error> {
         let analysis = analyse(ranks, share, options)?;
         refuse_conflicts(ranks, share, &analysis)?;
-        let local = local::Local::new(ranks, share, &analysis);
-        let transform = local.transform(&analysis).map_err(|failure| failure.on(ranks.rank()));
-        let transform = agree(ranks, transform)?;
+        let local = local::LocalDofs::new(ranks, share, &analysis);
+        let elimination = local.elimination(&analysis).map_err(|failure| failure.on(ranks.rank()));
+        let elimination = agree(ranks, elimination)?;
         let own = analysis.layout.owned(ranks.rank());
-        let of_masters: Vec<u64> = transform.masters().iter().map(|&j| local.dofs[j]).collect();
+        let of_masters: Vec<u64> = elimination.masters().iter().map(|&j| local.dofs[j]).collect();
         let ghosts = Ghosts::new(ranks, &analysis.layout, &of_masters);
-        let is_inner = |i: &u32| transform.reduction().t().row(*i as usize).all(|(q, _)| own.contains(&of_masters[q]));
-        let (inner, outer) = (0..transform.slaves().len() as u32).partition(is_inner);
+        let is_inner =
+            |i: &u32| elimination.reduction().t().row(*i as usize).all(|(q, _)| own.contains(&of_masters[q]));
+        let (inner, outer) = (0..elimination.slaves().len() as u32).partition(is_inner);
         let masters = of_masters[ghosts.own()].to_vec();
         let dofs = local.dofs;
-        let constants = constants(&transform);
-        Ok(Self { analysis, dofs, transform, masters, ghosts, inner, outer, constants })
+        let constants = constants(&elimination);
+        Ok(Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants })
     }
 
     /// What is known of the equations and of the rows of T.
@@ -98,7 +99,7 @@ impl DistributedElimination {
     /// T, G and g on the local DOFs, numbered by their places in [`DistributedElimination::dofs`]: to condense matrices of this rank
     /// ([`Elimination::condensed`]), whose unknowns are then [`Elimination::masters`].
     pub fn local(&self) -> &Elimination {
-        &self.transform
+        &self.elimination
     }
 
     /// u_q of all local masters from that of the ranks that own them; `work` is done while it travels. Collective.
@@ -106,7 +107,7 @@ impl DistributedElimination {
     /// # Panics
     /// If a length is not that of [`DistributedElimination::masters`] and of the masters of [`DistributedElimination::local`].
     pub fn gather_into(&self, ranks: &dyn Ranks, masters: &[f64], local: &mut [f64], work: &mut dyn FnMut()) {
-        assert_eq!((masters.len(), local.len()), (self.masters.len(), self.transform.masters().len()), "lengths");
+        assert_eq!((masters.len(), local.len()), (self.masters.len(), self.elimination.masters().len()), "lengths");
         local[self.ghosts.own()].copy_from_slice(masters);
         self.ghosts.gather(ranks, local, work);
     }
@@ -116,7 +117,7 @@ impl DistributedElimination {
     /// # Panics
     /// As [`DistributedElimination::gather_into`].
     pub fn sum_into(&self, ranks: &dyn Ranks, local: &[f64], masters: &mut [f64]) {
-        assert_eq!((masters.len(), local.len()), (self.masters.len(), self.transform.masters().len()), "lengths");
+        assert_eq!((masters.len(), local.len()), (self.masters.len(), self.elimination.masters().len()), "lengths");
         masters.copy_from_slice(&local[self.ghosts.own()]);
         self.ghosts.sum(ranks, local, masters);
     }
@@ -126,8 +127,8 @@ impl DistributedElimination {
     /// # Panics
     /// If a length is not that of [`DistributedElimination::masters`] and [`DistributedElimination::dofs`].
     pub fn expand_into(&self, ranks: &dyn Ranks, masters: &[f64], u: &mut [f64]) {
-        let given = self.transform.prescribed_values();
-        self.transform.prescribed().iter().zip(given).for_each(|(&j, &value)| u[j] = value);
+        let given = self.elimination.prescribed_values();
+        self.elimination.prescribed().iter().zip(given).for_each(|(&j, &value)| u[j] = value);
         self.spread(ranks, masters, u, |i| self.constants[i]);
     }
 
@@ -136,25 +137,25 @@ impl DistributedElimination {
     /// # Panics
     /// As [`DistributedElimination::expand_into`].
     pub fn expand_increment_into(&self, ranks: &dyn Ranks, masters: &[f64], du: &mut [f64]) {
-        self.transform.prescribed().iter().for_each(|&j| du[j] = 0.0);
+        self.elimination.prescribed().iter().for_each(|&j| du[j] = 0.0);
         self.spread(ranks, masters, du, |_| 0.0);
     }
 
     fn spread(&self, ranks: &dyn Ranks, masters: &[f64], u: &mut [f64], constant: impl Fn(usize) -> f64) {
         assert_eq!((masters.len(), u.len()), (self.masters.len(), self.dofs.len()), "lengths");
-        let mut local = vec![0.0; self.transform.masters().len()];
+        let mut local = vec![0.0; self.elimination.masters().len()];
         local[self.ghosts.own()].copy_from_slice(masters);
         let own = local.clone();
-        let t = self.transform.reduction().t();
+        let t = self.elimination.reduction().t();
         let row = |i: &u32, q: &[f64]| {
             let sum: f64 = t.row(*i as usize).map(|(k, value)| value * q[k]).sum();
-            (self.transform.slaves()[*i as usize], constant(*i as usize) + sum)
+            (self.elimination.slaves()[*i as usize], constant(*i as usize) + sum)
         };
         self.ghosts.gather(ranks, &mut local, &mut || {
             self.inner.iter().map(|i| row(i, &own)).for_each(|(j, value)| u[j] = value);
         });
         self.outer.iter().map(|i| row(i, &local)).for_each(|(j, value)| u[j] = value);
-        self.transform.masters().iter().zip(&local).for_each(|(&j, &value)| u[j] = value);
+        self.elimination.masters().iter().zip(&local).for_each(|(&j, &value)| u[j] = value);
     }
 
     /// `f_q = L^T f`: each rank gives its share of the forces on its local DOFs, the shares of all are summed. Collective.
@@ -163,9 +164,9 @@ impl DistributedElimination {
     /// As [`DistributedElimination::expand_into`].
     pub fn restrict_into(&self, ranks: &dyn Ranks, forces: &[f64], masters: &mut [f64]) {
         assert_eq!(forces.len(), self.dofs.len(), "length of the forces");
-        let mut local: Vec<f64> = self.transform.masters().iter().map(|&j| forces[j]).collect();
-        let t = self.transform.reduction().t();
-        for (i, &slave) in self.transform.slaves().iter().enumerate() {
+        let mut local: Vec<f64> = self.elimination.masters().iter().map(|&j| forces[j]).collect();
+        let t = self.elimination.reduction().t();
+        for (i, &slave) in self.elimination.slaves().iter().enumerate() {
             t.row(i).for_each(|(q, value)| local[q] += value * forces[slave]);
         }
         self.sum_into(ranks, &local, masters);
@@ -177,14 +178,14 @@ impl DistributedElimination {
     /// # Errors
     /// As [`DistributedElimination::new`]; the map is then as it was.
     pub fn refresh(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
-        let Self { analysis, dofs, transform, masters, ghosts, inner, outer, constants } =
+        let Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants } =
             Self::new(ranks, share, options)?;
-        // Patterns know the transform that they were made for: it stays unless the equations are others.
-        if self.dofs == dofs && is_same(&self.transform, &transform) {
-            let set = self.transform.set(transform.reduction().g(), transform.prescribed_values());
-            set.expect("lengths and numbers of a transform");
+        // Patterns know the elimination that they were made for: it stays unless the equations are others.
+        if self.dofs == dofs && is_same(&self.elimination, &elimination) {
+            let set = self.elimination.set(elimination.reduction().g(), elimination.prescribed_values());
+            set.expect("lengths and numbers of a elimination");
         } else {
-            self.transform = transform;
+            self.elimination = elimination;
         }
         (self.analysis, self.dofs, self.masters, self.ghosts) = (analysis, dofs, masters, ghosts);
         (self.inner, self.outer, self.constants) = (inner, outer, constants);
@@ -199,10 +200,10 @@ fn is_same(a: &Elimination, b: &Elimination) -> bool {
     roles(a) == roles(b) && left.t() == right.t() && left.g_matrix() == right.g_matrix()
 }
 
-fn constants(transform: &Elimination) -> Vec<f64> {
-    let (reduction, given) = (transform.reduction(), transform.prescribed_values());
+fn constants(elimination: &Elimination) -> Vec<f64> {
+    let (reduction, given) = (elimination.reduction(), elimination.prescribed_values());
     let row = |i: usize| reduction.g_matrix().row(i).map(|(p, value)| value * given[p]).sum::<f64>() + reduction.g()[i];
-    (0..transform.slaves().len()).map(row).collect()
+    (0..elimination.slaves().len()).map(row).collect()
 }
 
 /// Equations that contradict others have no solution that a model could follow.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::parts::Layout;
-use crate::ranks::{Message, Post, Ranks, real};
+use crate::ranks::{Message, Outbox, Ranks, real};
 
 /// The masters that ranks know of one another.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ impl Ghosts {
         let place = |dof: u64| masters.partition_point(|&master| master < dof);
         let range = layout.owned(ranks.rank());
         let own = place(range.start)..place(range.end);
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         let mut heard: Vec<(usize, Range<usize>)> = Vec::new();
         let mut start = 0;
         for part in masters.chunk_by(|&a, &b| layout.owner(a) == layout.owner(b)) {

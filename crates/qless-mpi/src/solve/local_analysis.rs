@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use qless::{Analysis, Confidence, Options, Reduction, SystemBuilder, analyse};
 
-use crate::deal::Guests;
+use crate::distribute::AssignedEquations;
 use crate::error::Failure;
-use crate::parts::Touched;
+use crate::parts::TouchedDofs;
 
-/// Guests with what was found of them.
-pub(crate) struct Solved {
-    pub guests: Guests,
+/// AssignedEquations with what was found of them.
+pub(crate) struct LocalAnalysis {
+    pub assigned: AssignedEquations,
     /// The DOF of the job of each DOF of the analysis.
     pub dofs: Vec<u64>,
     pub analysis: Analysis,
@@ -30,20 +30,20 @@ pub(super) const LOSS: f64 = 1e-13;
 /// Kept equations nearer to dependence than this may have been chosen anew by their whole component.
 const NEAR: f64 = 1e-3;
 
-impl Solved {
-    /// None where there are no guests. Most of their DOFs are expected in `near`.
-    pub fn new(guests: Guests, near: Range<u64>, options: &Options) -> Result<Option<Self>, Failure> {
-        if guests.rows.len() == 0 {
+impl LocalAnalysis {
+    /// None where there are no assigned. Most of their DOFs are expected in `near`.
+    pub fn new(assigned: AssignedEquations, near: Range<u64>, options: &Options) -> Result<Option<Self>, Failure> {
+        if assigned.rows.len() == 0 {
             return Ok(None);
         }
-        let touched = Touched::by(&guests.rows, &near);
+        let touched = TouchedDofs::by(&assigned.rows, &near);
         // Equations without terms have no DOF; a system has one at least.
         let mut builder = SystemBuilder::new(touched.dofs.len().max(1));
-        for (i, &rhs) in guests.rows.rhs.iter().enumerate() {
-            let places = touched.row(&guests.rows, i).iter().map(|&j| j as usize);
-            builder.equation(places.zip(guests.rows.row(i).map(|(_, value)| value)), rhs);
+        for (i, &rhs) in assigned.rows.rhs.iter().enumerate() {
+            let places = touched.row(&assigned.rows, i).iter().map(|&j| j as usize);
+            builder.equation(places.zip(assigned.rows.row(i).map(|(_, value)| value)), rhs);
         }
-        for (dof, &value) in &guests.given {
+        for (dof, &value) in &assigned.given {
             if let Ok(place) = touched.dofs.binary_search(dof) {
                 builder.prescribe(place, value);
             }
@@ -55,13 +55,13 @@ impl Solved {
         let preferences = qless::Preferences {
             masters: local(&options.preferences.masters),
             slaves: local(&options.preferences.slaves),
-            equations: equations.filter_map(|&i| guests.rows.numbers.binary_search(&(i as u64)).ok()).collect(),
+            equations: equations.filter_map(|&i| assigned.rows.numbers.binary_search(&(i as u64)).ok()).collect(),
         };
         let system = builder.build().map_err(|error| Failure::of(&error))?;
         let analysis = analyse(&system, &Options { preferences, ..options.clone() });
         let analysis = analysis.map_err(|error| Failure::of(&error))?;
         let reduction = analysis.reduction().map_err(|error| Failure::of(&error))?;
-        Ok(Some(Self { dofs: touched.dofs, guests, analysis, reduction }))
+        Ok(Some(Self { dofs: touched.dofs, assigned, analysis, reduction }))
     }
 
     pub fn confidence(&self) -> Confidence {

@@ -1,27 +1,27 @@
-//! Equations on their way to the rank that analyses them, with what is prescribed of their DOFs.
+//! Sends each equation to the rank that analyses it, with the prescribed values of its DOFs.
 
 use std::collections::BTreeMap;
 
-use crate::parts::{Known, Touched};
-use crate::ranks::{Post, Ranks, real};
-use crate::share::Rows;
+use crate::parts::{KnownDofs, TouchedDofs};
+use crate::ranks::{Outbox, Ranks, real};
+use crate::share::ShareRows;
 
 /// Equations that a rank analyses, ascending by number.
-pub(crate) struct Guests {
-    pub rows: Rows,
+pub(crate) struct AssignedEquations {
+    pub rows: ShareRows,
     /// The rank that holds each, and its place there.
-    pub home: Vec<(usize, u64)>,
+    pub source: Vec<(usize, u64)>,
     /// Prescribed DOFs among theirs.
     pub given: BTreeMap<u64, f64>,
 }
 
 /// Sends each row to the rank that `to` names, if any. Collective.
-pub(crate) fn travel(
+pub(crate) fn exchange_equations(
     ranks: &dyn Ranks,
-    (rows, touched, known): (&Rows, &Touched, &Known),
+    (rows, touched, known): (&ShareRows, &TouchedDofs, &KnownDofs),
     to: impl Fn(usize) -> Option<usize>,
-) -> Guests {
-    let mut post = Post::default();
+) -> AssignedEquations {
+    let mut post = Outbox::default();
     let mut given: BTreeMap<usize, BTreeMap<u32, f64>> = BTreeMap::new();
     for i in 0..rows.len() {
         let Some(rank) = to(i) else { continue };
@@ -41,10 +41,10 @@ pub(crate) fn travel(
         words.push(u64::MAX);
         words.extend(of.into_iter().flat_map(|(j, value)| [touched.dofs[j as usize], value.to_bits()]));
     }
-    Guests::of(&post.send(ranks))
+    AssignedEquations::of(&post.send(ranks))
 }
 
-impl Guests {
+impl AssignedEquations {
     fn of(came: &[crate::Message]) -> Self {
         let mut found: Vec<(u64, usize, usize)> = Vec::new();
         let mut given = BTreeMap::new();
@@ -58,13 +58,13 @@ impl Guests {
             given.extend(pairs.map(|pair| (pair[0], real(pair[1]))));
         }
         found.sort_unstable();
-        let mut guests = Self { rows: Rows::new(), home: Vec::with_capacity(found.len()), given };
+        let mut assigned = Self { rows: ShareRows::new(), source: Vec::with_capacity(found.len()), given };
         for (number, k, at) in found {
             let words = &came[k].words;
             let terms = words[at + 4..at + 4 + 2 * words[at + 3] as usize].chunks_exact(2);
-            guests.rows.push(number, real(words[at + 2]), terms.map(|pair| (pair[0], real(pair[1]))));
-            guests.home.push((came[k].rank, words[at + 1]));
+            assigned.rows.push(number, real(words[at + 2]), terms.map(|pair| (pair[0], real(pair[1]))));
+            assigned.source.push((came[k].rank, words[at + 1]));
         }
-        guests
+        assigned
     }
 }

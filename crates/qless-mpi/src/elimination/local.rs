@@ -6,18 +6,18 @@ use qless::{Csr, Elimination, Reduction};
 
 use crate::analysis::Analysis;
 use crate::error::Failure;
-use crate::ranks::{Message, Post, Ranks, real};
+use crate::ranks::{Message, Outbox, Ranks, real};
 use crate::share::Share;
-use crate::solve::GIVEN;
+use crate::solve::PRESCRIBED_BIT;
 
 /// The DOFs that a rank owns and needs, and those that their rows name; ascending.
-pub(super) struct Local {
+pub(super) struct LocalDofs {
     pub dofs: Vec<u64>,
     /// Values of those that are prescribed.
     given: BTreeMap<u64, f64>,
 }
 
-impl Local {
+impl LocalDofs {
     /// Collective.
     pub fn new(ranks: &dyn Ranks, share: &Share, analysis: &Analysis) -> Self {
         let own = analysis.layout.owned(ranks.rank());
@@ -34,7 +34,7 @@ impl Local {
     }
 
     /// On these DOFs, numbered by their places.
-    pub fn transform(&self, analysis: &Analysis) -> Result<Elimination, Failure> {
+    pub fn elimination(&self, analysis: &Analysis) -> Result<Elimination, Failure> {
         let [mut slaves, mut masters, mut prescribed] = [Vec::new(), Vec::new(), Vec::new()];
         // Place of each DOF in its list.
         let mut place = Vec::with_capacity(self.dofs.len());
@@ -49,14 +49,15 @@ impl Local {
             place.push(list.len());
             list.push(j);
         }
-        let place_of = |dof: u64| self.dofs.binary_search(&(dof & !GIVEN)).map_or(0, |j| place[j]);
+        let place_of = |dof: u64| self.dofs.binary_search(&(dof & !PRESCRIBED_BIT)).map_or(0, |j| place[j]);
         let (mut t, mut g_matrix, mut g) = (Csr::empty(masters.len()), Csr::empty(prescribed.len()), Vec::new());
         for &j in &slaves {
             let Some(line) = analysis.line(self.dofs[j]) else { continue };
             let terms = || line.dofs.iter().zip(line.values).map(|(&dof, &value)| (dof, value));
-            let part = |of: u64| terms().filter(move |(dof, _)| dof & GIVEN == of).map(|(dof, v)| (place_of(dof), v));
+            let part =
+                |of: u64| terms().filter(move |(dof, _)| dof & PRESCRIBED_BIT == of).map(|(dof, v)| (place_of(dof), v));
             t.push_row(part(0)).map_err(|error| Failure::of(&error))?;
-            g_matrix.push_row(part(GIVEN)).map_err(|error| Failure::of(&error))?;
+            g_matrix.push_row(part(PRESCRIBED_BIT)).map_err(|error| Failure::of(&error))?;
             g.push(line.constant);
         }
         let values: Vec<f64> = prescribed.iter().map(|&j| self.given[&self.dofs[j]]).collect();
@@ -68,7 +69,7 @@ impl Local {
 
 /// Values of the prescribed among DOFs of others, from their owners. Collective.
 fn asked(ranks: &dyn Ranks, analysis: &Analysis, dofs: &[u64]) -> BTreeMap<u64, f64> {
-    let mut post = Post::default();
+    let mut post = Outbox::default();
     dofs.iter().for_each(|&dof| post.to(analysis.layout.owner(dof)).push(dof));
     let given = &analysis.directory.prescribed;
     let answer = |message: Message| {
