@@ -1,4 +1,4 @@
-//! One way through the stages: what may be solved where it stands, what is dealt out, what comes home.
+//! One attempt at the analysis: peel equations that a rank can solve alone, distribute and analyse the others, return the results.
 
 use qless::{Confidence, Options};
 
@@ -12,7 +12,7 @@ use crate::solve::{
     LocalAnalysis, ReductionRows, ReturnedResults, SlaveRows, Soundness, ask, return_results, substitute,
 };
 
-/// What does not change between attempts.
+/// The input of the analysis, which is the same in all attempts.
 pub(super) struct AttemptInput<'a> {
     pub ranks: &'a dyn Ranks,
     pub layout: &'a Layout,
@@ -22,22 +22,22 @@ pub(super) struct AttemptInput<'a> {
     pub options: &'a Options,
 }
 
-/// What an attempt came to.
+/// The result of an attempt.
 pub(super) struct Attempt {
     pub findings: ReturnedResults,
     pub confidence: Confidence,
     pub dealt: Dealt,
-    /// Parts of the whole that should not have been solved apart.
+    /// Parts in which no equation should have been peeled.
     pub troubled: Vec<bool>,
 }
 
-/// Bytes for each term of a component that is analysed, and for each equation: what the serial analysis takes at its peak where all is
-/// presolved; factorizations have limits of their own.
+/// Bytes of the serial analysis at its peak, for each term and each equation of a component, if presolve settles everything.
+/// Factorizations have limits of their own.
 const BYTES_OF_TERM: u64 = 60;
 const BYTES_OF_EQUATION: u64 = 200;
 
 impl AttemptInput<'_> {
-    /// What the stages ask for.
+    /// The input of each stage.
     fn parts(&self) -> (&ShareRows, &TouchedDofs, &KnownDofs) {
         (self.rows, self.touched, self.known)
     }
@@ -56,7 +56,7 @@ impl AttemptInput<'_> {
         agree(ranks, self.fits(&components))?;
         let to = balance(ranks, &rest, &components);
         let dealt_to = |i: usize| (!gone[i]).then(|| to[rest.of_row[i] as usize] as usize);
-        // Cores, the rest of whose component is solved apart, by themselves: what is in doubt there says nothing of others.
+        // A core is the rest of a component after peeling. Cores are analysed separately, since their doubts do not concern the others.
         let is_core = |i: usize| may_peel[part(i)];
         let cores = exchange_equations(ranks, self.parts(), |i| dealt_to(i).filter(|_| is_core(i)));
         let others = exchange_equations(ranks, self.parts(), |i| dealt_to(i).filter(|_| !is_core(i)));
@@ -65,7 +65,7 @@ impl AttemptInput<'_> {
             LocalAnalysis::new(assigned, layout.owned(ranks.rank()), options)
                 .map_err(|failure| failure.on(ranks.rank()))
         };
-        // Units do not mix in the component of a core, whatever the part of it shows.
+        // The component of a core does not mix units, even if the core alone looks as if it did.
         let plain = Options { balance: false, ..options.clone() };
         let solved = solve(cores, &plain).and_then(|cores| Ok((cores, solve(others, options)?)));
         let (cores, others) = agree(ranks, solved)?;
@@ -80,7 +80,7 @@ impl AttemptInput<'_> {
         Ok(Attempt { findings, confidence, dealt, troubled })
     }
 
-    /// What would have to be gathered; a component that one rank holds alone is there already.
+    /// Checks the memory of each component that must be gathered from several ranks.
     fn fits(&self, components: &[Component<2>]) -> Result<(), Error> {
         let (limit, own) = (self.options.memory as u64, self.ranks.rank());
         for [equations, terms] in components.iter().filter(|c| c.crosses(own)).map(|c| c.total) {
@@ -92,7 +92,7 @@ impl AttemptInput<'_> {
         Ok(())
     }
 
-    /// The parts of which a core was found unsound by the rank that analysed it.
+    /// The local parts whose core was found unsound by the rank that analysed it.
     fn unsound(&self, cores: Option<&LocalAnalysis>, whole: &Components) -> Vec<bool> {
         let mut post = Outbox::default();
         if let Some(solved) = cores.filter(|solved| solved.soundness() == Soundness::Unsound) {
@@ -105,7 +105,7 @@ impl AttemptInput<'_> {
         troubled
     }
 
-    /// Of all ranks together; `0 = b` is compared with the largest right-hand side of all.
+    /// The confidence of all ranks together. The mismatch of an equation `0 = b` is compared with the largest right-hand side of the job.
     fn confidence(&self, solved: &[LocalAnalysis]) -> Confidence {
         let bits = |x: f64| x.to_bits();
         let of = |pick: &dyn Fn(Confidence) -> f64, start: f64, with: fn(f64, f64) -> f64| {
@@ -133,7 +133,8 @@ impl AttemptInput<'_> {
         Confidence::of(sigma_kept, sigma_dropped, doubts[0] == 1)
     }
 
-    /// ShareRows of the peeled equations, to the owners of their slaves; `troubled` hears of equations that should not have been.
+    /// Computes the rows of T for the peeled equations and sends them to the owners of their slaves. Calls `troubled` with each
+    /// equation that should not have been peeled.
     fn substitute(&self, peels: &[Peel], findings: &mut ReturnedResults, mut troubled: impl FnMut(usize)) {
         let Self { ranks, layout, rows, touched, known, options } = *self;
         let slaves = self.slaves_of(peels, &findings.lines);
@@ -156,8 +157,8 @@ impl AttemptInput<'_> {
         post.send(ranks).iter().for_each(|message| findings.lines.read(&message.words));
     }
 
-    /// ShareRows of the slaves among the DOFs of peeled equations, and which by place. SlaveRows of peeled equations are in no other
-    /// equation: nobody asks for them.
+    /// The rows of T of all slaves among the DOFs of peeled equations. The slave of a peeled equation is in no other equation, so no
+    /// rank needs its row.
     fn slaves_of(&self, peels: &[Peel], own: &ReductionRows) -> SlaveRows {
         let Self { ranks, layout, rows, touched, known, .. } = *self;
         let mut wanted = vec![false; touched.dofs.len()];
@@ -179,7 +180,7 @@ impl AttemptInput<'_> {
     }
 }
 
-/// As in the serial confidence.
+/// The same threshold as in the serial confidence.
 const SMALL_MISMATCH: f64 = 1e-6;
 
 /// Equations and terms of each part.

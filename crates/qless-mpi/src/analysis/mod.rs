@@ -1,4 +1,4 @@
-//! What the ranks know of their equations and DOFs after the analysis.
+//! The result of the analysis on each rank.
 
 mod attempt;
 mod run;
@@ -48,17 +48,17 @@ pub struct Term {
     pub prescribed: bool,
 }
 
-/// How the work was dealt out to this rank.
+/// How the work was distributed to this rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Dealt {
-    /// Equations that were solved where they stand.
+    /// Equations that this rank solved alone, by a DOF of no other equation.
     pub peeled: usize,
     /// Equations that this rank analysed, of any rank.
     pub analysed: usize,
     /// Equations that left this rank to be analysed.
     pub sent: usize,
-    /// How often all of it was begun: again where what was solved apart should not have been.
+    /// Attempts at the analysis: another one follows if an equation should not have been solved alone.
     pub attempts: usize,
 }
 
@@ -132,7 +132,7 @@ impl Analysis {
         self.counts
     }
 
-    /// How the work was dealt out to this rank.
+    /// How the work was distributed to this rank.
     pub fn dealt(&self) -> Dealt {
         self.dealt
     }

@@ -1,4 +1,4 @@
-//! The way of the data across ranks, stage by stage.
+//! The analysis across ranks, stage by stage.
 
 use qless::{Kind, OptionError, Options};
 
@@ -90,7 +90,7 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
     })
 }
 
-/// Whether all that this rank says is valid.
+/// Checks the share and the options of this rank.
 fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -> Result<(), Error> {
     let (rank, dofs) = (ranks.rank(), layout.dofs());
     options.validate()?;
@@ -105,7 +105,7 @@ fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -
     share.check(rank, dofs).map_err(Error::from)
 }
 
-/// The parts of components that cross ranks and in which equations may be solved where they stand.
+/// The local parts in which equations may be peeled: their component crosses ranks and does not mix units.
 fn peelable(job: &AttemptInput, whole: &Components) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));
@@ -119,8 +119,7 @@ fn peelable(job: &AttemptInput, whole: &Components) -> Vec<bool> {
     told.into_iter().map(|word| word == 1).collect()
 }
 
-/// Takes the components of which an attempt says that nothing should be solved apart out of those in which it may be; whether there
-/// are any.
+/// Forbids peeling in the components in which the attempt should not have peeled. Returns whether there are any.
 fn withdraw(ranks: &dyn Ranks, whole: &Components, attempt: &Attempt, may_peel: &mut [bool]) -> bool {
     let own: Vec<[u64; 1]> = attempt.troubled.iter().map(|&troubled| [u64::from(troubled)]).collect();
     let mut any = [own.iter().map(|of| of[0]).sum()];

@@ -14,12 +14,12 @@ pub(crate) use peel::{Peel, Sizes, peel, sizes};
 /// Equations and terms of a part or component.
 pub(crate) type Load = [u64; 2];
 
-/// Equations and their terms take time about in proportion, as most are solved without a factorization.
+/// Predicted work. Time is about proportional to it, since most equations are solved without a factorization.
 fn work(load: Load) -> u64 {
     load[0] + load[1]
 }
 
-/// The rank that analyses each part's component. Collective.
+/// The rank that analyses the component of each local part. Collective.
 pub(crate) fn balance(ranks: &dyn Ranks, components: &Components, known: &[Component<2>]) -> Vec<u64> {
     let own = ranks.rank();
     let total: u64 = known.iter().map(|component| work(component.total)).sum();
@@ -51,7 +51,7 @@ pub(crate) fn balance(ranks: &dyn Ranks, components: &Components, known: &[Compo
     components.tell(ranks, known, &to)
 }
 
-/// Where the room of each rank starts, with its end, and the work in the pool of the ranks before.
+/// The cumulated free capacity of the ranks, and the pooled work of the ranks before this one.
 fn room(all: &[u64], rank: usize) -> (Vec<u64>, u64) {
     let mut starts = vec![0];
     for pair in all.chunks_exact(2) {

@@ -1,7 +1,7 @@
-//! What a rank can decide alone: an equation with a DOF of no other equation of the job is solved for it where it stands.
+//! Peeling: an equation with a DOF that is in no other equation of the job is solved for this DOF by the rank that holds it.
 //!
-//! It is independent of all others, and stands in nobody's certificate. Only where the serial analysis would do just the same: the DOF's
-//! coefficient is larger than all others of the equation, and no equation of the component mixes sizes.
+//! Such an equation is independent of all others and is in no certificate. It is peeled only if the serial analysis would do the same:
+//! the coefficient of the DOF is the largest of the equation, and no equation of the component mixes magnitudes.
 
 use crate::parts::{Components, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
@@ -21,7 +21,7 @@ const MODEST: std::ops::Range<f64> = 1e-100..1e100;
 /// How sizes lie in a part, counted so that what parts add up to errs towards mixed units.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sizes {
-    /// ShareRows near the ends of the range of doubles.
+    /// Rows with numbers near the ends of the range of doubles.
     pub wild: u64,
     /// Columns that are small in all rows that this rank holds.
     small: u64,
@@ -34,7 +34,7 @@ impl Peel {
         self.row as usize
     }
 
-    /// Where the slave stands in the lists of terms.
+    /// The index of the slave in the lists of terms.
     pub fn place(self, rows: &ShareRows) -> usize {
         rows.starts[self.row as usize] + self.position as usize
     }
@@ -84,7 +84,7 @@ fn slave(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, row: usize)
     let (mut position, mut largest, mut is_alone) = (None, 0.0, false);
     for (k, (&j, value)) in places.iter().zip(rows.values(row)).enumerate() {
         let (said, size) = (known.said[j as usize], value.abs());
-        // What is rounding is told by all equations of a DOF.
+        // Whether a coefficient is rounding depends on all equations of its DOF.
         if said.is_faint() {
             return None;
         }

@@ -1,18 +1,18 @@
-//! Which rank has which masters of others, found once; their values travel in each step.
+//! Masters that one rank owns and others use. Who uses which is found once; their values are exchanged in each step.
 
 use std::ops::Range;
 
 use crate::parts::Layout;
 use crate::ranks::{Message, Outbox, Ranks, real};
 
-/// The masters that ranks know of one another.
+/// The masters that this rank shares with other ranks.
 #[derive(Debug)]
 pub(super) struct Ghosts {
-    /// Where the own masters stand among the local ones, which ascend.
+    /// The range of the own masters among the local ones, which ascend.
     own: Range<usize>,
     /// For each rank with masters of this one: their places among the local ones.
     told: Vec<(usize, Vec<u32>)>,
-    /// For each rank that owns masters here: where they stand.
+    /// For each rank that owns local masters: their range among the local ones.
     heard: Vec<(usize, Range<usize>)>,
 }
 
@@ -46,7 +46,7 @@ impl Ghosts {
         self.own.clone()
     }
 
-    /// Values of the masters of others, from their owners. Collective.
+    /// Receives the values of the masters of other ranks from their owners. Collective.
     pub fn gather(&self, ranks: &dyn Ranks, local: &mut [f64], work: &mut dyn FnMut()) {
         let message = |(rank, places): &(usize, Vec<u32>)| Message {
             rank: *rank,
@@ -59,7 +59,8 @@ impl Ghosts {
         }
     }
 
-    /// Adds what this rank has for masters of others to theirs, and what others have for its own, in the order of ranks. Collective.
+    /// Sends the values for masters of other ranks to their owners, and adds the received values to the own masters in the order of
+    /// ranks. Collective.
     pub fn sum(&self, ranks: &dyn Ranks, local: &[f64], masters: &mut [f64]) {
         let message = |(rank, range): &(usize, Range<usize>)| Message {
             rank: *rank,

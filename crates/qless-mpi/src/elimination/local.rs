@@ -10,7 +10,7 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 use crate::share::Share;
 use crate::solve::PRESCRIBED_BIT;
 
-/// The DOFs that a rank owns and needs, and those that their rows name; ascending.
+/// The DOFs that a rank owns or needs, and those in their rows of T and G; ascending.
 pub(super) struct LocalDofs {
     pub dofs: Vec<u64>,
     /// Values of those that are prescribed.
@@ -33,7 +33,7 @@ impl LocalDofs {
         Self { dofs, given }
     }
 
-    /// On these DOFs, numbered by their places.
+    /// The elimination on these DOFs, numbered by their places.
     pub fn elimination(&self, analysis: &Analysis) -> Result<Elimination, Failure> {
         let [mut slaves, mut masters, mut prescribed] = [Vec::new(), Vec::new(), Vec::new()];
         // Place of each DOF in its list.

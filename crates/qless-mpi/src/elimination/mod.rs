@@ -51,7 +51,7 @@ pub struct DistributedElimination {
     /// The masters that this rank owns.
     masters: Vec<u64>,
     ghosts: Ghosts,
-    /// SlaveRows whose rows name masters of this rank only, and the others; by their place in the elimination.
+    /// Slaves whose rows use masters of this rank only, and the other slaves; as indices into the slaves of `elimination`.
     inner: Vec<u32>,
     outer: Vec<u32>,
     /// `G u_p + g` of each slave.
@@ -102,7 +102,7 @@ impl DistributedElimination {
         &self.elimination
     }
 
-    /// u_q of all local masters from that of the ranks that own them; `work` is done while it travels. Collective.
+    /// Gathers u_q of all local masters from the ranks that own them, and does `work` meanwhile. Collective.
     ///
     /// # Panics
     /// If a length is not that of [`DistributedElimination::masters`] and of the masters of [`DistributedElimination::local`].
@@ -112,7 +112,7 @@ impl DistributedElimination {
         self.ghosts.gather(ranks, local, work);
     }
 
-    /// Adds up what each rank has for its local masters, at the ranks that own them. Collective.
+    /// Sums the values of all ranks for their local masters, at the ranks that own the masters. Collective.
     ///
     /// # Panics
     /// As [`DistributedElimination::gather_into`].
@@ -180,7 +180,7 @@ impl DistributedElimination {
     pub fn refresh(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
         let Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants } =
             Self::new(ranks, share, options)?;
-        // Patterns know the elimination that they were made for: it stays unless the equations are others.
+        // Patterns are tied to their elimination, so keep it unless the equations have changed.
         if self.dofs == dofs && is_same(&self.elimination, &elimination) {
             let set = self.elimination.set(elimination.reduction().g(), elimination.prescribed_values());
             set.expect("lengths and numbers of a elimination");
@@ -193,7 +193,7 @@ impl DistributedElimination {
     }
 }
 
-/// Whether two transforms differ in g and in prescribed values at most.
+/// Whether two eliminations differ at most in g and in prescribed values.
 fn is_same(a: &Elimination, b: &Elimination) -> bool {
     let roles = |of: &Elimination| [of.slaves().to_vec(), of.masters().to_vec(), of.prescribed().to_vec()];
     let (left, right) = (a.reduction(), b.reduction());
@@ -206,7 +206,7 @@ fn constants(elimination: &Elimination) -> Vec<f64> {
     (0..elimination.slaves().len()).map(row).collect()
 }
 
-/// Equations that contradict others have no solution that a model could follow.
+/// Refuses conflicting equations: they have no solution to expand to.
 fn refuse_conflicts(ranks: &dyn Ranks, share: &Share, analysis: &Analysis) -> Result<(), Error> {
     let count = analysis.counts().conflicting;
     if count == 0 {

@@ -1,4 +1,4 @@
-//! NumberBlocks of equal size: of row or column numbers, and of the bytes of a file.
+//! Blocks of equal size: of row or column numbers, and of the bytes of a file.
 
 use std::ops::Range;
 

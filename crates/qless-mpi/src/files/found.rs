@@ -1,4 +1,4 @@
-//! What a report needs, on the first rank: of dependent equations only.
+//! The data for a report, gathered on the first rank: for dependent equations only.
 
 use std::collections::{BTreeMap, BTreeSet};
 

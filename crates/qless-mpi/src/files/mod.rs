@@ -130,7 +130,7 @@ fn read_prescribed(
     agree(ranks, part::unite(path, given).map_err(CaseError::from))
 }
 
-/// Sees that there is one label for each.
+/// Checks that there is one label for each row or column.
 fn count_labels(ranks: &dyn Ranks, path: Option<&Path>, expected: usize, each: &'static str) -> Result<(), CaseError> {
     let Some(path) = path else { return Ok(()) };
     let file = agree(ranks, File::open(path).map_err(CaseError::from))?;

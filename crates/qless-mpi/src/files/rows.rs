@@ -1,4 +1,4 @@
-//! Entries to the ranks that hold their rows, and there to equations.
+//! Sends matrix entries to the ranks that hold their rows, and makes equations of them.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
-//! Components: equations that share free DOFs, found on each rank and joined across ranks by the owners of shared DOFs.
+//! Connected components across ranks. Each rank finds the parts of its own equations that share free DOFs; the owners of DOFs that
+//! several ranks use join those parts to components.
 
 use qless::common::DisjointSets;
 
@@ -9,9 +10,9 @@ use crate::share::ShareRows;
 
 /// The components of a rank's equations.
 pub(crate) struct Components {
-    /// The part of each row, numbered on this rank; [`NONE`] for rows that were left out.
+    /// The local part of each row; [`NONE`] for rows that were left out.
     pub of_row: Vec<u32>,
-    /// The part of each free DOF that rows kept, by place; [`NONE`] for others.
+    /// The local part of each free DOF of the included rows, by place; [`NONE`] for other DOFs.
     pub of_dof: Vec<u32>,
     /// The root of each part: parts of ranks with the same root are one component.
     root: Vec<u64>,
@@ -20,7 +21,7 @@ pub(crate) struct Components {
 /// No part.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// A component, as the rank of its root knows it.
+/// A component, on the rank that holds its root.
 pub(crate) struct Component<const K: usize> {
     /// The number of its root on this rank.
     pub root: usize,
@@ -31,7 +32,7 @@ pub(crate) struct Component<const K: usize> {
 }
 
 impl Components {
-    /// Of the rows for which `included` holds. Collective.
+    /// Finds the components of the rows for which `included` holds. Collective.
     pub fn of(
         ranks: &dyn Ranks,
         layout: &Layout,
@@ -54,7 +55,7 @@ impl Components {
             let hub = of_dof[0].1;
             pairs.extend(of_dof[1..].iter().flat_map(|&(_, other)| [(hub, other), (other, hub)]));
         }
-        // Parts meet in many DOFs, as a rule.
+        // Two parts usually share many DOFs.
         pairs.sort_unstable();
         pairs.dedup();
         let mut post = Outbox::default();
@@ -73,7 +74,8 @@ impl Components {
         self.root.len()
     }
 
-    /// Puts together what is known of each part; the components whose roots are on this rank, ascending by root. Collective.
+    /// Combines the values of all parts of each component. Returns the components whose roots are on this rank, ascending by root.
+    /// Collective.
     pub fn total<const K: usize>(
         &self,
         ranks: &dyn Ranks,
@@ -105,7 +107,7 @@ impl Components {
         components
     }
 
-    /// Tells each part a word that the rank of its root knows, in the order of the components. Collective.
+    /// Sends one word for each component from the rank of its root to all its parts. Returns the word of each local part. Collective.
     pub fn tell<const K: usize>(&self, ranks: &dyn Ranks, components: &[Component<K>], words: &[u64]) -> Vec<u64> {
         let mut told = vec![0; self.parts()];
         let mut post = Outbox::default();

@@ -1,6 +1,7 @@
-//! What the owner of a DOF knows of it, and tells those that use it: who else does, and whether it is prescribed.
+//! The owner of a DOF tells the ranks that use it whether other ranks use it too, and whether it is prescribed.
 //!
-//! Each rank names the DOFs that others own to their owners, 8 bytes each; the owners answer for those of which there is something to say.
+//! Each rank sends the DOFs that it uses and others own to their owners, 8 bytes each. An owner answers only for DOFs that are shared,
+//! prescribed or have a faint coefficient.
 
 use std::collections::BTreeMap;
 
@@ -8,18 +9,18 @@ use super::{Layout, TouchedDofs};
 use crate::ranks::{Message, Outbox, Ranks, real};
 use crate::share::ShareError;
 
-/// Of the DOFs of a rank's equations, by place.
+/// Flags and prescribed values of the DOFs of a rank's equations, by place.
 pub(crate) struct KnownDofs {
     pub said: Vec<DofFlags>,
     /// The values of those that are prescribed, by place.
     pub given: BTreeMap<u32, f64>,
 }
 
-/// What is said of a DOF.
+/// Flags of a DOF: shared, prescribed, faint.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DofFlags(u8);
 
-/// What a rank knows of the DOFs that it owns.
+/// The prescribed values of the DOFs that a rank owns.
 #[derive(Clone, Debug)]
 pub(crate) struct Directory {
     /// Values of the prescribed ones.
@@ -29,9 +30,9 @@ pub(crate) struct Directory {
 const SHARED: u8 = 1;
 const PRESCRIBED: u8 = 2;
 const FAINT: u8 = 4;
-/// What is said of a DOF takes this many bits below its place.
+/// The flags of a DOF take this many bits below its place in a word.
 const BITS: u32 = 3;
-/// Marks a DOF of which the same is said on the way to its owner.
+/// Marks a DOF with a faint coefficient in the message to its owner.
 const FAINT_DOF: u64 = 1 << 63;
 
 impl DofFlags {
@@ -72,8 +73,8 @@ impl Directory {
         (values.map(|_| directory), known)
     }
 
-    /// What is told to each rank of the DOFs that it named: the place in its message and what there is to know, with the value. What
-    /// the others say of DOFs that this rank knows itself is noted.
+    /// The answers to each rank: for each DOF with flags its position in the rank's message, the flags, and the prescribed value. Also
+    /// merges the flags that other ranks sent into those of this rank.
     fn answers(&self, came: &[Message], touched: &TouchedDofs, known: &mut KnownDofs) -> Outbox {
         let mut said: BTreeMap<u64, u8> = BTreeMap::new();
         for &word in came.iter().flat_map(|message| &message.words) {
@@ -130,7 +131,7 @@ fn prescriptions(
 }
 
 impl KnownDofs {
-    /// What a rank knows by itself.
+    /// The flags that follow from the rank's own equations.
     fn own(touched: &TouchedDofs) -> Self {
         let said = touched.columns.iter().map(|column| DofFlags(if column.is_faint { FAINT } else { 0 }));
         Self { said: said.collect(), given: BTreeMap::new() }

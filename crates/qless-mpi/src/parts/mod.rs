@@ -1,4 +1,4 @@
-//! Which equations are connected, across ranks, without any rank seeing them all.
+//! Finds which equations are connected across ranks; no rank sees all equations.
 
 mod connected;
 mod directory;

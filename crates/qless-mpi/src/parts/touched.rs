@@ -1,4 +1,4 @@
-//! The DOFs of a rank's equations, numbered from 0, and how sizes lie in their columns.
+//! The DOFs of a rank's equations, numbered locally from 0, and the magnitudes in their columns.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ pub(crate) struct TouchedDofs {
 pub(crate) struct ColumnSizes {
     /// How many there are.
     pub count: u32,
-    /// Whether all are small: it may be in another unit.
+    /// Whether all are small: the DOF may have another unit.
     pub is_small: bool,
     /// Whether one of them may be rounding of its equation.
     pub is_faint: bool,
@@ -29,11 +29,12 @@ pub(crate) struct ColumnSizes {
 const SMALL: f64 = 1.0 / 512.0;
 /// ... and may be rounding.
 const FAINT: f64 = 1e-12;
-/// A range is worth a table if it has at most this many DOFs for each term: memory goes with the equations, whatever is owned.
+/// A range of DOFs gets a lookup table if it has at most this many DOFs for each term, so that memory grows with the equations and not
+/// with the owned range.
 const TABLE: u64 = 16;
 
 impl TouchedDofs {
-    /// DOFs of `near`, which most are, are found by a table, others by a hash.
+    /// Looks up DOFs of `near`, usually most of them, in a table, and the others in a hash map.
     pub fn by(rows: &ShareRows, near: &Range<u64>) -> Self {
         let is_dense = near.end - near.start <= TABLE * (rows.dofs.len() as u64 + 64);
         let near = if is_dense { near.clone() } else { near.start..near.start };

@@ -1,4 +1,4 @@
-//! What the ranks of a job say to one another: messages of 64-bit words, sums, nothing else.
+//! Communication between the ranks of a job: messages of 64-bit words, sums and maxima.
 //!
 //! Everything above is written against [`Ranks`], so that the same code runs on MPI (`World`, with the feature `mpi`), on one rank ([`Alone`]) and on
 //! many ranks within one process ([`together`]), where what is sent can be counted ([`Counted`]).
@@ -20,7 +20,7 @@ pub use world::{World, WorldError};
 pub struct Message {
     /// The rank that gets it, or that sent it.
     pub rank: usize,
-    /// What it says.
+    /// The content.
     pub words: Vec<u64>,
 }
 
@@ -81,7 +81,7 @@ impl Ranks for Alone {
     }
 }
 
-/// Words by receiver.
+/// Outgoing words, by receiver.
 #[derive(Default)]
 pub(crate) struct Outbox(BTreeMap<usize, Vec<u64>>);
 
@@ -94,13 +94,13 @@ impl Outbox {
         self.0.into_iter().map(|(rank, words)| Message { rank, words }).collect()
     }
 
-    /// Sends what was collected; what came, ascending by sender.
+    /// Sends the collected words and returns the received messages, ascending by sender.
     pub fn send(self, ranks: &dyn Ranks) -> Vec<Message> {
         ranks.exchange(self.messages())
     }
 }
 
-/// A number of a word.
+/// The double with these bits.
 pub(crate) fn real(word: u64) -> f64 {
     f64::from_bits(word)
 }

@@ -1,10 +1,10 @@
-//! Many ranks within one process, each a thread: to test and to count what ranks of a job do.
+//! Many ranks within one process, each a thread: for tests, and to count messages.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::{Message, Ranks};
 
-/// One of the ranks; a channel from each to each, so that messages of two senders never mix.
+/// One rank, with a channel from and to each other rank, so that messages of two senders never mix.
 struct ThreadRank {
     rank: usize,
     to: Vec<Sender<Vec<u64>>>,
@@ -51,7 +51,7 @@ pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> V
 
 impl ThreadRank {
     fn send(&self, rank: usize, words: Vec<u64>) {
-        // Who has ended gets nothing, and is missed below.
+        // A rank that has ended receives nothing; the missing answer is noticed below.
         let _ = self.to[rank].send(words);
     }
 

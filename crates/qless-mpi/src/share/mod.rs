@@ -1,4 +1,4 @@
-//! What one rank gives: equations in any numbers of the job's DOFs, and the DOFs that it owns and needs.
+//! The input of one rank: its equations over any DOFs of the job, and the DOFs that it owns and needs.
 
 mod error;
 mod rows;
@@ -73,7 +73,7 @@ impl Share {
         self.prescribed.push((dof, value));
     }
 
-    /// A new right-hand side of the equation at a place, in the order in which they were given.
+    /// Sets the right-hand side of an equation, by its index in the order in which the equations were added.
     ///
     /// # Panics
     /// If there are no more equations than that.
@@ -81,7 +81,7 @@ impl Share {
         self.rows.rhs[equation] = rhs;
     }
 
-    /// A new value of every prescribed DOF of this share, by DOF.
+    /// Sets the value of every prescribed DOF of this share.
     pub fn set_prescribed(&mut self, value: impl Fn(u64) -> f64) {
         self.prescribed.iter_mut().for_each(|(dof, own)| *own = value(*dof));
     }
@@ -101,7 +101,7 @@ impl Share {
         &self.rows.numbers
     }
 
-    /// The first fault in it, if n is the number of DOFs.
+    /// Returns the first fault in this share; `dofs` is the number of DOFs of the job.
     pub(crate) fn check(&self, rank: usize, dofs: u64) -> Result<(), ShareError> {
         for &(dof, value) in &self.prescribed {
             within(dof, dofs, rank, SharePlace::Prescribed { dof })?;

@@ -3,7 +3,7 @@
 use super::ShareError;
 use crate::ranks::{Message, Outbox, Ranks};
 
-/// ShareRows over global DOFs.
+/// Equations over the global DOFs, in compressed rows.
 #[derive(Clone, Debug)]
 pub(crate) struct ShareRows {
     pub numbers: Vec<u64>,
@@ -76,7 +76,7 @@ pub(crate) fn check_numbers(ranks: &dyn Ranks, rows: &ShareRows) -> Result<(), S
     twice(&came, rank, kept)
 }
 
-/// The smallest number that came twice, or that is among those that this rank holds as well.
+/// The smallest number that was received twice, or that is also among the numbers of this rank.
 fn twice(came: &[Message], rank: usize, kept: &[u64]) -> Result<(), ShareError> {
     let mut all: Vec<(u64, usize)> = Vec::new();
     for message in came {

@@ -1,5 +1,5 @@
-//! The serial analysis of the equations that a rank was dealt. Components do not feel one another, so that it gives what one
-//! rank with all equations would.
+//! The serial analysis of the equations assigned to a rank. Components are independent, so the result equals that of one rank with all
+//! equations.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::distribute::AssignedEquations;
 use crate::error::Failure;
 use crate::parts::TouchedDofs;
 
-/// AssignedEquations with what was found of them.
+/// The serial analysis of the equations that this rank was assigned.
 pub(crate) struct LocalAnalysis {
     pub assigned: AssignedEquations,
     /// The DOF of the job of each DOF of the analysis.
@@ -18,20 +18,20 @@ pub(crate) struct LocalAnalysis {
     pub reduction: Reduction,
 }
 
-/// Whether anything was found that equations which were solved elsewhere could change.
+/// Whether the result holds whatever equations were peeled from the same components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Soundness {
     Sound,
     Unsound,
 }
 
-/// A reduction that loses more may be computed in another way where more is known.
+/// Largest residual of a sound reduction. With a larger one, the analysis of the whole component may choose another way.
 pub(super) const LOSS: f64 = 1e-13;
-/// Kept equations nearer to dependence than this may have been chosen anew by their whole component.
+/// Least independence of kept equations in a sound result. Below it, the analysis of the whole component may keep others.
 const NEAR: f64 = 1e-3;
 
 impl LocalAnalysis {
-    /// None where there are no assigned. Most of their DOFs are expected in `near`.
+    /// None if no equation was assigned. Most DOFs are expected in `near`: those are looked up faster.
     pub fn new(assigned: AssignedEquations, near: Range<u64>, options: &Options) -> Result<Option<Self>, Failure> {
         if assigned.rows.len() == 0 {
             return Ok(None);

@@ -12,11 +12,11 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 pub(crate) struct ReturnedResults {
     /// Of its equations, ascending.
     pub dependent: Vec<Dependent>,
-    /// ShareRows of the slaves that it owns.
+    /// Rows of T of the slaves that this rank owns.
     pub lines: ReductionRows,
     /// Free DOFs that it owns and that the equations fix, with their values.
     pub generated: Vec<(u64, f64)>,
-    /// Its equations that stand for preferences that cannot be met.
+    /// Equations of this rank that were to be kept and are dependent on other such equations.
     pub unmet: Vec<usize>,
 }
 

@@ -1,8 +1,8 @@
-//! ShareRows of `u_s = T u_q + G u_p + g`, over the DOFs of the job.
+//! Rows of `u_s = T u_q + G u_p + g`, over the DOFs of the job.
 
 use crate::parts::NONE;
 
-/// Marks the prescribed among the DOFs of a line.
+/// Marks a prescribed DOF in the terms of a row.
 pub(crate) const PRESCRIBED_BIT: u64 = 1 << 63;
 
 /// One row.
@@ -15,7 +15,7 @@ pub(crate) struct ReductionRow<'a> {
     pub values: &'a [f64],
 }
 
-/// ShareRows, ascending by slave once [`ReductionRows::sort`]ed.
+/// Rows of T, G and g; ascending by slave after [`ReductionRows::sort`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ReductionRows {
     heads: Vec<RowHead>,
@@ -115,7 +115,7 @@ impl ReductionRow<'_> {
     }
 }
 
-/// ShareRows of the slaves among the DOFs of a rank's equations.
+/// Rows of T of the slaves among the DOFs of a rank's equations.
 pub(crate) struct SlaveRows {
     pub lines: ReductionRows,
     /// Index into them, by place of the DOF.

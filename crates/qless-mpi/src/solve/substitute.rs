@@ -1,4 +1,4 @@
-//! The row of T of an equation that was solved where it stands: slaves among its DOFs are replaced by their own rows.
+//! The row of T of a peeled equation: slaves among its DOFs are replaced by their own rows of T.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::share::ShareRows;
 
 /// Entries below this, relative to the largest part that went into them, are rounding: as in the serial reduction.
 const NOISE: f64 = 1e-14;
-/// Of a slave that hardly moves only the whole component tells whether it is fixed.
+/// Least entry of a sound row. Only the whole component shows whether a slave that hardly moves is fixed.
 const HARDLY: f64 = 1e-6;
 /// The serial analysis does not rely on rows whose slave moves more than 1e3 for random masters up to 1. With a row of T of this
 /// 2-norm it stays ten times below, ...

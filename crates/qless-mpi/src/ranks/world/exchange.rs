@@ -1,9 +1,9 @@
-//! How messages travel.
+//! Sends and receives messages on MPI.
 //!
 //! `exchange` is the nonblocking consensus of Hoefler, Siebert and Lumsdaine (Scalable communication protocols for dynamic sparse
-//! data exchange, PPoPP 2010): a synchronous send ends when its receiver has begun to take it. Who sees all of its own taken enters
-//! a barrier without waiting, and receives until all have entered: nothing is under way then. Its cost is that of the messages and
-//! one barrier, whatever the number of ranks.
+//! data exchange, PPoPP 2010). A synchronous send completes when its receiver has begun to receive. A rank whose sends are all
+//! complete enters a nonblocking barrier, and keeps receiving until all ranks have entered it: then no message is under way. The cost
+//! is that of the messages and one barrier, independent of the number of ranks.
 //!
 //! Messages are sent in pieces, since MPI counts in 31 bits and some networks lose messages longer than 2 GiB. A full piece is
 //! followed by another, which may be empty: so the receiver knows the end. Pieces of one sender arrive in order, as MPI promises
@@ -74,7 +74,7 @@ pub(super) fn overlap(world: &World, messages: Vec<Message>, from: &[usize], wor
     })
 }
 
-/// What goes to the own rank, and the rest.
+/// The message to the own rank, and the other messages.
 fn part(world: &World, messages: Vec<Message>) -> (Option<Vec<u64>>, Vec<Message>) {
     let (own, others): (Vec<_>, Vec<_>) = messages.into_iter().partition(|message| message.rank == world.rank);
     (own.into_iter().next().map(|message| message.words), others)
