@@ -54,7 +54,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// Bytes that the run may take, if they are bounded.
+    /// The limit on memory in bytes, if there is one.
     pub fn memory(&self) -> Option<usize> {
         let model = match self {
             Self::Check(args) => &args.model,
@@ -232,12 +232,12 @@ pub enum BackendName {
 }
 
 impl ModelArgs {
-    /// The files that are named: no output replaces one of them.
+    /// The files named on the command line, which no output may replace.
     pub fn inputs(&self) -> Inputs {
         Inputs::of(case_files(&self.input, self.rhs.as_deref(), self.prescribed.as_deref()))
     }
 
-    /// As many threads as were asked for, or as run at a time: more only take memory.
+    /// The number of threads asked for, but not more than run at a time: further ones only take memory.
     pub fn threads(&self) -> Option<NonZeroUsize> {
         let most = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MAX);
         if let Some(asked) = self.threads.filter(|&asked| asked > most) {

@@ -22,7 +22,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         if file.as_os_str() == "-" {
             return Err(Failure::Input("-o -: leave it out, and the report goes to standard output".to_owned()));
         }
-        // A place that cannot be written to is better known before the work than after.
+        // Refuse an output that cannot be written before the work begins.
         drop(OneFile::at(file, args.model.inputs())?);
     }
     let progress = Progress::new(args.model.quiet);
@@ -34,7 +34,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         progress.stage("exact arithmetic");
         diagnosis.take_exact_rank()?;
     }
-    // Only the text gives advice; nobody else waits for a plan.
+    // Only the text report gives this advice, so only it pays for the plan.
     let obstacle = if args.model.format == Format::Text { clean::obstacle(&diagnosis) } else { None };
     let outcome = Outcome::Checked(obstacle.as_deref());
     match &args.output {

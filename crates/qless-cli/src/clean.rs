@@ -18,7 +18,7 @@ use crate::terminal::Progress;
 /// Writes the deck and prints the report, or, for conflicting equations, prints the report only.
 pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     let (input, output) = (&args.model.input, &args.output);
-    // Known before the work, so said before the work.
+    // Refuse before the work begins.
     if output.as_os_str() == "-" {
         return Err(Failure::Input("-o -: a deck is not written to standard output; name a file".to_owned()));
     }

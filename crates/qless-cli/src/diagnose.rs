@@ -1,4 +1,4 @@
-//! Read, analyse, and keep the time: the start of check and reduce.
+//! Reads and analyses a model: the common part of check, reduce and clean. It returns data; `report` renders them.
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ use crate::preferences::PreferenceLists;
 use crate::terminal::Progress;
 use crate::{exit_code, memory};
 
-/// A model and what was found.
+/// A model and its analysis.
 pub struct Diagnosis<'a> {
     pub args: &'a ModelArgs,
     pub options: Options,
@@ -26,13 +26,13 @@ pub struct Diagnosis<'a> {
     pub deck: Option<DeckInput>,
     /// The rank of the numbers as typed, if it was asked for.
     pub exact: Option<ExactRank>,
-    /// What may be meant instead of what is typed, where the rank is in doubt.
+    /// The second reading of the input if the rank is in doubt: nearly dependent equations taken as dependent.
     pub meant: Option<NearDependence>,
     pub start: Instant,
     pub read: Duration,
 }
 
-/// How a model is to be looked at.
+/// What the analysis shall do: options, preferences, load cases.
 pub struct Question<'a> {
     pub options: Options,
     pub preferences: PreferenceLists<'a>,
@@ -45,27 +45,27 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     let start = Instant::now();
     let Question { mut options, preferences, choice } = question;
     let refused = |error, system: Option<&ConstraintSystem>| Failure::of_analysis(error, &args.input, system);
-    // Known before the work, so said before the work.
+    // Refuse before the work begins.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
     memory::threads::start(args.threads()).map_err(Failure::of_threads)?;
     progress.stage("reading");
     let input = Input::read(args, &choice)?;
     let read = start.elapsed();
     progress.stage("analysing");
-    // What the model leaves.
+    // The memory that the model leaves.
     options.memory = memory::left().map_or(options.memory, |left| left.min(options.memory));
     let terms = if matches!(args.format, Format::Json | Format::Html) { Report::TERMS } else { 0 };
     let (system, analysis, deck) = input.analyse(&choice, terms, &|system, place| {
         analyse(system, &preferences.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
     })?;
     if let Some(deck) = deck.as_ref().filter(|_| !preferences.is_empty()) {
-        // Equations by their number in the deck, whatever a load case removes.
+        // Rows are numbered as in the deck, even if a load case removes some equations.
         let all = LoadCase::default();
         let model = deck.deck.model();
         let whole = model.system(&all).map_err(|error| Failure::of_deck(&deck.deck, &error))?;
         options = preferences.resolve(&options, &whole, Some((&deck.deck, &all)))?;
     }
-    // A large right-hand side over a small coefficient.
+    // The value overflows if a large right-hand side is divided by a small coefficient.
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
         return Err(Failure::of_overflow(&args.input, dof, &system.dof_label(dof)));
     }
@@ -75,7 +75,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
 /// Analyses a system, which may be that of a load case of a deck.
 type Run<'a> = &'a dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, Failure>;
 
-/// What was read.
+/// The input.
 enum Input {
     Case(ConstraintSystem),
     Deck(Box<deck::Deck>),
@@ -144,14 +144,14 @@ impl Diagnosis<'_> {
         Ok(())
     }
 
-    /// Adds the reading in which equations that nearly repeat others are meant to, where the rank is in doubt and memory allows it.
+    /// If the rank is in doubt and memory allows it: adds the reading in which nearly dependent equations count as dependent.
     pub fn take_meaning(&mut self) {
         if self.analysis.confidence().ambiguous {
             self.meant = self.analysis.meant().unwrap_or_default();
         }
     }
 
-    /// Whether the exit code is 1.
+    /// Whether equations conflict, or are redundant under `--deny redundant`.
     pub fn is_refused(&self) -> bool {
         let denied = |kind| match kind {
             Kind::Independent => false,
@@ -161,13 +161,13 @@ impl Diagnosis<'_> {
         self.analysis.dependent().iter().any(|dependent| denied(dependent.kind))
     }
 
-    /// Whether something that constrains was left out, and that is not allowed.
+    /// Whether constraints were left out without `--allow-incomplete`.
     pub fn is_incomplete(&self) -> bool {
         let is_left_out = |deck: &DeckInput| deck.deck.model().left_out().next().is_some();
         !self.args.allow_incomplete && self.deck.as_ref().is_some_and(is_left_out)
     }
 
-    /// What a shell sees: a conflict is one whatever was left out.
+    /// The exit code.
     pub fn code(&self) -> ExitCode {
         exit_code::of_diagnosis(self.is_refused(), self.is_incomplete())
     }

@@ -32,7 +32,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
             bar.set_style(style.tick_chars("-\\|/ "));
         }
-        // It ticks from a thread of its own, and panics where there is none to be had.
+        // The display ticks in its own thread, and panics if the system gives no thread.
         if !bar.is_hidden() && threads::is_one_more_possible() {
             bar.enable_steady_tick(Duration::from_millis(200));
         }

@@ -7,7 +7,7 @@ use qless_io::deck::{LoadCase, Model};
 /// Load cases named in a message at most.
 const NAMED: usize = 20;
 
-/// What the user asks for.
+/// The load cases that the user chooses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LoadCaseChoice {
     /// Each load case.
@@ -41,7 +41,7 @@ impl fmt::Display for LoadCaseNames {
 }
 
 impl LoadCaseChoice {
-    /// What `--case` says; `standard` where it is not given.
+    /// The choice of `--case`, or `standard` without that option.
     pub fn new(text: Option<&str>, standard: Self) -> Self {
         match text {
             None => standard,

@@ -1,4 +1,4 @@
-//! What the report for people says of a deck.
+//! The sections of the text report that only decks have.
 
 use qless::Analysis;
 use qless_io::deck::{Dof, Load};

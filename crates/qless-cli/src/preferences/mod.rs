@@ -20,7 +20,7 @@ use resolve::{NameIndex, Wanted};
 pub use word::ListWord;
 pub use word::{WordList, words};
 
-/// What the user prefers, in words.
+/// The lists of the command line, not yet resolved to rows and columns.
 #[derive(Clone, Copy, Default)]
 pub struct PreferenceLists<'a> {
     pub keep: Option<&'a WordList>,

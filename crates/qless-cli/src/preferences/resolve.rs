@@ -10,7 +10,7 @@ use strsim::normalized_damerau_levenshtein;
 use super::word::{ListWord, WordList};
 use crate::wording::label;
 
-/// What a system, and the deck that it is of, have names for.
+/// The names of equations and DOFs in a system and in its deck.
 pub struct NameIndex<'a> {
     system: &'a ConstraintSystem,
     deck: Option<(&'a Deck, &'a LoadCase)>,
@@ -21,14 +21,14 @@ pub struct NameIndex<'a> {
 
 type Labels = HashMap<String, Vec<usize>>;
 
-/// What a list is of.
+/// Whether a list names equations or DOFs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Wanted {
     Equations,
     Dofs,
 }
 
-/// A word of a list that names nothing.
+/// A word of a list that matches nothing.
 #[derive(Debug, thiserror::Error)]
 pub enum WordError {
     #[error("{option}: `{word}` is {}{}", unknown(*.is_deck), did_you_mean(nearest.as_deref()))]
@@ -121,7 +121,7 @@ impl<'a> NameIndex<'a> {
     }
 }
 
-/// What stands at a line; the error has the nearest line of a constraint.
+/// The equations or DOFs of a line of the deck; the error has the nearest line with a constraint.
 fn at_line(model: &Model, case: &LoadCase, line: &DeckLine, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
     let is_there = |origin: Origin| line.is_in(model, origin);
     let equations = rows(model, case).filter(|(_, origin, _)| is_there(*origin));

@@ -11,7 +11,7 @@ pub struct WordList(pub Vec<ListWord>);
 pub enum ListWord {
     /// Numbers counted from 0.
     Numbers(Range<usize>),
-    /// What has to be looked up.
+    /// A name that has to be looked up.
     Name(String),
 }
 

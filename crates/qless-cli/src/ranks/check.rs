@@ -54,7 +54,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, Failure> {
     Ok(exit_code::of_diagnosis(counts.conflicting > 0 || denied, false))
 }
 
-/// What ranks cannot do, and where the report cannot be written.
+/// Refuses options that need one process, and an output that cannot be written.
 fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
     let model = &args.model;
     let input = model.input.display();
@@ -78,7 +78,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
     }
     model.options().backend.get(usize::MAX).map_err(|error| Failure::of_analysis(error.into(), &model.input, None))?;
     if let Some(file) = args.output.as_ref().filter(|_| is_first) {
-        // A place that cannot be written to is better known before the work than after.
+        // Refuse an output that cannot be written before the work begins.
         drop(OneFile::at(file, model.inputs())?);
     }
     Ok(())
@@ -113,7 +113,7 @@ fn of_analysis(error: Error, input: &Path) -> Failure {
     }
 }
 
-/// EquationLookup to keep, by their numbers: no rank knows all labels.
+/// Equations to keep, as row numbers from 0: no rank knows all labels.
 fn numbers(words: Option<&WordList>) -> Result<Vec<usize>, Failure> {
     let number = |word: &ListWord| match word {
         ListWord::Numbers(range) => Ok(range.clone()),
@@ -125,7 +125,7 @@ fn numbers(words: Option<&WordList>) -> Result<Vec<usize>, Failure> {
     Ok(ranges.into_iter().flatten().collect())
 }
 
-/// EquationLookup to keep that are not there.
+/// Refuses numbers of equations to keep beyond the last equation.
 fn kept(options: &Options, count: usize, input: &Path) -> Result<(), Failure> {
     match options.preferences.equations.iter().find(|&&row| row >= count) {
         Some(&found) => {

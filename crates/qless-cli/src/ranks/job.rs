@@ -1,4 +1,4 @@
-//! The ranks of a job: what one of them cannot do none does, and all end with the same exit code.
+//! Runs the command on all ranks of an MPI job: a failure of one rank stops all, with the same exit code.
 
 use std::process::ExitCode;
 
@@ -22,13 +22,13 @@ impl Job {
             Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.end(&failure)),
             Err(error) => {
                 if self.rank == 0 {
-                    // If even that cannot be written there is nobody to tell.
+                    // An error of standard error cannot be reported anywhere.
                     let _ = error.print();
                 }
                 ExitCode::from(error.exit_code() as u8)
             }
         };
-        // Who ends with an error ends the job: after all has been said.
+        // A rank that exits with an error ends the job: wait until the first rank has written everything.
         world.sum(&mut [0]);
         ended
     }

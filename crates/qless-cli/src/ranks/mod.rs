@@ -1,4 +1,4 @@
-//! Runs under `mpirun`: the ranks check one model together, and the first of them speaks.
+//! Runs under `mpirun`: the ranks check one model together, and the first of them reports.
 
 #[cfg(feature = "mpi")]
 mod check;
@@ -23,7 +23,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// What OpenMPI, MPICH and their like tell the processes that they start; none for one process.
+    /// Reads the environment variables that OpenMPI and MPICH set; none if there is only one process.
     pub fn of_environment() -> Option<Self> {
         let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
         let told = [("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK")];

@@ -1,4 +1,4 @@
-//! The report of the first rank, in the forms of every report.
+//! The report of the first rank, as text or JSON.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::report::text::equation_list::{DependentRow, EquationList};
 use crate::report::{Outcome, json, text};
 use crate::wording::{EquationFacts, EquationLookup};
 
-/// What the ranks have found.
+/// The findings of all ranks.
 pub struct Findings<'a> {
     pub case: &'a Case,
     pub analysis: &'a Analysis,
@@ -27,7 +27,7 @@ pub struct Findings<'a> {
     pub ranks: usize,
 }
 
-/// What is known of the equations that the report names.
+/// Labels and facts of the equations in the report.
 struct Known<'a> {
     found: &'a Found,
     labels: BTreeMap<usize, String>,

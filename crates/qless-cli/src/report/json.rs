@@ -1,5 +1,4 @@
-//! JSON with one line for each key of the object and one for each equation in its lists, so that tools which read
-//! lines are of use as well.
+//! JSON with one line for each key of the object and one for each element of its lists, so that line-based tools can read it.
 
 use std::io::{self, Write};
 
@@ -9,7 +8,7 @@ use serde_json::ser::{Formatter, Serializer};
 
 use crate::deck_input::DeckReport;
 
-/// A report, and what is known of the deck only.
+/// A report, and the keys that only decks have.
 #[derive(Serialize)]
 struct Whole<'a> {
     #[serde(flatten)]

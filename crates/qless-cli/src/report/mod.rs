@@ -16,16 +16,15 @@ use crate::diagnose::Diagnosis;
 use crate::failure::Failure;
 use crate::terminal::{self, Progress};
 
-/// What the command did after the diagnosis.
+/// The action of the command after the diagnosis.
 pub enum Outcome<'a> {
-    /// Nothing: it was `check`. Why `clean` would write nothing, if it would not.
+    /// None: it was `check`. Holds the reason if `clean` could not write a deck.
     Checked(Option<&'a str>),
     /// `reduce` wrote nothing because of what was found.
     Refused,
     /// `reduce` wrote its files to this folder.
     Written(&'a Path),
-    /// `clean` wrote a deck, in which so many equations were left out and so many written anew, and so many claims hold that the
-    /// solver dropped.
+    /// `clean` wrote a deck.
     Cleaned {
         /// The deck.
         output: &'a Path,
@@ -38,7 +37,7 @@ pub enum Outcome<'a> {
     },
 }
 
-/// A reduction, how it was asked for, and the time that it took.
+/// A reduction, its form, and the time that it took.
 #[derive(Clone, Copy)]
 pub struct Reduced<'a> {
     pub reduction: &'a Reduction,

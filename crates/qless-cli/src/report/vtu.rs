@@ -15,12 +15,12 @@ use vtkio::model::{
 use crate::diagnose::Diagnosis;
 use crate::failure::Failure;
 
-/// What is counted at each node, in this order.
+/// The counts at each node, in this order.
 const COUNTS: [&str; 5] = ["slaves", "masters", "prescribed", "redundant", "conflicting"];
 
 type Counts = [i32; COUNTS.len()];
 
-/// The file; of the slaves of `reduction`, if there is one.
+/// The file, with the slaves of `reduction` if there is one, else of the analysis' own reduction.
 pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Vec<u8>, Failure> {
     let input = diagnosis.args.input.display();
     let Some(deck) = &diagnosis.deck else {
@@ -43,7 +43,7 @@ pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Ve
     Ok(bytes)
 }
 
-/// For each node that an equation holds.
+/// The counts of each node that is in an equation.
 fn counts(
     diagnosis: &Diagnosis,
     reduction: Option<&Reduction>,

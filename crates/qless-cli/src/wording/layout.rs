@@ -36,7 +36,7 @@ pub fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
 }
 
-/// Pieces one after the other in at most `lines` lines of at most `most` columns; the number of those that fit.
+/// Fills at most `lines` lines of at most `most` columns with pieces, and counts those that fit.
 ///
 /// The first line starts with `first`, the others with `indent`. `reserve` columns of the last line are kept for
 /// what the caller says about the rest, unless nothing is left out.
@@ -80,20 +80,20 @@ impl Flow {
 /// Items shown at most; JSON has all of them.
 const ITEMS_SHOWN: usize = 4;
 
-/// What a report says beside the equations.
+/// A heading with items, for findings other than equations.
 pub struct Section {
     heading: String,
     items: Vec<String>,
 }
 
 impl Section {
-    /// Nothing where there are no items.
+    /// None if there are no items.
     pub fn new(heading: impl Into<String>, items: Vec<String>) -> Option<Self> {
         let heading = heading.into();
         (!items.is_empty()).then_some(Self { heading, items })
     }
 
-    /// Lines that it would like to have.
+    /// Lines wanted.
     fn wanted(&self) -> usize {
         1 + self.items.len().min(ITEMS_SHOWN + 1)
     }
@@ -116,18 +116,18 @@ impl Section {
     }
 }
 
-/// Lines that the sections need at least, and those that they would like to have.
+/// The fewest lines that the sections need, and the lines that they want.
 pub fn section_needs(sections: &[Section]) -> (usize, usize) {
     (sections.len(), sections.iter().map(Section::wanted).sum())
 }
 
-/// The sections in at most so many lines, if that is one for each; the first ones get more where they do not all fit.
+/// The sections in at most `most` lines, but at least one each. If not all fit, the first sections get more lines.
 pub fn section_lines(sections: &[Section], most: usize) -> Vec<String> {
     let mut spare = most.saturating_sub(sections.len());
     let mut lines = Vec::new();
     for section in sections {
         let more = spare.min(section.wanted() - 1);
-        // A heading and how many there are tell as much as a heading and "and 7".
+        // A heading with the count says as much as a heading followed by "and 7".
         let more = if more == 1 && section.items.len() > 1 { 0 } else { more };
         spare -= more;
         lines.extend(section.lines(1 + more));

@@ -6,7 +6,7 @@ use qless::ConstraintSystem;
 
 use layout::{printable, shorten};
 
-/// What is known of single equations; rows count from 0.
+/// Facts about single equations; rows count from 0.
 pub trait EquationLookup {
     /// `row 5` if it has no name.
     fn label(&self, row: usize) -> String;
@@ -14,11 +14,11 @@ pub trait EquationLookup {
     fn facts(&self, row: usize) -> EquationFacts;
 }
 
-/// Of one equation.
+/// Sizes of one equation.
 #[derive(Clone, Copy)]
 pub struct EquationFacts {
     pub rhs: f64,
-    /// Its largest coefficient, without sign.
+    /// The magnitude of its largest coefficient.
     pub largest: f64,
     /// DOFs in it.
     pub dofs: usize,
@@ -67,7 +67,7 @@ pub fn count(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
-/// As short as it can be while it has the first six digits.
+/// The shortest form with six significant digits.
 pub fn number(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return if x == 0.0 { "0".to_owned() } else { x.to_string() };

@@ -12,7 +12,7 @@ use picture::Picture;
 
 const PAGE: &str = include_str!("page.html");
 
-/// What the page shows.
+/// The data of the page.
 #[derive(Serialize)]
 struct Data<'a> {
     name: String,
@@ -40,9 +40,9 @@ pub fn render(diagnosis: &Diagnosis, report: &Report) -> Result<String, serde_js
     Ok(PAGE.replacen("__DATA__", &in_script(&serde_json::to_string(&data)?), 1))
 }
 
-/// JSON that may stand in a script: no label in it ends the script, or opens a comment that swallows its end.
+/// Escapes JSON for a script element, so that no label ends the script or opens a comment.
 fn in_script(json: &str) -> String {
-    // In JSON these stand in strings only.
+    // JSON has these characters in strings only.
     [('<', "\\u003c"), ('>', "\\u003e"), ('&', "\\u0026"), ('\u{2028}', "\\u2028"), ('\u{2029}', "\\u2029")]
         .into_iter()
         .fold(json.to_owned(), |json, (found, escaped)| json.replace(found, escaped))

@@ -1,4 +1,4 @@
-//! What the page draws: where the coefficients are, how large the blocks are, and where the nodes of the equations are.
+//! The picture of the page: the pattern of C, the sizes of the blocks, and the nodes of the equations.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -51,7 +51,7 @@ fn spy(diagnosis: &Diagnosis) -> Spy {
             Kind::Conflicting => 2,
         };
         for (j, _) in diagnosis.system.matrix().row(i) {
-            // Both ways by the same factor, so that the picture keeps its shape.
+            // The same scale in both directions keeps the aspect ratio.
             let at = (i * cells / m.max(n), j * cells / m.max(n));
             let entry = worst.entry(at).or_insert(0);
             *entry = kind.max(*entry);
@@ -60,7 +60,7 @@ fn spy(diagnosis: &Diagnosis) -> Spy {
     Spy { cells, dots: worst.into_iter().map(|((i, j), kind)| (i, j, kind)).collect() }
 }
 
-/// Connected sets of equations over free DOFs.
+/// Sizes of the connected components of equations over free DOFs, and how many components have each size.
 fn blocks(system: &ConstraintSystem) -> Vec<(usize, usize)> {
     let mut sets = DisjointSets::new(system.equations());
     let mut first = vec![None; system.dofs()];

@@ -21,20 +21,20 @@ pub fn lines(equations: &dyn EquationLookup, row: usize, because: &[CertificateT
     if flowed.used == because.len() {
         return flowed.lines;
     }
-    // Not all of them fit: then the largest rather than the first.
+    // If not all terms fit, show the largest instead of the first.
     let flowed = fill(equations, &head, &largest(equations, because));
     let more = because.len() - flowed.used;
     flowed.finish(&format!(" + ... and {more} more"))
 }
 
 fn fill(equations: &dyn EquationLookup, head: &str, because: &[CertificateTerm]) -> Flow {
-    // Two lines hold fewer than this many, however short they are.
+    // Two lines cannot hold more than this, even of the shortest terms.
     let shown = because.iter().take(20).enumerate();
     let pieces: Vec<String> = shown.map(|(k, term)| piece(equations, term, k == 0)).collect();
     flow(head, "      ", &pieces, (2, COLUMNS), TAIL)
 }
 
-/// The terms by what they contribute, largest first; those of the same size by row.
+/// The terms in descending order of their contribution; terms of the same size by row.
 fn largest(equations: &dyn EquationLookup, because: &[CertificateTerm]) -> Vec<CertificateTerm> {
     let size = |term: &CertificateTerm| term.coefficient.abs() * equations.facts(term.row).largest;
     let mut terms: Vec<_> = because.iter().map(|term| (size(term), *term)).collect();
@@ -53,14 +53,14 @@ fn piece(equations: &dyn EquationLookup, term: &CertificateTerm, is_first: bool)
     format!(" {sign} {} * {equation}", number(term.coefficient.abs()))
 }
 
-/// Why an equation needs no others to be dependent.
+/// Why an equation is dependent without any other equation.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Alone {
     /// It has no coefficients.
     Empty,
     /// All of its DOFs are prescribed.
     Prescribed,
-    /// It has free DOFs, and so does need others.
+    /// It has free DOFs, so it is dependent only through others.
     No,
 }
 
@@ -74,12 +74,12 @@ impl Alone {
         }
     }
 
-    /// What one equation of this sort does.
+    /// The predicate for one equation of this sort.
     pub fn one(self) -> &'static str {
         if self == Self::Empty { "has no coefficients" } else { "holds no free DOF: all are prescribed" }
     }
 
-    /// How several are called.
+    /// The name of several equations of this sort.
     pub fn several(self) -> &'static str {
         if self == Self::Empty { "rows without coefficients" } else { "rows whose DOFs are all prescribed" }
     }

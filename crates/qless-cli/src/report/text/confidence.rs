@@ -14,7 +14,7 @@ use crate::wording::{self, count, rough};
 /// Relative sizes below this are doubtful.
 const NEAR: f64 = 3e-6;
 
-/// One line, and where the rank is ambiguous up to two more with advice.
+/// One line, and if the rank is ambiguous up to two more with advice.
 pub fn rank(list: &EquationList, report: &Report) -> Vec<String> {
     let (kept, dropped) = (report.confidence.sigma_kept, report.confidence.sigma_dropped);
     let sizes = format!("relative sizes down to {} kept, {} dropped", rough(kept), dropped_text(report, dropped));
@@ -38,7 +38,7 @@ fn dropped_text(report: &Report, dropped: f64) -> String {
     }
 }
 
-/// For each reason to doubt what it is and which tolerance would decide otherwise; the two weightiest.
+/// The two weightiest reasons for doubt, each with the tolerance that would decide otherwise.
 fn advice(list: &EquationList, kept: f64, dropped: f64) -> Vec<String> {
     let reasons = [nearly_dependent(kept), remainder(list, dropped), small_mismatch(list)];
     let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();
@@ -77,7 +77,7 @@ fn small_mismatch(list: &EquationList) -> Option<String> {
     Some(format!("  {name} is off by {size} of its parts only. If that is {meant}: --tolerance {tolerance}"))
 }
 
-/// Nothing where the rank is sure or has no second reading; else the two ranks, and the equation that agrees best.
+/// If there is a second reading of the input: both ranks, and the equation that is closest to dependent.
 pub fn second_reading(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let Some(meant) = &diagnosis.meant else { return Vec::new() };
     let digits = count(meant.digits() as usize, "digit");
@@ -97,7 +97,7 @@ pub fn second_reading(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     lines
 }
 
-/// Nothing without `--exact`; one line where both agree and nothing is in doubt, up to four where they do not.
+/// The result of `--exact`: one line if it agrees with the analysis and nothing is in doubt, else up to four.
 pub fn exact_rank(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let Some(exact) = &report.exact_rank else { return Vec::new() };
     let mut lines = vec![rank_line(report, exact)];
@@ -120,7 +120,7 @@ fn same_ranks(exact: &ExactFinding) -> bool {
     exact.differences.iter().all(|part| part.rank == part.analysis_rank)
 }
 
-/// What follows from the two ranks.
+/// The conclusion from the two ranks.
 fn meaning(report: &Report, exact: &ExactFinding) -> Option<String> {
     let rank = exact.rank;
     match (report.confidence.ambiguous, same_ranks(exact), rank.cmp(&report.rank)) {
@@ -136,7 +136,7 @@ fn meaning(report: &Report, exact: &ExactFinding) -> Option<String> {
     }
 }
 
-/// Where only one of the two finds a solution.
+/// A line if only one of the two finds a solution.
 fn solution(report: &Report, exact: &ExactFinding) -> Option<String> {
     let text = match (exact.solvable, report.counts.conflicting == 0) {
         (true, false) => "As typed the equations have a solution: no conflict is exact.",
@@ -146,7 +146,7 @@ fn solution(report: &Report, exact: &ExactFinding) -> Option<String> {
     Some(text.to_owned())
 }
 
-/// Where to look.
+/// The part of the model in which the two differ.
 fn place(diagnosis: &Diagnosis, exact: &ExactFinding) -> Option<String> {
     let first = exact.differences.first()?;
     let name = wording::equation(&diagnosis.system, first.row - 1);
@@ -158,7 +158,7 @@ fn place(diagnosis: &Diagnosis, exact: &ExactFinding) -> Option<String> {
     })
 }
 
-/// One line, if there are any.
+/// A line about coefficients that are no more than rounding, if there are any.
 pub fn ignored_coefficients(diagnosis: &Diagnosis, report: &Report) -> Option<String> {
     let first = report.ignored_coefficients.first()?;
     let equation = wording::equation(&diagnosis.system, first.row - 1);

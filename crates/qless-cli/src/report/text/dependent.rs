@@ -16,7 +16,7 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
-    // Many equations that say 0 = 0 would hide the others.
+    // Many equations `0 = 0` would hide the others.
     let of_kind = if kind == Kind::Redundant { group(list, of_kind, &mut lines) } else { of_kind };
     for (k, dependent) in of_kind.iter().enumerate() {
         let entry = entry(list, dependent);
@@ -30,7 +30,7 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
     lines
 }
 
-/// Moves equations that need no others into one line for each sort, unless there are only a few.
+/// Puts equations that are dependent without others into one line for each sort, unless there is only one.
 fn group<'a>(list: &EquationList, of_kind: Vec<&'a DependentRow>, lines: &mut Vec<String>) -> Vec<&'a DependentRow> {
     let mut left = of_kind;
     for sort in [Alone::Empty, Alone::Prescribed] {
@@ -61,7 +61,7 @@ fn entry(list: &EquationList, dependent: &DependentRow) -> Vec<String> {
     lines
 }
 
-/// What the right-hand side is, and what it would have to be.
+/// The right-hand side as given, and the value that would be consistent.
 fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: bool) -> String {
     let facts = equations.facts(dependent.row);
     let found = facts.rhs;

@@ -17,7 +17,7 @@ pub struct DependentRow {
     pub dropped: f64,
 }
 
-/// A model and what was found in it.
+/// A model and its dependent equations.
 pub struct EquationList<'a> {
     pub input: &'a Path,
     pub deck: Option<&'a DeckInput>,

@@ -1,6 +1,6 @@
 //! The report for people: what is wrong, why, how sure that is, and what to do; at most 24 lines of [`COLUMNS`].
 //!
-//! The verdict comes first, in words. What does not fit is counted, and `--format json` holds all of it.
+//! The verdict comes first, in words. Items that do not fit are counted; `--format json` has all of them.
 
 mod combination;
 mod confidence;
@@ -18,9 +18,9 @@ pub use confidence::exact_rank;
 use equation_list::{DependentRow, EquationList};
 pub use summary::verdict;
 
-/// No line is longer.
+/// Longest line.
 const COLUMNS: usize = 100;
-/// No report has more, unless there is very much beside the equations to say.
+/// Most lines of a report, unless sections of a deck need more.
 const LINES: usize = 24;
 
 /// The report, ending in a line break.
@@ -41,7 +41,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
     whole(&list, report, outcome, &sections, doubts)
 }
 
-/// With what only some analyses have: sections of a deck, and doubts beside the rank.
+/// The report with sections of a deck and lines of doubt, which only some analyses have.
 pub fn whole(
     list: &EquationList,
     report: &Report,
@@ -60,7 +60,7 @@ pub fn whole(
     lines.map(|line| shorten(line.trim_end(), COLUMNS) + "\n").collect()
 }
 
-/// Dependent equations in at most so many lines, or the heading and one of each kind.
+/// Dependent equations in at most `most` lines, but at least the heading and one equation of each kind.
 fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
     let (conflicting, redundant) = if both { (7, 4) } else { (10, 9) };
@@ -70,7 +70,7 @@ fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
     lines
 }
 
-/// How sure it is, how it was done, and what to do.
+/// The last lines: how sure the rank is, how it was found, and what to do.
 fn rest(list: &EquationList, report: &Report, outcome: &Outcome, doubts: Vec<String>) -> Vec<String> {
     let mut lines = Vec::new();
     if report.input.rows > 0 {

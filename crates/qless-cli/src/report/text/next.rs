@@ -24,7 +24,7 @@ pub fn lines(list: &EquationList, report: &Report, outcome: &Outcome) -> Vec<Str
     }
 }
 
-/// Where the files are, and how good T is.
+/// The folder of the files, and the quality of T.
 fn written(report: &Report, folder: &Path) -> Vec<String> {
     let Some(reduction) = &report.reduction else { return Vec::new() };
     let folder = shorten(&printable(&folder.display().to_string()), 60);
@@ -43,7 +43,7 @@ fn written(report: &Report, folder: &Path) -> Vec<String> {
     ]
 }
 
-/// What became of the equations, and where.
+/// The cleaned deck, and how many equations were removed or rewritten.
 fn cleaned(output: &Path, removed: usize, written: usize) -> String {
     let output = shorten(&printable(&output.display().to_string()), 60);
     match (removed, written) {
@@ -53,7 +53,7 @@ fn cleaned(output: &Path, removed: usize, written: usize) -> String {
     }
 }
 
-/// Results of the deck as it was are those without what the solver drops.
+/// A warning that results change: claims that the solver dropped in the original deck now hold.
 fn changed(list: &EquationList, restored: usize) -> String {
     let solver = list.deck.map_or_else(String::new, |deck| deck.deck.solver().to_string());
     format!(
@@ -97,7 +97,7 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
     }
 }
 
-/// The input as a shell takes it, or a stand-in where that is too long.
+/// The input in the syntax of a shell, or `INPUT` if it is too long or needs quotes.
 fn quoted(path: &Path) -> String {
     let plain = path.display().to_string();
     let is_safe = plain.chars().all(|c| c.is_ascii_alphanumeric() || "_-./+,=:@%".contains(c));

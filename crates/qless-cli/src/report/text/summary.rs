@@ -48,7 +48,7 @@ fn some(n: usize, of: &str, one: &str, many: &str) -> Option<String> {
     (n > 0).then(|| format!("{n}{of} {verb}"))
 }
 
-/// `Input: 16 equations with 32 coefficients on 28 DOFs, 2 prescribed.`, or that there are none
+/// `Input: 16 equations with 32 coefficients on 28 DOFs, 2 prescribed.`, or `Input: no equations.`
 pub fn input(report: &Report) -> String {
     let input = report.input;
     if input.rows == 0 {
@@ -79,7 +79,7 @@ pub fn presolve(report: &Report) -> String {
     }
 }
 
-/// Across ranks nobody counts what presolve settles.
+/// An analysis across ranks does not count the equations that presolve settles.
 fn of_ranks(report: &Report) -> String {
     let ranks = count(report.ranks.unwrap_or(1), "rank");
     format!("Analysed by {ranks}, each with presolve and {}.", report.backend.name)
@@ -105,10 +105,10 @@ pub fn time(report: &Report) -> String {
     format!("Time: {total:.2} s (reading {read:.2}, analysis {analysis:.2}{reduction}) on {who}.")
 }
 
-/// Parts shown where there are more than one; `--format json` has all of them.
+/// Blocks shown at most; `--format json` has all of them.
 const BLOCKS_SHOWN: usize = 2;
 
-/// Nothing if T was asked for as numbers; else at most three lines.
+/// At most three lines about blocks in factor form; none if T is explicit.
 pub fn factored_blocks(report: &Report) -> Vec<String> {
     let Some(reduction) = &report.reduction else { return Vec::new() };
     match (&reduction.factored[..], reduction.form) {
@@ -119,7 +119,7 @@ pub fn factored_blocks(report: &Report) -> Vec<String> {
     }
 }
 
-/// How many there are, and those that would cost most.
+/// The number of factored blocks, and the largest of them.
 fn largest(all: &[FactoredSizes]) -> Vec<String> {
     let total = |of: fn(&FactoredSizes) -> usize| all.iter().map(of).sum::<usize>();
     let mut numbered: Vec<(usize, &FactoredSizes)> = (1..).zip(all).collect();
