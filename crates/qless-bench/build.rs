@@ -16,7 +16,7 @@ mod peers {
     const SOURCES: &str = "peers";
     const CALLS_LAPACK: &str = "void dgeqp3_(void);\nint main(void) { dgeqp3_(); return 0; }\n";
 
-    /// What is missing, in words.
+    /// Compiles the shims; the error says what is missing.
     pub fn compile() -> Result<(), String> {
         println!("cargo::rerun-if-changed={SOURCES}");
         let eigen = eigen()?;

@@ -88,7 +88,7 @@ pub fn advice(samples: &[Sample], methods: &[Method]) -> String {
             whole system goes to that backend. The other methods change one option of the default.\n"
 }
 
-/// What a method made of the systems that it and the first method finished, with the ratio of their times.
+/// The results of a method on the systems that it and the first method finished, with the ratio of their times.
 fn compared<'a>(samples: &'a [Sample], methods: usize, name: &str) -> Vec<(f64, &'a Sample, Measured)> {
     let pairs = samples.chunks(methods).filter_map(|block| {
         let sample = block.iter().find(|sample| sample.method == name)?;

@@ -3,7 +3,7 @@
 /// K, and `K = L D L^T` of its part on the free DOFs.
 pub struct Chain {
     free: Vec<bool>,
-    /// D, and what stands before the diagonal of L; 1 and 0 for prescribed DOFs.
+    /// D, and the subdiagonal of L; 1 and 0 for prescribed DOFs.
     factor: Vec<(f64, f64)>,
 }
 

@@ -22,10 +22,10 @@ use super::sample::Measured;
 /// Seconds for making the system and for judging the result.
 const AROUND: f64 = 600.0;
 
-/// What an answer opens with that says why there is none.
+/// Prefix of an answer that is the reason for a failure.
 const FAILED: &str = "failed: ";
 
-/// What the child measures of a method that takes at most `limit` seconds.
+/// Measures a method in a child process that is stopped after `limit` seconds.
 pub fn measure(family: &str, size: &str, method: &Method, limit: f64) -> Result<Measured, Reason> {
     ask(family, size, method, limit, &["--apart"])
 }
@@ -43,7 +43,7 @@ fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f6
     let mut child =
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().map_err(failed)?;
     let measured = read(&mut child, limit);
-    // It may have ended by itself.
+    // The child may have ended already, so errors do not matter.
     _ = child.kill();
     _ = child.wait();
     measured
@@ -83,7 +83,7 @@ pub fn answer(scene: &Scene, method: &Method, is_apart: bool, out: &mut dyn Writ
     }
 }
 
-/// What it says after `done`, which it says itself.
+/// Runs the method, writes `done`, and returns the answer that follows it.
 fn found(
     scene: &Scene,
     method: &Method,

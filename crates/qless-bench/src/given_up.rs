@@ -5,18 +5,18 @@ use qless::{AnalysisError, ReductionError};
 
 use super::labels::thousands;
 
-/// What kept a method from an answer.
+/// The reason why a method has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reason {
-    /// So many seconds were to be expected, from a smaller system of the same family.
+    /// The time predicted from a smaller system of the same family exceeds the limit; seconds.
     Foreseen { seconds: f64, limit: f64 },
-    /// It was stopped on a smaller system, of so many equations.
+    /// It was stopped on a smaller system with this number of equations.
     Smaller { equations: usize, limit: f64 },
     /// Its process was stopped.
     Stopped { limit: f64 },
-    /// Its process ended by itself without an answer.
+    /// Its process ended without an answer.
     Ended,
-    /// Its own words.
+    /// The error message of the method.
     Failed(String),
 }
 

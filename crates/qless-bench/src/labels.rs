@@ -1,11 +1,11 @@
 //! Texts in plots and tables: labels that do not overlap, and numbers with commas.
 
-/// Where labels stand already, in pixels: left, right and height of each.
+/// The positions of the labels placed so far, in pixels: left, right and height of each.
 #[derive(Default)]
 pub struct Labels(Vec<(i32, i32, i32)>);
 
 impl Labels {
-    /// How far from its point a label of so many letters must move up or down to meet no other.
+    /// The vertical offset at which a label of `letters` letters overlaps no other.
     pub fn place(&mut self, (x, y): (i32, i32), letters: usize) -> i32 {
         const HEIGHT: i32 = 13;
         let (left, right) = (x, x + 8 + 6 * letters as i32);

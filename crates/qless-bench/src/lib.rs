@@ -51,7 +51,7 @@ pub enum BenchError {
     Write(#[from] WriteError),
 }
 
-/// What was measured.
+/// All measurements.
 struct Found {
     methods: Vec<methods::Method>,
     samples: Vec<sample::Sample>,

@@ -12,13 +12,13 @@ use qless_scenes::{Scene, Truth};
 type Hinge = ([f64; 3], [f64; 3]);
 type Made = Result<Scene, Box<dyn std::error::Error>>;
 
-/// So many four-bar linkages with parallel hinges: 23 equations of rank 20 each.
+/// A number of four-bar linkages with parallel hinges: 23 equations of rank 20 each.
 pub fn four_bar(count: usize) -> Made {
     let z = [0.0, 0.0, 1.0];
     rings(count, &[([0.0; 3], z), ([0.25, 1.0, 0.5], z), ([2.0, 1.5, 0.25], z), ([1.75, 0.0, -0.25], z)])
 }
 
-/// So many of Bricard's orthogonal linkages, along six edges of a cube: 35 equations of rank 34 each.
+/// A number of Bricard's orthogonal linkages, along six edges of a cube: 35 equations of rank 34 each.
 pub fn bricard(count: usize) -> Made {
     let at = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1], [0, 1, 1], [0, 0, 1]];
     // Hinge i turns about an axis that is perpendicular to the edges before and after it.

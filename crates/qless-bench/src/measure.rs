@@ -12,7 +12,7 @@ use super::sample::{Measured, Sample};
 use super::systems::{Case, Family};
 use crate::BenchArgs;
 
-/// What is measured once only takes longer than this, or than a tenth of the limit; seconds.
+/// A method that takes longer than this, or than a tenth of the limit, is measured only once; seconds.
 const SLOW: f64 = 5.0;
 
 /// Samples of a family. The error is a scene that cannot be made.
@@ -37,7 +37,7 @@ pub fn measure(family: &Family, methods: &[Method], args: &BenchArgs) -> Result<
     Ok(samples)
 }
 
-/// What a method found the first time, and all its times.
+/// The first result of a method, and the times of all its runs.
 type Found = Result<(Measured, Vec<f64>), Reason>;
 
 fn in_turns(
@@ -70,7 +70,7 @@ fn in_turns(
     methods.iter().zip(plans).zip(results).map(finish).collect()
 }
 
-/// One run; none where there is nothing to gain from another.
+/// One run; none if the method failed before or is too slow to repeat.
 fn turn(
     case: &Case,
     reference: &Reference,
@@ -85,7 +85,7 @@ fn turn(
         Some(Ok((first, _))) => Some(*first),
         None => None,
     };
-    // What was found once is not judged again.
+    // The result is judged once; later runs only add times.
     let judge = |done: Done| Measured { time: done.time, ..first.unwrap_or_else(|| reference.judge(&done)) };
     Some(match plan {
         Plan::Here => warm(&reference.scene.system, method).map(judge),

@@ -3,7 +3,7 @@
 use qless::{BackendChoice, Options, Tolerance};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// What does the elimination.
+/// The library and settings that do the elimination.
 pub enum Engine {
     /// qless with these settings, in this pool or the program's.
     Qless(Options, Option<ThreadPool>),
@@ -41,7 +41,7 @@ impl Method {
         Self { is_drawn: true, ..self }
     }
 
-    /// None where the system gives no threads.
+    /// None if the system gives no threads.
     fn on(name: &'static str, options: Options, threads: usize) -> Option<Self> {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
         Some(Self { engine: Engine::Qless(options, Some(pool)), ..Self::new(name, Options::default()) })
@@ -53,7 +53,7 @@ pub fn all(only: &[String]) -> Vec<Method> {
     let standard = Options::default();
     let alone = |backend| Options { backend, presolve: false, ..standard.clone() };
     let tolerance = |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..standard.clone() };
-    // Where ranks are not checked slaves can be so poor that the exchanges take minutes.
+    // Without checks of the rank, the slaves can be so ill-conditioned that the exchanges take minutes.
     let unchecked = |name, options| Method { is_apart: true, ..Method::new(name, Options { check: false, ..options }) };
     let mut all = vec![Method::new("default", standard.clone()).drawn()];
     all.extend(Method::on("default, 1 thread", standard.clone(), 1));
@@ -89,7 +89,7 @@ pub fn all(only: &[String]) -> Vec<Method> {
     all
 }
 
-/// What people use today.
+/// Other libraries in use today.
 #[cfg(feature = "peers")]
 fn peers() -> [Method; 3] {
     use super::peers::{Eigen, Lapack, Rule};

@@ -9,7 +9,7 @@ use super::plot::{GROWTH, TRADE, front, has_growth, points};
 use super::sample::Sample;
 use super::table::{HEAD, cells, exponents};
 
-/// What the columns of the tables mean.
+/// Legend of the tables.
 const COLUMNS: &str = "
 ## The columns
 

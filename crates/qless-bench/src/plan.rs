@@ -1,17 +1,17 @@
-//! Which methods are tried on a system, and where, from what they took on a smaller one.
+//! Decides which methods run on a system, and in which process, from their times on a smaller system.
 
 use super::given_up::Reason;
 use super::methods::Method;
 use crate::BenchArgs;
 
-/// How a method did on the last system of its family.
+/// The result of a method on the previous system of its family.
 #[derive(Clone, Copy)]
 pub enum Past {
     Took { seconds: f64, equations: usize },
     Stopped { equations: usize },
 }
 
-/// Where a method runs.
+/// The process in which a method runs.
 pub enum Plan {
     Here,
     /// In a process that can be stopped.
@@ -24,8 +24,8 @@ pub fn limit(method: &Method, args: &BenchArgs) -> f64 {
     args.peer_limit.filter(|_| method.is_peer()).unwrap_or(args.limit)
 }
 
-/// Time is foreseen to grow with the square of the equations, which is more than sparse methods need and less than dense ones:
-/// our own get the chance to be better.
+/// Time is predicted to grow with the square of the number of equations: too much for sparse methods, too little for dense ones. So
+/// qless itself is still tried, in a process that can be stopped.
 pub fn plan(method: &Method, past: Option<Past>, equations: usize, limit: f64) -> Plan {
     let square = |before: usize| (equations as f64 / before as f64).powi(2);
     match past {

@@ -9,7 +9,7 @@ use super::labels::Labels;
 use super::methods::Method;
 use super::sample::{Sample, series, verdict};
 
-/// Colours that can be told apart, in print too.
+/// Colours that can be distinguished in print too.
 pub const COLOURS: [RGBColor; 10] = [
     RGBColor(31, 78, 140),
     RGBColor(217, 95, 2),

@@ -21,7 +21,7 @@ use super::spring::{Springs, with_rows};
 pub struct Reference<'a> {
     pub scene: &'a Scene,
     rank: usize,
-    /// By the defaults, for those who have none of their own.
+    /// The analysis with default options, for methods that have none of their own.
     analysis: OnceCell<Option<Analysis>>,
     springs: Option<Springs>,
     /// Ranks of the sets of rows that were asked for.

@@ -7,7 +7,7 @@ use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
 use super::given_up::Reason;
 use super::methods::{Engine, Method};
 
-/// What a method made of a system.
+/// The result of one run of a method.
 pub struct Done {
     /// Seconds.
     pub time: f64,
@@ -16,13 +16,13 @@ pub struct Done {
     pub analysis: Option<Analysis>,
 }
 
-/// A run that took less than the first is repeated, once and then until so much time has passed as the second says; seconds.
+/// A run shorter than `SLOW` is repeated once, and then until `WARM` has passed in total; seconds.
 const SLOW: f64 = 0.25;
 const WARM: f64 = 0.01;
 /// Repetitions at most.
 const REPEATS: usize = 10;
 
-/// As [`once`], but with warm caches, whatever ran before: else the first method of every round would seem slow.
+/// As [`once`], but with warm caches: otherwise the first method of every round would seem slow.
 pub fn warm(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
     warmed(once(system, method)?, system, method)
 }
@@ -34,7 +34,7 @@ pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &Method) -> Res
         if total >= if repeat == 0 { SLOW } else { WARM } {
             break;
         }
-        // The memory of the last run is there for the next.
+        // Free the memory of this run before the next.
         drop(done);
         done = once(system, method)?;
         total += done.time;
@@ -42,7 +42,7 @@ pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &Method) -> Res
     Ok(done)
 }
 
-/// The error is what the method says: mostly that memory is wanting.
+/// One run. The error is the method's own: mostly a lack of memory.
 pub fn once(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
     match &method.engine {
         Engine::Qless(options, None) => qless(system, options),

@@ -1,4 +1,4 @@
-//! What was measured of each method on each system.
+//! The measurements of each method on each system.
 
 use super::systems::TIE;
 
@@ -14,13 +14,13 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// None where the method was given up.
+    /// None if the method was given up.
     pub fn measured(&self) -> Option<Measured> {
         self.result.as_ref().ok().copied()
     }
 }
 
-/// What was found, and in what time; see `quality`.
+/// Time and quality of the result; see `quality`.
 #[derive(Clone, Copy, serde::Serialize, serde::Deserialize)]
 pub struct Measured {
     /// Median and quartiles, seconds.
@@ -32,9 +32,9 @@ pub struct Measured {
     pub false_keeps: usize,
     pub residual: f64,
     pub growth: f64,
-    /// Of the solved problem; none where it was not solved.
+    /// Error of the solved problem; none if it was not solved.
     pub error: Option<f64>,
-    /// Bytes at the peak beyond those before; none where it was not measured.
+    /// Peak memory in bytes beyond that before the run; none if it was not measured.
     pub memory: Option<u64>,
 }
 

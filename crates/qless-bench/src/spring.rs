@@ -23,7 +23,7 @@ const SETTLED: f64 = 4.0 * f64::EPSILON;
 
 /// K, f and u*.
 pub struct Springs {
-    /// None for large systems, where nothing is factored.
+    /// None for large systems, which are solved by conjugate gradients.
     k: Option<SparseColMat<usize, f64>>,
     f: Vec<f64>,
     /// u*.
@@ -32,7 +32,7 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// None where qless finds another rank than the true one, and where a large system has a condition beyond conjugate gradients.
+    /// None if qless finds a rank other than the true one, or if conjugate gradients do not converge on a large system.
     pub fn new(system: &ConstraintSystem, rank: usize) -> Option<Self> {
         if system.dofs() > MOST_DOFS { Self::large(system, rank) } else { Self::small(system, rank) }
     }
@@ -89,7 +89,7 @@ fn largest(x: impl Iterator<Item = f64>) -> f64 {
 /// Corrections of u and of the multipliers for what is left of both equations.
 type Step = (Vec<f64>, Vec<f64>);
 
-/// u until it does not move any more; none where it goes on moving.
+/// Refines u until it no longer changes; none if it does not converge.
 fn refined(
     f: &[f64],
     system: &ConstraintSystem,
@@ -168,7 +168,7 @@ fn residuals(system: &ConstraintSystem, f: &[f64], u: &[f64], lambda: &[f64]) ->
 struct Twice(f64, f64);
 
 impl Twice {
-    /// Without a b; what rounding takes from the product and from the sum goes to the lower part.
+    /// Adds `a b`; the rounding errors of the product and of the sum go to the lower part.
     fn subtract(&mut self, a: f64, b: f64) {
         let product = -a * b;
         let lost = (-a).mul_add(b, -product);

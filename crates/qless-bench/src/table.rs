@@ -65,7 +65,7 @@ fn line(text: &mut String, cells: &[String; HEAD.len()]) {
     _ = writeln!(text, "{}", out.trim_end());
 }
 
-/// What people see of a sample; `first` is the one that times are compared with.
+/// The cells of a sample in the table for people; times are relative to `first`.
 pub fn cells(sample: &Sample, first: &Sample) -> [String; HEAD.len()] {
     let m = match &sample.result {
         Ok(measured) => measured,

@@ -1,4 +1,4 @@
-//! The paper's section 3.1: C falls into blocks that share no free DOF, and each is factored by itself.
+//! The blocks of the paper's section 3.1: they share no free DOF, and each is factored separately.
 
 use qless::{ConstraintSystem, Csr};
 

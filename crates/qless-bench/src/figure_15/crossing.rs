@@ -1,4 +1,4 @@
-//! Where the times of Gauss elimination and of a QR cross, and what to say of it.
+//! Crossings of the times of Gauss elimination and of a QR, and a sentence about them; the paper's own times.
 
 use super::super::labels::thousands;
 use super::{GAUSS, Level, Side};
@@ -47,7 +47,7 @@ fn between(after: usize, a: &Pair, b: &Pair) -> Crossing {
     Crossing { after, equations: along(a.equations, b.equations), time: along(a.gauss, b.gauss) }
 }
 
-/// Who is faster where, and by how much at both ends; nothing where nothing was measured.
+/// Says which method is faster at which sizes, and by how much at both ends; none if nothing was measured.
 pub fn sentence(pairs: &[Pair]) -> Option<String> {
     let [first, .., last] = pairs else { return None };
     let found = crossings(pairs);

@@ -14,7 +14,7 @@ use super::{GAUSS, Level, Side, backends, families, series};
 /// The file's name.
 pub const FILE: &str = "figure-15.svg";
 
-/// What the lines are broken into, in pixels.
+/// Lengths of dashes and gaps of the lines for `C^T`, in pixels.
 const DASH: (i32, i32) = (6, 4);
 
 /// From one label to the next, in pixels.
@@ -81,7 +81,7 @@ pub fn lines(levels: &[Level], family: &str) -> Vec<Line> {
         lines.extend([own("the paper's Gauss", |pair| pair.gauss, false), own("the paper's QR", |pair| pair.qr, true)]);
     }
     lines.retain(|line| !line.points.is_empty());
-    // From the slowest on, so that labels that must move stand in the order of their lines.
+    // In descending order of time, so that labels that must move keep the order of their lines.
     lines.sort_by(|a, b| b.last().1.total_cmp(&a.last().1));
     lines
 }
@@ -130,12 +130,12 @@ fn panel(area: &Area, levels: &[Level], family: &str) -> Result<(), Box<dyn std:
     Ok(())
 }
 
-/// Where the label of a line that ends at `height` stands, in pixels from the top: beside its end, or right below the label above.
+/// Height of the label of a line that ends at `height`, in pixels from the top: beside the end, or right below the label above.
 pub fn below(height: i32, above: i32) -> i32 {
     (height - 6).max(above + LETTERS)
 }
 
-/// Where Gauss crosses a QR on the same matrix: equations and milliseconds.
+/// Crossings of Gauss and a QR on the same matrix: equations and milliseconds.
 pub fn marks(levels: &[Level], family: &str) -> Vec<(f64, f64)> {
     let others = backends(levels).into_iter().filter(|name| *name != GAUSS);
     let mut all: Vec<Vec<Pair>> =

@@ -15,9 +15,9 @@ use crate::BenchArgs;
 /// The tolerance of the paper, section 3.2: absolute.
 const TOLERANCE: f64 = 1e-5;
 
-/// What takes longer is measured once, ...
+/// A factorization that takes longer is measured once, ...
 const SLOW: f64 = 5.0;
-/// ... and what takes less so many times at least; seconds.
+/// ... and one that takes less is measured at least [`REPEATS`] times; seconds.
 const SHORT: f64 = 0.1;
 const REPEATS: usize = 15;
 
@@ -79,7 +79,7 @@ fn turns() -> Vec<Turn> {
         [(GAUSS, BackendChoice::Gauss), ("qless-qr", BackendChoice::Sparse), ("SuiteSparseQR", BackendChoice::Spqr)];
     let memory = Options::default().memory;
     let both = Side::BOTH.iter().flat_map(|&side| names.map(|(name, choice)| (name, choice, side)));
-    // What this program was built without is left out.
+    // Backends that are not compiled in are left out.
     both.filter_map(|(name, choice, side)| Some((name, choice.get(memory).ok()?, side, Vec::new(), Ok(0)))).collect()
 }
 

@@ -41,7 +41,7 @@ impl Backend for Eigen {
         let left = |c: usize| turned[c * rows + rank..(c + 1) * rows].iter().copied().chain(empty(c));
         let rest = (0..k).map(|c| left(c).map(|v| v * v).sum::<f64>().sqrt()).collect();
         let rhs = (0..k).flat_map(|c| &turned[c * rows..c * rows + rank]).copied().collect();
-        // What it dropped it does not say.
+        // Eigen does not report the size of the dropped columns.
         Ok(Factor { rank, order, r, rhs, rest, dropped: 0.0 })
     }
 }

@@ -12,7 +12,7 @@ mod tests;
 pub use eigen::Eigen;
 pub use lapack::Lapack;
 
-/// What counts as zero.
+/// The rule for entries that count as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// The library's own rule, or for LAPACK, which has none, the usual `max(m, n) eps |R_11|`.

@@ -1,7 +1,7 @@
 //! Communication between the ranks of a job: messages of 64-bit words, sums and maxima.
 //!
-//! Everything above is written against [`Ranks`], so that the same code runs on MPI (`World`, with the feature `mpi`), on one rank ([`Alone`]) and on
-//! many ranks within one process ([`together`]), where what is sent can be counted ([`Counted`]).
+//! All other modules use [`Ranks`] only, so that the same code runs on MPI (`World`, with the feature `mpi`), on one rank ([`Alone`])
+//! and on many ranks within one process ([`together`]), where the traffic can be counted ([`Counted`]).
 
 mod counted;
 mod thread_comm;
