@@ -1,8 +1,4 @@
-//! Tells the program when and from what it was built; with the feature `peers`, compiles what it is compared with.
-
-#[cfg(feature = "peers")]
-#[path = "build/peers.rs"]
-mod peers;
+//! Tells the program when and from what it was built.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -12,9 +8,5 @@ fn main() {
     #[cfg(feature = "spqr")]
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "linux") {
         println!("cargo::rustc-link-arg-bins=-Wl,--export-dynamic-symbol=openblas_num_threads_env");
-    }
-    #[cfg(feature = "peers")]
-    if let Err(missing) = peers::compile() {
-        println!("cargo::error={}", missing.replace('\n', " "));
     }
 }

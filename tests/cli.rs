@@ -21,9 +21,9 @@ mod cli {
     pub mod memory;
     #[cfg(unix)]
     pub mod outputs;
+    pub mod preferences;
     pub mod report;
     #[cfg(all(feature = "spqr", target_os = "linux"))]
     pub mod tight;
-    pub mod wishes;
     pub mod written;
 }

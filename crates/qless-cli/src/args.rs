@@ -5,32 +5,39 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use qless::{BackendChoice, Form, Options, Tolerance};
+use qless_bench::BenchArgs;
 use qless_io::case_files;
 use qless_io::deck::Solver;
 use qless_io::write::Inputs;
 
-use crate::deck_input::Choice;
+use crate::deck_input::LoadCaseChoice;
 use crate::failure::say;
-use crate::memory;
+use crate::preferences::{PreferenceLists, WordList, words};
 use crate::scenes::SceneArgs;
-use crate::version;
-use crate::wishes::{Wishes, Words, words};
+use crate::{exit_code, memory};
 
 /// Finds redundant and conflicting constraint equations `C u = b` in finite-element models, says why, and reduces them.
 #[derive(Parser)]
-#[command(name = "qless", version = version::LONG, propagate_version = false, after_help = EXIT_CODES)]
+#[command(name = "qless", version = VERSION, propagate_version = false, after_help = exit_code::HELP)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "\
-Exit codes:
-  0  solvable: independent, or redundant but consistent
-  1  conflicting equations (with --deny redundant: redundant ones too), whatever else is left out
-  2  bad usage or bad input, or input that no reader knows
-  3  out of memory, or the output cannot be written
-  4  incomplete: something that constrains was left out, so that the rest may say too little (--allow-incomplete: 0)";
+/// The answer to `--version`: the release, the compiled backends, and the licence if it differs.
+#[cfg(feature = "spqr")]
+const VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    "\nbackends: faer (default), sparse, gauss, spqr\n",
+    "licence:  GPL-2.0-or-later, because SuiteSparseQR is compiled in; qless itself is MIT OR Apache-2.0",
+);
+
+#[cfg(not(feature = "spqr"))]
+const VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    "\nbackends: faer (default), sparse, gauss; spqr is not compiled in (rebuild with `--features spqr`)\n",
+    "licence:  MIT OR Apache-2.0",
+);
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -47,7 +54,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// Bytes that the run may take, if they are bounded.
+    /// The limit on memory in bytes, if there is one.
     pub fn memory(&self) -> Option<usize> {
         let model = match self {
             Self::Check(args) => &args.model,
@@ -112,10 +119,10 @@ pub struct ReduceArgs {
     /// DOFs preferred as slaves, such as 3,7,10-20 (columns counted from 1); of a deck also 5:3 (node:component), line 41, names of
     /// node sets; of a folder also labels of cols.txt, in quotes where they have commas
     #[arg(long, value_name = "LIST", value_parser = words)]
-    pub prefer_slaves: Option<Words>,
+    pub prefer_slaves: Option<WordList>,
     /// DOFs that must not be slaves (loaded, interface), as far as the equations allow it; as --prefer-slaves
     #[arg(long, value_name = "LIST", value_parser = words)]
-    pub avoid_slaves: Option<Words>,
+    pub avoid_slaves: Option<WordList>,
 }
 
 #[derive(Args)]
@@ -125,52 +132,6 @@ pub struct CleanArgs {
     /// The deck to write, of the same format; it may be the input itself
     #[arg(short, long, value_name = "DECK")]
     pub output: PathBuf,
-}
-
-#[derive(Args)]
-#[expect(clippy::struct_excessive_bools, reason = "each is an option that stands alone")]
-pub struct BenchArgs {
-    /// Folder for the page trade.md with its plots trade.svg, growth.svg and figure-15.svg, and for trade.csv and figure-15.csv
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// The smallest systems only, in seconds
-    #[arg(long)]
-    pub short: bool,
-    /// Runs of each method on each system
-    #[arg(long, value_name = "N", default_value = "5", value_parser = threads)]
-    pub runs: NonZeroUsize,
-    /// The paper's Figure 15 only: bare factorizations by Gauss elimination and by QR; else it follows tie and mortar
-    #[arg(long, conflicts_with_all = ["method", "memory"])]
-    pub figure_15: bool,
-    /// Seconds after which a method is given up; where more are foreseen from a smaller system it runs in a process of its own
-    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
-    pub limit: f64,
-    /// The same for other libraries, which are not tried where more are foreseen [default: that of --limit]
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    pub peer_limit: Option<f64>,
-    /// Only these families, such as tie; may be repeated
-    #[arg(long, value_name = "NAME")]
-    pub family: Vec<String>,
-    /// Only these methods, the first of which is what times are compared with; may be repeated
-    #[arg(long, value_name = "NAME")]
-    pub method: Vec<String>,
-    /// Measures memory too: every method once more in a process of its own (Linux)
-    #[arg(long)]
-    pub memory: bool,
-    /// One method on the system of this size, for the program itself
-    #[arg(long, hide = true, value_name = "SIZE")]
-    pub child: Option<String>,
-    /// With --child: all is measured, not memory alone
-    #[arg(long, hide = true, requires = "child")]
-    pub apart: bool,
-    /// No progress display
-    #[arg(long, short)]
-    pub quiet: bool,
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| "not a number; write it as 0.5 or 10".to_owned())?;
-    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("it must be more than 0".to_owned()) }
 }
 
 /// The model, and how to look at it.
@@ -211,7 +172,7 @@ pub struct ModelArgs {
     /// Equations to keep where others can be called dependent instead, such as 3,7,10-20 (rows counted from 1); of a deck also line 41,
     /// 5:3 (those that begin with this DOF), names of node sets; of a folder also labels of rows.txt
     #[arg(long, value_name = "LIST", value_parser = words)]
-    pub keep: Option<Words>,
+    pub keep: Option<WordList>,
     /// Solver of a deck whose behaviour counts: ccx, abaqus, nastran, mystran, optistruct or ansys [default: by the deck's format,
     /// ccx, nastran or ansys]
     #[arg(long, value_name = "NAME")]
@@ -271,12 +232,12 @@ pub enum BackendName {
 }
 
 impl ModelArgs {
-    /// The files that are named: no output replaces one of them.
+    /// The files named on the command line, which no output may replace.
     pub fn inputs(&self) -> Inputs {
         Inputs::of(case_files(&self.input, self.rhs.as_deref(), self.prescribed.as_deref()))
     }
 
-    /// As many threads as were asked for, or as run at a time: more only take memory.
+    /// The number of threads asked for, but not more than run at a time: further ones only take memory.
     pub fn threads(&self) -> Option<NonZeroUsize> {
         let most = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MAX);
         if let Some(asked) = self.threads.filter(|&asked| asked > most) {
@@ -301,8 +262,8 @@ impl ModelArgs {
     }
 
     /// Equations to keep.
-    pub fn wishes(&self) -> Wishes<'_> {
-        Wishes { keep: self.keep.as_ref(), ..Wishes::default() }
+    pub fn preferences(&self) -> PreferenceLists<'_> {
+        PreferenceLists { keep: self.keep.as_ref(), ..PreferenceLists::default() }
     }
 }
 
@@ -320,21 +281,21 @@ impl ReduceArgs {
     }
 
     /// Equations to keep, and DOFs as slaves or not.
-    pub fn wishes(&self) -> Wishes<'_> {
+    pub fn preferences(&self) -> PreferenceLists<'_> {
         let (prefer_slaves, avoid_slaves) = (self.prefer_slaves.as_ref(), self.avoid_slaves.as_ref());
-        Wishes { prefer_slaves, avoid_slaves, ..self.model.wishes() }
+        PreferenceLists { prefer_slaves, avoid_slaves, ..self.model.preferences() }
     }
 
     /// The load case; where they differ it has to be named.
-    pub fn choice(&self) -> Choice {
-        Choice::new(self.case.as_deref(), Choice::Any)
+    pub fn choice(&self) -> LoadCaseChoice {
+        LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::Any)
     }
 }
 
 impl CheckArgs {
     /// The load cases.
-    pub fn choice(&self) -> Choice {
-        Choice::new(self.case.as_deref(), Choice::All)
+    pub fn choice(&self) -> LoadCaseChoice {
+        LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::All)
     }
 }
 

@@ -8,8 +8,8 @@ use crate::args::{CheckArgs, Format};
 use crate::clean;
 use crate::diagnose::{Question, diagnose};
 use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::text::Outcome;
+use crate::report::Outcome;
+use crate::terminal::Progress;
 
 /// Prints the report; exit code 0, 1 or 4.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
@@ -22,18 +22,19 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         if file.as_os_str() == "-" {
             return Err(Failure::Input("-o -: leave it out, and the report goes to standard output".to_owned()));
         }
-        // A place that cannot be written to is better known before the work than after.
+        // Refuse an output that cannot be written before the work begins.
         drop(OneFile::at(file, args.model.inputs())?);
     }
     let progress = Progress::new(args.model.quiet);
-    let question = Question { options: args.model.options(), wishes: args.model.wishes(), choice: args.choice() };
+    let question =
+        Question { options: args.model.options(), preferences: args.model.preferences(), choice: args.choice() };
     let mut diagnosis = diagnose(&args.model, question, &progress)?;
     diagnosis.take_meaning();
     if args.exact {
         progress.stage("exact arithmetic");
         diagnosis.take_exact_rank()?;
     }
-    // Only the text gives advice; nobody else waits for a plan.
+    // Only the text report gives this advice, so only it pays for the plan.
     let obstacle = if args.model.format == Format::Text { clean::obstacle(&diagnosis) } else { None };
     let outcome = Outcome::Checked(obstacle.as_deref());
     match &args.output {

@@ -8,29 +8,31 @@ use qless_io::deck::clean::{self, CleanError, Plan, Reason};
 use qless_io::write::{Inputs, OneFile};
 
 use crate::args::CleanArgs;
-use crate::deck_input::Choice;
+use crate::deck_input::LoadCaseChoice;
 use crate::diagnose::{Diagnosis, Question, diagnose};
+use crate::exit_code;
 use crate::failure::{Failure, say};
-use crate::progress::Progress;
-use crate::text::Outcome;
+use crate::report::Outcome;
+use crate::terminal::Progress;
 
 /// Writes the deck and prints the report, or, for conflicting equations, prints the report only.
 pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     let (input, output) = (&args.model.input, &args.output);
-    // Known before the work, so said before the work.
+    // Refuse before the work begins.
     if output.as_os_str() == "-" {
         return Err(Failure::Input("-o -: a deck is not written to standard output; name a file".to_owned()));
     }
     drop(OneFile::at(output, Inputs::default())?);
     let progress = Progress::new(args.model.quiet);
-    let question = Question { options: args.model.options(), wishes: args.model.wishes(), choice: Choice::All };
+    let question =
+        Question { options: args.model.options(), preferences: args.model.preferences(), choice: LoadCaseChoice::All };
     let diagnosis = diagnose(&args.model, question, &progress)?;
     let Some(deck) = &diagnosis.deck else { return Err(no_deck(input)) };
     check_format(input, deck.deck.format(), output)?;
     if diagnosis.is_refused() {
         diagnosis.print(None, &Outcome::Refused, progress)?;
         say(format_args!("error: nothing was written to {}: see the report", output.display()));
-        return Ok(ExitCode::from(1));
+        return Ok(ExitCode::from(exit_code::REFUSED));
     }
     progress.stage("cleaning");
     let fail = |error: CleanError| Failure::Input(format!("{}: {error} (nothing was written)", input.display()));

@@ -1,4 +1,4 @@
-//! What stops a command: a message on standard error and the exit code 2 or 3.
+//! Errors that stop a command: a message on standard error and an exit code of [`exit_code`](crate::exit_code).
 
 use std::fmt;
 use std::io::{self, Write};
@@ -10,46 +10,46 @@ use qless::{AnalysisError, ConstraintSystem, OptionError, ReductionError};
 use qless_io::deck::Deck;
 use qless_io::{ReadError, WriteError};
 
-use crate::memory;
-use crate::text::name;
+use crate::wording;
+use crate::{exit_code, memory};
 
 /// Why a command could not be done.
 pub enum Failure {
-    /// The user can mend it: exit code 2.
+    /// The user can correct it.
     Input(String),
-    /// The machine cannot: exit code 3.
+    /// The machine lacks something: memory, threads, disk.
     Resource(String),
 }
 
 impl Failure {
-    /// Says it on standard error.
+    /// Writes the message to standard error and returns the exit code.
     pub fn tell(&self) -> ExitCode {
         let (Self::Input(message) | Self::Resource(message)) = self;
         say(format_args!("error: {message}"));
         self.code()
     }
 
-    /// What a shell sees.
+    /// The exit code.
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Self::Input(_) => 2,
-            Self::Resource(_) => 3,
+            Self::Input(_) => exit_code::INPUT,
+            Self::Resource(_) => exit_code::RESOURCE,
         })
     }
 
-    /// The library refused or failed; names the equation by its label and its row from 1.
+    /// An error of the analysis; the message names the equation by its label and its row from 1.
     pub fn of_analysis(error: AnalysisError, input: &Path, system: Option<&ConstraintSystem>) -> Self {
         match error {
             AnalysisError::Range { row } => Self::Input(format!(
                 "{}: {}: the right-hand side is too large for the coefficients (ratio beyond 1e308); \
                  rescale the equation",
                 input.display(),
-                system.map_or_else(|| format!("row {}", row + 1), |system| name::equation(system, row))
+                system.map_or_else(|| format!("row {}", row + 1), |system| wording::equation(system, row))
             )),
             AnalysisError::Subnormal { row } => Self::Input(format!(
                 "{}: {}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation",
                 input.display(),
-                system.map_or_else(|| format!("row {}", row + 1), |system| name::equation(system, row))
+                system.map_or_else(|| format!("row {}", row + 1), |system| wording::equation(system, row))
             )),
             AnalysisError::Option(OptionError::Preference { what, found, count }) => {
                 let (input, number) = (input.display(), found + 1);
@@ -71,7 +71,7 @@ impl Failure {
         }
     }
 
-    /// Something is wrong in a deck, or with what is asked of it.
+    /// An error in a deck, or in the options for it.
     pub fn of_deck(deck: &Deck, error: &dyn fmt::Display) -> Self {
         Self::Input(format!("{}: {error}", deck.model().files()[0].display()))
     }
@@ -84,13 +84,13 @@ impl Failure {
         }
     }
 
-    /// No pool of threads.
+    /// Threads could not be started.
     #[expect(clippy::needless_pass_by_value, reason = "for map_err")]
     pub fn of_threads(error: rayon::ThreadPoolBuildError) -> Self {
         Self::Resource(format!("no threads can be started: {error}"))
     }
 
-    /// No memory for something, with what was needed and what was allowed.
+    /// Out of memory; the message says what was needed and what was allowed.
     pub fn of_memory(message: &str) -> Self {
         Self::Resource(format!("{message}: {}", memory::refusal()))
     }
@@ -103,7 +103,7 @@ impl Failure {
                 "{}: {}: the reduced form would leave {residual:.1e} of it where 1e-10 is allowed, so nothing was made; the \
                  equations are too nearly dependent: see what `qless check` says of them, and leave out what is nearly said twice",
                 input.display(),
-                name::equation(system, row)
+                wording::equation(system, row)
             )),
             ReductionError::Backend(error) => Self::of_backend(&error, input),
             error => Self::Input(format!("{}: {error}", input.display())),
@@ -112,13 +112,13 @@ impl Failure {
 
     /// A DOF would get a value beyond the range of doubles.
     pub fn of_overflow(input: &Path, dof: usize, label: &str) -> Self {
-        let (input, number, label) = (input.display(), dof + 1, name::label(label));
+        let (input, number, label) = (input.display(), dof + 1, wording::label(label));
         Self::Input(format!(
             "{input}: column {number} ({label}): the equations give it a value beyond 1e308; rescale them"
         ))
     }
 
-    /// A file could not be read; `kind` is what the system said, unless the content is at fault.
+    /// A file could not be read; `kind` is the system's error, or none if the content is at fault.
     pub fn of_reading(message: &str, kind: Option<io::ErrorKind>) -> Self {
         let advice = match kind {
             Some(io::ErrorKind::OutOfMemory) => return Self::of_memory(message),
@@ -159,7 +159,7 @@ impl From<WriteError> for Failure {
     }
 }
 
-/// A line on standard error; if even that cannot be written there is nobody to tell.
+/// Writes a line to standard error; an error of that cannot be reported anywhere.
 pub fn say(message: fmt::Arguments) {
     let _ = writeln!(io::stderr(), "{message}");
 }

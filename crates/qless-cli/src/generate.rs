@@ -10,9 +10,9 @@ use qless_scenes::{Scene, SceneError};
 use crate::args::Cli;
 use crate::failure::Failure;
 use crate::memory;
-use crate::progress::Progress;
 use crate::scenes::SceneArgs;
-use crate::stdout;
+use crate::terminal;
+use crate::terminal::Progress;
 
 /// Writes the scene to the folder and says what is known about it.
 pub fn run(args: &SceneArgs) -> Result<ExitCode, Failure> {
@@ -27,7 +27,7 @@ pub fn run(args: &SceneArgs) -> Result<ExitCode, Failure> {
     progress.stage("writing");
     write_case(folder, &scene.system)?;
     drop(progress);
-    stdout::write(|out| writeln!(out, "Wrote {}: {}", folder.display(), describe(&scene)))?;
+    terminal::write(|out| writeln!(out, "Wrote {}: {}", folder.display(), describe(&scene)))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -6,12 +6,15 @@
 //! | [`check`], [`reduce`], [`clean`], [`generate`], [`bench`] | the commands, one each |
 //! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
 //! | [`deck_input`] | the load cases of a deck, what was left out, what its solver refuses or drops |
-//! | [`wishes`] | equations and DOFs that the user lists, by numbers or names |
-//! | [`text`], [`json`], [`html`], [`vtu`] | the forms of the report |
+//! | [`preferences`] | equations and DOFs that the user lists, by numbers or names |
+//! | [`report`] | the report: text, JSON, HTML, VTU |
+//! | [`wording`] | how equations, DOFs and numbers are written in limited space |
+//! | [`terminal`] | standard output and the progress display |
 //! | [`signals`] | what `SIGTERM` and its like do |
 //! | [`memory`] | the limit on it, and the end of a run that gets none |
 //! | [`ranks`] | runs under `mpirun` |
-//! | [`failure`] | what can go wrong, in words, and its exit code |
+//! | [`failure`] | errors of the commands and their messages |
+//! | [`exit_code`] | all exit codes |
 
 mod args;
 mod bench;
@@ -19,22 +22,19 @@ mod check;
 mod clean;
 mod deck_input;
 mod diagnose;
+mod exit_code;
 mod failure;
 mod generate;
-mod html;
-mod json;
 mod memory;
-mod progress;
+mod preferences;
 mod ranks;
 mod reduce;
+mod report;
 mod scenes;
 #[cfg(unix)]
 mod signals;
-mod stdout;
-mod text;
-mod version;
-mod vtu;
-mod wishes;
+mod terminal;
+mod wording;
 
 use std::process::ExitCode;
 

@@ -13,19 +13,19 @@ use qless_io::WriteError;
 use qless_io::write::Output;
 
 use crate::args::ReduceArgs;
-use crate::diagnose::{Diagnosis, Question, Reduced, diagnose};
+use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::failure::{Failure, say};
-use crate::progress::Progress;
-use crate::text::Outcome;
+use crate::report::{Outcome, Reduced};
+use crate::terminal::Progress;
 
-/// What is written, besides factors.
+/// Files of every reduction; factors come in addition.
 pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
 
 /// Writes the files and prints the report, or, for conflicting or incomplete equations, prints the report only.
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     check_place(args)?;
     let progress = Progress::new(args.model.quiet);
-    let question = Question { options: args.options(), wishes: args.wishes(), choice: args.choice() };
+    let question = Question { options: args.options(), preferences: args.preferences(), choice: args.choice() };
     let diagnosis = diagnose(&args.model, question, &progress)?;
     if diagnosis.is_refused() || diagnosis.is_incomplete() {
         let way = if diagnosis.is_refused() { "" } else { ", or write what was read with --allow-incomplete" };
@@ -65,7 +65,7 @@ fn add(output: &mut Output, reduction: &Reduction, labels: &[String]) -> Result<
     output.indices("slaves.txt", reduction.slaves())?;
     output.indices("masters.txt", reduction.masters())?;
     output.indices("prescribed.txt", reduction.prescribed())?;
-    // Columns of a deck are nobody's numbers.
+    // A user does not know the column numbers of a deck.
     if !labels.is_empty() {
         output.file("cols.txt", |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))?;
     }
@@ -80,7 +80,7 @@ fn beyond_range(args: &ReduceArgs, number: usize) -> Failure {
     ))
 }
 
-/// Factors of an earlier run would be mistaken for new ones.
+/// Files of factors from an earlier run, which would be mistaken for new ones.
 fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
     match blocks::stale(folder, count) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -90,9 +90,9 @@ fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
     }
 }
 
-/// A place that cannot be written to, or where something would be lost, is better known before the work than after.
+/// Refuses an output folder that cannot be written, or whose files would be lost, before the work begins.
 fn check_place(args: &ReduceArgs) -> Result<(), Failure> {
-    // The prescribed.txt of a reduction is not that of a case, whichever it is: never write one over the other.
+    // The prescribed.txt of a reduction and that of a case differ in meaning: never overwrite one by the other.
     if args.output.join("C.mtx").symlink_metadata().is_ok() {
         return Err(Failure::Input(format!(
             "{}: the folder holds a case (C.mtx) with its own prescribed.txt, which would be overwritten; name another folder with -o",

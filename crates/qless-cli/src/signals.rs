@@ -1,7 +1,7 @@
 //! Ends by a signal: `SIGTERM`, `SIGINT` and `SIGHUP` leave no temporary folder behind, and no set of files half in place.
 //!
-//! What is being put in place is finished; then the program ends by that signal, so that a shell sees 128 and its number. A signal that
-//! whoever started the program had ignored, as `nohup` does, stays ignored.
+//! Files that are being put in place are finished; then the program ends by that signal, so that a shell sees 128 plus its number. A
+//! signal that was ignored when the program started, as `nohup` does, stays ignored.
 
 use std::io;
 
@@ -12,7 +12,7 @@ use signal_hook::low_level::emulate_default_handler;
 /// Starts the thread that waits for signals.
 ///
 /// # Errors
-/// That of the system, which gives no thread or no pipe.
+/// The system gives no thread or no pipe.
 pub fn watch() -> io::Result<()> {
     let heeded = [SIGTERM, SIGINT, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
     let mut signals = Signals::new(heeded)?;

@@ -1,18 +1,18 @@
-//! `sum x_i`, rounded once, of numbers that are spread over ranks.
+//! The exact sum of numbers that are spread over ranks, rounded once.
 //!
-//! Any double is a whole number of 2^-1074, of 2098 bits at most. Such numbers are added without rounding in digits of 32 bits, each in
-//! a word of 64, so that carries may wait; the digits of all ranks are added as whole numbers, and the result is rounded once. So it
-//! depends on nothing but the numbers (Kulisch, Computer Arithmetic and Validity, 2013).
+//! Any double is an integer multiple of 2^-1074, of at most 2098 bits. Such integers are added without rounding, in digits of 32 bits
+//! each stored in a word of 64 bits, so that carries can be deferred. The digits of all ranks are added as integers, and the result is
+//! rounded once: it depends only on the numbers (Kulisch, Computer Arithmetic and Validity, 2013).
 
 use crate::ranks::Ranks;
 
 /// Bits of a digit.
 const BITS: usize = 32;
-/// 2098 bits of a number, 64 for the carries of many, and a digit that holds the sign.
+/// Digits for the 2098 bits of a number, 64 bits for carries, and the sign.
 const DIGITS: usize = 69;
-/// After so many numbers carries are moved on: each adds less than 2^32 to a digit, which holds 2^31 of them.
+/// Additions after which carries are propagated. Each adds less than 2^32 to a digit, so a digit could hold 2^31 of them.
 const PATIENCE: u32 = 1 << 16;
-/// Makes the highest digit positive while ranks are added: it is a carry, of few bits.
+/// Added to the highest digit, which is a small signed carry, so that it is positive while the ranks are summed.
 const LIFT: u64 = 1 << 40;
 
 /// The sum of the numbers of all ranks, rounded to the nearest double. The same bits on all ranks, whatever rank has which numbers, in
@@ -27,29 +27,29 @@ const LIFT: u64 = 1 << 40;
 /// assert_eq!(together(4, |ranks| exact_sum(ranks, [numbers[ranks.rank()]])), [1.0; 4]);
 /// ```
 pub fn exact_sum(ranks: &dyn Ranks, numbers: impl IntoIterator<Item = f64>) -> f64 {
-    let mut own = Exact::default();
+    let mut own = ExactSum::default();
     numbers.into_iter().for_each(|number| own.add(number));
     let mut words = own.into_words();
     ranks.sum(&mut words);
-    Exact::of_words(&words, ranks.size()).rounded()
+    ExactSum::of_words(&words, ranks.size()).rounded()
 }
 
-struct Exact {
-    /// Ascending.
+struct ExactSum {
+    /// The least significant digit comes first.
     digits: [i64; DIGITS],
-    /// Since carries were moved on.
+    /// Additions since carries were last propagated.
     added: u32,
-    /// How many were infinity, minus infinity, and NaN.
+    /// Numbers of infinities, negative infinities and NaNs.
     others: [u64; 3],
 }
 
-impl Default for Exact {
+impl Default for ExactSum {
     fn default() -> Self {
         Self { digits: [0; DIGITS], added: 0, others: [0; 3] }
     }
 }
 
-impl Exact {
+impl ExactSum {
     fn add(&mut self, number: f64) {
         if !number.is_finite() {
             self.others[if number.is_nan() { 2 } else { usize::from(number < 0.0) }] += 1;
@@ -71,7 +71,7 @@ impl Exact {
         }
     }
 
-    /// Brings all digits but the highest, which has the sign, to 0 to 2^32 (excluded).
+    /// Propagates the carries: all digits but the highest, which has the sign, get into 0 to 2^32 (excluded).
     fn carry(&mut self) {
         let mut carry = 0;
         for digit in &mut self.digits[..DIGITS - 1] {
@@ -92,7 +92,7 @@ impl Exact {
         words
     }
 
-    /// Of words that were summed over so many ranks.
+    /// The sum from words that were summed over this number of ranks.
     fn of_words(words: &[u64], ranks: usize) -> Self {
         let mut sum = Self::default();
         sum.digits.iter_mut().zip(words).for_each(|(digit, &word)| *digit = word as i64);
@@ -115,7 +115,7 @@ impl Exact {
             self.carry();
         }
         let Some(top) = self.digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
-        // Three digits have at least 65 bits, more than a double; the last says whether anything stands below.
+        // The three leading digits have at least 65 bits, more than a double. The lowest bit records whether any lower digit is nonzero.
         let first = top.saturating_sub(2);
         let mut leading = self.digits[first..=top].iter().rev().fold(0, |sum: u128, &d| sum << BITS | d as u128);
         leading |= u128::from(self.digits[..first].iter().any(|&digit| digit != 0));
@@ -123,7 +123,7 @@ impl Exact {
     }
 }
 
-/// `x 2^(shift - 1074)`, exact: where it could round, x has few digits.
+/// `x 2^(shift - 1074)`; exact, since x has few digits whenever the result could be subnormal.
 fn scaled(x: f64, shift: i32) -> f64 {
     let power = |exponent: i32| f64::from_bits(((exponent + 1023) as u64) << 52);
     let mut left = shift - 1074;

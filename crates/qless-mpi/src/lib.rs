@@ -1,10 +1,11 @@
 //! Constraints `C u = b` of models that are spread over ranks: redundant and conflicting equations, and
 //! `u_s = T u_q + G u_p + g` on the DOFs that each rank asks for.
 //!
-//! What comes out is what [`qless::analyse`] and [`qless::Analysis::reduction`] say of all equations on one machine, to the last bit,
-//! whoever holds which equation. The way of the data: [`Share`] (what a rank gives), `parts` (the owners of DOFs, components across
-//! ranks), `deal` (what is solved where it stands, what goes where), `solve` (the serial library, results home), [`Analysis`], [`DistributedElimination`].
-//! Everything speaks through [`Ranks`]: `World` on MPI with the feature `mpi`, [`together`] within one process.
+//! The result equals that of [`qless::analyse`] and [`qless::Analysis::reduction`] for all equations on one machine, to the last bit,
+//! whichever rank holds which equation. The stages, in order: [`Share`] (the input of a rank), `parts` (owners of DOFs, components across
+//! ranks), `distribute` (which rank analyses which equations), `solve` (the serial library on each rank, results returned), [`Analysis`],
+//! [`DistributedElimination`]. All communication goes through [`Ranks`]: `World` on MPI with the feature `mpi`, [`together`] within one
+//! process.
 //!
 //! ```
 //! use qless::{Kind, Options};
@@ -20,23 +21,23 @@
 //! ```
 
 mod analysis;
-mod deal;
+mod distribute;
+mod elimination;
 mod error;
 mod exact;
 #[cfg(feature = "files")]
 mod files;
-mod map;
 mod parts;
 mod ranks;
 mod share;
 mod solve;
 
 pub use analysis::{Analysis, CertificateTerm, Counts, Dealt, Dependent, Term, analyse};
+pub use elimination::DistributedElimination;
 pub use error::{Error, Said, Spoken, agree};
 pub use exact::exact_sum;
 #[cfg(feature = "files")]
 pub use files::{Case, CaseError, Equation, Facts, Found, read_case};
-pub use map::DistributedElimination;
 pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 #[cfg(feature = "mpi")]
 pub use ranks::{World, WorldError};

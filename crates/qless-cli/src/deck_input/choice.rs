@@ -7,9 +7,9 @@ use qless_io::deck::{LoadCase, Model};
 /// Load cases named in a message at most.
 const NAMED: usize = 20;
 
-/// What the user asks for.
+/// The load cases that the user chooses.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Choice {
+pub enum LoadCaseChoice {
     /// Each load case.
     All,
     /// One, which the user has to name where load cases differ.
@@ -22,26 +22,26 @@ pub enum Choice {
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ChoiceError {
     #[error("its {} load cases constrain differently: name one with --case ({list})", list.0.len())]
-    Differ { list: Names },
+    Differ { list: LoadCaseNames },
     #[error("--case {name}: there is no such load case; there are {list}")]
-    Unknown { name: String, list: Names },
+    Unknown { name: String, list: LoadCaseNames },
     #[error("--case {name}: that is several load cases ({list}); give the whole name of one")]
-    Several { name: String, list: Names },
+    Several { name: String, list: LoadCaseNames },
 }
 
-/// Names of load cases.
+/// LoadCaseNames of load cases.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Names(Vec<String>);
+pub struct LoadCaseNames(Vec<String>);
 
-impl fmt::Display for Names {
+impl fmt::Display for LoadCaseNames {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0[..self.0.len().min(NAMED)].join(", "))?;
         if self.0.len() > NAMED { write!(f, " and {} more", self.0.len() - NAMED) } else { Ok(()) }
     }
 }
 
-impl Choice {
-    /// What `--case` says; `standard` where it is not given.
+impl LoadCaseChoice {
+    /// The choice of `--case`, or `standard` without that option.
     pub fn new(text: Option<&str>, standard: Self) -> Self {
         match text {
             None => standard,
@@ -68,8 +68,8 @@ impl Choice {
     }
 }
 
-fn names<'a>(cases: impl Iterator<Item = &'a LoadCase>) -> Names {
-    Names(cases.map(|case| case.name.clone()).collect())
+fn names<'a>(cases: impl Iterator<Item = &'a LoadCase>) -> LoadCaseNames {
+    LoadCaseNames(cases.map(|case| case.name.clone()).collect())
 }
 
 /// By its whole name, or else by the number that its name ends in.

@@ -1,4 +1,4 @@
-//! What a solver does where two cards claim one DOF.
+//! The behaviour of a solver if two cards claim one DOF.
 
 use qless_io::deck::clean::{EquationFault, Finding, findings};
 use qless_io::deck::{Deck, LoadCase, Model, Outcome, Prescribed};

@@ -1,4 +1,4 @@
-//! What is found in one load case.
+//! The analysis of one load case.
 
 use qless::report::{Counts, DependentEquation};
 use qless::{Analysis, ConstraintSystem, Kind, Report, Status};
@@ -16,7 +16,7 @@ pub struct Examined {
     course: Option<u32>,
 }
 
-/// What stays of it.
+/// The part of the analysis of a load case that is kept for the report.
 pub struct Found {
     /// Without what was left out of the deck.
     pub status: Status,
@@ -49,7 +49,7 @@ impl Found {
         }
     }
 
-    /// How bad it is: conflicts weigh more than redundancies, and these more than what the solver refuses, goes wrong with or drops.
+    /// Severity, for lexicographic comparison: conflicts, redundancies, claims that the solver refuses, handles unsoundly, or drops.
     pub fn badness(&self) -> [usize; 5] {
         let Claims { refused, ignored, unsound, .. } = &self.solver;
         [self.counts.conflicting, self.counts.redundant, refused.len(), unsound.len(), ignored.len()]
@@ -68,7 +68,7 @@ pub fn examine(deck: &Deck, case: &LoadCase, run: Run) -> Result<Examined, Failu
     let system = model.system(case).map_err(refused)?;
     let analysis = run(&system, (deck, case))?;
     let courses = model.courses_of(case);
-    // What is independent is consistent with every right-hand side.
+    // Independent equations are consistent with every right-hand side.
     if courses.len() > 1 && analysis.dependent().iter().all(|dependent| dependent.kind == Kind::Redundant) {
         for course in courses.into_iter().filter(|_| !analysis.dependent().is_empty()) {
             let system = model.system_of_course(case, course).map_err(refused)?;

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use qless::{Analysis, ConstraintSystem};
 use qless_io::deck::{Deck, LoadCase};
 
-pub use choice::Choice;
+pub use choice::LoadCaseChoice;
 use claims::Claims;
 use found::{Examined, Found, examine};
 pub use report::DeckReport;
@@ -28,7 +28,7 @@ pub struct DeckInput {
     pub case: usize,
     /// The load cases that were looked at, in the deck's order.
     cases: Vec<Case>,
-    /// What was found in those that differ.
+    /// The results of load cases that constrain differently.
     found: Vec<Found>,
 }
 
@@ -36,7 +36,7 @@ pub struct DeckInput {
 struct Case {
     /// Its number in the model, from 0.
     number: usize,
-    /// What was found, which is the same in load cases that constrain the same.
+    /// Index of its result, which load cases that constrain the same share.
     found: usize,
 }
 
@@ -47,7 +47,7 @@ impl DeckInput {
     /// Analyses the load cases that were chosen and keeps the worst; certificates of all of them have at most `terms` terms.
     pub fn analyse(
         deck: Deck,
-        choice: &Choice,
+        choice: &LoadCaseChoice,
         terms: usize,
         run: Run,
     ) -> Result<(ConstraintSystem, Analysis, Self), Failure> {
@@ -76,20 +76,20 @@ impl DeckInput {
         Ok((system, analysis, Self { deck, case, cases, found }))
     }
 
-    /// What was found in the load case that the report is about.
+    /// The result of the load case that the report is about.
     fn shown(&self) -> &Found {
         let case = self.cases.iter().find(|case| case.number == self.case);
         &self.found[case.map_or(0, |case| case.found)]
     }
 
-    /// What the solver does where cards claim one DOF in any load case.
+    /// The claims of all load cases.
     pub fn claims(&self) -> Claims {
         let mut claims = Claims::default();
         self.found.iter().for_each(|found| claims.unite(&found.solver));
         claims
     }
 
-    /// Whether the solver stops, or goes wrong, over what it finds in any load case.
+    /// Whether the solver stops or goes wrong in any load case.
     pub fn needs_cleaning(&self) -> bool {
         self.found.iter().any(|found| !found.solver.refused.is_empty() || !found.solver.unsound.is_empty())
     }
@@ -104,12 +104,12 @@ impl DeckInput {
         all.len()
     }
 
-    /// What constrains and was not read, each with its place.
+    /// Constraints that were not read, each with its place in the deck.
     pub fn left_out(&self) -> Vec<String> {
         self.deck.model().left_out().map(|warning| self.place(warning)).collect()
     }
 
-    /// Says on standard error what was not understood; what was left out stands in the report.
+    /// Writes warnings to standard error; the report lists the constraints that were left out.
     pub fn warn(&self) {
         let warnings: Vec<_> = self.deck.model().warnings().iter().filter(|warning| !warning.leaves_out).collect();
         warnings.iter().take(SHOWN).for_each(|warning| say(format_args!("warning: {}", self.place(warning))));

@@ -1,4 +1,4 @@
-//! What JSON and the page say of a deck beyond the report.
+//! The keys of JSON and of the page that only decks have.
 
 use qless::report::{Counts, DependentEquation};
 use qless::{Analysis, Status};

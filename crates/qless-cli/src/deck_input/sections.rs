@@ -1,11 +1,11 @@
-//! What the report for people says of a deck.
+//! The sections of the text report that only decks have.
 
 use qless::Analysis;
 use qless_io::deck::{Dof, Load};
 
 use super::DeckInput;
 use super::claims::Ignored;
-use crate::text::Section;
+use crate::wording::layout::Section;
 
 impl DeckInput {
     /// In the order of their weight.

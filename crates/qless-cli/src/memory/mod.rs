@@ -9,7 +9,7 @@
 //!    limit: the larger of the bytes handed out and of the resident pages, which also hold what C allocates, code and stacks. The
 //!    system refuses beyond `ulimit -v`. Either way the caller gets null and [`refusal`] keeps both numbers. Code that can go
 //!    on (`try_reserve`) returns an error, and [`crate::failure`] adds the numbers.
-//! 3. **What cannot go on ends in order.** Code that cannot go on calls `handle_alloc_error`, which aborts; [`last_words`] takes that signal,
+//! 3. **What cannot go on ends in order.** Code that cannot go on calls `handle_alloc_error`, which aborts; [`exit_report`] takes that signal,
 //!    says what was needed and what was allowed, removes staged files, and exits with 3. Nothing unwinds.
 //!
 //! | module | holds |
@@ -17,7 +17,7 @@
 //! | [`guard`] | the allocator: counts and refuses |
 //! | [`refusal`] | the numbers of a refusal, in words |
 //! | [`reserve`] | memory for what must not be cut off |
-//! | [`last_words`] | the end of a run that cannot go on |
+//! | [`exit_report`] | the end of a run that cannot go on |
 //! | [`threads`] | as many threads as there is address space for |
 //! | [`size`] | `8MiB` and how sizes are written |
 //! | [`system`] | what the operating system tells and is told |
@@ -25,18 +25,18 @@
 //!
 //! The counts cost nothing without `--memory`: [`Guard`] then looks at one number that no thread changes.
 
+mod exit_report;
 #[cfg(feature = "faults")]
 mod faults;
 mod guard;
-mod last_words;
 mod refusal;
 mod reserve;
 mod size;
 mod system;
 pub mod threads;
 
+pub use exit_report::on_out_of_memory;
 pub use guard::Guard;
-pub use last_words::on_out_of_memory;
 use refusal::Refusal;
 pub use size::{Size, parse};
 

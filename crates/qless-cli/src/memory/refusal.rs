@@ -1,4 +1,4 @@
-//! What was needed and what was allowed, of the largest allocation that was refused.
+//! The largest refused allocation: what was needed and what was allowed.
 
 use std::cell::Cell;
 use std::fmt;
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use super::size::Size;
 use super::system;
 
-/// Who refused.
+/// The limit that refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
     /// `--memory`.

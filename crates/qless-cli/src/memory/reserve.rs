@@ -12,11 +12,11 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 const SIZE: usize = 512 << 10;
 const ALIGN: usize = 16;
 
-/// Pages that nobody touches are none.
+/// Pages that are never touched take no memory.
 #[repr(align(16))]
 struct Room(UnsafeCell<[u8; SIZE]>);
 
-// SAFETY: parts that do not overlap are handed out, each to one owner; nobody refers to the whole.
+// SAFETY: disjoint parts are handed out, each to one owner, and the whole is never referenced.
 unsafe impl Sync for Room {}
 
 static ROOM: Room = Room(UnsafeCell::new([0; SIZE]));

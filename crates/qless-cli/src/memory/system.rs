@@ -1,4 +1,4 @@
-//! What the operating system tells of memory, and what it is told. Nothing here allocates.
+//! Calls of the operating system about memory. Nothing here allocates.
 
 #![allow(unsafe_code, reason = "calls of libc")]
 
@@ -49,7 +49,7 @@ fn system_number(name: libc::c_int) -> usize {
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const OWN_PAGES: libc::c_int = 256 << 10;
 
-/// What is freed goes back to the system at once, rather than when it pays: for a run with a limit, where resident pages count.
+/// Makes the allocator return freed memory to the system at once: a run with a limit counts resident pages.
 pub fn give_back_early() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: sets numbers of the allocator.
@@ -59,7 +59,7 @@ pub fn give_back_early() {
     }
 }
 
-/// One heap for all threads: each further one takes 64 MiB of address space, whatever is in it.
+/// Makes all threads share one heap: each further heap takes 64 MiB of address space even if it is empty.
 pub fn share_heap() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: sets a number of the allocator.
@@ -77,7 +77,7 @@ pub fn give_back() {
     }
 }
 
-/// Writes to standard error, whoever has it locked; what cannot be written is lost.
+/// Writes to standard error even if it is locked; errors are ignored.
 pub fn tell(mut text: &[u8]) {
     while !text.is_empty() {
         // SAFETY: the bytes are there; what is written is theirs.

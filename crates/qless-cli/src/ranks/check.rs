@@ -10,13 +10,13 @@ use qless_io::deck::Format as Language;
 use qless_io::write::OneFile;
 use qless_mpi::{Analysis, CaseError, Error, Ranks, analyse, read_case};
 
-use super::job::all;
+use super::all;
 use super::report::Findings;
-use crate::args::{CheckArgs, Deny, Format, ModelArgs};
+use crate::args::{CheckArgs, Deny, Format};
 use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::wishes::{Word, Words};
-use crate::{memory, stdout};
+use crate::preferences::{ListWord, WordList};
+use crate::terminal::Progress;
+use crate::{exit_code, memory, terminal};
 
 /// Collective; the exit code is the same on all ranks.
 pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, Failure> {
@@ -51,10 +51,10 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, Failure> {
     all(ranks, written)?;
     let counts = analysis.counts();
     let denied = model.deny == Some(Deny::Redundant) && counts.redundant > 0;
-    Ok(ExitCode::from(u8::from(counts.conflicting > 0 || denied)))
+    Ok(exit_code::of_diagnosis(counts.conflicting > 0 || denied, false))
 }
 
-/// What ranks cannot do, and where the report cannot be written.
+/// Refuses options that need one process, and an output that cannot be written.
 fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
     let model = &args.model;
     let input = model.input.display();
@@ -78,7 +78,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
     }
     model.options().backend.get(usize::MAX).map_err(|error| Failure::of_analysis(error.into(), &model.input, None))?;
     if let Some(file) = args.output.as_ref().filter(|_| is_first) {
-        // A place that cannot be written to is better known before the work than after.
+        // Refuse an output that cannot be written before the work begins.
         drop(OneFile::at(file, model.inputs())?);
     }
     Ok(())
@@ -86,7 +86,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
 
 fn write(args: &CheckArgs, bytes: &[u8]) -> Result<(), Failure> {
     match &args.output {
-        None => stdout::write(|out| out.write_all(bytes)),
+        None => terminal::write(|out| out.write_all(bytes)),
         Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(bytes)?),
     }
 }
@@ -113,11 +113,11 @@ fn of_analysis(error: Error, input: &Path) -> Failure {
     }
 }
 
-/// Equations to keep, by their numbers: no rank knows all labels.
-fn numbers(words: Option<&Words>) -> Result<Vec<usize>, Failure> {
-    let number = |word: &Word| match word {
-        Word::Numbers(range) => Ok(range.clone()),
-        Word::Name(name) => {
+/// Equations to keep, as row numbers from 0: no rank knows all labels.
+fn numbers(words: Option<&WordList>) -> Result<Vec<usize>, Failure> {
+    let number = |word: &ListWord| match word {
+        ListWord::Numbers(range) => Ok(range.clone()),
+        ListWord::Name(name) => {
             Err(Failure::Input(format!("--keep: `{name}`: several ranks know rows by their numbers only")))
         }
     };
@@ -125,7 +125,7 @@ fn numbers(words: Option<&Words>) -> Result<Vec<usize>, Failure> {
     Ok(ranges.into_iter().flatten().collect())
 }
 
-/// Equations to keep that are not there.
+/// Refuses numbers of equations to keep beyond the last equation.
 fn kept(options: &Options, count: usize, input: &Path) -> Result<(), Failure> {
     match options.preferences.equations.iter().find(|&&row| row >= count) {
         Some(&found) => {
@@ -141,9 +141,4 @@ fn finite(analysis: &Analysis, input: &Path) -> Result<(), Failure> {
         Some(&(dof, _)) => Err(Failure::of_overflow(input, dof as usize, &format!("DOF {}", dof + 1))),
         None => Ok(()),
     }
-}
-
-/// For the report's sake: what was asked for.
-pub(super) fn is_text(model: &ModelArgs) -> bool {
-    model.format == Format::Text
 }

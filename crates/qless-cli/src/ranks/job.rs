@@ -1,11 +1,11 @@
-//! The ranks of a job: what one of them cannot do none does, and all end with the same exit code.
+//! Runs the command on all ranks of an MPI job: a failure of one rank stops all, with the same exit code.
 
 use std::process::ExitCode;
 
 use clap::Parser;
-use qless_mpi::{Ranks, Said, World, agree};
+use qless_mpi::{Ranks, World};
 
-use super::{Job, check};
+use super::{Job, all, check};
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
 use crate::set_up;
@@ -22,13 +22,13 @@ impl Job {
             Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.end(&failure)),
             Err(error) => {
                 if self.rank == 0 {
-                    // If even that cannot be written there is nobody to tell.
+                    // An error of standard error cannot be reported anywhere.
                     let _ = error.print();
                 }
                 ExitCode::from(error.exit_code() as u8)
             }
         };
-        // Who ends with an error ends the job: after all has been said.
+        // A rank that exits with an error ends the job: wait until the first rank has written everything.
         world.sum(&mut [0]);
         ended
     }
@@ -49,16 +49,4 @@ fn run(world: &World, command: &Command) -> Result<ExitCode, Failure> {
     };
     all(world, set_up(command))?;
     check::run(world, args)
-}
-
-/// The result of this rank, or the failure of the first rank that has one; collective.
-pub(super) fn all<T>(ranks: &dyn Ranks, own: Result<T, Failure>) -> Result<T, Failure> {
-    let said = own.map_err(|failure| match failure {
-        Failure::Input(text) => Said { code: 2, text },
-        Failure::Resource(text) => Said { code: 3, text },
-    });
-    agree(ranks, said).map_err(|said| match said.code {
-        2 => Failure::Input(said.text),
-        _ => Failure::Resource(said.text),
-    })
 }

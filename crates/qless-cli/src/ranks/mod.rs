@@ -1,4 +1,4 @@
-//! Runs under `mpirun`: the ranks check one model together, and the first of them speaks.
+//! Runs under `mpirun`: the ranks check one model together, and the first of them reports.
 
 #[cfg(feature = "mpi")]
 mod check;
@@ -9,6 +9,12 @@ mod refuse;
 #[cfg(feature = "mpi")]
 mod report;
 
+#[cfg(feature = "mpi")]
+use qless_mpi::{Ranks, Said, agree};
+
+#[cfg(feature = "mpi")]
+use crate::{exit_code, failure::Failure};
+
 /// Several processes that `mpirun` has started.
 #[derive(Clone, Copy)]
 pub struct Job {
@@ -17,11 +23,24 @@ pub struct Job {
 }
 
 impl Job {
-    /// What OpenMPI, MPICH and their like tell the processes that they start; none for one process.
+    /// Reads the environment variables that OpenMPI and MPICH set; none if there is only one process.
     pub fn of_environment() -> Option<Self> {
         let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
         let told = [("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK")];
         let (size, rank) = told.iter().find_map(|(size, rank)| Some((number(size)?, number(rank)?)))?;
         (size > 1).then_some(Self { rank })
     }
+}
+
+/// The result of this rank, or the failure of the first rank that has one; collective.
+#[cfg(feature = "mpi")]
+fn all<T>(ranks: &dyn Ranks, own: Result<T, Failure>) -> Result<T, Failure> {
+    let said = own.map_err(|failure| match failure {
+        Failure::Input(text) => Said { code: exit_code::INPUT.into(), text },
+        Failure::Resource(text) => Said { code: exit_code::RESOURCE.into(), text },
+    });
+    agree(ranks, said).map_err(|said| match said.code {
+        code if code == u64::from(exit_code::INPUT) => Failure::Input(said.text),
+        _ => Failure::Resource(said.text),
+    })
 }

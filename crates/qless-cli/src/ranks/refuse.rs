@@ -1,4 +1,4 @@
-//! A program without MPI under `mpirun`: the same work done many times over, to the same files.
+//! Refuses to run under `mpirun` without MPI: every process would do the same work and write the same files.
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -9,11 +9,11 @@ use super::Job;
 use crate::args::Cli;
 use crate::failure::Failure;
 
-/// `mpirun` ends all processes when one ends with an error: the first must have spoken by then.
+/// `mpirun` ends all processes when one ends with an error: the other processes wait until the first has written its message.
 const PATIENCE: Duration = Duration::from_millis(500);
 
 impl Job {
-    /// Says why not, once; help and version are said as well.
+    /// Writes the reason once; help and version work as usual.
     pub fn run(self) -> ExitCode {
         let parsed = Cli::try_parse();
         if self.rank > 0 {
@@ -28,7 +28,7 @@ impl Job {
             )
             .tell(),
             Err(error) => {
-                // If even that cannot be written there is nobody to tell.
+                // An error of standard error cannot be reported anywhere.
                 let _ = error.print();
                 ExitCode::from(error.exit_code() as u8)
             }

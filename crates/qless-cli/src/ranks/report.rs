@@ -1,4 +1,4 @@
-//! The report of the first rank, in the forms of every report.
+//! The report of the first rank, as text or JSON.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,14 +12,13 @@ use qless::{CertificateTerm, Options, Report};
 use qless_io::chunk::find_labels;
 use qless_mpi::{Analysis, Case, Equation, Found};
 
-use super::check::is_text;
-use crate::args::ModelArgs;
+use crate::args::{Format, ModelArgs};
 use crate::failure::Failure;
-use crate::json;
-use crate::text::told::{Equations, Facts, Finding, Told};
-use crate::text::{self, Outcome};
+use crate::report::text::equation_list::{DependentRow, EquationList};
+use crate::report::{Outcome, json, text};
+use crate::wording::{EquationFacts, EquationLookup};
 
-/// What the ranks have found.
+/// The findings of all ranks.
 pub struct Findings<'a> {
     pub case: &'a Case,
     pub analysis: &'a Analysis,
@@ -28,21 +27,21 @@ pub struct Findings<'a> {
     pub ranks: usize,
 }
 
-/// What is known of the equations that the report names.
+/// Labels and facts of the equations in the report.
 struct Known<'a> {
     found: &'a Found,
     labels: BTreeMap<usize, String>,
 }
 
-impl Equations for Known<'_> {
+impl EquationLookup for Known<'_> {
     fn label(&self, row: usize) -> String {
         self.labels.get(&row).cloned().unwrap_or_else(|| format!("row {}", row + 1))
     }
 
-    fn facts(&self, row: usize) -> Facts {
+    fn facts(&self, row: usize) -> EquationFacts {
         let facts = self.found.facts[&(row as u64)];
         let (dofs, prescribed) = (facts.dofs as usize, facts.prescribed as usize);
-        Facts { rhs: facts.rhs, largest: facts.largest, dofs, prescribed }
+        EquationFacts { rhs: facts.rhs, largest: facts.largest, dofs, prescribed }
     }
 }
 
@@ -52,7 +51,7 @@ impl Findings<'_> {
         let rows: Vec<usize> = self.found.facts.keys().map(|&row| row as usize).collect();
         let known = Known { found: self.found, labels: labels(self.case.files().rows.as_deref(), &rows)? };
         let report = self.report(&known)?.with_timings(times.1, Duration::ZERO, times.0.elapsed());
-        if is_text(model) {
+        if model.format == Format::Text {
             return Ok(self.text(&known, &report, &model.input).into_bytes());
         }
         let mut bytes = Vec::new();
@@ -64,7 +63,7 @@ impl Findings<'_> {
         let because = |row: usize| {
             self.equation(row).and_then(|equation| equation.because.as_ref()).map_or_else(Vec::new, |b| terms(b))
         };
-        let finding = |equation: &Equation| Finding {
+        let finding = |equation: &Equation| DependentRow {
             row: equation.number as usize,
             kind: equation.kind,
             mismatch: equation.mismatch,
@@ -72,7 +71,7 @@ impl Findings<'_> {
             dropped: equation.dropped,
         };
         let dependent = self.found.dependent.iter().map(finding).collect();
-        let told = Told {
+        let list = EquationList {
             input,
             deck: None,
             tolerance: self.options.tolerance,
@@ -80,7 +79,7 @@ impl Findings<'_> {
             dependent,
             because: &because,
         };
-        text::whole(&told, report, &Outcome::Checked(None), &[], Vec::new())
+        text::whole(&list, report, &Outcome::Checked(None), &[], Vec::new())
     }
 
     fn equation(&self, row: usize) -> Option<&Equation> {

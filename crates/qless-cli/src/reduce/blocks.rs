@@ -9,7 +9,7 @@ use qless::reduction::{FactoredBlock, Parts};
 use qless_io::WriteError;
 use qless_io::write::Output;
 
-/// What is written of each, after its number.
+/// Names of the files of a block, after its number.
 const FILES: [&str; 9] =
     ["L.mtx", "U.mtx", "C_M.mtx", "C_p.mtx", "b.txt", "equations.txt", "slaves.txt", "masters.txt", "prescribed.txt"];
 

@@ -1,41 +1,47 @@
-//! One way through the stages: what may be solved where it stands, what is dealt out, what comes home.
+//! One attempt at the analysis: peel equations that a rank can solve alone, distribute and analyse the others, return the results.
 
 use qless::{Confidence, Options};
 
 use super::Dealt;
-use super::run::loads;
-use crate::deal::{Peel, balance, peel, travel};
+use crate::distribute::{Load, Peel, balance, exchange_equations, peel};
 use crate::error::{Error, agree};
-use crate::parts::{Component, Components, Known, Layout, NONE, Touched};
-use crate::ranks::{Post, Ranks, real};
-use crate::share::Rows;
-use crate::solve::{Findings, Lines, Slaves, Solved, Soundness, ask, send_home, substitute};
+use crate::parts::{Component, Components, KnownDofs, Layout, NONE, TouchedDofs};
+use crate::ranks::{Outbox, Ranks, real};
+use crate::share::ShareRows;
+use crate::solve::{
+    LocalAnalysis, ReductionRows, ReturnedResults, SlaveRows, Soundness, ask, return_results, substitute,
+};
 
-/// What does not change between attempts.
-pub(super) struct Job<'a> {
+/// The input of the analysis, which is the same in all attempts.
+pub(super) struct AttemptInput<'a> {
     pub ranks: &'a dyn Ranks,
     pub layout: &'a Layout,
-    pub rows: &'a Rows,
-    pub touched: &'a Touched,
-    pub known: &'a Known,
+    pub rows: &'a ShareRows,
+    pub touched: &'a TouchedDofs,
+    pub known: &'a KnownDofs,
     pub options: &'a Options,
 }
 
-/// What an attempt came to.
+/// The result of an attempt.
 pub(super) struct Attempt {
-    pub findings: Findings,
+    pub findings: ReturnedResults,
     pub confidence: Confidence,
     pub dealt: Dealt,
-    /// Parts of the whole that should not have been solved apart.
+    /// Parts in which no equation should have been peeled.
     pub troubled: Vec<bool>,
 }
 
-/// Bytes for each term of a component that is analysed, and for each equation: what the serial analysis takes at its peak where all is
-/// presolved; factorizations have limits of their own.
+/// Bytes of the serial analysis at its peak, for each term and each equation of a component, if presolve settles everything.
+/// Factorizations have limits of their own.
 const BYTES_OF_TERM: u64 = 60;
 const BYTES_OF_EQUATION: u64 = 200;
 
-impl Job<'_> {
+impl AttemptInput<'_> {
+    /// The input of each stage.
+    fn parts(&self) -> (&ShareRows, &TouchedDofs, &KnownDofs) {
+        (self.rows, self.touched, self.known)
+    }
+
     /// Collective.
     pub fn attempt(&self, whole: &Components, may_peel: &[bool]) -> Result<Attempt, Error> {
         let Self { ranks, layout, rows, touched, known, options } = *self;
@@ -50,21 +56,22 @@ impl Job<'_> {
         agree(ranks, self.fits(&components))?;
         let to = balance(ranks, &rest, &components);
         let dealt_to = |i: usize| (!gone[i]).then(|| to[rest.of_row[i] as usize] as usize);
-        // Cores, the rest of whose component is solved apart, by themselves: what is in doubt there says nothing of others.
+        // A core is the rest of a component after peeling. Cores are analysed separately, since their doubts do not concern the others.
         let is_core = |i: usize| may_peel[part(i)];
-        let cores = travel(ranks, self.parts(), |i| dealt_to(i).filter(|_| is_core(i)));
-        let others = travel(ranks, self.parts(), |i| dealt_to(i).filter(|_| !is_core(i)));
+        let cores = exchange_equations(ranks, self.parts(), |i| dealt_to(i).filter(|_| is_core(i)));
+        let others = exchange_equations(ranks, self.parts(), |i| dealt_to(i).filter(|_| !is_core(i)));
         let analysed = cores.rows.len() + others.rows.len();
-        let solve = |guests, options: &Options| {
-            Solved::new(guests, layout.owned(ranks.rank()), options).map_err(|failure| failure.on(ranks.rank()))
+        let solve = |assigned, options: &Options| {
+            LocalAnalysis::new(assigned, layout.owned(ranks.rank()), options)
+                .map_err(|failure| failure.on(ranks.rank()))
         };
-        // Units do not mix in the component of a core, whatever the part of it shows.
+        // The component of a core does not mix units, even if the core alone looks as if it did.
         let plain = Options { balance: false, ..options.clone() };
         let solved = solve(cores, &plain).and_then(|cores| Ok((cores, solve(others, options)?)));
         let (cores, others) = agree(ranks, solved)?;
         let mut troubled = self.unsound(cores.as_ref(), whole);
-        let solved: Vec<Solved> = cores.into_iter().chain(others).collect();
-        let mut findings = send_home(ranks, layout, &solved);
+        let solved: Vec<LocalAnalysis> = cores.into_iter().chain(others).collect();
+        let mut findings = return_results(ranks, layout, &solved);
         let confidence = self.confidence(&solved);
         findings.lines = findings.lines.sort();
         self.substitute(&peels, &mut findings, |i| troubled[part(i)] = true);
@@ -73,7 +80,7 @@ impl Job<'_> {
         Ok(Attempt { findings, confidence, dealt, troubled })
     }
 
-    /// What would have to be gathered; a component that one rank holds alone is there already.
+    /// Checks the memory of each component that must be gathered from several ranks.
     fn fits(&self, components: &[Component<2>]) -> Result<(), Error> {
         let (limit, own) = (self.options.memory as u64, self.ranks.rank());
         for [equations, terms] in components.iter().filter(|c| c.crosses(own)).map(|c| c.total) {
@@ -85,11 +92,11 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// The parts of which a core was found unsound by the rank that analysed it.
-    fn unsound(&self, cores: Option<&Solved>, whole: &Components) -> Vec<bool> {
-        let mut post = Post::default();
+    /// The local parts whose core was found unsound by the rank that analysed it.
+    fn unsound(&self, cores: Option<&LocalAnalysis>, whole: &Components) -> Vec<bool> {
+        let mut post = Outbox::default();
         if let Some(solved) = cores.filter(|solved| solved.soundness() == Soundness::Unsound) {
-            solved.guests.home.iter().for_each(|&(rank, place)| post.to(rank).push(place));
+            solved.assigned.source.iter().for_each(|&(rank, place)| post.to(rank).push(place));
         }
         let mut troubled = vec![false; whole.parts()];
         for message in post.send(self.ranks) {
@@ -98,8 +105,8 @@ impl Job<'_> {
         troubled
     }
 
-    /// Of all ranks together; `0 = b` is compared with the largest right-hand side of all.
-    fn confidence(&self, solved: &[Solved]) -> Confidence {
+    /// The confidence of all ranks together. The mismatch of an equation `0 = b` is compared with the largest right-hand side of the job.
+    fn confidence(&self, solved: &[LocalAnalysis]) -> Confidence {
         let bits = |x: f64| x.to_bits();
         let of = |pick: &dyn Fn(Confidence) -> f64, start: f64, with: fn(f64, f64) -> f64| {
             solved.iter().map(|solved| pick(solved.confidence())).fold(start, with)
@@ -112,8 +119,8 @@ impl Job<'_> {
         ];
         self.ranks.max(&mut most);
         let largest = real(most[2]);
-        let is_small = |solved: &Solved| {
-            let empty = |row: usize| solved.guests.rows.row(row).next().is_none();
+        let is_small = |solved: &LocalAnalysis| {
+            let empty = |row: usize| solved.assigned.rows.row(row).next().is_none();
             solved
                 .analysis
                 .dependent()
@@ -126,13 +133,14 @@ impl Job<'_> {
         Confidence::of(sigma_kept, sigma_dropped, doubts[0] == 1)
     }
 
-    /// Rows of the peeled equations, to the owners of their slaves; `troubled` hears of equations that should not have been.
-    fn substitute(&self, peels: &[Peel], findings: &mut Findings, mut troubled: impl FnMut(usize)) {
+    /// Computes the rows of T for the peeled equations and sends them to the owners of their slaves. Calls `troubled` with each
+    /// equation that should not have been peeled.
+    fn substitute(&self, peels: &[Peel], findings: &mut ReturnedResults, mut troubled: impl FnMut(usize)) {
         let Self { ranks, layout, rows, touched, known, options } = *self;
         let slaves = self.slaves_of(peels, &findings.lines);
         let own = layout.owned(ranks.rank());
-        let mut post = Post::default();
-        let mut line = Lines::default();
+        let mut post = Outbox::default();
+        let mut line = ReductionRows::default();
         let terms = |peel: &Peel| rows.values(peel.row()).len() - 1;
         findings.lines.reserve(peels.len(), peels.iter().map(terms).sum());
         for &peel in peels {
@@ -149,9 +157,9 @@ impl Job<'_> {
         post.send(ranks).iter().for_each(|message| findings.lines.read(&message.words));
     }
 
-    /// Rows of the slaves among the DOFs of peeled equations, and which by place. Slaves of peeled equations are in no other
-    /// equation: nobody asks for them.
-    fn slaves_of(&self, peels: &[Peel], own: &Lines) -> Slaves {
+    /// The rows of T of all slaves among the DOFs of peeled equations. The slave of a peeled equation is in no other equation, so no
+    /// rank needs its row.
+    fn slaves_of(&self, peels: &[Peel], own: &ReductionRows) -> SlaveRows {
         let Self { ranks, layout, rows, touched, known, .. } = *self;
         let mut wanted = vec![false; touched.dofs.len()];
         for peel in peels {
@@ -168,9 +176,19 @@ impl Job<'_> {
             }
         }
         let given = known.said.iter().map(|said| !said.is_free()).collect();
-        Slaves { lines, of_place, given }
+        SlaveRows { lines, of_place, given }
     }
 }
 
-/// As in the serial confidence.
+/// The same threshold as in the serial confidence.
 const SMALL_MISMATCH: f64 = 1e-6;
+
+/// Equations and terms of each part.
+fn loads(rows: &ShareRows, components: &Components) -> Vec<Load> {
+    let mut loads = vec![[0, 0]; components.parts()];
+    for (i, &part) in components.of_row.iter().enumerate().filter(|&(_, &part)| (part as usize) < components.parts()) {
+        loads[part as usize][0] += 1;
+        loads[part as usize][1] += (rows.starts[i + 1] - rows.starts[i]) as u64;
+    }
+    loads
+}

@@ -1,4 +1,4 @@
-//! What the ranks know of their equations and DOFs after the analysis.
+//! The result of the analysis on each rank.
 
 mod attempt;
 mod run;
@@ -6,7 +6,7 @@ mod run;
 use qless::{Confidence, Kind};
 
 use crate::parts::{Directory, Layout};
-use crate::solve::{GIVEN, Line, Lines};
+use crate::solve::{PRESCRIBED_BIT, ReductionRow, ReductionRows};
 
 pub use run::analyse;
 
@@ -48,17 +48,17 @@ pub struct Term {
     pub prescribed: bool,
 }
 
-/// How the work was dealt out to this rank.
+/// How the work was distributed to this rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Dealt {
-    /// Equations that were solved where they stand.
+    /// Equations that this rank solved alone, by a DOF of no other equation.
     pub peeled: usize,
     /// Equations that this rank analysed, of any rank.
     pub analysed: usize,
     /// Equations that left this rank to be analysed.
     pub sent: usize,
-    /// How often all of it was begun: again where what was solved apart should not have been.
+    /// Attempts at the analysis: another one follows if an equation should not have been solved alone.
     pub attempts: usize,
 }
 
@@ -74,8 +74,8 @@ pub struct Analysis {
     pub(crate) confidence: Confidence,
     pub(crate) counts: Counts,
     pub(crate) slaves: Vec<u64>,
-    pub(crate) lines: Lines,
-    pub(crate) needed: Lines,
+    pub(crate) lines: ReductionRows,
+    pub(crate) needed: ReductionRows,
     pub(crate) directory: Directory,
     pub(crate) dealt: Dealt,
 }
@@ -132,7 +132,7 @@ impl Analysis {
         self.counts
     }
 
-    /// How the work was dealt out to this rank.
+    /// How the work was distributed to this rank.
     pub fn dealt(&self) -> Dealt {
         self.dealt
     }
@@ -145,11 +145,15 @@ impl Analysis {
     /// `u_dof = sum value u_j + g` of a slave that this rank owns or needs: its terms, ascending, and g. None for other DOFs.
     pub fn row(&self, dof: u64) -> Option<(Vec<Term>, f64)> {
         let line = self.line(dof)?;
-        let term = |(&dof, &value): (&u64, &f64)| Term { dof: dof & !GIVEN, value, prescribed: dof & GIVEN != 0 };
+        let term = |(&dof, &value): (&u64, &f64)| Term {
+            dof: dof & !PRESCRIBED_BIT,
+            value,
+            prescribed: dof & PRESCRIBED_BIT != 0,
+        };
         Some((line.dofs.iter().zip(line.values).map(term).collect(), line.constant))
     }
 
-    pub(crate) fn line(&self, dof: u64) -> Option<Line<'_>> {
+    pub(crate) fn line(&self, dof: u64) -> Option<ReductionRow<'_>> {
         self.lines.find(dof).or_else(|| self.needed.find(dof))
     }
 
@@ -157,7 +161,7 @@ impl Analysis {
     pub fn ghosts(&self) -> Vec<u64> {
         let own = self.layout.owned(self.rank_of_job);
         let rows = self.lines.iter().chain(self.needed.iter());
-        let mut ghosts: Vec<u64> = rows.flat_map(|line| line.dofs.iter().map(|dof| dof & !GIVEN)).collect();
+        let mut ghosts: Vec<u64> = rows.flat_map(|line| line.dofs.iter().map(|dof| dof & !PRESCRIBED_BIT)).collect();
         ghosts.retain(|dof| !own.contains(dof));
         ghosts.sort_unstable();
         ghosts.dedup();

@@ -1,14 +1,14 @@
-//! The way of the data across ranks, stage by stage.
+//! The analysis across ranks, stage by stage.
 
 use qless::{Kind, OptionError, Options};
 
-use super::attempt::{Attempt, Job};
+use super::attempt::{Attempt, AttemptInput};
 use super::{Analysis, Counts};
-use crate::deal::{Load, Sizes, sizes};
+use crate::distribute::{Sizes, sizes};
 use crate::error::{Error, agree};
-use crate::parts::{Component, Components, Directory, Known, Layout, Touched};
+use crate::parts::{Component, Components, Directory, Layout, TouchedDofs};
 use crate::ranks::Ranks;
-use crate::share::{Rows, Share, check_numbers};
+use crate::share::{Share, check_numbers};
 use crate::solve::ask;
 
 /// Diagnoses the equations of all ranks and solves them for slaves. Collective: every rank gives its share and the same options, and
@@ -44,10 +44,10 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
     agree(ranks, check(ranks, &layout, share, options))?;
     let rows = &share.rows;
     agree(ranks, check_numbers(ranks, rows).map_err(Error::from))?;
-    let touched = Touched::by(rows, &share.owned);
+    let touched = TouchedDofs::by(rows, &share.owned);
     let (directory, known) = Directory::new(ranks, &layout, &touched, &share.prescribed);
     let directory = agree(ranks, directory.map_err(Error::from))?;
-    let job = Job { ranks, layout: &layout, rows, touched: &touched, known: &known, options };
+    let job = AttemptInput { ranks, layout: &layout, rows, touched: &touched, known: &known, options };
     let whole = Components::of(ranks, &layout, (rows, &touched, &known), |_| true);
     let mut may_peel = peelable(&job, &whole);
     let mut attempts = 0;
@@ -90,7 +90,7 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
     })
 }
 
-/// Whether all that this rank says is valid.
+/// Checks the share and the options of this rank.
 fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -> Result<(), Error> {
     let (rank, dofs) = (ranks.rank(), layout.dofs());
     options.validate()?;
@@ -105,8 +105,8 @@ fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -
     share.check(rank, dofs).map_err(Error::from)
 }
 
-/// The parts of components that cross ranks and in which equations may be solved where they stand.
-fn peelable(job: &Job, whole: &Components) -> Vec<bool> {
+/// The local parts in which equations may be peeled: their component crosses ranks and does not mix units.
+fn peelable(job: &AttemptInput, whole: &Components) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));
     let allowed = plain && options.preferences == qless::Preferences::default();
@@ -119,8 +119,7 @@ fn peelable(job: &Job, whole: &Components) -> Vec<bool> {
     told.into_iter().map(|word| word == 1).collect()
 }
 
-/// Takes the components of which an attempt says that nothing should be solved apart out of those in which it may be; whether there
-/// are any.
+/// Forbids peeling in the components in which the attempt should not have peeled. Returns whether there are any.
 fn withdraw(ranks: &dyn Ranks, whole: &Components, attempt: &Attempt, may_peel: &mut [bool]) -> bool {
     let own: Vec<[u64; 1]> = attempt.troubled.iter().map(|&troubled| [u64::from(troubled)]).collect();
     let mut any = [own.iter().map(|of| of[0]).sum()];
@@ -133,21 +132,4 @@ fn withdraw(ranks: &dyn Ranks, whole: &Components, attempt: &Attempt, may_peel: 
     let told = whole.tell(ranks, &components, &troubled);
     may_peel.iter_mut().zip(told).for_each(|(may, troubled)| *may &= troubled == 0);
     true
-}
-
-/// Equations and terms of each part.
-pub(super) fn loads(rows: &Rows, components: &Components) -> Vec<Load> {
-    let mut loads = vec![[0, 0]; components.parts()];
-    for (i, &part) in components.of_row.iter().enumerate().filter(|&(_, &part)| (part as usize) < components.parts()) {
-        loads[part as usize][0] += 1;
-        loads[part as usize][1] += (rows.starts[i + 1] - rows.starts[i]) as u64;
-    }
-    loads
-}
-
-impl Job<'_> {
-    /// What the stages ask for.
-    pub(super) fn parts(&self) -> (&Rows, &Touched, &Known) {
-        (self.rows, self.touched, self.known)
-    }
 }

@@ -1,4 +1,4 @@
-//! Why ranks have no analysis: all return the same error.
+//! The errors of an analysis across ranks: all ranks return the same error.
 
 mod words;
 
@@ -15,10 +15,10 @@ pub enum Error {
     /// A setting out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// What a rank gave is not valid.
+    /// The share of a rank is not valid.
     #[error(transparent)]
     Share(#[from] ShareError),
-    /// A component that no rank can take.
+    /// A component too large for the memory that one rank may use.
     #[error(
         "{equations} equations with {terms} terms are connected with one another, for which a rank needs about {bytes} bytes where \
          {limit} are allowed (Options::memory); allow more, or analyse them on a larger machine"
@@ -28,12 +28,12 @@ pub enum Error {
         equations: u64,
         /// Their terms.
         terms: u64,
-        /// Bytes that they take.
+        /// Bytes that their analysis needs.
         bytes: u64,
-        /// Bytes that may be taken.
+        /// Bytes that it may use.
         limit: u64,
     },
-    /// What the serial analysis says of the equations that a rank was dealt.
+    /// The serial analysis of the equations assigned to a rank failed.
     #[error("rank {rank}: {message}")]
     Failed {
         /// The rank.
@@ -52,13 +52,13 @@ pub enum Error {
 }
 
 impl Error {
-    /// An error of what a code does by itself on this rank, for [`agree`].
+    /// An error from the caller's own code on this rank, for [`agree`].
     pub fn of(ranks: &dyn Ranks, error: &dyn std::fmt::Display) -> Self {
         Failure::of(error).on(ranks.rank())
     }
 }
 
-/// What went wrong on one rank, until all know.
+/// An error on one rank that the other ranks do not know yet.
 #[derive(Debug)]
 pub(crate) struct Failure(String);
 
@@ -72,16 +72,16 @@ impl Failure {
     }
 }
 
-/// An error that ranks tell one another.
+/// An error that can be sent to other ranks.
 pub trait Spoken: Sized {
-    /// It in words; at least one.
+    /// The error as at least one word.
     fn to_words(&self) -> Vec<u64>;
 
-    /// What a rank has said.
+    /// The error that a rank has sent.
     fn from_words(words: &[u64]) -> Self;
 }
 
-/// A message and a number that goes with it: errors of a program, which has its own.
+/// A message with a code: an error of the program that calls this library.
 ///
 /// ```
 /// use qless_mpi::{Said, agree, together};
@@ -109,8 +109,9 @@ impl Spoken for Said {
     }
 }
 
-/// The result of this rank if no rank has an error, or the error of the first rank that has one: a rank that returns while others wait
-/// for it leaves them waiting for ever. Collective.
+/// The result of this rank if no rank has an error, else the error of the first rank with one. Collective.
+///
+/// Without it, a rank that returns with an error leaves the others waiting for ever.
 ///
 /// ```
 /// use qless_mpi::{Error, agree, together};

@@ -1,4 +1,4 @@
-//! Errors as words, to be told to all ranks.
+//! Errors as 64-bit words, to be sent to all ranks.
 
 use qless::OptionError;
 

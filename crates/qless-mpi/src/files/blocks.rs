@@ -1,17 +1,21 @@
-//! Numbers dealt to the ranks in blocks of equal size.
+//! Blocks of equal size: of row or column numbers, and of the bytes of a file.
 
 use std::ops::Range;
 
+use qless_io::part::{Count, File, Lines};
+
+use super::CaseError;
+use crate::error::agree;
 use crate::ranks::Ranks;
 
 /// `count` numbers, the k-th part of them for rank k.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Blocks {
+pub(super) struct NumberBlocks {
     count: u64,
     size: u64,
 }
 
-impl Blocks {
+impl NumberBlocks {
     pub fn new(ranks: &dyn Ranks, count: u64) -> Self {
         Self { count, size: ranks.size() as u64 }
     }
@@ -31,14 +35,48 @@ impl Blocks {
     }
 }
 
+/// Lines of this rank, and how many stand before them and in the whole file.
+pub(super) struct FilePiece {
+    pub lines: Lines,
+    pub before: Count,
+    pub total: Count,
+}
+
+impl FilePiece {
+    /// What lies behind `start`, dealt out; `head` is what stands before. Whoever sees other `facts` of the file sees another file.
+    /// Collective.
+    pub fn read(ranks: &dyn Ranks, file: &File, (start, head): (u64, Count), facts: &[u64]) -> Result<Self, CaseError> {
+        let facts = [&[file.len(), start], facts].concat();
+        let of_all = ranks.gather(&facts);
+        // Seen by all in the same way.
+        if of_all.chunks_exact(facts.len()).any(|of_rank| of_rank != &of_all[..facts.len()]) || start > file.len() {
+            return Err(CaseError::differs(file.path()));
+        }
+        let own = NumberBlocks::new(ranks, file.len() - start).of(ranks.rank());
+        let lines = agree(ranks, file.lines(start + own.start..start + own.end).map_err(CaseError::from))?;
+        let count = lines.count();
+        let counts = ranks.gather(&[count.lines as u64, count.items as u64]);
+        let mut before = head;
+        let mut total = head;
+        for (rank, count) in counts.chunks_exact(2).enumerate() {
+            let count = Count { lines: count[0] as usize, items: count[1] as usize };
+            total = total + count;
+            if rank < ranks.rank() {
+                before = before + count;
+            }
+        }
+        Ok(Self { lines, before, total })
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Blocks;
+    use super::NumberBlocks;
 
     #[test]
     fn each_number_has_the_holder_in_whose_block_it_is() {
         for (count, size) in (1..30).flat_map(|count| (1..12).map(move |size| (count, size))) {
-            let blocks = Blocks { count, size };
+            let blocks = NumberBlocks { count, size };
             let all: Vec<u64> = (0..size as usize).flat_map(|rank| blocks.of(rank)).collect();
             assert_eq!(all, (0..count).collect::<Vec<_>>());
             assert!(all.iter().all(|&number| blocks.of(blocks.holder(number)).contains(&number)), "{count} on {size}");

@@ -1,4 +1,4 @@
-//! What a report needs, on the first rank: of dependent equations only.
+//! The data for a report, gathered on the first rank: for dependent equations only.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,7 +6,7 @@ use qless::Kind;
 
 use super::Case;
 use crate::analysis::{Analysis, CertificateTerm};
-use crate::ranks::{Message, Post, Ranks, real};
+use crate::ranks::{Message, Outbox, Ranks, real};
 
 /// Of the whole, in numbers from 0; all lists ascend.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -101,7 +101,7 @@ impl Case {
 
     /// Brings the certificates that there is room for.
     fn certificates(&self, ranks: &dyn Ranks, analysis: &Analysis, dependent: &mut [Equation], terms: usize) {
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         let mut left = terms;
         for kind in [Kind::Conflicting, Kind::Redundant] {
             for equation in dependent.iter().filter(|equation| equation.kind == kind) {
@@ -112,7 +112,7 @@ impl Case {
             }
         }
         let first = self.rows.of(ranks.rank()).start;
-        let mut answers = Post::default();
+        let mut answers = Outbox::default();
         for number in post.send(ranks).iter().flat_map(|message| &message.words) {
             let place = analysis.dependent().binary_search_by_key(&((number - first) as usize), |d| d.equation);
             let because = place.map_or(&[][..], |place| &analysis.dependent()[place].because);
@@ -134,7 +134,7 @@ impl Case {
 
     /// What is to be said of these equations, asked by the first rank.
     fn facts(&self, ranks: &dyn Ranks, named: &BTreeSet<u64>) -> BTreeMap<u64, Facts> {
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         named.iter().for_each(|&number| post.to(self.rows.holder(number)).push(number));
         let first = self.rows.of(ranks.rank()).start;
         let asked: Vec<usize> = post
@@ -144,7 +144,7 @@ impl Case {
             .map(|number| (number - first) as usize)
             .collect();
         let prescribed = self.prescribed_in(ranks, &asked);
-        let mut answers = Post::default();
+        let mut answers = Outbox::default();
         for (&i, prescribed) in asked.iter().zip(prescribed) {
             let values = self.share.rows.values(i);
             let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -159,7 +159,7 @@ impl Case {
 
     /// How many DOFs of each of these equations are prescribed, as the ranks know that hold the DOFs.
     fn prescribed_in(&self, ranks: &dyn Ranks, equations: &[usize]) -> Vec<u64> {
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         let mut askers: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (k, &i) in equations.iter().enumerate() {
             for (dof, _) in self.share.rows.row(i) {
@@ -169,7 +169,7 @@ impl Case {
             }
         }
         let known: BTreeSet<u64> = self.share.prescribed.iter().map(|&(dof, _)| dof).collect();
-        let mut answers = Post::default();
+        let mut answers = Outbox::default();
         for Message { rank, words } in post.send(ranks) {
             answers.to(rank).extend(words.iter().map(|dof| u64::from(known.contains(dof))));
         }

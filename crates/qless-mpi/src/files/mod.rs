@@ -4,7 +4,6 @@
 mod blocks;
 mod error;
 mod found;
-mod piece;
 mod rows;
 #[cfg(test)]
 mod tests;
@@ -12,23 +11,22 @@ mod tests;
 use std::path::Path;
 
 use qless_io::ReadError;
-use qless_io::chunk::{self, CaseFiles, ChunkedFile, ChunkedMatrix, ChunkedRhs, PrescribedLine};
+use qless_io::part::{self, CaseFiles, File, Given, Matrix, RightHandSide};
 
 use crate::error::agree;
-use crate::ranks::{Post, Ranks, real};
+use crate::ranks::{Outbox, Ranks, real};
 use crate::share::Share;
-use blocks::Blocks;
+use blocks::{FilePiece, NumberBlocks};
 pub use error::CaseError;
 pub use found::{Equation, Facts, Found};
-use piece::Piece;
 
 /// A case, as one rank holds it: a block of rows, and the prescribed DOFs of a block of columns.
 #[derive(Debug)]
 pub struct Case {
     share: Share,
     files: CaseFiles,
-    rows: Blocks,
-    dofs: Blocks,
+    rows: NumberBlocks,
+    dofs: NumberBlocks,
     /// Rows, columns, coefficients that are not zero, prescribed DOFs of the whole.
     counts: [u64; 4],
 }
@@ -63,7 +61,7 @@ pub fn read_case(
     let files = agree(ranks, CaseFiles::find(path, rhs, prescribed).map_err(CaseError::from))?;
     let (matrix, entries) = read_matrix(ranks, &files.matrix)?;
     let (rows, dofs) = (matrix.rows() as u64, matrix.columns() as u64);
-    let (rows, dofs, counts) = (Blocks::new(ranks, rows), Blocks::new(ranks, dofs), [rows, dofs, 0, 0]);
+    let (rows, dofs, counts) = (NumberBlocks::new(ranks, rows), NumberBlocks::new(ranks, dofs), [rows, dofs, 0, 0]);
     let own = rows.of(ranks.rank());
     let entries = rows::deal(ranks, rows, entries);
     let values = match &files.rhs {
@@ -86,24 +84,24 @@ pub fn read_case(
     Ok(Case { share, files, rows, dofs, counts })
 }
 
-fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(ChunkedMatrix, Vec<rows::Given>), CaseError> {
-    let opened = ChunkedFile::open(path).and_then(|file| Ok((ChunkedMatrix::open(&file)?, file)));
+fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(Matrix, Vec<rows::Given>), CaseError> {
+    let opened = File::open(path).and_then(|file| Ok((Matrix::of(&file)?, file)));
     let (matrix, file) = agree(ranks, opened.map_err(CaseError::from))?;
     let facts = [matrix.rows() as u64, matrix.columns() as u64];
-    let piece = Piece::read(ranks, &file, (matrix.start(), matrix.before()), &facts)?;
+    let piece = FilePiece::read(ranks, &file, (matrix.start(), matrix.before()), &facts)?;
     let entries = agree(ranks, matrix.entries(&piece.lines, piece.before).map_err(CaseError::from))?;
     agree(ranks, matrix.check(&file, piece.total.items).map_err(CaseError::from))?;
     Ok((matrix, entries))
 }
 
 /// The right-hand sides of this rank's rows.
-fn read_rhs(ranks: &dyn Ranks, path: &Path, rows: Blocks, count: usize) -> Result<Vec<f64>, CaseError> {
-    let opened = ChunkedFile::open(path).and_then(|file| Ok((ChunkedRhs::open(&file, count)?, file)));
+fn read_rhs(ranks: &dyn Ranks, path: &Path, rows: NumberBlocks, count: usize) -> Result<Vec<f64>, CaseError> {
+    let opened = File::open(path).and_then(|file| Ok((RightHandSide::of(&file, count)?, file)));
     let (rhs, file) = agree(ranks, opened.map_err(CaseError::from))?;
-    let piece = Piece::read(ranks, &file, (rhs.start(), rhs.before()), &[])?;
+    let piece = FilePiece::read(ranks, &file, (rhs.start(), rhs.before()), &[])?;
     let numbers = agree(ranks, rhs.numbers(&piece.lines, piece.before).map_err(CaseError::from))?;
     agree(ranks, rhs.check(&file, piece.total.items).map_err(CaseError::from))?;
-    let mut post = Post::default();
+    let mut post = Outbox::default();
     for (row, number) in (piece.before.items as u64..).zip(numbers) {
         post.to(rows.holder(row)).push(number.to_bits());
     }
@@ -115,33 +113,33 @@ fn read_rhs(ranks: &dyn Ranks, path: &Path, rows: Blocks, count: usize) -> Resul
 fn read_prescribed(
     ranks: &dyn Ranks,
     path: &Path,
-    dofs: Blocks,
+    dofs: NumberBlocks,
     columns: usize,
 ) -> Result<Vec<(usize, f64)>, CaseError> {
-    let file = agree(ranks, ChunkedFile::open(path).map_err(CaseError::from))?;
-    let piece = Piece::read(ranks, &file, Default::default(), &[])?;
-    let given = agree(ranks, chunk::prescribed_lines(&piece.lines, piece.before, columns).map_err(CaseError::from))?;
-    let mut post = Post::default();
-    for PrescribedLine { column, value, line } in given {
+    let file = agree(ranks, File::open(path).map_err(CaseError::from))?;
+    let piece = FilePiece::read(ranks, &file, Default::default(), &[])?;
+    let given = agree(ranks, part::given(&piece.lines, piece.before, columns).map_err(CaseError::from))?;
+    let mut post = Outbox::default();
+    for Given { column, value, line } in given {
         let holder = dofs.holder(column as u64 - 1);
         post.to(holder).extend([column as u64, value.to_bits(), line as u64]);
     }
     let came = post.send(ranks);
     let words = came.iter().flat_map(|message| message.words.chunks_exact(3));
-    let given = words.map(|w| PrescribedLine { column: w[0] as usize, value: real(w[1]), line: w[2] as usize }).collect();
-    agree(ranks, chunk::merge_prescribed(path, given).map_err(CaseError::from))
+    let given = words.map(|w| Given { column: w[0] as usize, value: real(w[1]), line: w[2] as usize }).collect();
+    agree(ranks, part::unite(path, given).map_err(CaseError::from))
 }
 
-/// Sees that there is one label for each.
+/// Checks that there is one label for each row or column.
 fn count_labels(ranks: &dyn Ranks, path: Option<&Path>, expected: usize, each: &'static str) -> Result<(), CaseError> {
     let Some(path) = path else { return Ok(()) };
-    let file = agree(ranks, ChunkedFile::open(path).map_err(CaseError::from))?;
-    let piece = Piece::read(ranks, &file, Default::default(), &[])?;
+    let file = agree(ranks, File::open(path).map_err(CaseError::from))?;
+    let piece = FilePiece::read(ranks, &file, Default::default(), &[])?;
     let last = piece.lines.last_filled();
     let mut last = [if last > 0 { (piece.before.lines + last) as u64 } else { 0 }];
     ranks.max(&mut last);
     let counted: Result<(), ReadError> =
-        chunk::check_labels(path, (piece.total.lines, last[0] as usize), expected, each);
+        part::check_labels(path, (piece.total.lines, last[0] as usize), expected, each);
     agree(ranks, counted.map_err(CaseError::from))
 }
 

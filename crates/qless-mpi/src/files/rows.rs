@@ -1,12 +1,12 @@
-//! Entries to the ranks that hold their rows, and there to equations.
+//! Sends matrix entries to the ranks that hold their rows, and makes equations of them.
 
 use std::ops::Range;
 
 use qless_io::chunk::CaseFiles;
 
 use super::CaseError;
-use super::blocks::Blocks;
-use crate::ranks::{Post, Ranks, real};
+use super::blocks::NumberBlocks;
+use crate::ranks::{Outbox, Ranks, real};
 use crate::share::Share;
 
 /// An entry as the reader gives it.
@@ -16,8 +16,8 @@ pub(super) type Given = (usize, usize, f64);
 type Entry = (u64, u64, f64);
 
 /// Collective; the entries of this rank's rows, by row and in the order of the file.
-pub(super) fn deal(ranks: &dyn Ranks, rows: Blocks, entries: Vec<Given>) -> Vec<Entry> {
-    let mut post = Post::default();
+pub(super) fn deal(ranks: &dyn Ranks, rows: NumberBlocks, entries: Vec<Given>) -> Vec<Entry> {
+    let mut post = Outbox::default();
     for (row, dof, value) in entries {
         post.to(rows.holder(row as u64)).extend([row as u64, dof as u64, value.to_bits()]);
     }

@@ -1,15 +1,18 @@
-//! Components: equations that share free DOFs, found on each rank and joined across ranks by the owners of shared DOFs.
+//! Connected components across ranks. Each rank finds the parts of its own equations that share free DOFs; the owners of DOFs that
+//! several ranks use join those parts to components.
+
+use qless::common::DisjointSets;
 
 use super::labels::{number_of, rank_of, roots, vertex};
-use super::{Known, Layout, Touched};
-use crate::ranks::{Post, Ranks};
-use crate::share::Rows;
+use super::{KnownDofs, Layout, TouchedDofs};
+use crate::ranks::{Outbox, Ranks};
+use crate::share::ShareRows;
 
 /// The components of a rank's equations.
 pub(crate) struct Components {
-    /// The part of each row, numbered on this rank; [`NONE`] for rows that were left out.
+    /// The local part of each row; [`NONE`] for rows that were left out.
     pub of_row: Vec<u32>,
-    /// The part of each free DOF that rows kept, by place; [`NONE`] for others.
+    /// The local part of each free DOF of the included rows, by place; [`NONE`] for other DOFs.
     pub of_dof: Vec<u32>,
     /// The root of each part: parts of ranks with the same root are one component.
     root: Vec<u64>,
@@ -18,7 +21,7 @@ pub(crate) struct Components {
 /// No part.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// A component, as the rank of its root knows it.
+/// A component, on the rank that holds its root.
 pub(crate) struct Component<const K: usize> {
     /// The number of its root on this rank.
     pub root: usize,
@@ -29,16 +32,16 @@ pub(crate) struct Component<const K: usize> {
 }
 
 impl Components {
-    /// Of the rows for which `included` holds. Collective.
+    /// Finds the components of the rows for which `included` holds. Collective.
     pub fn of(
         ranks: &dyn Ranks,
         layout: &Layout,
-        (rows, touched, known): (&Rows, &Touched, &Known),
+        (rows, touched, known): (&ShareRows, &TouchedDofs, &KnownDofs),
         included: impl Fn(usize) -> bool,
     ) -> Self {
         let (of_row, of_dof, count) = parts(rows, touched, known, included);
         let named = touched.dofs.iter().zip(&of_dof).zip(&known.said);
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         for ((&dof, &part), _) in named.filter(|&((_, &part), said)| said.is_shared() && part != NONE) {
             post.to(layout.owner(dof)).extend([dof, u64::from(part)]);
         }
@@ -52,10 +55,10 @@ impl Components {
             let hub = of_dof[0].1;
             pairs.extend(of_dof[1..].iter().flat_map(|&(_, other)| [(hub, other), (other, hub)]));
         }
-        // Parts meet in many DOFs, as a rule.
+        // Two parts usually share many DOFs.
         pairs.sort_unstable();
         pairs.dedup();
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         pairs.into_iter().for_each(|(a, b)| post.to(rank_of(a)).extend([number_of(a) as u64, b]));
         let mut edges: Vec<(u32, u64)> = Vec::new();
         for message in post.send(ranks) {
@@ -71,7 +74,8 @@ impl Components {
         self.root.len()
     }
 
-    /// Puts together what is known of each part; the components whose roots are on this rank, ascending by root. Collective.
+    /// Combines the values of all parts of each component. Returns the components whose roots are on this rank, ascending by root.
+    /// Collective.
     pub fn total<const K: usize>(
         &self,
         ranks: &dyn Ranks,
@@ -80,7 +84,7 @@ impl Components {
     ) -> Vec<Component<K>> {
         let mut components = Vec::new();
         let mut index = vec![NONE; self.parts()];
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         for (part, (&root, of_part)) in self.root.iter().zip(own).enumerate() {
             if root == vertex(ranks.rank(), part) {
                 index[part] = components.len() as u32;
@@ -103,10 +107,10 @@ impl Components {
         components
     }
 
-    /// Tells each part a word that the rank of its root knows, in the order of the components. Collective.
+    /// Sends one word for each component from the rank of its root to all its parts. Returns the word of each local part. Collective.
     pub fn tell<const K: usize>(&self, ranks: &dyn Ranks, components: &[Component<K>], words: &[u64]) -> Vec<u64> {
         let mut told = vec![0; self.parts()];
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         for (component, &word) in components.iter().zip(words) {
             told[component.root] = word;
             component.others.iter().for_each(|&v| post.to(rank_of(v)).extend([number_of(v) as u64, word]));
@@ -127,19 +131,19 @@ impl<const K: usize> Component<K> {
 
 /// The part of each row and of each free DOF on this rank, and how many there are.
 fn parts(
-    rows: &Rows,
-    touched: &Touched,
-    known: &Known,
+    rows: &ShareRows,
+    touched: &TouchedDofs,
+    known: &KnownDofs,
     included: impl Fn(usize) -> bool,
 ) -> (Vec<u32>, Vec<u32>, usize) {
     let mut of_dof = vec![NONE; touched.dofs.len()];
-    let mut parent: Vec<u32> = (0..rows.len() as u32).collect();
+    let mut sets = DisjointSets::new(rows.len());
     let free = |i: usize| touched.row(rows, i).iter().map(|&j| j as usize).filter(|&j| known.said[j].is_free());
     for i in (0..rows.len()).filter(|&i| included(i)) {
         for j in free(i) {
             match of_dof[j] {
                 NONE => of_dof[j] = i as u32,
-                other => join(&mut parent, other, i as u32),
+                other => sets.join(other as usize, i),
             }
         }
     }
@@ -147,7 +151,7 @@ fn parts(
     let mut of_row = vec![NONE; rows.len()];
     let mut count = 0;
     for i in (0..rows.len()).filter(|&i| included(i)) {
-        let root = find(&mut parent, i as u32) as usize;
+        let root = sets.root(i);
         if number[root] == NONE {
             number[root] = count;
             count += 1;
@@ -156,17 +160,4 @@ fn parts(
     }
     of_dof.iter_mut().filter(|row| **row != NONE).for_each(|row| *row = of_row[*row as usize]);
     (of_row, of_dof, count as usize)
-}
-
-fn find(parent: &mut [u32], mut k: u32) -> u32 {
-    while parent[k as usize] != k {
-        parent[k as usize] = parent[parent[k as usize] as usize];
-        k = parent[k as usize];
-    }
-    k
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

@@ -1,25 +1,26 @@
-//! What the owner of a DOF knows of it, and tells those that use it: who else does, and whether it is prescribed.
+//! The owner of a DOF tells the ranks that use it whether other ranks use it too, and whether it is prescribed.
 //!
-//! Each rank names the DOFs that others own to their owners, 8 bytes each; the owners answer for those of which there is something to say.
+//! Each rank sends the DOFs that it uses and others own to their owners, 8 bytes each. An owner answers only for DOFs that are shared,
+//! prescribed or have a faint coefficient.
 
 use std::collections::BTreeMap;
 
-use super::{Layout, Touched};
-use crate::ranks::{Message, Post, Ranks, real};
+use super::{Layout, TouchedDofs};
+use crate::ranks::{Message, Outbox, Ranks, real};
 use crate::share::ShareError;
 
-/// Of the DOFs of a rank's equations, by place.
-pub(crate) struct Known {
-    pub said: Vec<Said>,
+/// Flags and prescribed values of the DOFs of a rank's equations, by place.
+pub(crate) struct KnownDofs {
+    pub said: Vec<DofFlags>,
     /// The values of those that are prescribed, by place.
     pub given: BTreeMap<u32, f64>,
 }
 
-/// What is said of a DOF.
+/// Flags of a DOF: shared, prescribed, faint.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Said(u8);
+pub(crate) struct DofFlags(u8);
 
-/// What a rank knows of the DOFs that it owns.
+/// The prescribed values of the DOFs that a rank owns.
 #[derive(Clone, Debug)]
 pub(crate) struct Directory {
     /// Values of the prescribed ones.
@@ -29,12 +30,12 @@ pub(crate) struct Directory {
 const SHARED: u8 = 1;
 const PRESCRIBED: u8 = 2;
 const FAINT: u8 = 4;
-/// What is said of a DOF takes this many bits below its place.
+/// The flags of a DOF take this many bits below its place in a word.
 const BITS: u32 = 3;
-/// Marks a DOF of which the same is said on the way to its owner.
+/// Marks a DOF with a faint coefficient in the message to its owner.
 const FAINT_DOF: u64 = 1 << 63;
 
-impl Said {
+impl DofFlags {
     /// Whether equations of other ranks name it too.
     pub fn is_shared(self) -> bool {
         self.0 & SHARED != 0
@@ -55,12 +56,12 @@ impl Directory {
     pub fn new(
         ranks: &dyn Ranks,
         layout: &Layout,
-        touched: &Touched,
+        touched: &TouchedDofs,
         prescribed: &[(u64, f64)],
-    ) -> (Result<Self, ShareError>, Known) {
+    ) -> (Result<Self, ShareError>, KnownDofs) {
         let values = prescriptions(ranks, layout, prescribed);
-        let mut known = Known::own(touched);
-        let mut post = Post::default();
+        let mut known = KnownDofs::own(touched);
+        let mut post = Outbox::default();
         let own = layout.owned(ranks.rank());
         for (&dof, column) in touched.dofs.iter().zip(&touched.columns).filter(|(dof, _)| !own.contains(dof)) {
             post.to(layout.owner(dof)).push(if column.is_faint { dof | FAINT_DOF } else { dof });
@@ -72,9 +73,9 @@ impl Directory {
         (values.map(|_| directory), known)
     }
 
-    /// What is told to each rank of the DOFs that it named: the place in its message and what there is to know, with the value. What
-    /// the others say of DOFs that this rank knows itself is noted.
-    fn answers(&self, came: &[Message], touched: &Touched, known: &mut Known) -> Post {
+    /// The answers to each rank: for each DOF with flags its position in the rank's message, the flags, and the prescribed value. Also
+    /// merges the flags that other ranks sent into those of this rank.
+    fn answers(&self, came: &[Message], touched: &TouchedDofs, known: &mut KnownDofs) -> Outbox {
         let mut said: BTreeMap<u64, u8> = BTreeMap::new();
         for &word in came.iter().flat_map(|message| &message.words) {
             let faint = if word & FAINT_DOF == 0 { 0 } else { FAINT };
@@ -93,7 +94,7 @@ impl Directory {
             }
             said.entry(*dof).and_modify(|bits| *bits |= PRESCRIBED);
         }
-        let mut answers = Post::default();
+        let mut answers = Outbox::default();
         for message in came {
             for (place, word) in message.words.iter().enumerate() {
                 let dof = word & !FAINT_DOF;
@@ -115,7 +116,7 @@ fn prescriptions(
     layout: &Layout,
     prescribed: &[(u64, f64)],
 ) -> Result<BTreeMap<u64, f64>, ShareError> {
-    let mut post = Post::default();
+    let mut post = Outbox::default();
     prescribed.iter().for_each(|&(dof, value)| post.to(layout.owner(dof)).extend([dof, value.to_bits()]));
     let mut values: BTreeMap<u64, f64> = BTreeMap::new();
     let came = post.send(ranks);
@@ -129,14 +130,14 @@ fn prescriptions(
     Ok(values)
 }
 
-impl Known {
-    /// What a rank knows by itself.
-    fn own(touched: &Touched) -> Self {
-        let said = touched.columns.iter().map(|column| Said(if column.is_faint { FAINT } else { 0 }));
+impl KnownDofs {
+    /// The flags that follow from the rank's own equations.
+    fn own(touched: &TouchedDofs) -> Self {
+        let said = touched.columns.iter().map(|column| DofFlags(if column.is_faint { FAINT } else { 0 }));
         Self { said: said.collect(), given: BTreeMap::new() }
     }
 
-    fn hear(&mut self, came: &[Message], touched: &Touched, layout: &Layout) {
+    fn hear(&mut self, came: &[Message], touched: &TouchedDofs, layout: &Layout) {
         for message in came {
             let first = touched.dofs.partition_point(|&dof| dof < layout.owned(message.rank).start);
             let mut words = message.words.iter();

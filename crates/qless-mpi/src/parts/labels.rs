@@ -1,19 +1,19 @@
-//! Connected components of a graph whose vertices are spread over ranks: labels that travel, with shortcuts.
+//! Connected components of a graph whose vertices are spread over ranks, by label propagation with pointer jumping.
 //!
 //! ```text
-//! repeat   each root hooks on to the neighbouring root that comes first in this round's order of chance
-//!          parents of parents, until all hang on a root                (pointer jumping)
+//! repeat   each root hooks on to the neighbouring root that comes first in this round's random order
+//!          parents become parents of parents, until all are roots      (pointer jumping)
 //! until    no edge joins two roots
 //! ```
 //!
 //! In each round at least half of the roots that have neighbours are expected to hook, whatever the graph, so that there are
-//! O(log V) rounds; the order of chance is a hash of root and round, the same on all ranks.
+//! O(log V) rounds. The random order is a hash of root and round, the same on all ranks.
 
 use std::collections::BTreeMap;
 
 use rustc_hash::FxHashMap;
 
-use crate::ranks::{Message, Post, Ranks};
+use crate::ranks::{Message, Outbox, Ranks};
 
 /// A vertex: the rank that holds it, and its number there.
 pub(crate) fn vertex(rank: usize, number: usize) -> u64 {
@@ -64,13 +64,13 @@ pub(crate) fn roots(ranks: &dyn Ranks, count: usize, mut edges: Vec<(u32, u64)>)
 }
 
 impl Forest<'_> {
-    /// The parents of vertices of other ranks, asked of those.
+    /// Asks other ranks for the parents of their vertices.
     fn parents_of(&self, vertices: impl Iterator<Item = u64>) -> FxHashMap<u64, u64> {
         let own = self.ranks.rank();
         let mut asked: Vec<u64> = vertices.filter(|&v| rank_of(v) != own).collect();
         asked.sort_unstable();
         asked.dedup();
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         asked.iter().for_each(|&v| post.to(rank_of(v)).push(v));
         let answer = |Message { rank, words }: Message| {
             let words = words.iter().map(|&v| self.parent[number_of(v)]).collect();
@@ -86,7 +86,7 @@ impl Forest<'_> {
         if rank_of(v) == self.ranks.rank() { self.parent[number_of(v)] } else { others[&v] }
     }
 
-    /// Roots hook on to the first of the roots next to them, if that comes before them.
+    /// Each root takes the first of its neighbouring roots as its parent, if that comes before it in the order of the round.
     fn hook(&mut self, joins: impl Iterator<Item = (u64, u64)>, round: u64) {
         let mut first: BTreeMap<u64, u64> = BTreeMap::new();
         for (root, other) in joins.filter(|&(a, b)| chance(b, round) < chance(a, round)) {
@@ -95,7 +95,7 @@ impl Forest<'_> {
                 *best = other;
             }
         }
-        let mut post = Post::default();
+        let mut post = Outbox::default();
         first.into_iter().for_each(|(root, other)| post.to(rank_of(root)).extend([root, other]));
         for message in post.send(self.ranks) {
             for pair in message.words.chunks_exact(2) {
@@ -107,7 +107,7 @@ impl Forest<'_> {
         }
     }
 
-    /// Every vertex hangs on its root.
+    /// Makes the root of every vertex its parent.
     fn shorten(&mut self) {
         loop {
             let parents = self.parents_of(self.parent.iter().copied());

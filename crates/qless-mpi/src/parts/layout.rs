@@ -1,18 +1,18 @@
-//! Who owns which DOF.
+//! Ownership of DOFs: each rank owns a contiguous range.
 
 use std::ops::Range;
 
 use crate::ranks::Ranks;
 use crate::share::ShareError;
 
-/// Where the range of each rank starts, and n.
+/// The start of each rank's range, and at the end n.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     starts: Vec<u64>,
 }
 
 impl Layout {
-    /// From the range of each rank. 16 bytes from each rank to each.
+    /// Gathers the range of each rank: 16 bytes from each rank to each.
     pub fn new(ranks: &dyn Ranks, owned: &Range<u64>) -> Result<Self, ShareError> {
         let all = ranks.gather(&[owned.start, owned.end]);
         let mut starts = vec![0];

@@ -1,4 +1,4 @@
-//! Which equations are connected, across ranks, without any rank seeing them all.
+//! Finds which equations are connected across ranks; no rank sees all equations.
 
 mod connected;
 mod directory;
@@ -7,6 +7,6 @@ mod layout;
 mod touched;
 
 pub(crate) use connected::{Component, Components, NONE};
-pub(crate) use directory::{Directory, Known};
+pub(crate) use directory::{Directory, KnownDofs};
 pub(crate) use layout::Layout;
-pub(crate) use touched::Touched;
+pub(crate) use touched::TouchedDofs;

@@ -1,25 +1,25 @@
-//! The DOFs of a rank's equations, numbered from 0, and how sizes lie in their columns.
+//! The DOFs of a rank's equations, numbered locally from 0, and the magnitudes in their columns.
 
 use std::ops::Range;
 
 use rustc_hash::FxHashMap;
 
-use crate::share::Rows;
+use crate::share::ShareRows;
 
 /// The DOFs, ascending, and the place among them of each term.
-pub(crate) struct Touched {
+pub(crate) struct TouchedDofs {
     pub dofs: Vec<u64>,
     pub places: Vec<u32>,
     /// By place.
-    pub columns: Vec<Column>,
+    pub columns: Vec<ColumnSizes>,
 }
 
 /// The coefficients of a DOF in the equations of a rank.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Column {
+pub(crate) struct ColumnSizes {
     /// How many there are.
     pub count: u32,
-    /// Whether all are small: it may be in another unit.
+    /// Whether all are small: the DOF may have another unit.
     pub is_small: bool,
     /// Whether one of them may be rounding of its equation.
     pub is_faint: bool,
@@ -29,12 +29,13 @@ pub(crate) struct Column {
 const SMALL: f64 = 1.0 / 512.0;
 /// ... and may be rounding.
 const FAINT: f64 = 1e-12;
-/// A range is worth a table if it has at most this many DOFs for each term: memory goes with the equations, whatever is owned.
+/// A range of DOFs gets a lookup table if it has at most this many DOFs for each term, so that memory grows with the equations and not
+/// with the owned range.
 const TABLE: u64 = 16;
 
-impl Touched {
-    /// DOFs of `near`, which most are, are found by a table, others by a hash.
-    pub fn by(rows: &Rows, near: &Range<u64>) -> Self {
+impl TouchedDofs {
+    /// Looks up DOFs of `near`, usually most of them, in a table, and the others in a hash map.
+    pub fn by(rows: &ShareRows, near: &Range<u64>) -> Self {
         let is_dense = near.end - near.start <= TABLE * (rows.dofs.len() as u64 + 64);
         let near = if is_dense { near.clone() } else { near.start..near.start };
         let mut table = vec![NONE; (near.end - near.start) as usize];
@@ -65,15 +66,15 @@ impl Touched {
     }
 
     /// Places of the terms of row i.
-    pub fn row<'a>(&'a self, rows: &Rows, i: usize) -> &'a [u32] {
+    pub fn row<'a>(&'a self, rows: &ShareRows, i: usize) -> &'a [u32] {
         &self.places[rows.starts[i]..rows.starts[i + 1]]
     }
 }
 
 const NONE: u32 = u32::MAX;
 
-fn columns(rows: &Rows, places: &[u32], count: usize) -> Vec<Column> {
-    let mut columns = vec![Column { count: 0, is_small: true, is_faint: false }; count];
+fn columns(rows: &ShareRows, places: &[u32], count: usize) -> Vec<ColumnSizes> {
+    let mut columns = vec![ColumnSizes { count: 0, is_small: true, is_faint: false }; count];
     for i in 0..rows.len() {
         let values = rows.values(i);
         let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));

@@ -1,10 +1,10 @@
-//! What a rank sends, counted.
+//! Counts the messages and bytes that a rank sends.
 
 use std::cell::Cell;
 
 use super::{Message, Ranks};
 
-/// What one rank has sent to others, and how often all have waited for one another.
+/// Messages and bytes of one rank, and its number of collective operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sent {
     /// Messages to other ranks.
@@ -25,12 +25,12 @@ pub struct Counted<'a, R: Ranks + ?Sized> {
 }
 
 impl<'a, R: Ranks + ?Sized> Counted<'a, R> {
-    /// Sent from zero.
+    /// Counts from zero.
     pub fn new(ranks: &'a R) -> Self {
         Self { ranks, sent: Cell::default() }
     }
 
-    /// What was sent so far.
+    /// The counts so far.
     pub fn sent(&self) -> Sent {
         self.sent.get()
     }
@@ -54,7 +54,7 @@ impl<'a, R: Ranks + ?Sized> Counted<'a, R> {
         self.count(sent.0, sent.1, self.sizes(came).1);
     }
 
-    /// Sums and their like travel along a tree: as many messages as it has levels.
+    /// Reductions are assumed to run along a tree: one message for each level.
     fn count_tree(&self, words: usize) {
         let levels = u64::from(self.size().next_power_of_two().trailing_zeros());
         self.count(levels, levels * 8 * words as u64, levels * 8 * words as u64);

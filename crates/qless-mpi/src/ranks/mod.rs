@@ -1,19 +1,17 @@
-//! What the ranks of a job say to one another: messages of 64-bit words, sums, nothing else.
+//! Communication between the ranks of a job: messages of 64-bit words, sums and maxima.
 //!
-//! Everything above is written against [`Ranks`], so that the same code runs on MPI (`World`, with the feature `mpi`), on one rank ([`Alone`]) and on
-//! many ranks within one process ([`together`]), where what is sent can be counted ([`Counted`]).
+//! All other modules use [`Ranks`] only, so that the same code runs on MPI (`World`, with the feature `mpi`), on one rank ([`Alone`])
+//! and on many ranks within one process ([`together`]), where the traffic can be counted ([`Counted`]).
 
-mod alone;
 mod counted;
-mod post;
-mod together;
+mod thread_comm;
 #[cfg(feature = "mpi")]
 mod world;
 
-pub use alone::Alone;
+use std::collections::BTreeMap;
+
 pub use counted::{Counted, Sent};
-pub(crate) use post::{Post, real};
-pub use together::together;
+pub use thread_comm::together;
 #[cfg(feature = "mpi")]
 pub use world::{World, WorldError};
 
@@ -22,7 +20,7 @@ pub use world::{World, WorldError};
 pub struct Message {
     /// The rank that gets it, or that sent it.
     pub rank: usize,
-    /// What it says.
+    /// The content.
     pub words: Vec<u64>,
 }
 
@@ -50,4 +48,59 @@ pub trait Ranks {
 
     /// The numbers of all ranks, rank by rank; the same count on each.
     fn gather(&self, numbers: &[u64]) -> Vec<u64>;
+}
+
+/// The only rank of a job.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Alone;
+
+impl Ranks for Alone {
+    fn rank(&self) -> usize {
+        0
+    }
+
+    fn size(&self) -> usize {
+        1
+    }
+
+    fn exchange(&self, messages: Vec<Message>) -> Vec<Message> {
+        messages
+    }
+
+    fn overlap(&self, messages: Vec<Message>, _from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {
+        work();
+        messages
+    }
+
+    fn sum(&self, _numbers: &mut [u64]) {}
+
+    fn max(&self, _numbers: &mut [u64]) {}
+
+    fn gather(&self, numbers: &[u64]) -> Vec<u64> {
+        numbers.to_vec()
+    }
+}
+
+/// Outgoing words, by receiver.
+#[derive(Default)]
+pub(crate) struct Outbox(BTreeMap<usize, Vec<u64>>);
+
+impl Outbox {
+    pub fn to(&mut self, rank: usize) -> &mut Vec<u64> {
+        self.0.entry(rank).or_default()
+    }
+
+    pub fn messages(self) -> Vec<Message> {
+        self.0.into_iter().map(|(rank, words)| Message { rank, words }).collect()
+    }
+
+    /// Sends the collected words and returns the received messages, ascending by sender.
+    pub fn send(self, ranks: &dyn Ranks) -> Vec<Message> {
+        ranks.exchange(self.messages())
+    }
+}
+
+/// The double with these bits.
+pub(crate) fn real(word: u64) -> f64 {
+    f64::from_bits(word)
 }

@@ -1,9 +1,8 @@
 //! The ranks of an MPI job.
 
+mod exchange;
 mod fault;
 mod patience;
-mod pieces;
-mod travel;
 
 use std::cell::Cell;
 use std::fmt;
@@ -24,7 +23,7 @@ use super::{Message, Ranks};
 ///
 /// # Faults
 /// A rank that panics while it has a `World` ends the whole job, by `MPI_Abort` with the exit code 101, so that the others do not
-/// wait for it for ever. MPI itself ends the job when a process dies, and on its own errors. What is neither seen nor mended is a rank that
+/// wait for it for ever. MPI itself ends the job when a process dies, and on its own errors. Not detected is a rank that
 /// leaves by an ordinary `return` while others still wait for it: agree on errors first, by [`Ranks::max`] for example.
 ///
 /// ```no_run
@@ -69,7 +68,7 @@ pub enum WorldError {
 }
 
 impl World {
-    /// Initialises MPI; all ranks that the job was started with. MPI ends with it.
+    /// Initialises MPI and takes all ranks of the job. MPI is finalised when this value is dropped.
     ///
     /// # Errors
     /// [`WorldError::Started`] if MPI was initialised before in this process, [`WorldError::Threads`] if the library knows no threads.
@@ -102,10 +101,11 @@ impl World {
         fault::make_fatal(&communicator);
         let (rank, size) = (communicator.rank() as usize, communicator.size() as usize);
         let (rounds, one_thread) = (Cell::new(0), PhantomData);
-        Self { communicator, universe: None, rank, size, piece: pieces::WORDS, rounds, one_thread }
+        Self { communicator, universe: None, rank, size, piece: exchange::WORDS, rounds, one_thread }
     }
 
-    /// Longer messages travel in pieces of so many words: 2^27 (1 GiB) if nothing is said, at most 2^31 - 1. All ranks must say the same.
+    /// Sets the length in words of the pieces in which long messages are sent: by default 2^27 (1 GiB), at most 2^31 - 1. All ranks
+    /// must set the same length.
     #[must_use]
     pub fn in_pieces(mut self, words: usize) -> Self {
         self.piece = words.clamp(1, i32::MAX as usize);
@@ -132,12 +132,12 @@ impl Ranks for World {
     }
 
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message> {
-        travel::exchange(self, messages)
+        exchange::exchange(self, messages)
     }
 
-    /// How much travels during `work` is up to the MPI library: many move long messages only within calls of theirs.
+    /// The MPI library decides how much of the transfer overlaps with `work`: many transfer long messages only inside MPI calls.
     fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {
-        travel::overlap(self, messages, from, work)
+        exchange::overlap(self, messages, from, work)
     }
 
     fn sum(&self, numbers: &mut [u64]) {

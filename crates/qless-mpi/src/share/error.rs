@@ -1,6 +1,6 @@
-//! What can be wrong with what a rank gives. All ranks return the same error.
+//! Faults in the shares of the ranks. All ranks return the same error.
 
-/// Where a number stands in what ranks gave.
+/// The place of a number in a rank's share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SharePlace {
     /// A coefficient of an equation.
@@ -38,7 +38,7 @@ impl std::fmt::Display for SharePlace {
     }
 }
 
-/// Why what the ranks gave is no constraint system.
+/// Why the shares of the ranks do not form a constraint system.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShareError {
@@ -52,12 +52,12 @@ pub enum ShareError {
         /// The value found.
         value: f64,
     },
-    /// A DOF that nobody owns.
+    /// A DOF that no rank owns.
     #[error("rank {rank}: {what} names a DOF that is not there: the ranks own DOFs 0 to {dofs} (excluded)")]
     DofOutOfRange {
         /// The rank that named it.
         rank: usize,
-        /// Where it is named.
+        /// The place where it occurs.
         what: SharePlace,
         /// How many DOFs there are.
         dofs: u64,

@@ -1,7 +1,6 @@
-//! What one rank gives: equations in any numbers of the job's DOFs, and the DOFs that it owns and needs.
+//! The input of one rank: its equations over any DOFs of the job, and the DOFs that it owns and needs.
 
 mod error;
-mod numbers;
 mod rows;
 
 use std::ops::Range;
@@ -9,8 +8,7 @@ use std::ops::Range;
 use qless::ConstraintSystem;
 
 pub use error::{ShareError, SharePlace};
-pub(crate) use numbers::check_numbers;
-pub(crate) use rows::Rows;
+pub(crate) use rows::{ShareRows, check_numbers};
 
 /// The part of `C u = b` that one rank holds.
 ///
@@ -30,7 +28,7 @@ pub(crate) use rows::Rows;
 #[derive(Clone, Debug)]
 pub struct Share {
     pub(crate) owned: Range<u64>,
-    pub(crate) rows: Rows,
+    pub(crate) rows: ShareRows,
     pub(crate) prescribed: Vec<(u64, f64)>,
     pub(crate) needed: Vec<u64>,
     terms: Vec<(u64, f64)>,
@@ -39,7 +37,7 @@ pub struct Share {
 impl Share {
     /// No equations yet.
     pub fn new(owned: Range<u64>) -> Self {
-        Self { owned, rows: Rows::new(), prescribed: Vec::new(), needed: Vec::new(), terms: Vec::new() }
+        Self { owned, rows: ShareRows::new(), prescribed: Vec::new(), needed: Vec::new(), terms: Vec::new() }
     }
 
     /// Adds `sum a_j u_j = rhs`, equation `number` of the whole; terms on the same DOF are summed.
@@ -75,7 +73,7 @@ impl Share {
         self.prescribed.push((dof, value));
     }
 
-    /// A new right-hand side of the equation at a place, in the order in which they were given.
+    /// Sets the right-hand side of an equation, by its index in the order in which the equations were added.
     ///
     /// # Panics
     /// If there are no more equations than that.
@@ -83,7 +81,7 @@ impl Share {
         self.rows.rhs[equation] = rhs;
     }
 
-    /// A new value of every prescribed DOF of this share, by DOF.
+    /// Sets the value of every prescribed DOF of this share.
     pub fn set_prescribed(&mut self, value: impl Fn(u64) -> f64) {
         self.prescribed.iter_mut().for_each(|(dof, own)| *own = value(*dof));
     }
@@ -103,7 +101,7 @@ impl Share {
         &self.rows.numbers
     }
 
-    /// The first fault in it, if n is the number of DOFs.
+    /// Returns the first fault in this share; `dofs` is the number of DOFs of the job.
     pub(crate) fn check(&self, rank: usize, dofs: u64) -> Result<(), ShareError> {
         for &(dof, value) in &self.prescribed {
             within(dof, dofs, rank, SharePlace::Prescribed { dof })?;

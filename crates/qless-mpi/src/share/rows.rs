@@ -1,8 +1,11 @@
-//! Equations in one form: terms ascending by DOF, each DOF once, no zeros.
+//! Equations in one form: terms ascending by DOF, each DOF once, no zeros; and the check that each has a number of its own.
 
-/// Rows over global DOFs.
+use super::ShareError;
+use crate::ranks::{Message, Outbox, Ranks};
+
+/// Equations over the global DOFs, in compressed rows.
 #[derive(Clone, Debug)]
-pub(crate) struct Rows {
+pub(crate) struct ShareRows {
     pub numbers: Vec<u64>,
     pub starts: Vec<usize>,
     pub dofs: Vec<u64>,
@@ -10,7 +13,7 @@ pub(crate) struct Rows {
     pub rhs: Vec<f64>,
 }
 
-impl Rows {
+impl ShareRows {
     pub fn new() -> Self {
         Self { numbers: Vec::new(), starts: vec![0], dofs: Vec::new(), values: Vec::new(), rhs: Vec::new() }
     }
@@ -53,4 +56,38 @@ pub(crate) fn sum_repeats(terms: &mut Vec<(u64, f64)>) {
         (sum != 0.0 && !cancelled).then_some((repeats[0].0, sum))
     };
     *terms = terms.chunk_by(|a, b| a.0 == b.0).filter_map(summed).collect();
+}
+
+/// Checks that no two equations have the same number; the error is the fault that this rank sees. Collective.
+///
+/// Each number, 8 bytes, goes to the rank that keeps this range of numbers. A rank whose numbers ascend sends none to itself.
+pub(crate) fn check_numbers(ranks: &dyn Ranks, rows: &ShareRows) -> Result<(), ShareError> {
+    let mut end = [rows.numbers.iter().max().map_or(0, |most| most + 1)];
+    ranks.max(&mut end);
+    let each = end[0].div_ceil(ranks.size() as u64).max(1);
+    let rank = ranks.rank();
+    let ascends = rows.numbers.is_sorted_by(|a, b| a < b);
+    let mut post = Outbox::default();
+    let keeper = |number: u64| (number / each) as usize;
+    let told = rows.numbers.iter().filter(|&&number| !ascends || keeper(number) != rank);
+    told.for_each(|&number| post.to(keeper(number)).push(number));
+    let came = post.send(ranks);
+    let kept: &[u64] = if ascends { &rows.numbers } else { &[] };
+    twice(&came, rank, kept)
+}
+
+/// The smallest number that was received twice, or that is also among the numbers of this rank.
+fn twice(came: &[Message], rank: usize, kept: &[u64]) -> Result<(), ShareError> {
+    let mut all: Vec<(u64, usize)> = Vec::new();
+    for message in came {
+        all.extend(message.words.iter().map(|&number| (number, message.rank)));
+    }
+    let is_kept = |(number, _): &&(u64, usize)| kept.binary_search(number).is_ok();
+    let again: Vec<(u64, usize)> = all.iter().filter(is_kept).map(|&(number, _)| (number, rank)).collect();
+    all.extend(again);
+    all.sort_unstable();
+    match all.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        Some(pair) => Err(ShareError::NumberTwice { rank: pair[1].1, number: pair[1].0 }),
+        None => Ok(()),
+    }
 }

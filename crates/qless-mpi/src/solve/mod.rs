@@ -1,14 +1,12 @@
-//! What each rank does with its guests, by the serial library, and how the results come home.
+//! Each rank analyses its assigned equations with the serial library, and returns the results.
 
-mod ask;
-mod gate;
-mod guests;
-mod home;
-mod lines;
+mod local_analysis;
+mod residual_check;
+mod return_results;
+mod rows;
 mod substitute;
 
-pub(crate) use ask::ask;
-pub(crate) use guests::{Solved, Soundness};
-pub(crate) use home::{Findings, send_home};
-pub(crate) use lines::{GIVEN, Line, Lines};
-pub(crate) use substitute::{Slaves, substitute};
+pub(crate) use local_analysis::{LocalAnalysis, Soundness};
+pub(crate) use return_results::{ReturnedResults, ask, return_results};
+pub(crate) use rows::{PRESCRIBED_BIT, ReductionRow, ReductionRows, SlaveRows};
+pub(crate) use substitute::substitute;

@@ -1,18 +1,17 @@
-//! The row of T of an equation that was solved where it stands: slaves among its DOFs are replaced by their own rows.
+//! The row of T of a peeled equation: slaves among its DOFs are replaced by their own rows of T.
 
 use std::collections::BTreeMap;
 
-use super::gate::residual;
-use super::guests::LOSS;
-use super::lines::GIVEN;
-use super::{Line, Lines, Soundness};
-use crate::deal::Peel;
-use crate::parts::{Known, NONE, Touched};
-use crate::share::Rows;
+use super::local_analysis::{LOSS, Soundness};
+use super::residual_check::residual;
+use super::rows::{PRESCRIBED_BIT, ReductionRow, ReductionRows, SlaveRows};
+use crate::distribute::Peel;
+use crate::parts::{KnownDofs, NONE, TouchedDofs};
+use crate::share::ShareRows;
 
 /// Entries below this, relative to the largest part that went into them, are rounding: as in the serial reduction.
 const NOISE: f64 = 1e-14;
-/// Of a slave that hardly moves only the whole component tells whether it is fixed.
+/// Least entry of a sound row. Only the whole component shows whether a slave that hardly moves is fixed.
 const HARDLY: f64 = 1e-6;
 /// The serial analysis does not rely on rows whose slave moves more than 1e3 for random masters up to 1. With a row of T of this
 /// 2-norm it stays ten times below, ...
@@ -20,38 +19,18 @@ const STEEP: f64 = 100.0;
 /// ... and as far below 3e4 for random right-hand sides with such coefficients of slaves, whose rows of `C_S^-1` are at most 1e3.
 const HEAVY: f64 = 5.0;
 
-/// Rows of the slaves among the DOFs of a rank's equations.
-pub(crate) struct Slaves {
-    pub lines: Lines,
-    /// Index into them, by place of the DOF.
-    pub of_place: Vec<u32>,
-    /// Whether a DOF is prescribed, by place.
-    pub given: Vec<bool>,
-}
-
-impl Slaves {
-    pub fn is_given(&self, place: u32) -> bool {
-        self.given[place as usize]
-    }
-
-    pub fn find(&self, place: u32) -> Option<Line<'_>> {
-        let i = self.of_place[place as usize];
-        (i != NONE).then(|| self.lines.line(i as usize))
-    }
-}
-
 /// Appends the row of a peeled equation.
 pub(crate) fn substitute(
-    lines: &mut Lines,
+    lines: &mut ReductionRows,
     peel: Peel,
-    (rows, touched, known): (&Rows, &Touched, &Known),
-    slaves: &Slaves,
+    (rows, touched, known): (&ShareRows, &TouchedDofs, &KnownDofs),
+    slaves: &SlaveRows,
     growth: f64,
 ) -> Soundness {
     let range = rows.starts[peel.row()]..rows.starts[peel.row() + 1];
     let slave = peel.place(rows);
     let divisor = -rows.values[slave];
-    let mark = |j: u32| if known.said[j as usize].is_free() { 0 } else { GIVEN };
+    let mark = |j: u32| if known.said[j as usize].is_free() { 0 } else { PRESCRIBED_BIT };
     let term = |k: usize| (touched.places[k], rows.dofs[k] | mark(touched.places[k]), rows.values[k] / divisor);
     let terms = range.filter(|&k| k != slave).map(term);
     let constant = rows.rhs[peel.row()] / rows.values[slave];
@@ -65,8 +44,8 @@ pub(crate) fn substitute(
     }
     let made = lines.line(lines.len() - 1);
     let met = residual(peel, rows, touched, slaves, made) <= LOSS;
-    let Line { dofs, values, .. } = made;
-    let of_masters = dofs.iter().zip(values).filter(|(dof, _)| *dof & GIVEN == 0);
+    let ReductionRow { dofs, values, .. } = made;
+    let of_masters = dofs.iter().zip(values).filter(|(dof, _)| *dof & PRESCRIBED_BIT == 0);
     let of_masters = of_masters.map(|(_, value)| value.abs());
     let (largest, steep) = (of_masters.clone().fold(0.0, f64::max), norm(of_masters));
     let is_sound = (HARDLY..=growth).contains(&largest) && steep <= STEEP && heavy <= HEAVY && met;
@@ -81,19 +60,19 @@ fn norm(values: impl Iterator<Item = f64>) -> f64 {
 fn replaced(
     mut constant: f64,
     terms: impl Iterator<Item = (u32, u64, f64)>,
-    slaves: &Slaves,
+    slaves: &SlaveRows,
 ) -> (f64, impl Iterator<Item = (u64, f64)>) {
     let mut size = constant.abs();
     let mut parts: BTreeMap<u64, (u64, f64, f64)> = BTreeMap::new();
     let mut add = |dof: u64, part: f64| {
-        let (_, value, size) = parts.entry(dof & !GIVEN).or_insert((dof, 0.0, 0.0));
+        let (_, value, size) = parts.entry(dof & !PRESCRIBED_BIT).or_insert((dof, 0.0, 0.0));
         *value += part;
         *size = size.max(part.abs());
     };
     for (place, dof, value) in terms {
         match slaves.find(place) {
             None => add(dof, value),
-            Some(Line { constant: of_slave, dofs, values, .. }) => {
+            Some(ReductionRow { constant: of_slave, dofs, values, .. }) => {
                 let part = value * of_slave;
                 constant += part;
                 size = size.max(part.abs());

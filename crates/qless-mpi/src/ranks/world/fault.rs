@@ -1,14 +1,13 @@
-//! A rank that fails ends the job: the others would wait for it for ever.
+//! A rank that panics ends the job, since the others would wait for it for ever.
 
 use mpi::ffi;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{AsRaw, Communicator};
 
-/// What a Rust program that panics exits with.
+/// The exit code of a Rust program that panics.
 const EXIT_CODE: i32 = 101;
 
-/// Ends the job when it is dropped by a panic. Stands below the requests of messages under way, so that it is
-/// dropped before them.
+/// Ends the job if a panic drops it. Declare it after the requests of pending messages, so that it is dropped before them.
 pub(super) struct EndOnPanic;
 
 impl Drop for EndOnPanic {
@@ -17,7 +16,7 @@ impl Drop for EndOnPanic {
     }
 }
 
-/// The whole job, not only the ranks of a part: those outside may wait as well.
+/// Ends the whole job, not only the ranks of this communicator: the others may be waiting too.
 pub(super) fn end_job_if_panicking() {
     if std::thread::panicking() && mpi::is_initialized() && !mpi::is_finalized() {
         SimpleCommunicator::world().abort(EXIT_CODE);

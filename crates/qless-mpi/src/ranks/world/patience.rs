@@ -1,10 +1,10 @@
-//! Waiting that leaves the processor to others: ranks may be more than cores.
+//! Waits for MPI without occupying the core: there may be more ranks than cores.
 
 use std::time::{Duration, Instant};
 
 use mpi::request::{Request, Scope};
 
-/// So long a core that stays awake answers faster than one that sleeps.
+/// Up to this waiting time, yielding answers faster than sleeping.
 const AWAKE: Duration = Duration::from_micros(200);
 const LONGEST_SLEEP: Duration = Duration::from_millis(1);
 
@@ -17,7 +17,7 @@ impl Patience {
         Self { since: Instant::now() }
     }
 
-    /// Lets others run; later sleeps, by an eighth of what was waited so far, so that little is lost by it.
+    /// Yields at first; later sleeps for an eighth of the time waited so far, so that the delay stays relatively small.
     pub fn rest(&self) {
         let waited = self.since.elapsed();
         if waited < AWAKE {
@@ -28,7 +28,7 @@ impl Patience {
     }
 }
 
-/// The first that is there.
+/// Polls until there is a result.
 pub(super) fn until<T>(mut there: impl FnMut() -> Option<T>) -> T {
     let patience = Patience::new();
     loop {

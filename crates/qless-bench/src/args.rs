@@ -1,0 +1,57 @@
+//! The command line of `qless bench`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Options of `qless bench`.
+#[derive(Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option that stands alone")]
+pub struct BenchArgs {
+    /// Folder for the page trade.md with its plots trade.svg, growth.svg and figure-15.svg, and for trade.csv and figure-15.csv
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// The smallest systems only, in seconds
+    #[arg(long)]
+    pub short: bool,
+    /// Runs of each method on each system
+    #[arg(long, value_name = "N", default_value = "5", value_parser = runs)]
+    pub runs: NonZeroUsize,
+    /// The paper's Figure 15 only: bare factorizations by Gauss elimination and by QR; else it follows tie and mortar
+    #[arg(long, conflicts_with_all = ["method", "memory"])]
+    pub figure_15: bool,
+    /// Seconds after which a method is given up; where more are foreseen from a smaller system it runs in a process of its own
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    pub limit: f64,
+    /// The same for other libraries, which are not tried where more are foreseen [default: that of --limit]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub peer_limit: Option<f64>,
+    /// Only these families, such as tie; may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub family: Vec<String>,
+    /// Only these methods, the first of which is what times are compared with; may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub method: Vec<String>,
+    /// Measures memory too: every method once more in a process of its own (Linux)
+    #[arg(long)]
+    pub memory: bool,
+    /// One method on the system of this size, for the program itself
+    #[arg(long, hide = true, value_name = "SIZE")]
+    pub child: Option<String>,
+    /// With --child: all is measured, not memory alone
+    #[arg(long, hide = true, requires = "child")]
+    pub apart: bool,
+    /// No progress display
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "not a number; write it as 0.5 or 10".to_owned())?;
+    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("it must be more than 0".to_owned()) }
+}
+
+fn runs(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "expected a whole number of at least 1".to_owned())
+}

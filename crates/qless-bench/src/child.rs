@@ -1,0 +1,144 @@
+//! A method in a process of its own: it can be stopped, and its memory is its own.
+//!
+//! The parent runs `qless bench --child SIZE --family F --method M`. The child says `ready` when the system is there, `done` after
+//! the first elimination, and then what it found, as one line of JSON (of methods that the parent runs itself the memory alone); or
+//! why there is nothing. The limit counts between the first two. The child ends with its standard input, that is, when the parent does,
+//! however that ends.
+
+use std::io::{BufRead, BufReader, Write, copy, sink, stdin};
+use std::process::{Child, Command, Stdio, exit};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+
+use qless_scenes::Scene;
+use serde::de::DeserializeOwned;
+
+use super::given_up::Reason;
+use super::methods::Method;
+use super::quality::Reference;
+use super::run::{once, warmed};
+use super::sample::Measured;
+
+/// Seconds for making the system and for judging the result.
+const AROUND: f64 = 600.0;
+
+/// Prefix of an answer that is the reason for a failure.
+const FAILED: &str = "failed: ";
+
+/// Measures a method in a child process that is stopped after `limit` seconds.
+pub fn measure(family: &str, size: &str, method: &Method, limit: f64) -> Result<Measured, Reason> {
+    ask(family, size, method, limit, &["--apart"])
+}
+
+/// The memory of another method; none where it fails or takes longer.
+pub fn memory(family: &str, size: &str, method: &Method, limit: f64) -> Option<u64> {
+    ask::<Option<u64>>(family, size, method, limit, &[]).ok().flatten()
+}
+
+fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f64, more: &[&str]) -> Result<T, Reason> {
+    let failed = |error: std::io::Error| Reason::Failed(format!("its process does not start: {error}"));
+    let mut command = Command::new(std::env::current_exe().map_err(failed)?);
+    command.args(["bench", "--child", size, "--family", family, "--method", method.name]).args(more);
+    command.env("OPENBLAS_NUM_THREADS", rayon::current_num_threads().to_string());
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().map_err(failed)?;
+    let measured = read(&mut child, limit);
+    // The child may have ended already, so errors do not matter.
+    _ = child.kill();
+    _ = child.wait();
+    measured
+}
+
+fn read<T: DeserializeOwned>(child: &mut Child, limit: f64) -> Result<T, Reason> {
+    let lines = lines(child).ok_or(Reason::Ended)?;
+    let next = |seconds: f64| match lines.recv_timeout(Duration::from_secs_f64(seconds)) {
+        Ok(line) => line.strip_prefix(FAILED).map_or(Ok(line.clone()), |why| Err(Reason::Failed(why.to_owned()))),
+        Err(RecvTimeoutError::Timeout) => Err(Reason::Stopped { limit: seconds }),
+        Err(RecvTimeoutError::Disconnected) => Err(Reason::Ended),
+    };
+    let (_ready, _done) = (next(AROUND)?, next(limit)?);
+    serde_json::from_str(&next(AROUND)?).map_err(|_| Reason::Ended)
+}
+
+/// The lines, as they come.
+fn lines(child: &mut Child) -> Option<Receiver<String>> {
+    let out = BufReader::new(child.stdout.take()?);
+    let (send, receive) = channel();
+    std::thread::spawn(move || out.lines().map_while(Result::ok).try_for_each(|line| send.send(line)));
+    Some(receive)
+}
+
+/// The child's side; all is measured of a method that runs apart. The error is that of its standard output.
+pub fn answer(scene: &Scene, method: &Method, is_apart: bool, out: &mut dyn Write) -> std::io::Result<()> {
+    std::thread::spawn(|| {
+        // Nothing is ever written there, so that an error says the same as an end.
+        let _ = copy(&mut stdin(), &mut sink());
+        exit(3)
+    });
+    say(out, "ready")?;
+    match found(scene, method, is_apart, out) {
+        Ok(json) => say(out, &json?),
+        // Words of more than one line would be several answers.
+        Err(reason) => say(out, &format!("{FAILED}{}", reason.words(None).replace('\n', " "))),
+    }
+}
+
+/// Runs the method, writes `done`, and returns the answer that follows it.
+fn found(
+    scene: &Scene,
+    method: &Method,
+    is_apart: bool,
+    out: &mut dyn Write,
+) -> Result<std::io::Result<String>, Reason> {
+    let start = reset_peak();
+    let done = once(&scene.system, method)?;
+    let peak = peak_since(start);
+    if let Err(error) = say(out, "done") {
+        return Ok(Err(error));
+    }
+    if !is_apart {
+        return Ok(serde_json::to_string(&peak).map_err(Into::into));
+    }
+    let done = warmed(done, &scene.system, method)?;
+    let measured = Measured { memory: peak, ..Reference::new(scene).judge(&done) };
+    Ok(serde_json::to_string(&measured).map_err(Into::into))
+}
+
+fn say(out: &mut dyn Write, line: &str) -> std::io::Result<()> {
+    writeln!(out, "{line}")?;
+    out.flush()
+}
+
+/// Bytes that are resident, once the count of the peak has been set back to them; none where the system does not do that.
+fn reset_peak() -> Option<u64> {
+    // 5 sets VmHWM back to VmRSS: see proc_pid_clear_refs(5).
+    std::fs::write("/proc/self/clear_refs", "5").ok()?;
+    status("VmRSS:")
+}
+
+/// Bytes at the peak beyond those at the start.
+fn peak_since(start: Option<u64>) -> Option<u64> {
+    Some(status("VmHWM:")?.saturating_sub(start?))
+}
+
+fn status(name: &str) -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kib = text.lines().find_map(|line| line.strip_prefix(name)?.trim().strip_suffix(" kB")?.trim().parse().ok());
+    kib.map(|kib: u64| kib << 10)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    #[test]
+    fn the_peak_is_what_was_allocated_though_it_is_gone() {
+        let Some(start) = super::reset_peak() else {
+            println!("this system does not set the peak back: nothing was tested");
+            return;
+        };
+        let block = std::hint::black_box(vec![1_u8; 64 << 20]);
+        drop(block);
+        let peak = super::peak_since(Some(start)).expect("Linux tells it");
+        // Tests beside this one allocate too.
+        assert!((60 << 20..2 << 30).contains(&peak), "{peak}");
+    }
+}

@@ -1,0 +1,94 @@
+//! The measurements as a section of the page, and as CSV.
+
+use std::fmt::Write;
+
+use super::super::labels::thousands;
+use super::crossing::{pairs, papers_pairs, sentence};
+use super::plot::FILE;
+use super::{GAUSS, Level, Side, Way, backends, families};
+
+/// The file with every number.
+pub const CSV: &str = "figure-15.csv";
+
+const INTRODUCTION: &str = "One factorization of every block, on one thread, as the paper has it: no presolve, no scaling, no \
+check of the rank, dependent is what is left with at most 1e-5. C has b beside it; `C^T` has nothing, and is what the defaults \
+factor to find the dependent equations. Gauss is the paper's elimination by rows and pivots in both, on sparse rows. Splitting \
+into blocks is not counted. Runs in turns in one process, medians. `rank +3` are three dependent equations that a factorization by \
+itself takes for independent; the analysis checks and repairs that. Meshes below 50 % are the same model.";
+
+/// The section.
+pub fn markdown(levels: &[Level]) -> String {
+    format!(
+        "## Figure 15: Gauss against QR\n\n{INTRODUCTION}\n\n![Times of the bare factorizations]({FILE})\n\n{}",
+        text(levels)
+    )
+}
+
+/// The tables alone.
+pub fn text(levels: &[Level]) -> String {
+    let mut text = "Where they cross:\n\n".to_owned();
+    crossings(&mut text, levels);
+    for family in families(levels) {
+        _ = writeln!(text, "\n{family}, in ms:\n");
+        times(&mut text, levels, family);
+    }
+    text
+}
+
+fn crossings(text: &mut String, levels: &[Level]) {
+    _ = writeln!(text, "| coupling | factored | against | who is faster |\n| --- | --- | --- | --- |");
+    for family in families(levels) {
+        for side in Side::BOTH {
+            for qr in backends(levels).into_iter().filter(|name| *name != GAUSS) {
+                let said = sentence(&pairs(levels, family, side, qr)).unwrap_or_else(|| "-".to_owned());
+                _ = writeln!(text, "| {family} | {} | {qr} | {said} |", side.name());
+            }
+        }
+    }
+    let said = sentence(&papers_pairs()).unwrap_or_default();
+    _ = writeln!(text, "| the paper's, its Table 1 | C | its QR | {said} |");
+}
+
+fn times(text: &mut String, levels: &[Level], family: &str) {
+    let own: Vec<&Level> = levels.iter().filter(|level| level.family == family).collect();
+    let mut head = "| level | equations | blocks | largest |".to_owned();
+    own[0].ways.iter().for_each(|way| _ = write!(head, " {}, {} |", way.backend, way.side.name()));
+    _ = writeln!(text, "{head}\n| --- |{}", " ---: |".repeat(3 + own[0].ways.len()));
+    for level in own {
+        let (rows, dofs) = level.largest;
+        let (equations, rows, dofs) = (thousands(level.equations), thousands(rows), thousands(dofs));
+        _ = write!(text, "| {} | {equations} | {} | {rows} x {dofs} |", level.size, thousands(level.blocks));
+        level.ways.iter().for_each(|way| _ = write!(text, " {} |", cell(way, level.rank)));
+        _ = writeln!(text);
+    }
+}
+
+/// Milliseconds, and how far the rank is off.
+fn cell(way: &Way, rank: usize) -> String {
+    match &way.result {
+        Err(reason) => format!("given up: {reason}"),
+        Ok((time, found)) if *found == rank => ms(*time),
+        Ok((time, found)) => format!("{}, rank {:+}", ms(*time), *found as i64 - rank as i64),
+    }
+}
+
+fn ms(time: f64) -> String {
+    let ms = 1e3 * time;
+    if ms < 10.0 { format!("{ms:.2}") } else { format!("{ms:.1}") }
+}
+
+/// A line for each way.
+pub fn csv(levels: &[Level]) -> String {
+    let mut text = "family,size,equations,rank_true,blocks,backend,matrix,ms,rank,reason\n".to_owned();
+    for level in levels {
+        let Level { family, size, equations, rank, blocks, .. } = level;
+        for Way { backend, side, result } in &level.ways {
+            let found = match result {
+                Ok((time, found)) => format!("{:.4},{found},", 1e3 * time),
+                Err(reason) => format!(",,\"{}\"", reason.replace('"', "'")),
+            };
+            _ = writeln!(text, "{family},{size},{equations},{rank},{blocks},{backend},{},{found}", side.name());
+        }
+    }
+    text
+}

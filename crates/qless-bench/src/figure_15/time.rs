@@ -1,0 +1,101 @@
+//! Medians of the bare factorizations, in turns.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use qless::backend::{Backend, BackendError};
+use qless::{BackendChoice, Options};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::super::systems::{Case, Family, below_table_1};
+use super::blocks::{Block, blocks};
+use super::{GAUSS, Level, Side, Way};
+use crate::BenchArgs;
+
+/// The tolerance of the paper, section 3.2: absolute.
+const TOLERANCE: f64 = 1e-5;
+
+/// A factorization that takes longer is measured once, ...
+const SLOW: f64 = 5.0;
+/// ... and one that takes less is measured at least [`REPEATS`] times; seconds.
+const SHORT: f64 = 0.1;
+const REPEATS: usize = 15;
+
+/// Every level of the family, and meshes below. The error is a scene that cannot be made, or a thread.
+pub fn measure(family: &Family, args: &BenchArgs) -> Result<Vec<Level>, String> {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
+    let below = below_table_1(family.name);
+    below.iter().chain(&family.cases).map(|case| level(case, &pool, args.runs.get())).collect()
+}
+
+fn level(case: &Case, pool: &ThreadPool, runs: usize) -> Result<Level, String> {
+    let scene = case.scene()?;
+    let blocks = blocks(&scene.system);
+    let equations = scene.system.equations();
+    let largest = blocks.iter().map(|block| (block.c.cols(), block.c.rows())).max();
+    Ok(Level {
+        family: case.family,
+        size: case.size.clone(),
+        equations,
+        rank: scene.truth.rank_free.unwrap_or(equations),
+        blocks: blocks.len(),
+        largest: largest.unwrap_or_default(),
+        ways: pool.install(|| in_turns(&blocks, runs)),
+    })
+}
+
+/// A way in the making: its backend, its side, what it took each time, and the rank or what it refused.
+type Turn = (&'static str, Box<dyn Backend>, Side, Vec<f64>, Result<usize, String>);
+
+fn in_turns(blocks: &[Block], runs: usize) -> Vec<Way> {
+    let mut turns = turns();
+    // The first round is for the caches, unless it is long.
+    for round in 0..=runs.max(REPEATS) {
+        for (_, backend, side, times, rank) in &mut turns {
+            if rank.is_err() || is_enough(times, runs) {
+                continue;
+            }
+            let start = Instant::now();
+            *rank = factor(blocks, backend.as_ref(), *side).map_err(|error| error.to_string());
+            let time = start.elapsed().as_secs_f64();
+            if round > 0 || time > SLOW {
+                times.push(time);
+            }
+        }
+    }
+    turns
+        .into_iter()
+        .map(|(backend, _, side, times, rank)| Way { backend, side, result: median(times, rank) })
+        .collect()
+}
+
+fn is_enough(times: &[f64], runs: usize) -> bool {
+    let enough = |&first: &f64| first > SLOW || (first > SHORT && times.len() >= runs);
+    times.first().is_some_and(enough)
+}
+
+fn turns() -> Vec<Turn> {
+    let names =
+        [(GAUSS, BackendChoice::Gauss), ("qless-qr", BackendChoice::Sparse), ("SuiteSparseQR", BackendChoice::Spqr)];
+    let memory = Options::default().memory;
+    let both = Side::BOTH.iter().flat_map(|&side| names.map(|(name, choice)| (name, choice, side)));
+    // Backends that are not compiled in are left out.
+    both.filter_map(|(name, choice, side)| Some((name, choice.get(memory).ok()?, side, Vec::new(), Ok(0)))).collect()
+}
+
+fn median(mut times: Vec<f64>, rank: Result<usize, String>) -> Result<(f64, usize), String> {
+    times.sort_by(f64::total_cmp);
+    rank.map(|rank| (times[(times.len() - 1) / 2], rank))
+}
+
+/// The rank of all blocks together.
+fn factor(blocks: &[Block], backend: &dyn Backend, side: Side) -> Result<usize, BackendError> {
+    let rank = |block: &Block| {
+        let factor = match side {
+            Side::C => backend.factor(&block.c, &block.rhs, TOLERANCE),
+            Side::Transposed => backend.factor(&block.transposed, &[], TOLERANCE),
+        };
+        factor.map(|factor| black_box(factor).rank)
+    };
+    blocks.iter().map(rank).sum()
+}

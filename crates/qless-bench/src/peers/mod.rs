@@ -1,0 +1,22 @@
+//! What qless is compared with: Eigen's SparseQR, which the paper uses, and LAPACK's dgeqp3; as [`qless::backend::Backend`]s.
+//!
+//! A call cannot be interrupted, so that the bench makes it in a process of its own ([`super::child`]).
+
+mod call;
+mod eigen;
+pub mod eliminate;
+mod lapack;
+#[cfg(test)]
+mod tests;
+
+pub use eigen::Eigen;
+pub use lapack::Lapack;
+
+/// The rule for entries that count as zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// The library's own rule, or for LAPACK, which has none, the usual `max(m, n) eps |R_11|`.
+    Own,
+    /// The tolerance of the call, absolute.
+    Call,
+}

@@ -1,0 +1,64 @@
+//! The whole elimination by one method, from the validated system to T, G, g.
+
+use std::time::Instant;
+
+use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
+
+use super::given_up::Reason;
+use super::methods::{Engine, Method};
+
+/// The result of one run of a method.
+pub struct Done {
+    /// Seconds.
+    pub time: f64,
+    pub reduction: Reduction,
+    /// None for other libraries.
+    pub analysis: Option<Analysis>,
+}
+
+/// A run shorter than `SLOW` is repeated once, and then until `WARM` has passed in total; seconds.
+const SLOW: f64 = 0.25;
+const WARM: f64 = 0.01;
+/// Repetitions at most.
+const REPEATS: usize = 10;
+
+/// As [`once`], but with warm caches: otherwise the first method of every round would seem slow.
+pub fn warm(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
+    warmed(once(system, method)?, system, method)
+}
+
+/// The same of a method that has run.
+pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
+    let mut total = done.time;
+    for repeat in 0..REPEATS {
+        if total >= if repeat == 0 { SLOW } else { WARM } {
+            break;
+        }
+        // Free the memory of this run before the next.
+        drop(done);
+        done = once(system, method)?;
+        total += done.time;
+    }
+    Ok(done)
+}
+
+/// One run. The error is the method's own: mostly a lack of memory.
+pub fn once(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
+    match &method.engine {
+        Engine::Qless(options, None) => qless(system, options),
+        Engine::Qless(options, Some(pool)) => pool.install(|| qless(system, options)),
+        #[cfg(feature = "peers")]
+        Engine::Peer(backend, tolerance) => {
+            let start = Instant::now();
+            let reduction = super::peers::eliminate::eliminate(system, backend.as_ref(), *tolerance)?;
+            Ok(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: None })
+        }
+    }
+}
+
+fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, Reason> {
+    let start = Instant::now();
+    let analysis = analyse(system, options)?;
+    let reduction = analysis.reduction()?;
+    Ok(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: Some(analysis) })
+}

@@ -1,0 +1,248 @@
+//! The problem that shows what a reduction does to a solution: `K u + C^T lambda = f`, `C u = b`, with `K = I + L`.
+//!
+//! L are springs of stiffness 1 from each DOF to the next, `f_j = 1 + j mod 7`. Its solution u* comes from a multiplier for each
+//! independent equation ([`Problem::lagrange`]; in large systems [`with_multipliers`]), which needs no T, and is refined with
+//! residuals in twice the precision, so that it is right to rounding where equations are nearly dependent too.
+
+use faer::sparse::{SparseColMat, Triplet};
+use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
+use qless_solve::enforce::{Problem, reduced};
+
+use super::chain::Chain;
+use super::gradients::{with_masters, with_multipliers};
+use super::run::Done;
+
+/// Larger systems take the sparse LU of the multipliers minutes: conjugate gradients solve them.
+const MOST_DOFS: usize = 3_000;
+/// Entries of T from which on `T^T K T` may be dense.
+const MOST_ENTRIES: usize = 200_000;
+/// Steps of refinement at most; each gains the digits that the condition leaves.
+const STEPS: usize = 20;
+/// Relative size of a step that ends it.
+const SETTLED: f64 = 4.0 * f64::EPSILON;
+
+/// K, f and u*.
+pub struct Springs {
+    /// None for large systems, which are solved by conjugate gradients.
+    k: Option<SparseColMat<usize, f64>>,
+    f: Vec<f64>,
+    /// u*.
+    pub solution: Vec<f64>,
+    prescribed: Vec<f64>,
+}
+
+impl Springs {
+    /// None if qless finds a rank other than the true one, or if conjugate gradients do not converge on a large system.
+    pub fn new(system: &ConstraintSystem, rank: usize) -> Option<Self> {
+        if system.dofs() > MOST_DOFS { Self::large(system, rank) } else { Self::small(system, rank) }
+    }
+
+    fn small(system: &ConstraintSystem, rank: usize) -> Option<Self> {
+        let n = system.dofs();
+        let k = stiffness(n)?;
+        let f = forces(n);
+        let problem = Problem::new(&k, &f, system).ok()?;
+        let rows = problem.kept().to_vec();
+        let first = (rows.len() == rank).then(|| problem.lagrange().ok()).flatten()?;
+        let kept = with_rows(system, &rows, |i| system.rhs()[i], |value| value);
+        let multipliers = rows.iter().map(|&i| first.multipliers[i]).collect();
+        let rows: Vec<usize> = (0..kept.equations()).collect();
+        let step = |left: &[f64], apart: &[f64]| {
+            let rest = with_rows(&kept, &rows, |i| apart[i], |_| 0.0);
+            let step = Problem::new(&k, left, &rest).ok()?.lagrange().ok()?;
+            Some((step.u, step.multipliers))
+        };
+        let solution = refined(&f, &kept, (first.u, multipliers), step)?;
+        Some(Self { k: Some(k), f, solution, prescribed: prescribed(system) })
+    }
+
+    fn large(system: &ConstraintSystem, rank: usize) -> Option<Self> {
+        let analysis = analyse(system, &Options::default()).ok().filter(|analysis| analysis.rank() == rank)?;
+        let rows: Vec<usize> = (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent).collect();
+        let kept = with_rows(system, &rows, |i| system.rhs()[i], |value| value);
+        let (mut free, mut u) = (vec![true; system.dofs()], vec![0.0; system.dofs()]);
+        system.prescribed().iter().for_each(|&(j, value)| (free[j], u[j]) = (false, value));
+        let (chain, f) = (Chain::new(free), forces(system.dofs()));
+        let step = |left: &[f64], apart: &[f64]| with_multipliers(&chain, &kept, left, apart);
+        let solution = refined(&f, &kept, (u, vec![0.0; rows.len()]), step)?;
+        Some(Self { k: None, f, solution, prescribed: prescribed(system) })
+    }
+
+    /// `max |u - u*| / max |u*|`, u by transformation with T, G and g ([`reduced`]); none where T is nearly dense.
+    pub fn error(&self, done: &Done) -> Option<f64> {
+        if done.reduction.t().nnz() > MOST_ENTRIES {
+            return None;
+        }
+        let u = match &self.k {
+            None => with_masters(&self.f, &done.reduction, &self.prescribed)?,
+            Some(k) => reduced(k, &self.f, &done.reduction, &self.prescribed).ok()?,
+        };
+        let off = largest(u.iter().zip(&self.solution).map(|(u, exact)| u - exact));
+        Some(off / largest(self.solution.iter().copied()))
+    }
+}
+
+fn largest(x: impl Iterator<Item = f64>) -> f64 {
+    x.fold(0.0, |most, v| most.max(v.abs()))
+}
+
+/// Corrections of u and of the multipliers for what is left of both equations.
+type Step = (Vec<f64>, Vec<f64>);
+
+/// Refines u until it no longer changes; none if it does not converge.
+fn refined(
+    f: &[f64],
+    system: &ConstraintSystem,
+    (mut u, mut lambda): Step,
+    step: impl Fn(&[f64], &[f64]) -> Option<Step>,
+) -> Option<Vec<f64>> {
+    for _ in 0..STEPS {
+        let (left, apart) = residuals(system, f, &u, &lambda);
+        let (du, dl) = step(&left, &apart)?;
+        u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
+        lambda.iter_mut().zip(dl).for_each(|(l, dl)| *l += dl);
+        if largest(du.iter().copied()) <= SETTLED * largest(u.iter().copied()) {
+            return Some(u);
+        }
+    }
+    None
+}
+
+/// `1 + j mod 7`.
+fn forces(dofs: usize) -> Vec<f64> {
+    (0..dofs).map(|j| 1.0 + (j % 7) as f64).collect()
+}
+
+fn prescribed(system: &ConstraintSystem) -> Vec<f64> {
+    system.prescribed().iter().map(|&(_, value)| value).collect()
+}
+
+/// `I + L`.
+fn stiffness(dofs: usize) -> Option<SparseColMat<usize, f64>> {
+    let ground = (0..dofs).map(|j| Triplet::new(j, j, 1.0));
+    let springs = (1..dofs).flat_map(|j| {
+        [(j - 1, j - 1, 1.0), (j, j, 1.0), (j - 1, j, -1.0), (j, j - 1, -1.0)].map(|(i, j, v)| Triplet::new(i, j, v))
+    });
+    SparseColMat::try_new_from_triplets(dofs, dofs, &ground.chain(springs).collect::<Vec<_>>()).ok()
+}
+
+/// Some of the equations with other right-hand sides and prescribed values.
+pub fn with_rows(
+    system: &ConstraintSystem,
+    rows: &[usize],
+    rhs: impl Fn(usize) -> f64,
+    prescribed: impl Fn(f64) -> f64,
+) -> ConstraintSystem {
+    let mut builder = SystemBuilder::new(system.dofs());
+    rows.iter().for_each(|&i| {
+        builder.equation(system.matrix().row(i), rhs(i));
+    });
+    system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, prescribed(value)));
+    // It is valid as what it is a part of.
+    builder.build().expect("part of a valid system")
+}
+
+/// `f - K u - C^T lambda` and `b - C u`.
+fn residuals(system: &ConstraintSystem, f: &[f64], u: &[f64], lambda: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let n = u.len();
+    let mut left: Vec<Twice> = f.iter().map(|&f| Twice(f, 0.0)).collect();
+    for j in 0..n {
+        left[j].subtract(1.0, u[j]);
+        for other in [j.checked_sub(1), Some(j + 1).filter(|&other| other < n)].into_iter().flatten() {
+            left[j].subtract(1.0, u[j]);
+            left[j].subtract(-1.0, u[other]);
+        }
+    }
+    let mut apart: Vec<Twice> = system.rhs().iter().map(|&b| Twice(b, 0.0)).collect();
+    for (i, apart) in apart.iter_mut().enumerate() {
+        for (j, v) in system.matrix().row(i) {
+            apart.subtract(v, u[j]);
+            left[j].subtract(v, lambda[i]);
+        }
+    }
+    let rounded = |sums: Vec<Twice>| sums.into_iter().map(|Twice(high, low)| high + low).collect();
+    (rounded(left), rounded(apart))
+}
+
+/// A sum in twice the precision: the number is that of both parts together.
+struct Twice(f64, f64);
+
+impl Twice {
+    /// Adds `a b`; the rounding errors of the product and of the sum go to the lower part.
+    fn subtract(&mut self, a: f64, b: f64) {
+        let product = -a * b;
+        let lost = (-a).mul_add(b, -product);
+        let sum = self.0 + product;
+        let part = sum - self.0;
+        self.1 += (self.0 - (sum - part)) + (product - part) + lost;
+        self.0 = sum;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use qless::{Options, SystemBuilder, analyse};
+
+    use super::super::run::Done;
+    use super::{Springs, Twice};
+
+    #[test]
+    fn a_sum_keeps_what_a_double_loses() {
+        let left = |terms: &[(f64, f64)]| {
+            let mut sum = Twice(1.0, 0.0);
+            terms.iter().for_each(|&(a, b)| sum.subtract(a, b));
+            sum.0 + sum.1
+        };
+        assert_eq!(left(&[(1.0 + f64::EPSILON, 1.0 - f64::EPSILON)]), f64::EPSILON * f64::EPSILON);
+        assert_eq!(left(&[(-1e17, 1.0), (1e17, 1.0)]), 1.0);
+    }
+
+    /// `u0 = u1`, `u1 = (1 + eps) u2`, `u0 = u2 + eps`: so that `eps u2` is the last right-hand side.
+    #[test]
+    fn the_solution_is_right_where_equations_are_nearly_dependent() {
+        let eps = f64::powi(2.0, -24);
+        let mut builder = SystemBuilder::new(3);
+        builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+        builder.equation([(1, 1.0), (2, -1.0 - eps)], 0.0);
+        builder.equation([(0, 1.0), (2, -1.0)], eps);
+        let system = builder.build().expect("valid");
+        let springs = Springs::new(&system, 3).expect("small");
+        let exact = [1.0 + eps, 1.0 + eps, 1.0];
+        for (found, exact) in springs.solution.iter().zip(exact) {
+            assert!((found - exact).abs() <= 4.0 * f64::EPSILON, "{found} for {exact}");
+        }
+        let good = analyse(&system, &Options::default()).expect("valid").reduction().expect("within the gate");
+        let lists = [good.slaves(), good.masters(), good.prescribed()].map(<[usize]>::to_vec);
+        let g = good.g().iter().map(|g| g * 1.5).collect();
+        let reduction = qless::Reduction::from_parts(lists, good.t().clone(), good.g_matrix().clone(), g);
+        let reduction = reduction.expect("of the same DOFs");
+        let error = springs.error(&Done { time: 0.0, reduction, analysis: None }).expect("small");
+        // The condition of the equations, 1e8, times rounding.
+        assert!((error - 0.5).abs() < 1e-7, "{error}");
+    }
+
+    /// The same equations with and without a factorization.
+    #[test]
+    fn large_systems_have_the_same_solution() {
+        let ring = qless_scenes::families::cycle(60, 0.0).expect("a scene").system;
+        let grid = qless_scenes::families::grid_2d(12, 12).expect("a scene").system;
+        let mut builder = SystemBuilder::new(9);
+        builder.equation([(0, 1.0), (4, -2.0), (5, 3.0)], 0.5);
+        builder.equation([(1, 1e3), (4, -2e3), (8, 5e2)], 2.0);
+        builder.prescribe(5, 0.25);
+        builder.prescribe(2, -1.0);
+        let held = builder.build().expect("valid");
+        for system in [ring, grid, held] {
+            let analysis = analyse(&system, &Options::default()).expect("valid");
+            let [small, large] =
+                [Springs::small, Springs::large].map(|make| make(&system, analysis.rank()).expect("solved"));
+            let size = small.solution.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            let off = small.solution.iter().zip(&large.solution).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off <= 1e-15 * size, "{off:e} of {size}");
+            let reduction = analysis.reduction().expect("within the gate");
+            let done = Done { time: 0.0, reduction, analysis: None };
+            let errors = [small, large].map(|springs| springs.error(&done).expect("sparse"));
+            assert!(errors.iter().all(|error| *error < 1e-13), "{errors:?}");
+        }
+    }
+}

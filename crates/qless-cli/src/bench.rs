@@ -1,0 +1,26 @@
+//! `qless bench`: the crate qless-bench measures; this gives it standard output and the progress display.
+
+use std::process::ExitCode;
+
+use qless_bench::{BenchArgs, BenchError};
+
+use crate::failure::Failure;
+use crate::terminal::{self, Progress};
+
+/// Measures, prints and writes.
+pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
+    let mut progress = None;
+    let stage = move |name| progress.get_or_insert_with(|| Progress::new(args.quiet)).stage(name);
+    qless_bench::run(args, stage, |text| terminal::write(|out| text(out)))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+impl From<BenchError> for Failure {
+    fn from(error: BenchError) -> Self {
+        match error {
+            BenchError::Input(message) => Self::Input(message),
+            BenchError::Resource(message) => Self::Resource(message),
+            BenchError::Write(error) => error.into(),
+        }
+    }
+}

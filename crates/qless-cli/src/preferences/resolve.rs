@@ -1,0 +1,221 @@
+//! From words to rows and columns.
+
+use std::cell::OnceCell;
+use std::collections::{HashMap, HashSet};
+
+use qless::ConstraintSystem;
+use qless_io::deck::{Deck, Dof, LoadCase, Model, Origin};
+use strsim::normalized_damerau_levenshtein;
+
+use super::word::{ListWord, WordList};
+use crate::wording::label;
+
+/// The names of equations and DOFs in a system and in its deck.
+pub struct NameIndex<'a> {
+    system: &'a ConstraintSystem,
+    deck: Option<(&'a Deck, &'a LoadCase)>,
+    /// Rows and columns by their labels in small letters, where somebody asks for them.
+    rows: OnceCell<Labels>,
+    columns: OnceCell<Labels>,
+}
+
+type Labels = HashMap<String, Vec<usize>>;
+
+/// Whether a list names equations or DOFs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    Equations,
+    Dofs,
+}
+
+/// A word of a list that matches nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum WordError {
+    #[error("{option}: `{word}` is {}{}", unknown(*.is_deck), did_you_mean(nearest.as_deref()))]
+    Unknown { option: &'static str, word: String, is_deck: bool, nearest: Option<String> },
+    #[error(
+        "{option}: nothing that could be meant stands at `{word}`{}",
+        nearest.map_or(String::new(), |line| format!("; the nearest line with a constraint is {line}"))
+    )]
+    Line { option: &'static str, word: String, nearest: Option<u32> },
+}
+
+fn unknown(is_deck: bool) -> &'static str {
+    if is_deck {
+        "no label, node set or node:component of the equations, nor a line such as `line 41`"
+    } else {
+        "no label"
+    }
+}
+
+fn did_you_mean(nearest: Option<&str>) -> String {
+    nearest.map_or(String::new(), |name| format!("; did you mean `{}`?", label(name)))
+}
+
+impl<'a> NameIndex<'a> {
+    pub fn new(system: &'a ConstraintSystem, deck: Option<(&'a Deck, &'a LoadCase)>) -> Self {
+        Self { system, deck, rows: OnceCell::new(), columns: OnceCell::new() }
+    }
+
+    /// Rows or columns from 0.
+    pub fn all(&self, option: &'static str, words: &WordList, wanted: Wanted) -> Result<Vec<usize>, WordError> {
+        let mut all = Vec::new();
+        for word in &words.0 {
+            match word {
+                ListWord::Numbers(range) => all.extend(range.clone()),
+                ListWord::Name(name) => all.extend(self.named(option, name, wanted)?),
+            }
+        }
+        Ok(all)
+    }
+
+    fn named(&self, option: &'static str, word: &str, wanted: Wanted) -> Result<Vec<usize>, WordError> {
+        let column = |(deck, _): (&Deck, _)| deck.model().column(dof(word)?);
+        if let Some(column) = self.deck.and_then(column).filter(|_| wanted == Wanted::Dofs) {
+            return Ok(vec![column as usize]);
+        }
+        if let Some(found) = self.labelled(word, wanted) {
+            return Ok(found.clone());
+        }
+        let unknown = || {
+            let nearest = nearest(word, self.labels(wanted).chain(self.sets()));
+            WordError::Unknown { option, word: word.to_owned(), is_deck: self.deck.is_some(), nearest }
+        };
+        let Some((deck, case)) = self.deck else { return Err(unknown()) };
+        if let Some(line) = DeckLine::parse(word) {
+            let nowhere = |nearest| WordError::Line { option, word: word.to_owned(), nearest };
+            return at_line(deck.model(), case, &line, wanted).map_err(nowhere);
+        }
+        match dof(word) {
+            // A DOF that no equation begins with, but some hold, is known.
+            Some(dof) if deck.model().column(dof).is_none() => Err(unknown()),
+            Some(dof) => Ok(matching(deck.model(), case, &|other| other == dof, wanted)),
+            None => {
+                let nodes: HashSet<u32> = deck.node_set(word).ok_or_else(unknown)?.into_iter().collect();
+                Ok(matching(deck.model(), case, &|dof| nodes.contains(&dof.node), wanted))
+            }
+        }
+    }
+
+    fn labels(&self, wanted: Wanted) -> Box<dyn Iterator<Item = String> + '_> {
+        match wanted {
+            Wanted::Equations => Box::new((0..self.system.equations()).map(|row| self.system.equation_label(row))),
+            Wanted::Dofs => Box::new((0..self.system.dofs()).map(|column| self.system.dof_label(column))),
+        }
+    }
+
+    fn sets(&self) -> impl Iterator<Item = String> {
+        self.deck.into_iter().flat_map(|(deck, _)| deck.node_set_names())
+    }
+
+    fn labelled(&self, word: &str, wanted: Wanted) -> Option<&Vec<usize>> {
+        let index = if wanted == Wanted::Equations { &self.rows } else { &self.columns };
+        let labels = index.get_or_init(|| {
+            let mut labels = Labels::new();
+            for (k, label) in self.labels(wanted).enumerate() {
+                labels.entry(label.to_lowercase()).or_default().push(k);
+            }
+            labels
+        });
+        labels.get(&word.to_lowercase())
+    }
+}
+
+/// The equations or DOFs of a line of the deck; the error has the nearest line with a constraint.
+fn at_line(model: &Model, case: &LoadCase, line: &DeckLine, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
+    let is_there = |origin: Origin| line.is_in(model, origin);
+    let equations = rows(model, case).filter(|(_, origin, _)| is_there(*origin));
+    let clashes = (model.in_force(case).count()..).zip(&case.clashes).filter(|(_, clash)| is_there(clash.origin));
+    let found: Vec<usize> = match wanted {
+        Wanted::Equations => equations.map(|(row, ..)| row).chain(clashes.map(|(row, _)| row)).collect(),
+        Wanted::Dofs => {
+            let given = case.prescribed.iter().filter(|given| is_there(given.origin)).map(|given| given.dof);
+            let loaded = case.loads.iter().filter(|load| is_there(load.origin)).map(|load| load.dof);
+            let columns = given.chain(loaded).filter_map(|dof| model.column(dof));
+            let of_equations = equations.flat_map(|(_, _, columns)| columns.iter().copied());
+            of_equations.chain(columns).map(|j| j as usize).collect()
+        }
+    };
+    // Equations that are not in force in this load case are known all the same.
+    let is_known =
+        !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| is_there(e.origin));
+    if is_known { Ok(found) } else { Err(nearest_line(model, line)) }
+}
+
+/// Equations that begin with such a DOF, or the columns of such DOFs.
+fn matching(model: &Model, case: &LoadCase, is_meant: &dyn Fn(Dof) -> bool, wanted: Wanted) -> Vec<usize> {
+    match wanted {
+        Wanted::Dofs => (0..).zip(model.dofs()).filter(|(_, dof)| is_meant(**dof)).map(|(j, _)| j).collect(),
+        Wanted::Equations => rows(model, case)
+            .filter(|(_, _, columns)| columns.first().is_some_and(|&j| is_meant(model.dofs()[j as usize])))
+            .map(|(row, ..)| row)
+            .collect(),
+    }
+}
+
+/// Rows of a load case that are equations, with their origins and columns.
+fn rows<'a>(model: &'a Model, case: &LoadCase) -> impl Iterator<Item = (usize, Origin, &'a [u32])> {
+    let equations = model.in_force(case).filter_map(|i| model.equation(i));
+    (0..).zip(equations).map(|(row, equation)| (row, equation.origin, equation.columns))
+}
+
+fn nearest_line(model: &Model, line: &DeckLine) -> Option<u32> {
+    let equations = (0..model.equations()).filter_map(|i| model.equation(i));
+    let lines = equations.map(|equation| equation.origin).filter(|&origin| line.file_of(model, origin)).map(|o| o.line);
+    lines.min_by_key(|found| found.abs_diff(line.line))
+}
+
+/// NameIndex that are compared at most: the message is not worth more time.
+const COMPARED: usize = 200_000;
+/// Less alike than this is no help.
+const ALIKE: f64 = 0.5;
+
+/// The name most like `word`, in any case.
+pub fn nearest(word: &str, known: impl Iterator<Item = String>) -> Option<String> {
+    let word = word.to_lowercase();
+    let alike = |name: String| (normalized_damerau_levenshtein(&word, &name.to_lowercase()), name);
+    let best = known.take(COMPARED).map(alike).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= ALIKE).then_some(best.1)
+}
+
+/// `node:component`.
+fn dof(word: &str) -> Option<Dof> {
+    let (node, component) = word.split_once(':')?;
+    Some(Dof { node: node.trim().parse().ok()?, component: component.trim().parse().ok()? })
+}
+
+/// `line 41`, or `part.inc:41` of an included file.
+struct DeckLine {
+    /// The name of an included file; none for the main one.
+    file: Option<String>,
+    line: u32,
+}
+
+impl DeckLine {
+    fn parse(word: &str) -> Option<Self> {
+        if let Some(number) = word.get(..5).filter(|start| start.eq_ignore_ascii_case("line ")) {
+            return Some(Self { file: None, line: word[number.len()..].trim().parse().ok()? });
+        }
+        let (file, line) = word.rsplit_once(':')?;
+        // `5:3` is a DOF.
+        file.parse::<u32>().is_err().then_some(())?;
+        Some(Self { file: Some(file.to_owned()), line: line.parse().ok()? })
+    }
+
+    fn is_in(&self, model: &Model, origin: Origin) -> bool {
+        let lines = origin.line..origin.line.saturating_add(origin.lines.max(1));
+        lines.contains(&self.line) && self.file_of(model, origin)
+    }
+
+    fn file_of(&self, model: &Model, origin: Origin) -> bool {
+        let Some(card) = model.cards().get(origin.card) else { return false };
+        match &self.file {
+            None => card.file == 0,
+            Some(file) => {
+                let path = &model.files()[card.file as usize];
+                path.file_name().is_some_and(|name| name.to_string_lossy() == file.as_str())
+                    || path.display().to_string() == *file
+            }
+        }
+    }
+}

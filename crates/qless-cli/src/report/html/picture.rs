@@ -1,0 +1,108 @@
+//! The picture of the page: the pattern of C, the sizes of the blocks, and the nodes of the equations.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use qless::common::DisjointSets;
+use qless::{ConstraintSystem, Kind};
+use serde::Serialize;
+
+use crate::diagnose::Diagnosis;
+
+/// Cells of the pattern along each side, at most.
+const CELLS: usize = 160;
+/// Nodes drawn at most.
+const NODES: usize = 5000;
+/// Equations whose nodes are listed at most.
+const ROWS: usize = 5000;
+
+#[derive(Serialize)]
+pub struct Picture {
+    spy: Spy,
+    /// Sizes of blocks, ascending, and how many have each.
+    blocks: Vec<(usize, usize)>,
+    /// Nodes of the deck and where they are.
+    nodes: Vec<(u32, f64, f64, f64)>,
+    /// Dependent equations and those that explain them: row from 1, and nodes.
+    rows: Vec<(usize, Vec<u32>)>,
+}
+
+#[derive(Serialize)]
+struct Spy {
+    cells: usize,
+    /// Row, column, and 0 for independent, 1 for redundant, 2 for conflicting equations.
+    dots: Vec<(usize, usize, u8)>,
+}
+
+impl Picture {
+    pub fn of(diagnosis: &Diagnosis) -> Self {
+        let (nodes, rows) = nodes(diagnosis);
+        Self { spy: spy(diagnosis), blocks: blocks(&diagnosis.system), nodes, rows }
+    }
+}
+
+fn spy(diagnosis: &Diagnosis) -> Spy {
+    let (m, n) = (diagnosis.system.equations(), diagnosis.system.dofs());
+    let cells = m.max(n).clamp(1, CELLS);
+    let mut worst: BTreeMap<(usize, usize), u8> = BTreeMap::new();
+    for i in 0..m {
+        let kind = match diagnosis.analysis.kinds()[i] {
+            Kind::Independent => 0,
+            Kind::Redundant => 1,
+            Kind::Conflicting => 2,
+        };
+        for (j, _) in diagnosis.system.matrix().row(i) {
+            // The same scale in both directions keeps the aspect ratio.
+            let at = (i * cells / m.max(n), j * cells / m.max(n));
+            let entry = worst.entry(at).or_insert(0);
+            *entry = kind.max(*entry);
+        }
+    }
+    Spy { cells, dots: worst.into_iter().map(|((i, j), kind)| (i, j, kind)).collect() }
+}
+
+/// Sizes of the connected components of equations over free DOFs, and how many components have each size.
+fn blocks(system: &ConstraintSystem) -> Vec<(usize, usize)> {
+    let mut sets = DisjointSets::new(system.equations());
+    let mut first = vec![None; system.dofs()];
+    let is_prescribed = |j: usize| system.prescribed().binary_search_by_key(&j, |given| given.0).is_ok();
+    for i in 0..system.equations() {
+        for (j, _) in system.matrix().row(i).filter(|(j, _)| !is_prescribed(*j)) {
+            sets.join(*first[j].get_or_insert(i), i);
+        }
+    }
+    let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
+    (0..system.equations()).for_each(|i| *sizes.entry(sets.root(i)).or_default() += 1);
+    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+    sizes.values().for_each(|&size| *counts.entry(size).or_default() += 1);
+    counts.into_iter().collect()
+}
+
+type Nodes = (Vec<(u32, f64, f64, f64)>, Vec<(usize, Vec<u32>)>);
+
+/// Nodes of the deck that equations hold, those of dependent ones first.
+fn nodes(diagnosis: &Diagnosis) -> Nodes {
+    let Some(deck) = &diagnosis.deck else { return (Vec::new(), Vec::new()) };
+    let node = |j: usize| deck.deck.model().dofs().get(j).map(|dof| dof.node);
+    let of_row =
+        |row: usize| -> BTreeSet<u32> { diagnosis.system.matrix().row(row).filter_map(|(j, _)| node(j)).collect() };
+    let mut rows: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
+    for dependent in diagnosis.analysis.dependent() {
+        let because = diagnosis.analysis.because(dependent.row).unwrap_or_default();
+        for row in std::iter::once(dependent.row).chain(because.iter().map(|term| term.row)) {
+            if rows.len() < ROWS {
+                rows.entry(row).or_insert_with(|| of_row(row));
+            }
+        }
+    }
+    let mut shown: BTreeSet<u32> = rows.values().flatten().copied().take(NODES).collect();
+    for dof in deck.deck.model().dofs() {
+        if shown.len() >= NODES {
+            break;
+        }
+        shown.insert(dof.node);
+    }
+    let positions = deck.deck.positions();
+    let place = |node: u32| positions.get(&node).map(|[x, y, z]| (node, *x, *y, *z));
+    let rows = rows.into_iter().map(|(row, nodes)| (row + 1, nodes.into_iter().collect())).collect();
+    (shown.into_iter().filter_map(place).collect(), rows)
+}

@@ -1,0 +1,87 @@
+//! The report for people: what is wrong, why, how sure that is, and what to do; at most 24 lines of [`COLUMNS`].
+//!
+//! The verdict comes first, in words. Items that do not fit are counted; `--format json` has all of them.
+
+mod combination;
+mod confidence;
+mod dependent;
+pub mod equation_list;
+mod next;
+mod summary;
+
+use qless::{Kind, Report};
+
+use super::Outcome;
+use crate::diagnose::Diagnosis;
+use crate::wording::layout::{Section, section_lines, section_needs, shorten};
+pub use confidence::exact_rank;
+use equation_list::{DependentRow, EquationList};
+pub use summary::verdict;
+
+/// Longest line.
+const COLUMNS: usize = 100;
+/// Most lines of a report, unless sections of a deck need more.
+const LINES: usize = 24;
+
+/// The report, ending in a line break.
+pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> String {
+    let because = |row| diagnosis.analysis.because(row).unwrap_or_default();
+    let list = EquationList {
+        input: &diagnosis.args.input,
+        deck: diagnosis.deck.as_ref(),
+        tolerance: diagnosis.options.tolerance,
+        equations: &diagnosis.system,
+        dependent: diagnosis.analysis.dependent().iter().map(DependentRow::from).collect(),
+        because: &because,
+    };
+    let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
+    let mut doubts = confidence::second_reading(diagnosis, report);
+    doubts.extend(exact_rank(diagnosis, report));
+    doubts.extend(confidence::ignored_coefficients(diagnosis, report));
+    whole(&list, report, outcome, &sections, doubts)
+}
+
+/// The report with sections of a deck and lines of doubt, which only some analyses have.
+pub fn whole(
+    list: &EquationList,
+    report: &Report,
+    outcome: &Outcome,
+    sections: &[Section],
+    doubts: Vec<String>,
+) -> String {
+    let first = [verdict(report, list.deck.is_some()), summary::input(report)];
+    let last = rest(list, report, outcome, doubts);
+    let generated = dependent::generated_conditions(report);
+    let room = LINES.saturating_sub(first.len() + generated.len() + last.len());
+    let (least, wanted) = section_needs(sections);
+    let equations = dependent(list, report, room.saturating_sub(wanted).max(room.saturating_sub(least).min(5)));
+    let sections = section_lines(sections, room.saturating_sub(equations.len()));
+    let lines = first.into_iter().chain(equations).chain(generated).chain(sections).chain(last);
+    lines.map(|line| shorten(line.trim_end(), COLUMNS) + "\n").collect()
+}
+
+/// Dependent equations in at most `most` lines, but at least the heading and one equation of each kind.
+fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
+    let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
+    let (conflicting, redundant) = if both { (7, 4) } else { (10, 9) };
+    let mut lines =
+        dependent::section(list, Kind::Conflicting, conflicting.min(if both { most / 2 } else { most }).max(3));
+    lines.extend(dependent::section(list, Kind::Redundant, redundant.min(most.saturating_sub(lines.len())).max(3)));
+    lines
+}
+
+/// The last lines: how sure the rank is, how it was found, and what to do.
+fn rest(list: &EquationList, report: &Report, outcome: &Outcome, doubts: Vec<String>) -> Vec<String> {
+    let mut lines = Vec::new();
+    if report.input.rows > 0 {
+        lines.extend(confidence::rank(list, report));
+        lines.extend(doubts);
+        lines.push(summary::presolve(report));
+        lines.extend(summary::backend(report));
+    }
+    lines.extend(summary::unmet_preferences(report));
+    lines.extend(summary::factored_blocks(report));
+    lines.push(summary::time(report));
+    lines.extend(next::lines(list, report, outcome));
+    lines
+}

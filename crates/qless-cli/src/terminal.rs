@@ -1,0 +1,52 @@
+//! Standard output, buffered and checked, and the progress display on standard error.
+//!
+//! A full disk is an error, not a panic. A reader that has gone, as `head` does, is no error and changes no exit code.
+
+use std::io::{self, BufWriter, Write};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::failure::Failure;
+use crate::memory::threads;
+
+/// Gives `write` standard output, and sees that all of it arrives.
+pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::of_stdout(&error)),
+        _ => Ok(()),
+    }
+}
+
+/// A spinner on standard error with the stage and the time; gone when dropped.
+pub struct Progress(ProgressBar);
+
+impl Progress {
+    /// Draws nothing if `quiet`, nor where standard error is no terminal.
+    pub fn new(quiet: bool) -> Self {
+        if quiet {
+            return Self(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
+            bar.set_style(style.tick_chars("-\\|/ "));
+        }
+        // The display ticks in its own thread, and panics if the system gives no thread.
+        if !bar.is_hidden() && threads::is_one_more_possible() {
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
+        Self(bar)
+    }
+
+    /// Names the stage that begins.
+    pub fn stage(&self, name: &'static str) {
+        self.0.set_message(name);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

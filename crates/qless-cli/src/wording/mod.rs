@@ -1,0 +1,118 @@
+//! How the program writes equations, DOFs and numbers: by their row from 1 and their label, in limited space.
+
+pub mod layout;
+
+use qless::ConstraintSystem;
+
+use layout::{printable, shorten};
+
+/// Facts about single equations; rows count from 0.
+pub trait EquationLookup {
+    /// `row 5` if it has no name.
+    fn label(&self, row: usize) -> String;
+
+    fn facts(&self, row: usize) -> EquationFacts;
+}
+
+/// Sizes of one equation.
+#[derive(Clone, Copy)]
+pub struct EquationFacts {
+    pub rhs: f64,
+    /// The magnitude of its largest coefficient.
+    pub largest: f64,
+    /// DOFs in it.
+    pub dofs: usize,
+    /// Those of them that are prescribed.
+    pub prescribed: usize,
+}
+
+impl EquationLookup for ConstraintSystem {
+    fn label(&self, row: usize) -> String {
+        self.equation_label(row)
+    }
+
+    fn facts(&self, row: usize) -> EquationFacts {
+        let entries = self.matrix().row(row);
+        EquationFacts {
+            rhs: self.rhs()[row],
+            largest: entries.clone().fold(0.0, |size: f64, (_, v)| size.max(v.abs())),
+            dofs: entries.len(),
+            prescribed: entries.filter(|&(j, _)| is_prescribed(self, j)).count(),
+        }
+    }
+}
+
+/// Whether a DOF is prescribed.
+fn is_prescribed(system: &ConstraintSystem, dof: usize) -> bool {
+    system.prescribed().binary_search_by_key(&dof, |&(j, _)| j).is_ok()
+}
+
+/// Columns of a label at most.
+const LABEL: usize = 30;
+
+/// `row 14 "tie B/C, y"`, or `row 14` without a label.
+pub fn equation(equations: &dyn EquationLookup, row: usize) -> String {
+    let number = format!("row {}", row + 1);
+    let label = equations.label(row);
+    if label == number { number } else { format!("{number} \"{}\"", shorten(&printable(&label), LABEL)) }
+}
+
+/// A label that is printable and not too long.
+pub fn label(text: &str) -> String {
+    shorten(&printable(text), LABEL)
+}
+
+/// `1 equation`, `2 equations`.
+pub fn count(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
+/// The shortest form with six significant digits.
+pub fn number(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return if x == 0.0 { "0".to_owned() } else { x.to_string() };
+    }
+    let scientific = format!("{x:.5e}");
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
+    match exponent.parse::<i32>() {
+        Ok(exponent) if (-4..6).contains(&exponent) => trim(&format!("{x:.*}", (5 - exponent) as usize)).to_owned(),
+        _ => format!("{}e{exponent}", trim(mantissa)),
+    }
+}
+
+/// Two digits, for sizes that matter by their magnitude only.
+pub fn rough(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let rounded: f64 = format!("{x:.1e}").parse().unwrap_or(x);
+    number(rounded)
+}
+
+fn trim(digits: &str) -> &str {
+    if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_digits_at_most() {
+        let cases = [
+            (1.0, "1"),
+            (-2.5, "-2.5"),
+            (1.0 / 3.0, "0.333333"),
+            (0.999_999_999, "1"),
+            (123_456.0, "123456"),
+            (1_234_567.0, "1.23457e6"),
+            (1e-7, "1e-7"),
+            (-0.0, "0"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(number(x), text);
+        }
+        assert_eq!((rough(0.123_456), rough(3.27e-17)), ("0.12".into(), "3.3e-17".into()));
+    }
+}

@@ -1,0 +1,99 @@
+//! Peeling: an equation with a DOF that is in no other equation of the job is solved for this DOF by the rank that holds it.
+//!
+//! Such an equation is independent of all others and is in no certificate. It is peeled only if the serial analysis would do the same:
+//! the coefficient of the DOF is the largest of the equation, and no equation of the component mixes magnitudes.
+
+use crate::parts::{Components, KnownDofs, NONE, TouchedDofs};
+use crate::share::ShareRows;
+
+/// An equation and the position of its slave.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Peel {
+    pub row: u32,
+    pub position: u32,
+}
+
+/// More than one column in this many must not be small in all its rows.
+const MANY: u64 = 20;
+/// Sizes that come nowhere near the ends of the range of doubles.
+const MODEST: std::ops::Range<f64> = 1e-100..1e100;
+
+/// How sizes lie in a part, counted so that what parts add up to errs towards mixed units.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sizes {
+    /// Rows with numbers near the ends of the range of doubles.
+    pub wild: u64,
+    /// Columns that are small in all rows that this rank holds.
+    small: u64,
+    /// Columns in two rows or more that no other rank knows.
+    shared: u64,
+}
+
+impl Peel {
+    pub fn row(self) -> usize {
+        self.row as usize
+    }
+
+    /// The index of the slave in the lists of terms.
+    pub fn place(self, rows: &ShareRows) -> usize {
+        rows.starts[self.row as usize] + self.position as usize
+    }
+}
+
+impl Sizes {
+    pub fn words(self) -> [u64; 3] {
+        [self.wild, self.small, self.shared]
+    }
+
+    /// Whether sizes mix nowhere in a component, from the sums over its parts.
+    pub fn are_even(sum: &[u64; 3]) -> bool {
+        sum[0] == 0 && MANY * sum[1] <= sum[2]
+    }
+}
+
+/// Of each part.
+pub(crate) fn sizes(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, components: &Components) -> Vec<Sizes> {
+    let mut of_part = vec![Sizes::default(); components.parts()];
+    for i in 0..rows.len() {
+        let largest = rows.values(i).iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let rhs = rows.rhs[i].abs();
+        let is_modest = MODEST.contains(&largest) && (rhs == 0.0 || MODEST.contains(&rhs));
+        of_part[components.of_row[i] as usize].wild += u64::from(!is_modest);
+    }
+    let columns = components.of_dof.iter().zip(&touched.columns).zip(&known.said);
+    for ((&part, column), said) in columns.filter(|((part, _), _)| **part != NONE) {
+        let of = &mut of_part[part as usize];
+        of.small += u64::from(column.is_small && (column.count >= 2 || said.is_shared()));
+        of.shared += u64::from(column.count >= 2 && !said.is_shared());
+    }
+    of_part
+}
+
+/// The rows among those allowed that have such a DOF.
+pub(crate) fn peel(
+    rows: &ShareRows,
+    touched: &TouchedDofs,
+    known: &KnownDofs,
+    allowed: impl Fn(usize) -> bool,
+) -> Vec<Peel> {
+    (0..rows.len()).filter(|&row| allowed(row)).filter_map(|row| slave(rows, touched, known, row)).collect()
+}
+
+fn slave(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, row: usize) -> Option<Peel> {
+    let places = touched.row(rows, row);
+    let (mut position, mut largest, mut is_alone) = (None, 0.0, false);
+    for (k, (&j, value)) in places.iter().zip(rows.values(row)).enumerate() {
+        let (said, size) = (known.said[j as usize], value.abs());
+        // Whether a coefficient is rounding depends on all equations of its DOF.
+        if said.is_faint() {
+            return None;
+        }
+        if said.is_free() && size >= largest {
+            (position, largest, is_alone) = (Some(k), size, size > largest);
+        }
+    }
+    let position = position.filter(|_| is_alone)?;
+    let j = places[position] as usize;
+    (touched.columns[j].count == 1 && !known.said[j].is_shared())
+        .then_some(Peel { row: row as u32, position: position as u32 })
+}

@@ -1,0 +1,82 @@
+//! The local DOFs of a rank, and T, G and g on them.
+
+use std::collections::BTreeMap;
+
+use qless::{Csr, Elimination, Reduction};
+
+use crate::analysis::Analysis;
+use crate::error::Failure;
+use crate::ranks::{Message, Outbox, Ranks, real};
+use crate::share::Share;
+use crate::solve::PRESCRIBED_BIT;
+
+/// The DOFs that a rank owns or needs, and those in their rows of T and G; ascending.
+pub(super) struct LocalDofs {
+    pub dofs: Vec<u64>,
+    /// Values of those that are prescribed.
+    given: BTreeMap<u64, f64>,
+}
+
+impl LocalDofs {
+    /// Collective.
+    pub fn new(ranks: &dyn Ranks, share: &Share, analysis: &Analysis) -> Self {
+        let own = analysis.layout.owned(ranks.rank());
+        let mut others = analysis.ghosts();
+        others.extend(share.needed.iter().filter(|dof| !own.contains(dof)));
+        others.sort_unstable();
+        others.dedup();
+        let mut given = asked(ranks, analysis, &others);
+        given.extend(analysis.prescribed());
+        let below = others.partition_point(|&dof| dof < own.start);
+        let mut dofs = others;
+        dofs.splice(below..below, own);
+        Self { dofs, given }
+    }
+
+    /// The elimination on these DOFs, numbered by their places.
+    pub fn elimination(&self, analysis: &Analysis) -> Result<Elimination, Failure> {
+        let [mut slaves, mut masters, mut prescribed] = [Vec::new(), Vec::new(), Vec::new()];
+        // Place of each DOF in its list.
+        let mut place = Vec::with_capacity(self.dofs.len());
+        for (j, &dof) in self.dofs.iter().enumerate() {
+            let list = if self.given.contains_key(&dof) {
+                &mut prescribed
+            } else if analysis.line(dof).is_some() {
+                &mut slaves
+            } else {
+                &mut masters
+            };
+            place.push(list.len());
+            list.push(j);
+        }
+        let place_of = |dof: u64| self.dofs.binary_search(&(dof & !PRESCRIBED_BIT)).map_or(0, |j| place[j]);
+        let (mut t, mut g_matrix, mut g) = (Csr::empty(masters.len()), Csr::empty(prescribed.len()), Vec::new());
+        for &j in &slaves {
+            let Some(line) = analysis.line(self.dofs[j]) else { continue };
+            let terms = || line.dofs.iter().zip(line.values).map(|(&dof, &value)| (dof, value));
+            let part =
+                |of: u64| terms().filter(move |(dof, _)| dof & PRESCRIBED_BIT == of).map(|(dof, v)| (place_of(dof), v));
+            t.push_row(part(0)).map_err(|error| Failure::of(&error))?;
+            g_matrix.push_row(part(PRESCRIBED_BIT)).map_err(|error| Failure::of(&error))?;
+            g.push(line.constant);
+        }
+        let values: Vec<f64> = prescribed.iter().map(|&j| self.given[&self.dofs[j]]).collect();
+        let reduction = Reduction::from_parts([slaves, masters, prescribed], t, g_matrix, g);
+        let reduction = reduction.map_err(|error| Failure::of(&error))?;
+        Elimination::from_reduction(reduction, &values).map_err(|error| Failure::of(&error))
+    }
+}
+
+/// Values of the prescribed among DOFs of others, from their owners. Collective.
+fn asked(ranks: &dyn Ranks, analysis: &Analysis, dofs: &[u64]) -> BTreeMap<u64, f64> {
+    let mut post = Outbox::default();
+    dofs.iter().for_each(|&dof| post.to(analysis.layout.owner(dof)).push(dof));
+    let given = &analysis.directory.prescribed;
+    let answer = |message: Message| {
+        let known = message.words.iter().filter_map(|dof| Some([*dof, given.get(dof)?.to_bits()]));
+        Message { rank: message.rank, words: known.flatten().collect() }
+    };
+    let answers = post.send(ranks).into_iter().map(answer).filter(|message| !message.words.is_empty()).collect();
+    let came = ranks.exchange(answers);
+    came.iter().flat_map(|message| message.words.chunks_exact(2)).map(|pair| (pair[0], real(pair[1]))).collect()
+}

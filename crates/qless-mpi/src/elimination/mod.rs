@@ -1,0 +1,220 @@
+//! `u = L u_q + u_0` across ranks: each has a part of u_q and of u.
+//!
+//! ```text
+//! gather     u_q of the masters that a rank owns -> of those that its rows name          one message to each neighbour
+//! expand     u = L u_q + u_0 on local DOFs: rows over own masters while messages travel
+//! project    f_q = L^T f: each rank's share of f on its local DOFs, summed at the owners  one message to each neighbour
+//! condense   K_q = L^T K L of each rank's own K on its local DOFs, nothing is sent
+//! ```
+//!
+//! The local DOFs of a rank are those that it owns and needs, and the masters and prescribed DOFs that their rows name.
+
+mod ghosts;
+mod local;
+
+use qless::{Elimination, Options};
+
+use crate::analysis::{Analysis, analyse};
+use crate::error::{Error, agree};
+use crate::ranks::Ranks;
+use crate::share::Share;
+use ghosts::Ghosts;
+
+/// Constraints of a model that is spread over ranks, solved for slaves, as one rank uses them in every step.
+///
+/// ```
+/// use qless::Options;
+/// use qless_mpi::{DistributedElimination, Share, together};
+/// // u2 of the second rank follows u0 of the first, by u2 = u0 / 2 + 1.
+/// let sums = together(2, |ranks| {
+///     let first = ranks.rank() == 0;
+///     let mut share = Share::new(if first { 0..2 } else { 2..4 });
+///     if first {
+///         share.equation(0, [(2, 1.0), (0, -0.5)], 1.0);
+///     }
+///     let elimination = DistributedElimination::new(ranks, &share, &Options::default()).expect("consistent");
+///     let masters = vec![3.0; elimination.masters().len()];
+///     let mut u = vec![0.0; elimination.dofs().len()];
+///     elimination.expand_into(ranks, &masters, &mut u);
+///     (elimination.dofs().to_vec(), u)
+/// });
+/// assert_eq!(sums[0], (vec![0, 1], vec![3.0, 3.0]));
+/// assert_eq!(sums[1], (vec![0, 2, 3], vec![3.0, 2.5, 3.0]));
+/// ```
+#[derive(Debug)]
+pub struct DistributedElimination {
+    analysis: Analysis,
+    /// The local DOFs, ascending.
+    dofs: Vec<u64>,
+    /// `u = L u_q + u_0` on them.
+    elimination: Elimination,
+    /// The masters that this rank owns.
+    masters: Vec<u64>,
+    ghosts: Ghosts,
+    /// Slaves whose rows use masters of this rank only, and the other slaves; as indices into the slaves of `elimination`.
+    inner: Vec<u32>,
+    outer: Vec<u32>,
+    /// `G u_p + g` of each slave.
+    constants: Vec<f64>,
+}
+
+impl DistributedElimination {
+    /// Analyses the equations of all ranks and solves them for slaves. Collective.
+    ///
+    /// # Errors
+    /// As [`analyse`]; [`Error::Conflicting`] where equations contradict one another. The same on all ranks.
+    pub fn new(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<Self, Error> {
+        let analysis = analyse(ranks, share, options)?;
+        refuse_conflicts(ranks, share, &analysis)?;
+        let local = local::LocalDofs::new(ranks, share, &analysis);
+        let elimination = local.elimination(&analysis).map_err(|failure| failure.on(ranks.rank()));
+        let elimination = agree(ranks, elimination)?;
+        let own = analysis.layout.owned(ranks.rank());
+        let of_masters: Vec<u64> = elimination.masters().iter().map(|&j| local.dofs[j]).collect();
+        let ghosts = Ghosts::new(ranks, &analysis.layout, &of_masters);
+        let is_inner =
+            |i: &u32| elimination.reduction().t().row(*i as usize).all(|(q, _)| own.contains(&of_masters[q]));
+        let (inner, outer) = (0..elimination.slaves().len() as u32).partition(is_inner);
+        let masters = of_masters[ghosts.own()].to_vec();
+        let dofs = local.dofs;
+        let constants = constants(&elimination);
+        Ok(Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants })
+    }
+
+    /// What is known of the equations and of the rows of T.
+    pub fn analysis(&self) -> &Analysis {
+        &self.analysis
+    }
+
+    /// The local DOFs, ascending: vectors u and f of this rank are over them.
+    pub fn dofs(&self) -> &[u64] {
+        &self.dofs
+    }
+
+    /// The masters that this rank owns, ascending: its part of u_q is over them.
+    pub fn masters(&self) -> &[u64] {
+        &self.masters
+    }
+
+    /// T, G and g on the local DOFs, numbered by their places in [`DistributedElimination::dofs`]: to condense matrices of this rank
+    /// ([`Elimination::condensed`]), whose unknowns are then [`Elimination::masters`].
+    pub fn local(&self) -> &Elimination {
+        &self.elimination
+    }
+
+    /// Gathers u_q of all local masters from the ranks that own them, and does `work` meanwhile. Collective.
+    ///
+    /// # Panics
+    /// If a length is not that of [`DistributedElimination::masters`] and of the masters of [`DistributedElimination::local`].
+    pub fn gather_into(&self, ranks: &dyn Ranks, masters: &[f64], local: &mut [f64], work: &mut dyn FnMut()) {
+        assert_eq!((masters.len(), local.len()), (self.masters.len(), self.elimination.masters().len()), "lengths");
+        local[self.ghosts.own()].copy_from_slice(masters);
+        self.ghosts.gather(ranks, local, work);
+    }
+
+    /// Sums the values of all ranks for their local masters, at the ranks that own the masters. Collective.
+    ///
+    /// # Panics
+    /// As [`DistributedElimination::gather_into`].
+    pub fn sum_into(&self, ranks: &dyn Ranks, local: &[f64], masters: &mut [f64]) {
+        assert_eq!((masters.len(), local.len()), (self.masters.len(), self.elimination.masters().len()), "lengths");
+        masters.copy_from_slice(&local[self.ghosts.own()]);
+        self.ghosts.sum(ranks, local, masters);
+    }
+
+    /// `u = L u_q + u_0` on the local DOFs. Collective.
+    ///
+    /// # Panics
+    /// If a length is not that of [`DistributedElimination::masters`] and [`DistributedElimination::dofs`].
+    pub fn expand_into(&self, ranks: &dyn Ranks, masters: &[f64], u: &mut [f64]) {
+        let given = self.elimination.prescribed_values();
+        self.elimination.prescribed().iter().zip(given).for_each(|(&j, &value)| u[j] = value);
+        self.spread(ranks, masters, u, |i| self.constants[i]);
+    }
+
+    /// `du = L du_q`: the same for increments; prescribed DOFs and constants do not move. Collective.
+    ///
+    /// # Panics
+    /// As [`DistributedElimination::expand_into`].
+    pub fn expand_increment_into(&self, ranks: &dyn Ranks, masters: &[f64], du: &mut [f64]) {
+        self.elimination.prescribed().iter().for_each(|&j| du[j] = 0.0);
+        self.spread(ranks, masters, du, |_| 0.0);
+    }
+
+    fn spread(&self, ranks: &dyn Ranks, masters: &[f64], u: &mut [f64], constant: impl Fn(usize) -> f64) {
+        assert_eq!((masters.len(), u.len()), (self.masters.len(), self.dofs.len()), "lengths");
+        let mut local = vec![0.0; self.elimination.masters().len()];
+        local[self.ghosts.own()].copy_from_slice(masters);
+        let own = local.clone();
+        let t = self.elimination.reduction().t();
+        let row = |i: &u32, q: &[f64]| {
+            let sum: f64 = t.row(*i as usize).map(|(k, value)| value * q[k]).sum();
+            (self.elimination.slaves()[*i as usize], constant(*i as usize) + sum)
+        };
+        self.ghosts.gather(ranks, &mut local, &mut || {
+            self.inner.iter().map(|i| row(i, &own)).for_each(|(j, value)| u[j] = value);
+        });
+        self.outer.iter().map(|i| row(i, &local)).for_each(|(j, value)| u[j] = value);
+        self.elimination.masters().iter().zip(&local).for_each(|(&j, &value)| u[j] = value);
+    }
+
+    /// `f_q = L^T f`: each rank gives its share of the forces on its local DOFs, the shares of all are summed. Collective.
+    ///
+    /// # Panics
+    /// As [`DistributedElimination::expand_into`].
+    pub fn restrict_into(&self, ranks: &dyn Ranks, forces: &[f64], masters: &mut [f64]) {
+        assert_eq!(forces.len(), self.dofs.len(), "length of the forces");
+        let mut local: Vec<f64> = self.elimination.masters().iter().map(|&j| forces[j]).collect();
+        let t = self.elimination.reduction().t();
+        for (i, &slave) in self.elimination.slaves().iter().enumerate() {
+            t.row(i).for_each(|(q, value)| local[q] += value * forces[slave]);
+        }
+        self.sum_into(ranks, &local, masters);
+    }
+
+    /// New right-hand sides and prescribed values, in a share of the same equations ([`Share::set_rhs`],
+    /// [`Share::set_prescribed`]); slaves, T and G stay, to the last bit, and so do condensed patterns. Costs an analysis. Collective.
+    ///
+    /// # Errors
+    /// As [`DistributedElimination::new`]; the map is then as it was.
+    pub fn refresh(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
+        let Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants } =
+            Self::new(ranks, share, options)?;
+        // Patterns are tied to their elimination, so keep it unless the equations have changed.
+        if self.dofs == dofs && is_same(&self.elimination, &elimination) {
+            let set = self.elimination.set(elimination.reduction().g(), elimination.prescribed_values());
+            set.expect("lengths and numbers of a elimination");
+        } else {
+            self.elimination = elimination;
+        }
+        (self.analysis, self.dofs, self.masters, self.ghosts) = (analysis, dofs, masters, ghosts);
+        (self.inner, self.outer, self.constants) = (inner, outer, constants);
+        Ok(())
+    }
+}
+
+/// Whether two eliminations differ at most in g and in prescribed values.
+fn is_same(a: &Elimination, b: &Elimination) -> bool {
+    let roles = |of: &Elimination| [of.slaves().to_vec(), of.masters().to_vec(), of.prescribed().to_vec()];
+    let (left, right) = (a.reduction(), b.reduction());
+    roles(a) == roles(b) && left.t() == right.t() && left.g_matrix() == right.g_matrix()
+}
+
+fn constants(elimination: &Elimination) -> Vec<f64> {
+    let (reduction, given) = (elimination.reduction(), elimination.prescribed_values());
+    let row = |i: usize| reduction.g_matrix().row(i).map(|(p, value)| value * given[p]).sum::<f64>() + reduction.g()[i];
+    (0..elimination.slaves().len()).map(row).collect()
+}
+
+/// Refuses conflicting equations: they have no solution to expand to.
+fn refuse_conflicts(ranks: &dyn Ranks, share: &Share, analysis: &Analysis) -> Result<(), Error> {
+    let count = analysis.counts().conflicting;
+    if count == 0 {
+        return Ok(());
+    }
+    let conflicting = analysis.dependent().iter().filter(|d| d.kind == qless::Kind::Conflicting);
+    let first = conflicting.map(|d| share.numbers()[d.equation]).min();
+    let mut most = [first.map_or(0, |first| u64::MAX - first)];
+    ranks.max(&mut most);
+    Err(Error::Conflicting { count, first: u64::MAX - most[0] })
+}

@@ -1,0 +1,117 @@
+//! Returns the results: verdicts to the ranks that hold the equations, rows of T to the ranks that own the slaves.
+
+use qless::Kind;
+
+use super::rows::PRESCRIBED_BIT;
+use super::{LocalAnalysis, ReductionRows};
+use crate::analysis::{CertificateTerm, Dependent};
+use crate::parts::Layout;
+use crate::ranks::{Message, Outbox, Ranks, real};
+
+/// The results for the equations and DOFs of one rank.
+pub(crate) struct ReturnedResults {
+    /// Of its equations, ascending.
+    pub dependent: Vec<Dependent>,
+    /// Rows of T of the slaves that this rank owns.
+    pub lines: ReductionRows,
+    /// Free DOFs that it owns and that the equations fix, with their values.
+    pub generated: Vec<(u64, f64)>,
+    /// Equations of this rank that were to be kept and are dependent on other such equations.
+    pub unmet: Vec<usize>,
+}
+
+/// Collective.
+pub(crate) fn return_results(ranks: &dyn Ranks, layout: &Layout, solved: &[LocalAnalysis]) -> ReturnedResults {
+    let mut verdicts = Outbox::default();
+    let mut rows = Outbox::default();
+    let mut values = Outbox::default();
+    let mut unmet = Outbox::default();
+    for solved in solved {
+        solved.write_verdicts(&mut verdicts);
+        solved.write_rows(layout, &mut rows);
+        for &(j, value) in solved.analysis.generated() {
+            let dof = solved.dofs[j];
+            values.to(layout.owner(dof)).extend([dof, value.to_bits()]);
+        }
+        for &i in solved.analysis.unmet_equations() {
+            let (rank, place) = solved.assigned.source[i];
+            unmet.to(rank).push(place);
+        }
+    }
+    let mut dependent = Vec::new();
+    verdicts.send(ranks).iter().for_each(|message| read_verdicts(&message.words, &mut dependent));
+    dependent.sort_unstable_by_key(|d: &Dependent| d.equation);
+    let mut lines = ReductionRows::default();
+    rows.send(ranks).iter().for_each(|message| lines.read(&message.words));
+    let pairs = |message: Message| -> Vec<(u64, f64)> {
+        message.words.chunks_exact(2).map(|pair| (pair[0], real(pair[1]))).collect()
+    };
+    let generated = values.send(ranks).into_iter().flat_map(pairs).collect();
+    let unmet = unmet.send(ranks).into_iter().flat_map(|message| message.words).map(|place| place as usize).collect();
+    ReturnedResults { dependent, lines, generated, unmet }
+}
+
+/// The rows of those of `dofs` (ascending) that are slaves; `lines` are those of the slaves that this rank owns. Collective.
+pub(crate) fn ask(ranks: &dyn Ranks, layout: &Layout, lines: &ReductionRows, dofs: &[u64]) -> ReductionRows {
+    let own = layout.owned(ranks.rank());
+    let mut post = Outbox::default();
+    dofs.iter().filter(|dof| !own.contains(dof)).for_each(|&dof| post.to(layout.owner(dof)).push(dof));
+    let answer = |message: Message| {
+        let mut words = Vec::new();
+        message.words.iter().filter_map(|&dof| lines.find(dof)).for_each(|line| line.write(&mut words));
+        Message { rank: message.rank, words }
+    };
+    let answers = post.send(ranks).into_iter().map(answer).filter(|message| !message.words.is_empty()).collect();
+    let mut found = ReductionRows::default();
+    lines.among(dofs).for_each(|line| found.push_line(line));
+    ranks.exchange(answers).iter().for_each(|message| found.read(&message.words));
+    found
+}
+
+impl LocalAnalysis {
+    fn write_verdicts(&self, post: &mut Outbox) {
+        for dependent in self.analysis.dependent() {
+            let (rank, place) = self.assigned.source[dependent.row];
+            let because = self.analysis.because(dependent.row).unwrap_or_default();
+            let words = post.to(rank);
+            words.extend([place, u64::from(dependent.kind == Kind::Conflicting)]);
+            words.extend([dependent.mismatch, dependent.relative_mismatch, dependent.dropped].map(f64::to_bits));
+            words.push(because.len() as u64);
+            words.extend(because.iter().flat_map(|b| [self.assigned.rows.numbers[b.row], b.coefficient.to_bits()]));
+        }
+    }
+
+    fn write_rows(&self, layout: &Layout, post: &mut Outbox) {
+        let reduction = &self.reduction;
+        for (i, &slave) in reduction.slaves().iter().enumerate() {
+            let of_masters = reduction.t().row(i).map(|(q, value)| (self.dofs[reduction.masters()[q]], value));
+            let of_given = reduction
+                .g_matrix()
+                .row(i)
+                .map(|(p, value)| (self.dofs[reduction.prescribed()[p]] | PRESCRIBED_BIT, value));
+            let mut terms: Vec<(u64, f64)> = of_masters.chain(of_given).collect();
+            terms.sort_unstable_by_key(|&(dof, _)| dof & !PRESCRIBED_BIT);
+            let slave = self.dofs[slave];
+            let words = post.to(layout.owner(slave));
+            words.extend([slave, reduction.g()[i].to_bits(), terms.len() as u64]);
+            words.extend(terms.into_iter().flat_map(|(dof, value)| [dof, value.to_bits()]));
+        }
+    }
+}
+
+fn read_verdicts(words: &[u64], dependent: &mut Vec<Dependent>) {
+    let mut at = 0;
+    while at < words.len() {
+        let (head, len) = (&words[at..at + 6], words[at + 5] as usize);
+        let terms = words[at + 6..at + 6 + 2 * len].chunks_exact(2);
+        dependent.push(Dependent {
+            equation: head[0] as usize,
+            kind: if head[1] == 0 { Kind::Redundant } else { Kind::Conflicting },
+            mismatch: real(head[2]),
+            relative_mismatch: real(head[3]),
+            dropped: real(head[4]),
+            because: terms.map(|pair| CertificateTerm { equation: pair[0], coefficient: real(pair[1]) }).collect(),
+        });
+        at += 6 + 2 * len;
+    }
+}
