@@ -26,19 +26,21 @@
 //! ```
 
 mod constraint;
-mod derive;
 pub mod enforce;
+mod equations;
 pub mod equilibrium;
 mod geometry;
 pub mod newton;
+mod nonlinear;
 pub mod scalar;
 mod set;
 pub mod types;
 
-pub use constraint::{Constraint, Nonlinear};
+pub use constraint::{Constraint, Store, StoreError};
+pub use nonlinear::Nonlinear;
 pub use set::{
     ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, LineariseError,
-    Quantities, ReplaceError, Rounding, SetBuilder, Store, StoreError, TimeError, Vanishing, Weights,
+    Quantities, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights,
 };
 
 /// The example of the README, as a test.

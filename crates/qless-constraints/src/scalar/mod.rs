@@ -1,6 +1,8 @@
 //! Numbers that a constraint can be evaluated in: `f64`, or one that carries derivatives or a bound on its rounding along.
 
 mod bounded;
+#[cfg(test)]
+pub(crate) mod double_double;
 mod dual;
 mod hyper;
 pub mod vector;

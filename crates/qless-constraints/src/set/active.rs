@@ -13,15 +13,16 @@ use qless::change::{ChangeError, EquationId};
 use qless::common::Identity;
 use qless::{ArgumentError, ChangingSystem, Kind, Options};
 
-use super::layout::{Layout, differences};
-use super::{ConstraintSet, Quantities};
+use crate::equations::layout::{RowLayout, differences};
+use crate::set::ConstraintSet;
+use crate::set::evaluation::Quantities;
 
 /// The constraint of an equation, its type and its place among the equations of both: what stays when others come and go.
-type Key = (u32, u32, u32);
+type RowKey = (u32, u32, u32);
 
 /// What is known of one row.
-struct Known {
-    key: Key,
+struct ActiveRow {
+    key: RowKey,
     id: EquationId,
     terms: Box<[(usize, f64)]>,
     rhs: f64,
@@ -51,11 +52,11 @@ struct Known {
 pub struct ActiveSystem {
     of: Identity,
     system: ChangingSystem,
-    layout: Layout,
-    rows: Vec<Known>,
+    layout: RowLayout,
+    rows: Vec<ActiveRow>,
 }
 
-impl std::fmt::Debug for Known {
+impl std::fmt::Debug for ActiveRow {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Known").field("id", &self.id).field("rhs", &self.rhs).finish_non_exhaustive()
     }
@@ -101,7 +102,7 @@ impl ActiveSystem {
         finite(set, quantities)?;
         let before = self.matches(set);
         let rounding = set.rounding_of_nonlinear(quantities)?;
-        let mut old: Vec<Option<Known>> = self.rows.drain(..).map(Some).collect();
+        let mut old: Vec<Option<ActiveRow>> = self.rows.drain(..).map(Some).collect();
         let keys = set.keys();
         for (row, place) in before.iter().enumerate() {
             let known = place.and_then(|place| old[place].take());
@@ -111,7 +112,7 @@ impl ActiveSystem {
                 self.renewed(known, terms, rhs)?
             } else {
                 let terms: Box<[_]> = terms.collect();
-                Known { key: keys[row], id: self.system.add(terms.iter().copied(), rhs)?, terms, rhs }
+                ActiveRow { key: keys[row], id: self.system.add(terms.iter().copied(), rhs)?, terms, rhs }
             };
             self.rows.push(known);
         }
@@ -134,7 +135,7 @@ impl ActiveSystem {
         for (gone, come) in differences(&self.layout, &new) {
             // Segments without a change: row by row.
             all.extend((all.len()..firsts[come.start]).zip(next..).map(|(_, old)| Some(old)));
-            let places: HashMap<Key, usize> = gone.clone().map(|row| (self.rows[row].key, row)).collect();
+            let places: HashMap<RowKey, usize> = gone.clone().map(|row| (self.rows[row].key, row)).collect();
             all.extend((all.len()..firsts[come.end]).map(|row| places.get(&keys[row]).copied()));
             next = gone.end;
         }
@@ -145,10 +146,10 @@ impl ActiveSystem {
     /// An equation that is there, with the numbers that it has now.
     fn renewed(
         &mut self,
-        mut known: Known,
+        mut known: ActiveRow,
         terms: impl Iterator<Item = (usize, f64)> + Clone,
         rhs: f64,
-    ) -> Result<Known, ChangeError> {
+    ) -> Result<ActiveRow, ChangeError> {
         let bits = |(j, v): (usize, f64)| (j, v.to_bits());
         if !known.terms.iter().copied().map(bits).eq(terms.clone().map(bits)) {
             known.terms = terms.collect();
@@ -217,7 +218,7 @@ fn finite(set: &ConstraintSet, quantities: &Quantities) -> Result<(), ActiveErro
 
 impl ConstraintSet {
     /// What tells each row from all others, whatever comes and goes.
-    fn keys(&self) -> Vec<Key> {
+    fn keys(&self) -> Vec<RowKey> {
         let linear = self.linear.batches.iter().flat_map(|batch| &batch.owners).map(|owner| (owner.constraint, 0));
         let nonlinear = self.blocks.with_kinds().flat_map(|(block, kind)| {
             (0..block.items()).flat_map(move |i| std::iter::repeat_n((block.constraint(i), kind + 1), block.parts()))

@@ -9,9 +9,11 @@
 //! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints, if that meets their types
 //! in the same order: a set goes on in the order in which it met them first.
 
-use super::contents::Contents;
-use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, Store, StoreError};
+use crate::equations::contents::ConstraintContents;
+use crate::set::ConstraintSet;
+use crate::set::error::{AddError, EditError, ReplaceError, TimeError};
+use crate::set::register::ConstraintId;
 
 impl ConstraintSet {
     /// Adds a constraint, active, under a label that reports will use.
@@ -151,23 +153,23 @@ impl ConstraintSet {
         &mut self,
         constraint: C,
         (others, rows): (usize, usize),
-    ) -> Result<Box<Contents>, Fault<C::Error>> {
+    ) -> Result<Box<ConstraintContents>, ProcessFault<C::Error>> {
         let mut store = Store::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
-        constraint.process(&mut store).map_err(Fault::Input)?;
+        constraint.process(&mut store).map_err(ProcessFault::Input)?;
         match store.fault.take().or_else(|| self.too_large(others, rows + store.rows())) {
-            Some(fault) => Err(Fault::Store(fault)),
+            Some(fault) => Err(ProcessFault::Store(fault)),
             None => Ok(store.contents),
         }
     }
 
     /// Puts what a constraint consists of in its place.
-    pub(super) fn put(&mut self, number: u32, mut contents: Box<Contents>) {
+    pub(super) fn put(&mut self, number: u32, mut contents: Box<ConstraintContents>) {
         let Self { register, linear, blocks, planned, stated, time, .. } = self;
         stated.put(number, &mut contents.coordinates);
         linear.put(number, &mut contents.equations, &mut register.parts, *time);
         if !contents.pieces.is_empty() {
             planned.outdate();
-            let Contents { pieces, dofs, .. } = &mut *contents;
+            let ConstraintContents { pieces, dofs, .. } = &mut *contents;
             pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.parts, blocks));
             if planned.is_wanted() {
                 blocks.of(number).into_iter().for_each(|(_, (b, i))| planned.touch(blocks.all[b].as_ref(), i));
@@ -178,7 +180,7 @@ impl ConstraintSet {
     }
 
     /// Takes the equations of a constraint out.
-    fn take(&mut self, number: u32) -> Contents {
+    fn take(&mut self, number: u32) -> ConstraintContents {
         let Self { register, linear, blocks, planned, .. } = self;
         let places = blocks.of(number);
         if !places.is_empty() {
@@ -188,11 +190,11 @@ impl ConstraintSet {
         self.version.renew();
         let equations = linear.take(number, &register.parts);
         let (pieces, dofs) = blocks.take(number, &register.parts);
-        Contents { equations, pieces, dofs, coordinates: self.stated.take(number) }
+        ConstraintContents { equations, pieces, dofs, coordinates: self.stated.take(number) }
     }
 
     /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
-    fn overwrite(&mut self, number: u32, mut contents: Box<Contents>) -> Result<(), Box<Contents>> {
+    fn overwrite(&mut self, number: u32, mut contents: Box<ConstraintContents>) -> Result<(), Box<ConstraintContents>> {
         contents.pieces.sort_by_key(|piece| piece.kind(&self.blocks));
         let places = self.blocks.of(number);
         let same = contents.equations.len() == self.linear.of(number).len() && contents.pieces.len() == places.len();
@@ -201,7 +203,7 @@ impl ConstraintSet {
             return Err(contents);
         }
         let Self { register, linear, blocks, stated, time, .. } = self;
-        let Contents { equations, pieces, mut coordinates, .. } = *contents;
+        let ConstraintContents { equations, pieces, mut coordinates, .. } = *contents;
         stated.take(number);
         stated.put(number, &mut coordinates);
         linear.overwrite(number, equations, &mut register.parts, *time);
@@ -214,12 +216,12 @@ impl ConstraintSet {
 }
 
 /// What is wrong with a constraint, before it has a name.
-pub(super) enum Fault<E> {
+pub(super) enum ProcessFault<E> {
     Input(E),
     Store(StoreError),
 }
 
-impl<E: std::error::Error + 'static> Fault<E> {
+impl<E: std::error::Error + 'static> ProcessFault<E> {
     pub(super) fn labelled(self, name: &'static str, label: String) -> AddError<E> {
         match self {
             Self::Input(source) => AddError::Input { name, label, source },

@@ -2,58 +2,7 @@
 
 use qless::{ArgumentError, SystemError};
 
-use super::TimeError;
-
-/// A fault that the store finds in what a type hands to it. DOFs are 0-based.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StoreError {
-    /// A DOF number is not below the number of DOFs.
-    #[error("it names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the number or the size", dofs.saturating_sub(1))]
-    DofOutOfRange {
-        /// The DOF named.
-        dof: usize,
-        /// How many there are.
-        dofs: usize,
-    },
-    /// A nonlinear equation names one DOF in two places.
-    #[error("it names DOF {dof} twice; each of its points and bodies needs DOFs of its own")]
-    RepeatedDof {
-        /// The DOF.
-        dof: usize,
-    },
-    /// A nonlinear equation that has another number of DOFs than its type.
-    #[error("it names {found} DOFs, but its type has {expected}")]
-    DofCount {
-        /// How many it names.
-        found: usize,
-        /// How many the type has.
-        expected: usize,
-    },
-    /// A coefficient, a right-hand side, or a coordinate is NaN or infinite.
-    #[error("a number of it is {value}; every number must be finite")]
-    NotFinite {
-        /// The number.
-        value: f64,
-    },
-    /// A coordinate or a length of a nonlinear equation of which powers are no numbers any more.
-    #[error(
-        "a coordinate or length of it is {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
-         between 1e-50 and 1e50"
-    )]
-    OutOfRange {
-        /// The number.
-        value: f64,
-    },
-    /// More equations, DOFs or entries than 32 bits can number.
-    #[error("it is one too many: the set would have {found} {what}, and 4294967294 is the most")]
-    TooLarge {
-        /// What there would be too many of.
-        what: &'static str,
-        /// How many.
-        found: usize,
-    },
-}
+use crate::constraint::StoreError;
 
 /// Why a constraint of a set does not change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -151,5 +100,24 @@ pub enum AddError<E: std::error::Error + 'static> {
         label: String,
         /// What is wrong.
         source: StoreError,
+    },
+}
+
+/// Why a set does not go to another time.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TimeError {
+    /// No point in time.
+    #[error("time {0} is not finite; give a number")]
+    Time(f64),
+    /// A right-hand side, or what a motor prescribes, is not finite then.
+    #[error("the function of time of {label} is {value} at time {time}; it must be finite there")]
+    NotFinite {
+        /// The equation.
+        label: String,
+        /// When.
+        time: f64,
+        /// What its function gives.
+        value: f64,
     },
 }

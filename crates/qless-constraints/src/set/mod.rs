@@ -7,74 +7,37 @@
 //! type by type in the order in which the set met the types, and of one type in the order in which the constraints were added.
 
 mod active;
-mod batch;
-mod block;
-mod blocks;
 mod builder;
-mod bulk;
-mod chunk;
-mod contents;
-mod curvatures;
-mod cut;
 mod edit;
-mod effective;
-mod entries;
 mod error;
-mod exchange;
-mod extents;
-mod homogeneous;
-mod labels;
-mod layout;
-mod lazy;
-mod length;
-mod linear;
-mod lists;
-mod names;
-mod offsets;
-mod order;
-mod pairs;
-mod pattern;
-mod piece;
-mod places;
-mod portion;
-mod quantities;
-mod ranks;
+mod evaluation;
+mod linearised;
+mod register;
 pub(crate) mod rotations;
 mod rounding;
-mod rows;
-mod stamp;
-mod stated;
-mod store;
-mod sums;
-mod system;
-mod tasks;
 mod time;
-mod typed;
-mod values;
-mod weights;
 
 use qless::ArgumentError;
 use qless::common::Identity;
 
+use crate::equations::ChangeStamp;
+use crate::equations::contents::ConstraintContents;
+use crate::equations::coordinates::ReferenceCoordinates;
+use crate::equations::hessian::chunk::WeightedBatches;
+use crate::equations::hessian::{HessianPlan, LazyPlan};
+use crate::equations::linear::LinearEquations;
+use crate::equations::nonlinear::NonlinearEquations;
+use crate::equations::tasks::{copy_tasks, hessian_tasks, run_tasks, value_tasks};
+use crate::set::register::ConstraintRegister;
+
+pub(crate) use crate::constraint::repeated;
 pub use active::{ActiveError, ActiveSystem};
-use blocks::Blocks;
 pub use builder::SetBuilder;
-use contents::Contents;
-use effective::{Plan, Weighted};
-pub use error::{AddError, EditError, LineariseError, ReplaceError, StoreError};
-use labels::Register;
-pub use labels::{ConstraintId, ConstraintIds};
-use lazy::Planned;
-use linear::Rows;
-pub use quantities::Quantities;
+pub use error::{AddError, EditError, LineariseError, ReplaceError, TimeError};
+pub use evaluation::{Quantities, Weights};
+pub use linearised::Vanishing;
+pub use register::{ConstraintId, ConstraintIds};
 pub use rounding::Rounding;
-use stamp::Stamp;
-use stated::Stated;
-pub use store::Store;
-pub(crate) use store::repeated;
-pub use system::Vanishing;
-pub use time::TimeError;
-pub use weights::Weights;
 
 /// Validated constraints on n DOFs.
 ///
@@ -96,18 +59,18 @@ pub use weights::Weights;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct ConstraintSet {
-    register: Register,
+    register: ConstraintRegister,
     dofs: usize,
-    linear: Rows,
-    blocks: Blocks,
-    planned: Planned,
+    linear: LinearEquations,
+    blocks: NonlinearEquations,
+    planned: LazyPlan,
     time: f64,
     /// The coordinates that DOFs add to, for [`ConstraintSet::rounding`].
-    stated: Stated,
+    stated: ReferenceCoordinates,
     /// Another one after each change.
-    version: Stamp,
+    version: ChangeStamp,
     /// Empty, with room for the next constraint.
-    spare: Option<Box<Contents>>,
+    spare: Option<Box<ConstraintContents>>,
 }
 
 impl std::fmt::Debug for ConstraintSet {
@@ -148,9 +111,9 @@ impl ConstraintSet {
         self.check(u, None)?;
         self.follow(quantities)?;
         let Quantities { u: kept, c, g, .. } = &mut *quantities;
-        let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
-        tasks.extend(tasks::of_copies(u, kept));
-        tasks::run(tasks, u);
+        let mut tasks = value_tasks(&self.linear, &self.blocks.all, c, g);
+        tasks.extend(copy_tasks(u, kept));
+        run_tasks(tasks, u);
         quantities.evaluated = self.version.get();
         Ok(())
     }
@@ -168,8 +131,8 @@ impl ConstraintSet {
         self.check(u, Some(weights))?;
         self.follow(quantities)?;
         let plan = self.follow_hessian(quantities);
-        let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
-        tasks::run(plan.tasks(&weighted, quantities.h.values_mut()), u);
+        let weighted = WeightedBatches::new(&self.blocks.all, self.linear.rows(), weights);
+        run_tasks(hessian_tasks(plan, &weighted, quantities.h.values_mut()), u);
         Ok(())
     }
 
@@ -198,11 +161,11 @@ impl ConstraintSet {
         self.follow(quantities)?;
         let plan = self.follow_hessian(quantities);
         let Quantities { u: kept, c, g, h, .. } = &mut *quantities;
-        let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
-        let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
-        tasks.extend(plan.tasks(&weighted, h.values_mut()));
-        tasks.extend(tasks::of_copies(u, kept));
-        tasks::run(tasks, u);
+        let weighted = WeightedBatches::new(&self.blocks.all, self.linear.rows(), weights);
+        let mut tasks = value_tasks(&self.linear, &self.blocks.all, c, g);
+        tasks.extend(hessian_tasks(plan, &weighted, h.values_mut()));
+        tasks.extend(copy_tasks(u, kept));
+        run_tasks(tasks, u);
         quantities.evaluated = self.version.get();
         Ok(())
     }
@@ -217,7 +180,7 @@ impl ConstraintSet {
     }
 
     /// The way into H.
-    fn plan(&self) -> &Plan {
+    fn plan(&self) -> &HessianPlan {
         self.planned.plan(&self.blocks.all, self.dofs)
     }
 }
@@ -228,4 +191,4 @@ pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use qless::ArgumentError;
 
-use super::{ConstraintSet, long};
+use crate::set::{ConstraintSet, long};
 
 impl ConstraintSet {
     /// The DOFs of rotation vectors that may be replaced by others of the same rotation, in the order of first use. O(nonzeros of G).
@@ -15,7 +15,7 @@ impl ConstraintSet {
     /// Every constraint that uses them uses their rotation alone. An equation on one of their DOFs, or a constraint that takes them in another
     /// order, ties them to what they are.
     pub fn rotation_vectors(&self) -> Vec<[usize; 3]> {
-        let mut found = Found { owner: vec![Owner::Nobody; self.dofs], vectors: Vec::new() };
+        let mut found = RotationVectors { owner: vec![DofUse::Nobody; self.dofs], vectors: Vec::new() };
         let each = |visit: &mut dyn FnMut(&[u32], &[usize])| {
             self.blocks.all.iter().for_each(|block| block.rotation_vectors(visit));
         };
@@ -32,7 +32,7 @@ impl ConstraintSet {
         for batch in &self.linear.batches {
             batch.for_each_row(|terms| terms.for_each(|(dof, _)| found.tie(dof as usize)));
         }
-        found.vectors.iter().filter(|vector| found.owner[vector[0]] != Owner::Tied).copied().collect()
+        found.vectors.iter().filter(|vector| found.owner[vector[0]] != DofUse::Tied).copied().collect()
     }
 
     /// Replaces rotation vectors longer than half a turn by the shortest ones of the same rotation; returns how many.
@@ -72,7 +72,7 @@ pub(crate) fn shorten(u: &mut [f64], vector: [usize; 3]) -> bool {
 
 /// To what a DOF belongs.
 #[derive(Clone, Copy, PartialEq)]
-enum Owner {
+enum DofUse {
     Nobody,
     /// A vector, by its place in the list.
     Vector(usize),
@@ -81,30 +81,30 @@ enum Owner {
 }
 
 /// Vectors found so far.
-struct Found {
-    owner: Vec<Owner>,
+struct RotationVectors {
+    owner: Vec<DofUse>,
     vectors: Vec<[usize; 3]>,
 }
 
-impl Found {
+impl RotationVectors {
     fn put(&mut self, vector: [usize; 3]) {
         let owners = vector.map(|dof| self.owner[dof]);
-        if owners == [Owner::Nobody; 3] {
-            vector.iter().for_each(|&dof| self.owner[dof] = Owner::Vector(self.vectors.len()));
+        if owners == [DofUse::Nobody; 3] {
+            vector.iter().for_each(|&dof| self.owner[dof] = DofUse::Vector(self.vectors.len()));
             self.vectors.push(vector);
             return;
         }
-        let same = matches!(owners[0], Owner::Vector(k) if self.vectors[k] == vector && owners == [owners[0]; 3]);
+        let same = matches!(owners[0], DofUse::Vector(k) if self.vectors[k] == vector && owners == [owners[0]; 3]);
         if !same {
             vector.iter().for_each(|&dof| self.tie(dof));
-            vector.iter().for_each(|&dof| self.owner[dof] = Owner::Tied);
+            vector.iter().for_each(|&dof| self.owner[dof] = DofUse::Tied);
         }
     }
 
     /// The vector with this DOF may not be replaced.
     fn tie(&mut self, dof: usize) {
-        if let Owner::Vector(k) = self.owner[dof] {
-            self.vectors[k].iter().for_each(|&dof| self.owner[dof] = Owner::Tied);
+        if let DofUse::Vector(k) = self.owner[dof] {
+            self.vectors[k].iter().for_each(|&dof| self.owner[dof] = DofUse::Tied);
         }
     }
 }

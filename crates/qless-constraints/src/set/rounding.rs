@@ -3,14 +3,16 @@
 //! Running error analysis: [`crate::Nonlinear::value`] in numbers with derivatives, each of which carries a bound, so that the size of every
 //! term counts, whatever cancels after it. DOFs, parameters and coordinates are taken as known to one unit in the last place; as
 //! `x = at + u`, that of a coordinate is put on its DOF. Some ten times the operations of [`ConstraintSet::evaluate`].
+//! How large a DOF is, in the unit of the model: what its last place is counted from.
 
 use qless::ArgumentError;
 use rayon::prelude::*;
 
-use super::batch::Batch;
-use super::tasks::{Work, of_values};
-use super::{ConstraintSet, long};
+use crate::equations::coordinates::{UncertainDofs, bound};
+use crate::equations::linear::batch::LinearBatch;
+use crate::equations::tasks::{TaskOutput, value_tasks};
 use crate::scalar::Bounded;
+use crate::set::{ConstraintSet, long};
 
 /// Bounds on the rounding of c and G at one configuration, in the units of c and G; infinite where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,66 +39,6 @@ impl Rounding {
     pub fn of_row(&self, r: usize) -> &[f64] {
         if r < self.c.len() { &self.g[self.start[r]..self.start[r + 1]] } else { &[] }
     }
-}
-
-/// The size of a number in 16 bits: rounded up, by at most a sixteenth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Size(u16);
-
-/// What is known of the coordinates that a DOF adds to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Sizes {
-    /// The largest of them.
-    pub at: Size,
-    /// The largest of the nodes that they belong to, along any axis; something if there is a node, wherever it lies.
-    pub node: Size,
-}
-
-/// The bits of a double that a size does not keep.
-const CUT: u32 = 48;
-
-impl Size {
-    /// Of a number that is not NaN.
-    #[inline]
-    pub fn above(x: f64) -> Self {
-        let largest = (f64::MAX.to_bits() >> CUT) as u16;
-        Self(if x == 0.0 { 0 } else { ((x.abs().to_bits() >> CUT) as u16 + 1).min(largest) })
-    }
-
-    /// Of the least number that there is, for one that is zero.
-    pub fn of_something(x: f64) -> Self {
-        Self::above(x).max(Self(1))
-    }
-
-    pub fn is_something(self) -> bool {
-        self.0 > 0
-    }
-
-    pub fn number(self) -> f64 {
-        f64::from_bits(u64::from(self.0) << CUT)
-    }
-}
-
-/// The configuration, each DOF with what is not known of it.
-pub(super) struct Known<'a> {
-    u: &'a [f64],
-    /// The largest coordinate that each DOF adds to; shorter if the others add to none.
-    sizes: &'a [Sizes],
-}
-
-impl Known<'_> {
-    /// One DOF.
-    pub fn dof(&self, j: u32) -> Bounded {
-        let (u, size) = (self.u[j as usize], self.sizes.get(j as usize).copied().unwrap_or_default());
-        Bounded::known_to(u, u.abs() + size.at.number())
-    }
-}
-
-/// The bound, or infinity where the arithmetic of bounds has none.
-///
-/// Twice that of [`crate::Nonlinear::value`]: a Jacobian written by hand has the same terms in another order.
-pub(super) fn bound(of: Bounded) -> f64 {
-    if of.error.is_nan() { f64::INFINITY } else { 2.0 * of.error }
 }
 
 impl ConstraintSet {
@@ -127,18 +69,18 @@ impl ConstraintSet {
         let (mut c, mut g) = (vec![0.0; self.equations()], self.whole_pattern());
         let constant = self.linear.nnz();
         g.values_mut()[..constant].iter_mut().for_each(|a| *a = Bounded::from(*a).error);
-        let known = Known { u, sizes: self.stated.largest() };
-        of_values(&self.linear, &self.blocks.all, &mut c, &mut g).into_par_iter().for_each(|task| match task.work {
-            Work::Linear { batch, c } => of_batch(batch, u, c),
-            Work::Nonlinear { block, c, g } => block.rounding(&known, c, g),
-            Work::Copy { .. } | Work::Hessian { .. } => (),
+        let known = UncertainDofs { u, sizes: self.stated.largest() };
+        value_tasks(&self.linear, &self.blocks.all, &mut c, &mut g).into_par_iter().for_each(|task| match task.work {
+            TaskOutput::Linear { batch, c } => of_batch(batch, u, c),
+            TaskOutput::Nonlinear { block, c, g } => block.rounding(&known, c, g),
+            TaskOutput::Copy { .. } | TaskOutput::Hessian { .. } => (),
         });
         Ok(Rounding { c, start: g.starts().to_vec(), g: g.values().to_vec() })
     }
 }
 
 /// The rounding of linear equations.
-fn of_batch(batch: &Batch, u: &[f64], c: &mut [f64]) {
+fn of_batch(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
     batch.evaluate(u, c);
     let mut values = c.iter_mut();
     batch.for_each_row(|terms| {
@@ -147,4 +89,24 @@ fn of_batch(batch: &Batch, u: &[f64], c: &mut [f64]) {
         // c = sum - b.
         values.next().into_iter().for_each(|c| *c = bound(sum - Bounded::from(sum.real - *c)));
     });
+}
+
+impl ConstraintSet {
+    /// `max(|u_j|, |at|)` with the largest coordinate of the nodes that DOF j moves; at least 1 rad for rotations.
+    pub(crate) fn extents(&self, u: &[f64]) -> Vec<f64> {
+        let at = self.stated.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
+        let mut sizes: Vec<f64> = u.iter().zip(at).map(|(u, at)| u.abs().max(at)).collect();
+        self.blocks.all.iter().for_each(|block| {
+            block.rotation_vectors(&mut |dofs, places| {
+                let rotations = places.iter().flat_map(|&k| &dofs[k..k + 3]);
+                rotations.for_each(|&j| sizes[j as usize] = sizes[j as usize].max(1.0));
+            });
+        });
+        sizes
+    }
+
+    /// Whether a DOF is known to add to a coordinate: it is a displacement of a node.
+    pub(crate) fn is_displacement(&self, dof: usize) -> bool {
+        self.stated.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
+    }
 }

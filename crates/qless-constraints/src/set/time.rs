@@ -3,47 +3,8 @@
 //! The pattern of G and H is the same at all times; [`ConstraintSet::set_time`] writes new numbers in place. Constraints that are not active
 //! take theirs when they are activated.
 
-use std::sync::Arc;
-
-use super::ConstraintSet;
-
-/// `b(t)`.
-pub(super) type Function = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
-
-/// The right-hand side of a linear equation.
-#[derive(Clone)]
-pub(super) enum Rhs {
-    Value(f64),
-    Function(Function),
-}
-
-impl Rhs {
-    pub fn at(&self, time: f64) -> f64 {
-        match self {
-            Self::Value(value) => *value,
-            Self::Function(function) => function(time),
-        }
-    }
-}
-
-/// Why a set does not go to another time.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TimeError {
-    /// No point in time.
-    #[error("time {0} is not finite; give a number")]
-    Time(f64),
-    /// A right-hand side, or what a motor prescribes, is not finite then.
-    #[error("the function of time of {label} is {value} at time {time}; it must be finite there")]
-    NotFinite {
-        /// The equation.
-        label: String,
-        /// When.
-        time: f64,
-        /// What its function gives.
-        value: f64,
-    },
-}
+use crate::set::ConstraintSet;
+use crate::set::error::TimeError;
 
 impl ConstraintSet {
     /// The time of the numbers in the set; 0 at first.

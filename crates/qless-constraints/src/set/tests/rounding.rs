@@ -5,10 +5,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::double_double::DoubleDouble;
 use super::every_type::{DOFS, Place, ROTATIONS, random, set_at};
 use crate::ConstraintSet;
-use crate::set::rounding::Size;
+use crate::equations::coordinates::CoarseSize;
+use crate::scalar::double_double::DoubleDouble;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
@@ -57,10 +57,10 @@ fn ratios(what: &str, found: &[f64], bounds: &[f64], truth: &[DoubleDouble], rat
 #[test]
 fn sizes_are_no_less_and_hardly_more() {
     for x in [f64::from_bits(1), 1e-310, 1e-150, 0.1, 1.0, 1.5, 1e6, 3e300] {
-        let size = Size::above(-x).number();
+        let size = CoarseSize::above(-x).number();
         assert!(size >= x && (size <= 1.0626 * x || x < f64::MIN_POSITIVE), "{x}: {size}");
     }
-    assert!(Size::above(0.0).number() == 0.0 && Size::above(f64::MAX).number().is_finite());
+    assert!(CoarseSize::above(0.0).number() == 0.0 && CoarseSize::above(f64::MAX).number().is_finite());
 }
 
 fn median(mut x: Vec<f64>) -> f64 {

@@ -1,0 +1,109 @@
+//! `c(u)`, `G(u)` and `H(u, w)`: all types in one list of tasks, each with its own part of the arrays, so that threads wait for one
+//! another once.
+//!
+//! Tasks are taken in the order of their last DOFs: those of all types that read the same part of u follow one another, while it is in
+//! a cache, and rare types, whose tasks reach far, come when others have read it.
+
+use qless::Csr;
+use rayon::prelude::*;
+
+use crate::equations::hessian::HessianPlan;
+use crate::equations::hessian::chunk::{HessianChunk, WeightedBatches};
+use crate::equations::hessian::sums::NUMBERS;
+use crate::equations::linear::LinearEquations;
+use crate::equations::linear::batch::LinearBatch;
+use crate::equations::nonlinear::batch::NonlinearBatch;
+
+/// DOFs of a configuration that one task copies.
+const COPIED: usize = 1 << 15;
+
+/// What one thread does at a time.
+pub struct EvaluationTask<'a> {
+    /// The last DOF that it reads, or nearly so.
+    pub dof: u32,
+    pub work: TaskOutput<'a>,
+}
+
+/// What is written, and where.
+pub enum TaskOutput<'a> {
+    /// c of a batch of linear equations.
+    Linear { batch: &'a LinearBatch, c: &'a mut [f64] },
+    /// c and G of constraints of a block.
+    Nonlinear { block: &'a dyn NonlinearBatch, c: &'a mut [f64], g: &'a mut [f64] },
+    /// Keeps the configuration.
+    Copy { u: &'a [f64], to: &'a mut [f64] },
+    /// Rows of H.
+    Hessian { chunk: &'a HessianChunk, weighted: &'a WeightedBatches<'a>, h: &'a mut [f64] },
+}
+
+/// The tasks that write c and the rows of G that depend on u.
+pub fn value_tasks<'a>(
+    linear: &'a LinearEquations,
+    blocks: &'a [Box<dyn NonlinearBatch>],
+    c: &'a mut [f64],
+    g: &'a mut Csr,
+) -> Vec<EvaluationTask<'a>> {
+    let (mut of_linear, c) = c.split_at_mut(linear.rows());
+    let mut tasks = nonlinear(blocks, c, &mut g.values_mut()[linear.nnz()..]);
+    for batch in &linear.batches {
+        let c;
+        (c, of_linear) = of_linear.split_at_mut(batch.rows());
+        tasks.push(EvaluationTask { dof: batch.first_dof(), work: TaskOutput::Linear { batch, c } });
+    }
+    tasks
+}
+
+fn nonlinear<'a>(
+    blocks: &'a [Box<dyn NonlinearBatch>],
+    mut c: &'a mut [f64],
+    mut g: &'a mut [f64],
+) -> Vec<EvaluationTask<'a>> {
+    let mut tasks = Vec::new();
+    for block in blocks {
+        let (own_c, own_g);
+        (own_c, c) = c.split_at_mut(block.rows());
+        (own_g, g) = g.split_at_mut(block.nnz());
+        let work = TaskOutput::Nonlinear { block: block.as_ref(), c: own_c, g: own_g };
+        tasks.push(EvaluationTask { dof: block.last_dof(), work });
+    }
+    tasks
+}
+
+/// The tasks that keep u, beside those that read it; a short one is copied at once.
+pub fn copy_tasks<'a>(u: &'a [f64], to: &'a mut [f64]) -> Vec<EvaluationTask<'a>> {
+    if u.len() <= COPIED {
+        to.copy_from_slice(u);
+        return Vec::new();
+    }
+    let parts = u.chunks(COPIED).zip(to.chunks_mut(COPIED)).enumerate();
+    parts.map(|(k, (u, to))| EvaluationTask { dof: (k * COPIED) as u32, work: TaskOutput::Copy { u, to } }).collect()
+}
+
+/// Does all of them.
+pub fn run_tasks(mut tasks: Vec<EvaluationTask>, u: &[f64]) {
+    tasks.sort_by_key(|task| task.dof);
+    // The numbers of one chunk of H, in an array that serves one chunk after another and stays in the cache of a core.
+    tasks.into_par_iter().for_each_init(Vec::new, |numbers, task| match task.work {
+        TaskOutput::Linear { batch, c } => batch.evaluate(u, c),
+        TaskOutput::Nonlinear { block, c, g } => block.evaluate(u, c, g),
+        TaskOutput::Copy { u, to } => to.copy_from_slice(u),
+        TaskOutput::Hessian { chunk, weighted, h } => {
+            numbers.resize(numbers.len().max(NUMBERS), 0.0);
+            chunk.write(weighted, u, numbers, h);
+        }
+    });
+}
+
+/// The tasks that write all entries of H.
+pub fn hessian_tasks<'a>(
+    plan: &'a HessianPlan,
+    weighted: &'a WeightedBatches,
+    out: &'a mut [f64],
+) -> Vec<EvaluationTask<'a>> {
+    let mut rest = out;
+    let own = |chunk: &'a HessianChunk| {
+        let h = rest.split_off_mut(..chunk.entries()).unwrap_or_default();
+        EvaluationTask { dof: chunk.rows.end.saturating_sub(1), work: TaskOutput::Hessian { chunk, weighted, h } }
+    };
+    plan.chunks.iter().map(own).collect()
+}

@@ -1,0 +1,280 @@
+//! Constraints by number, who an equation belongs to, and its label "constraint, part".
+//! The labels of constraints by number; of those that were added at once, one for all.
+//! Which equations are whose.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use qless::ArgumentError;
+use qless::common::Identity;
+
+use crate::equations::contents::ConstraintContents;
+use crate::equations::nonlinear::batch::NonlinearBatch;
+use crate::equations::{EquationNames, EquationOwner};
+use crate::set::ConstraintSet;
+use crate::set::error::EditError;
+
+/// A constraint of a set, which no other set takes; it stays valid until the constraint is removed, and is not given again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ConstraintId {
+    pub(super) set: Identity,
+    pub(super) number: u32,
+}
+
+impl ConstraintId {
+    /// How many constraints were added before it.
+    pub fn place(self) -> usize {
+        self.number as usize
+    }
+}
+
+/// Constraints that were added at once, by [`crate::ConstraintSet::add_all`]; as many as were asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConstraintIds {
+    pub(super) set: Identity,
+    pub(super) first: u32,
+    pub(super) count: u32,
+}
+
+impl ConstraintIds {
+    /// The i-th of them, from 0; nothing beyond the last.
+    pub fn get(self, i: usize) -> Option<ConstraintId> {
+        (i < self.count as usize).then(|| ConstraintId { set: self.set, number: self.first + i as u32 })
+    }
+
+    /// All, in their order.
+    pub fn iter(self) -> impl ExactSizeIterator<Item = ConstraintId> + DoubleEndedIterator {
+        // As `usize`, whose ranges know their length.
+        (0..self.count as usize).map(move |i| ConstraintId { set: self.set, number: self.first + i as u32 })
+    }
+}
+
+/// All constraints that were ever added: their labels, and what those consist of that are not active.
+#[derive(Default)]
+pub(super) struct ConstraintRegister {
+    pub identity: Identity,
+    pub parts: EquationNames,
+    names: ConstraintLabels,
+    alive: usize,
+    inactive: BTreeMap<u32, Box<ConstraintContents>>,
+}
+
+impl ConstraintRegister {
+    pub fn new() -> Self {
+        Self { identity: Identity::new(), ..Self::default() }
+    }
+
+    /// Number of constraints that were ever added.
+    pub fn ever(&self) -> usize {
+        self.names.count() as usize
+    }
+
+    pub fn alive(&self) -> usize {
+        self.alive
+    }
+
+    pub fn add(&mut self, label: String) -> ConstraintId {
+        let id = ConstraintId { set: self.identity, number: self.names.count() };
+        self.names.push(label);
+        self.alive += 1;
+        id
+    }
+
+    /// So many at once.
+    pub fn add_all(&mut self, label: String, count: u32) -> ConstraintIds {
+        let ids = ConstraintIds { set: self.identity, first: self.names.count(), count };
+        self.names.push_numbered(label, count);
+        self.alive += count as usize;
+        ids
+    }
+
+    /// The number of a constraint that is there.
+    pub fn number(&self, id: ConstraintId) -> Result<u32, EditError> {
+        if id.set != self.identity {
+            return Err(EditError::Foreign);
+        }
+        let there = self.names.is_there(id.number);
+        there.then_some(id.number).ok_or(EditError::Gone { place: id.place() })
+    }
+
+    pub fn remove(&mut self, number: u32) {
+        self.names.remove(number);
+        self.alive -= 1;
+    }
+
+    pub fn is_active(&self, number: u32) -> bool {
+        !self.inactive.contains_key(&number)
+    }
+
+    /// Keeps what an inactive constraint consists of.
+    pub fn park(&mut self, number: u32, contents: Box<ConstraintContents>) {
+        self.inactive.insert(number, contents);
+    }
+
+    pub fn parked(&self, number: u32) -> Option<&ConstraintContents> {
+        self.inactive.get(&number).map(AsRef::as_ref)
+    }
+
+    pub fn parked_mut(&mut self, number: u32) -> Option<&mut ConstraintContents> {
+        self.inactive.get_mut(&number).map(AsMut::as_mut)
+    }
+
+    /// What an inactive constraint consists of, which it is no more.
+    pub fn take(&mut self, number: u32) -> Option<Box<ConstraintContents>> {
+        self.inactive.remove(&number)
+    }
+
+    pub fn name(&self, number: u32) -> Cow<'_, str> {
+        self.names.get(number).unwrap_or_default()
+    }
+
+    /// The name of the constraint and of the parts that have one, with commas.
+    pub fn label(&self, owner: EquationOwner, part: &str) -> String {
+        let mut label = self.name(owner.constraint).into_owned();
+        for part in [self.parts.name(owner.part).as_ref(), part].into_iter().filter(|part| !part.is_empty()) {
+            if !label.is_empty() {
+                label.push_str(", ");
+            }
+            label.push_str(part);
+        }
+        label
+    }
+}
+
+/// Constraints that follow one another.
+enum LabelRange {
+    /// Nothing for those that were removed.
+    Each(Vec<Option<Box<str>>>),
+    Numbered {
+        label: Box<str>,
+        removed: BTreeSet<u32>,
+    },
+}
+
+/// Of all constraints that were ever added.
+#[derive(Default)]
+pub(super) struct ConstraintLabels {
+    /// Each with the number of its first constraint.
+    runs: Vec<(u32, LabelRange)>,
+    count: u32,
+}
+
+impl ConstraintLabels {
+    /// Constraints that were ever added.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    pub fn push(&mut self, label: String) {
+        let label = Some(label.into_boxed_str());
+        match self.runs.last_mut() {
+            Some((_, LabelRange::Each(names))) => names.push(label),
+            _ => self.runs.push((self.count, LabelRange::Each(vec![label]))),
+        }
+        self.count += 1;
+    }
+
+    /// So many, which are [`numbered`].
+    pub fn push_numbered(&mut self, label: String, count: u32) {
+        if count > 0 {
+            self.runs.push((self.count, LabelRange::Numbered { label: label.into(), removed: BTreeSet::new() }));
+            self.count += count;
+        }
+    }
+
+    /// The label of a constraint that was not removed.
+    pub fn get(&self, number: u32) -> Option<Cow<'_, str>> {
+        match &self.runs[self.run(number)] {
+            (first, LabelRange::Each(names)) => names[(number - first) as usize].as_deref().map(Cow::Borrowed),
+            (_, LabelRange::Numbered { removed, .. }) if removed.contains(&number) => None,
+            (first, LabelRange::Numbered { label, .. }) => Some(numbered(label, (number - first) as usize).into()),
+        }
+    }
+
+    pub fn is_there(&self, number: u32) -> bool {
+        match &self.runs[self.run(number)] {
+            (first, LabelRange::Each(names)) => names[(number - first) as usize].is_some(),
+            (_, LabelRange::Numbered { removed, .. }) => !removed.contains(&number),
+        }
+    }
+
+    pub fn remove(&mut self, number: u32) {
+        let run = self.run(number);
+        match &mut self.runs[run] {
+            (first, LabelRange::Each(names)) => names[(number - *first) as usize] = None,
+            (_, LabelRange::Numbered { removed, .. }) => {
+                removed.insert(number);
+            }
+        }
+    }
+
+    /// The run of a constraint.
+    fn run(&self, number: u32) -> usize {
+        self.runs.partition_point(|&(first, _)| first <= number) - 1
+    }
+}
+
+/// The label of the i-th of several.
+pub(super) fn numbered(label: &str, i: usize) -> String {
+    if label.is_empty() { String::new() } else { format!("{label} {i}") }
+}
+
+impl ConstraintSet {
+    /// Which block of equations a row belongs to, and its row there; nothing for linear equations.
+    fn place(&self, row: usize) -> Option<(&dyn NonlinearBatch, usize)> {
+        let (block, own) = self.blocks.offsets.find(row.checked_sub(self.linear.rows())?);
+        Some((self.blocks.all[block].as_ref(), own))
+    }
+
+    /// The constraint of a row and the name of the part that it is.
+    fn owner(&self, row: usize) -> Result<(EquationOwner, &'static str), ArgumentError> {
+        if row >= self.equations() {
+            return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
+        }
+        Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(block, own)| block.owner(own)))
+    }
+
+    /// Which constraint an equation belongs to.
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn constraint_of(&self, row: usize) -> Result<ConstraintId, ArgumentError> {
+        let number = self.owner(row)?.0.constraint;
+        Ok(ConstraintId { set: self.register.identity, number })
+    }
+
+    /// The equations of a constraint, ascending; none if it is not active or was removed.
+    ///
+    /// # Errors
+    /// [`ArgumentError::Foreign`] for a constraint of another set.
+    pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
+        self.own("the constraint", constraint.set)?;
+        let mut rows: Vec<usize> = self.linear.of(constraint.number).collect();
+        for (_, (block, item)) in self.blocks.of(constraint.number) {
+            let parts = self.blocks.all[block].parts();
+            let first = self.linear.rows() + self.blocks.offsets.first(block) + item * parts;
+            rows.extend(first..first + parts);
+        }
+        Ok(rows)
+    }
+
+    /// The label of an equation: that of its constraint, and which part of it.
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn label(&self, row: usize) -> Result<String, ArgumentError> {
+        let (owner, part) = self.owner(row)?;
+        Ok(self.register.label(owner, part))
+    }
+
+    /// Whether the equation is linear: its row of G never changes.
+    pub fn is_linear(&self, row: usize) -> bool {
+        self.linear_rows().contains(&row)
+    }
+
+    /// The linear equations.
+    pub fn linear_rows(&self) -> Range<usize> {
+        0..self.linear.rows()
+    }
+}
