@@ -58,7 +58,7 @@ pub trait Constraint {
     /// What can be wrong with the input of this type.
     type Error: std::error::Error + Send + Sync + 'static;
 
-    /// Checks the input and hands its linear equations and nonlinear parts to the store.
+    /// Checks the input and hands its linear equations and nonlinear names to the store.
     ///
     /// # Errors
     /// One that says what is wrong with the input. DOFs out of range, repeated DOFs and numbers that are not finite, of
@@ -71,7 +71,7 @@ const LARGEST: f64 = 1e50;
 /// DOFs that are compared each with each; more are sorted.
 const FEW: usize = 16;
 
-/// The linear equations and nonlinear parts of the constraint that is being added.
+/// The linear equations and nonlinear names of the constraint that is being added.
 #[derive(Default)]
 pub struct Store {
     dofs: usize,
@@ -122,31 +122,31 @@ impl Store {
         self.dofs
     }
 
-    /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `part` tells the equations of one constraint apart.
+    /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `name` tells the equations of one constraint apart.
     ///
     /// Where terms cancel but for their rounding, the sum is zero: noise of 1e-17 would make a coefficient, and a rank.
     pub fn equation(
         &mut self,
-        part: impl Into<Cow<'static, str>>,
+        name: impl Into<Cow<'static, str>>,
         terms: impl IntoIterator<Item = (usize, f64)>,
         rhs: f64,
     ) {
         self.check_number(rhs);
-        self.put(part.into(), terms, LinearRhs::Value(rhs));
+        self.put(name.into(), terms, LinearRhs::Value(rhs));
     }
 
     /// Adds `sum a_j u_j = b(t)` for the time t of the set, 0 until [`crate::ConstraintSet::set_time`] says otherwise.
     pub fn equation_in_time(
         &mut self,
-        part: impl Into<Cow<'static, str>>,
+        name: impl Into<Cow<'static, str>>,
         terms: impl IntoIterator<Item = (usize, f64)>,
         rhs: impl Fn(f64) -> f64 + Send + Sync + 'static,
     ) {
         self.check_number(rhs(self.time));
-        self.put(part.into(), terms, LinearRhs::TimeFunction(Arc::new(rhs)));
+        self.put(name.into(), terms, LinearRhs::TimeFunction(Arc::new(rhs)));
     }
 
-    fn put(&mut self, part: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: LinearRhs) {
+    fn put(&mut self, name: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: LinearRhs) {
         let terms = terms.into_iter();
         let mut sorted = match &mut self.portion {
             Some(portion) => portion.terms(),
@@ -164,13 +164,13 @@ impl Store {
         }
         match &mut self.portion {
             _ if self.fault.is_some() => (),
-            Some(portion) => portion.equation(part, sorted, rhs),
-            None => self.contents.equations.push(StagedEquation { part, terms: sorted, rhs }),
+            Some(portion) => portion.equation(name, sorted, rhs),
+            None => self.contents.equations.push(StagedEquation { name, terms: sorted, rhs }),
         }
     }
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
-    pub fn nonlinear<Q: Nonlinear>(&mut self, part: impl Into<Cow<'static, str>>, dofs: &[usize], mut parameters: Q) {
+    pub fn nonlinear<Q: Nonlinear>(&mut self, name: impl Into<Cow<'static, str>>, dofs: &[usize], mut parameters: Q) {
         if Q::DOFS != 0 && Q::DOFS != dofs.len() {
             self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
         }
@@ -186,11 +186,11 @@ impl Store {
             self.fail(StoreError::NotFinite { value });
         }
         if self.fault.is_none() {
-            self.put_nonlinear(part.into(), dofs, parameters);
+            self.put_nonlinear(name.into(), dofs, parameters);
         }
     }
 
-    fn put_nonlinear<Q: Nonlinear>(&mut self, part: Cow<'static, str>, dofs: &[usize], parameters: Q) {
+    fn put_nonlinear<Q: Nonlinear>(&mut self, name: Cow<'static, str>, dofs: &[usize], parameters: Q) {
         let room = &mut self.contents.dofs;
         if self.portion.is_some() {
             room.clear();
@@ -198,8 +198,8 @@ impl Store {
         let first = room.len();
         room.extend(dofs.iter().map(|&dof| dof as u32));
         match &mut self.portion {
-            Some(portion) => portion.nonlinear(part, room, parameters),
-            None => self.contents.pieces.push(Box::new(StagedItem { part, dofs: first..room.len(), parameters })),
+            Some(portion) => portion.nonlinear(name, room, parameters),
+            None => self.contents.pieces.push(Box::new(StagedItem { name, dofs: first..room.len(), parameters })),
         }
     }
 
@@ -222,7 +222,7 @@ impl Store {
         dofs.iter().for_each(|&dof| self.check_dof(dof));
         if self.fault.is_none() {
             let all = match &mut self.portion {
-                Some(portion) => &mut portion.stated.all,
+                Some(portion) => &mut portion.coordinates.all,
                 None => &mut self.contents.coordinates,
             };
             let node = CoarseSize::of_something(largest);
@@ -231,7 +231,7 @@ impl Store {
         }
     }
 
-    /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite, and no larger than 1e50, so
+    /// States that the parameters of a nonlinear name hold these numbers, as coordinates: each must be finite, and no larger than 1e50, so
     /// that powers of it are finite too.
     ///
     /// Linear equations need no such statement: the store sees all of their numbers.
@@ -246,7 +246,7 @@ impl Store {
         }
     }
 
-    /// States that a nonlinear part has powers of this length, also as divisors: it must lie between 1e-50 and 1e50.
+    /// States that a nonlinear name has powers of this length, also as divisors: it must lie between 1e-50 and 1e50.
     pub fn length(&mut self, value: f64) {
         self.numbers([value]);
         if value.abs() < 1.0 / LARGEST {

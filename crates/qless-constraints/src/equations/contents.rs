@@ -14,7 +14,7 @@ use crate::nonlinear::Nonlinear;
 /// Parts of a constraint whose room is kept for the next one.
 const KEPT: usize = 256;
 
-/// Linear equations, nonlinear parts, and what they state.
+/// Linear equations, nonlinear names, and what they state.
 #[derive(Default)]
 pub struct ConstraintContents {
     pub equations: Vec<StagedEquation>,
@@ -59,9 +59,9 @@ impl ConstraintContents {
 #[derive(Default)]
 pub struct BulkEquations {
     pub linear: LinearEquations,
-    pub blocks: NonlinearEquations,
-    pub parts: EquationNames,
-    pub stated: CoordinateList,
+    pub nonlinear: NonlinearEquations,
+    pub names: EquationNames,
+    pub coordinates: CoordinateList,
     /// The constraint that is being added.
     constraint: u32,
     /// How many linear equations it has.
@@ -78,13 +78,13 @@ impl BulkEquations {
             constraint,
             time,
             linear: LinearEquations::of_many(),
-            blocks: NonlinearEquations::of_many(),
+            nonlinear: NonlinearEquations::of_many(),
             ..Self::default()
         }
     }
 
     pub fn rows(&self) -> usize {
-        self.linear.rows() + self.blocks.rows()
+        self.linear.rows() + self.nonlinear.rows()
     }
 
     /// Room for terms, to be given back with the equation.
@@ -94,21 +94,21 @@ impl BulkEquations {
         terms
     }
 
-    pub fn equation(&mut self, part: Cow<'static, str>, terms: LinearTerms, rhs: LinearRhs) {
-        let owner = EquationOwner { constraint: self.constraint, part: self.parts.place(part) };
+    pub fn equation(&mut self, name: Cow<'static, str>, terms: LinearTerms, rhs: LinearRhs) {
+        let owner = EquationOwner { constraint: self.constraint, name: self.names.place(name) };
         self.linear.append(owner, self.own, (&terms, rhs), self.time);
         self.own += 1;
         self.terms = terms;
     }
 
-    pub fn nonlinear<Q: Nonlinear>(&mut self, part: Cow<'static, str>, dofs: &[u32], parameters: Q) {
-        let owner = EquationOwner { constraint: self.constraint, part: self.parts.place(part) };
-        self.blocks.insert(owner, dofs, parameters);
+    pub fn nonlinear<Q: Nonlinear>(&mut self, name: Cow<'static, str>, dofs: &[u32], parameters: Q) {
+        let owner = EquationOwner { constraint: self.constraint, name: self.names.place(name) };
+        self.nonlinear.insert(owner, dofs, parameters);
     }
 
     /// The constraint, one of so many, is complete.
     pub fn next(&mut self, expected: usize) {
-        self.stated.close(expected);
+        self.coordinates.close(expected);
         self.constraint += 1;
         self.own = 0;
     }

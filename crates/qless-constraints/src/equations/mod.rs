@@ -1,4 +1,4 @@
-//! Constraints by number, who an equation belongs to, and its label "constraint, part".
+//! Constraints by number, who an equation belongs to, and its label "constraint, name".
 //! Which segment of a list a row belongs to.
 //! Which state of something is meant: an identity that is made when somebody asks, as most changes follow one another unseen.
 //! Right-hand sides and parameters that are functions of time: `c(u, t) = 0`.
@@ -20,22 +20,22 @@ use std::sync::{Arc, OnceLock};
 
 use qless::common::Identity;
 
-/// The constraint that equations belong to, and which part of it they are.
+/// The constraint that equations belong to, and which name of it they are.
 #[derive(Clone, Copy)]
 pub struct EquationOwner {
     pub constraint: u32,
     /// Its place among [`EquationNames`].
-    pub part: u32,
+    pub name: u32,
 }
 
-/// Gives parts the numbers that stand at theirs.
-pub fn renumber(owners: &mut [EquationOwner], parts: Option<&[u32]>) {
-    if let Some(parts) = parts {
-        owners.iter_mut().for_each(|owner| owner.part = parts[owner.part as usize]);
+/// Gives names the numbers that stand at theirs.
+pub fn renumber(owners: &mut [EquationOwner], names: Option<&[u32]>) {
+    if let Some(names) = names {
+        owners.iter_mut().for_each(|owner| owner.name = names[owner.name as usize]);
     }
 }
 
-/// The names of parts, each once: there are few, and many equations.
+/// The names of names, each once: there are few, and many equations.
 pub struct EquationNames {
     names: Vec<Cow<'static, str>>,
     places: HashMap<Cow<'static, str>, u32>,

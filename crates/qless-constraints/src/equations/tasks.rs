@@ -28,8 +28,8 @@ pub struct EvaluationTask<'a> {
 pub enum TaskOutput<'a> {
     /// c of a batch of linear equations.
     Linear { batch: &'a LinearBatch, c: &'a mut [f64] },
-    /// c and G of constraints of a block.
-    Nonlinear { block: &'a dyn NonlinearBatch, c: &'a mut [f64], g: &'a mut [f64] },
+    /// c and G of constraints of a batch.
+    Nonlinear { batch: &'a dyn NonlinearBatch, c: &'a mut [f64], g: &'a mut [f64] },
     /// Keeps the configuration.
     Copy { u: &'a [f64], to: &'a mut [f64] },
     /// Rows of H.
@@ -39,12 +39,12 @@ pub enum TaskOutput<'a> {
 /// The tasks that write c and the rows of G that depend on u.
 pub fn value_tasks<'a>(
     linear: &'a LinearEquations,
-    blocks: &'a [Box<dyn NonlinearBatch>],
+    batches: &'a [Box<dyn NonlinearBatch>],
     c: &'a mut [f64],
     g: &'a mut Csr,
 ) -> Vec<EvaluationTask<'a>> {
     let (mut of_linear, c) = c.split_at_mut(linear.rows());
-    let mut tasks = nonlinear(blocks, c, &mut g.values_mut()[linear.nnz()..]);
+    let mut tasks = nonlinear(batches, c, &mut g.values_mut()[linear.nnz()..]);
     for batch in &linear.batches {
         let c;
         (c, of_linear) = of_linear.split_at_mut(batch.rows());
@@ -54,17 +54,17 @@ pub fn value_tasks<'a>(
 }
 
 fn nonlinear<'a>(
-    blocks: &'a [Box<dyn NonlinearBatch>],
+    batches: &'a [Box<dyn NonlinearBatch>],
     mut c: &'a mut [f64],
     mut g: &'a mut [f64],
 ) -> Vec<EvaluationTask<'a>> {
     let mut tasks = Vec::new();
-    for block in blocks {
+    for batch in batches {
         let (own_c, own_g);
-        (own_c, c) = c.split_at_mut(block.rows());
-        (own_g, g) = g.split_at_mut(block.nnz());
-        let work = TaskOutput::Nonlinear { block: block.as_ref(), c: own_c, g: own_g };
-        tasks.push(EvaluationTask { dof: block.last_dof(), work });
+        (own_c, c) = c.split_at_mut(batch.rows());
+        (own_g, g) = g.split_at_mut(batch.nnz());
+        let work = TaskOutput::Nonlinear { batch: batch.as_ref(), c: own_c, g: own_g };
+        tasks.push(EvaluationTask { dof: batch.last_dof(), work });
     }
     tasks
 }
@@ -85,7 +85,7 @@ pub fn run_tasks(mut tasks: Vec<EvaluationTask>, u: &[f64]) {
     // The numbers of one chunk of H, in an array that serves one chunk after another and stays in the cache of a core.
     tasks.into_par_iter().for_each_init(Vec::new, |numbers, task| match task.work {
         TaskOutput::Linear { batch, c } => batch.evaluate(u, c),
-        TaskOutput::Nonlinear { block, c, g } => block.evaluate(u, c, g),
+        TaskOutput::Nonlinear { batch, c, g } => batch.evaluate(u, c, g),
         TaskOutput::Copy { u, to } => to.copy_from_slice(u),
         TaskOutput::Hessian { chunk, weighted, h } => {
             numbers.resize(numbers.len().max(NUMBERS), 0.0);

@@ -220,8 +220,9 @@ impl ConstraintSet {
     /// What tells each row from all others, whatever comes and goes.
     fn keys(&self) -> Vec<RowKey> {
         let linear = self.linear.batches.iter().flat_map(|batch| &batch.owners).map(|owner| (owner.constraint, 0));
-        let nonlinear = self.blocks.with_kinds().flat_map(|(block, kind)| {
-            (0..block.items()).flat_map(move |i| std::iter::repeat_n((block.constraint(i), kind + 1), block.parts()))
+        let nonlinear = self.nonlinear.with_kinds().flat_map(|(batch, kind)| {
+            (0..batch.items())
+                .flat_map(move |i| std::iter::repeat_n((batch.constraint(i), kind + 1), batch.equations_per_item()))
         });
         let mut before = (u32::MAX, u32::MAX, 0);
         let key = |(constraint, kind)| {

@@ -35,10 +35,10 @@ impl SetBuilder {
             register: ConstraintRegister::new(),
             dofs,
             linear: LinearEquations::default(),
-            blocks: NonlinearEquations::default(),
-            planned: LazyPlan::default(),
+            nonlinear: NonlinearEquations::default(),
+            hessian_plan: LazyPlan::default(),
             time: 0.0,
-            stated: ReferenceCoordinates::default(),
+            reference_coordinates: ReferenceCoordinates::default(),
             version: ChangeStamp::default(),
             spare: None,
         })
@@ -81,7 +81,7 @@ impl SetBuilder {
     }
 }
 
-/// Constraints that one task makes: where each has one equation, whole blocks and batches.
+/// Constraints that one task makes: where each has one equation, whole nonlinear and batches.
 const PORTION: usize = BATCH_ROWS;
 
 /// Which constraint is faulty, and how.
@@ -127,7 +127,7 @@ impl ConstraintSet {
         }
     }
 
-    /// So few that they fill no block: these go into those that there are.
+    /// So few that they fill no batch: these go into those that there are.
     fn one_by_one<C: Constraint>(
         &mut self,
         count: usize,
@@ -206,15 +206,15 @@ impl ConstraintSet {
 
     /// Takes over equations of new constraints, from this one on.
     fn append(&mut self, mut constraint: u32, portions: Vec<BulkEquations>) {
-        let Self { register, linear, blocks, planned, stated, .. } = self;
-        for BulkEquations { linear: rows, blocks: others, parts, stated: segment, .. } in portions {
-            let places = register.parts.places_of(&parts);
-            constraint += stated.join(constraint, segment);
+        let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, .. } = self;
+        for BulkEquations { linear: rows, nonlinear: others, names, coordinates, .. } in portions {
+            let places = register.equation_names.places_of(&names);
+            constraint += reference_coordinates.join(constraint, coordinates);
             linear.join(rows, places.as_deref());
             if others.rows() > 0 {
-                planned.outdate();
-                others.all.iter().for_each(|block| planned.touch_all(block.as_ref()));
-                blocks.join(others, places.as_deref());
+                hessian_plan.outdate();
+                others.batches.iter().for_each(|batch| hessian_plan.touch_all(batch.as_ref()));
+                nonlinear.join(others, places.as_deref());
             }
         }
         self.version.renew();

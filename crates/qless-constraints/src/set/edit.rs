@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`ConstraintSet::add`], [`remove`](ConstraintSet::remove), [`activate`](ConstraintSet::activate), [`deactivate`](ConstraintSet::deactivate) | the segments of the constraint's equations: at most some thousand numbers each are moved |
 //! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers themselves |
-//! | the next evaluation | the rows of H that were touched are planned anew; rows of G and H behind the first that came or went move once |
+//! | the next evaluation | the rows of H that were touched are hessian_plan anew; rows of G and H behind the first that came or went move once |
 //!
 //! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints, if that meets their types
 //! in the same order: a set goes on in the order in which it met them first.
@@ -164,15 +164,18 @@ impl ConstraintSet {
 
     /// Puts what a constraint consists of in its place.
     pub(super) fn put(&mut self, number: u32, mut contents: Box<ConstraintContents>) {
-        let Self { register, linear, blocks, planned, stated, time, .. } = self;
-        stated.put(number, &mut contents.coordinates);
-        linear.put(number, &mut contents.equations, &mut register.parts, *time);
+        let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, time, .. } = self;
+        reference_coordinates.put(number, &mut contents.coordinates);
+        linear.put(number, &mut contents.equations, &mut register.equation_names, *time);
         if !contents.pieces.is_empty() {
-            planned.outdate();
+            hessian_plan.outdate();
             let ConstraintContents { pieces, dofs, .. } = &mut *contents;
-            pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.parts, blocks));
-            if planned.is_wanted() {
-                blocks.of(number).into_iter().for_each(|(_, (b, i))| planned.touch(blocks.all[b].as_ref(), i));
+            pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.equation_names, nonlinear));
+            if hessian_plan.is_wanted() {
+                nonlinear
+                    .of(number)
+                    .into_iter()
+                    .for_each(|(_, (b, i))| hessian_plan.touch(nonlinear.batches[b].as_ref(), i));
             }
         }
         self.version.renew();
@@ -181,34 +184,34 @@ impl ConstraintSet {
 
     /// Takes the equations of a constraint out.
     fn take(&mut self, number: u32) -> ConstraintContents {
-        let Self { register, linear, blocks, planned, .. } = self;
-        let places = blocks.of(number);
+        let Self { register, linear, nonlinear, hessian_plan, .. } = self;
+        let places = nonlinear.of(number);
         if !places.is_empty() {
-            planned.outdate();
-            places.iter().for_each(|&(_, (block, item))| planned.touch(blocks.all[block].as_ref(), item));
+            hessian_plan.outdate();
+            places.iter().for_each(|&(_, (batch, item))| hessian_plan.touch(nonlinear.batches[batch].as_ref(), item));
         }
         self.version.renew();
-        let equations = linear.take(number, &register.parts);
-        let (pieces, dofs) = blocks.take(number, &register.parts);
-        ConstraintContents { equations, pieces, dofs, coordinates: self.stated.take(number) }
+        let equations = linear.take(number, &register.equation_names);
+        let (pieces, dofs) = nonlinear.take(number, &register.equation_names);
+        ConstraintContents { equations, pieces, dofs, coordinates: self.reference_coordinates.take(number) }
     }
 
     /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
     fn overwrite(&mut self, number: u32, mut contents: Box<ConstraintContents>) -> Result<(), Box<ConstraintContents>> {
-        contents.pieces.sort_by_key(|piece| piece.kind(&self.blocks));
-        let places = self.blocks.of(number);
+        contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear));
+        let places = self.nonlinear.of(number);
         let same = contents.equations.len() == self.linear.of(number).len() && contents.pieces.len() == places.len();
         let mut pairs = contents.pieces.iter().zip(&places);
-        if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.blocks)) {
+        if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.nonlinear)) {
             return Err(contents);
         }
-        let Self { register, linear, blocks, stated, time, .. } = self;
+        let Self { register, linear, nonlinear, reference_coordinates, time, .. } = self;
         let ConstraintContents { equations, pieces, mut coordinates, .. } = *contents;
-        stated.take(number);
-        stated.put(number, &mut coordinates);
-        linear.overwrite(number, equations, &mut register.parts, *time);
+        reference_coordinates.take(number);
+        reference_coordinates.put(number, &mut coordinates);
+        linear.overwrite(number, equations, &mut register.equation_names, *time);
         for (piece, (_, place)) in pieces.into_iter().zip(places) {
-            piece.overwrite(number, &mut register.parts, place, blocks);
+            piece.overwrite(number, &mut register.equation_names, place, nonlinear);
         }
         self.version.renew();
         Ok(())

@@ -110,21 +110,23 @@ impl ConstraintSet {
 
     /// G without numbers, but for the coefficients of linear equations.
     pub(super) fn whole_pattern(&self) -> Csr {
-        self.pattern(0..self.linear.batches.len() + self.blocks.all.len()).expect("the set has checked DOFs and sizes")
+        self.pattern(0..self.linear.batches.len() + self.nonlinear.batches.len())
+            .expect("the set has checked DOFs and sizes")
     }
 
     pub(super) fn layout(&self) -> RowLayout {
         let linear = self.linear.batches.iter().map(|batch| (batch.stamp.get(), batch.rows()));
-        linear.chain(self.blocks.all.iter().map(|block| (block.stamp(), block.rows()))).collect()
+        linear.chain(self.nonlinear.batches.iter().map(|batch| (batch.stamp(), batch.rows()))).collect()
     }
 
     /// The rows of G of some segments, with the coefficients of linear equations in them.
     fn pattern(&self, segments: Range<usize>) -> Result<Csr, SystemError> {
         let batches = self.linear.batches.len();
         let linear = &self.linear.batches[segments.start.min(batches)..segments.end.min(batches)];
-        let blocks = &self.blocks.all[segments.start.saturating_sub(batches)..segments.end.saturating_sub(batches)];
-        let blocks = blocks.iter().map(|block| StoredRows::Nonlinear(block.as_ref()));
-        let all: Vec<StoredRows> = linear.iter().map(StoredRows::Linear).chain(blocks).collect();
+        let nonlinear =
+            &self.nonlinear.batches[segments.start.saturating_sub(batches)..segments.end.saturating_sub(batches)];
+        let nonlinear = nonlinear.iter().map(|batch| StoredRows::Nonlinear(batch.as_ref()));
+        let all: Vec<StoredRows> = linear.iter().map(StoredRows::Linear).chain(nonlinear).collect();
         write_csr(self.dofs, &all, StoredRows::size, StoredRows::write)
     }
 }
@@ -140,7 +142,7 @@ impl StoredRows<'_> {
     fn size(&self) -> (usize, usize) {
         match self {
             Self::Linear(batch) => (batch.rows(), batch.nnz()),
-            Self::Nonlinear(block) => (block.rows(), block.nnz()),
+            Self::Nonlinear(batch) => (batch.rows(), batch.nnz()),
         }
     }
 
@@ -148,7 +150,7 @@ impl StoredRows<'_> {
         let RowSlice { first, end, col, val } = part;
         match self {
             Self::Linear(batch) => batch.write_rows(first, end, col, val),
-            Self::Nonlinear(block) => block.write_pattern(first, end, col),
+            Self::Nonlinear(batch) => batch.write_pattern(first, end, col),
         }
     }
 }

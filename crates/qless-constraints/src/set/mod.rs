@@ -62,11 +62,11 @@ pub struct ConstraintSet {
     register: ConstraintRegister,
     dofs: usize,
     linear: LinearEquations,
-    blocks: NonlinearEquations,
-    planned: LazyPlan,
+    nonlinear: NonlinearEquations,
+    hessian_plan: LazyPlan,
     time: f64,
     /// The coordinates that DOFs add to, for [`ConstraintSet::rounding`].
-    stated: ReferenceCoordinates,
+    reference_coordinates: ReferenceCoordinates,
     /// Another one after each change.
     version: ChangeStamp,
     /// Empty, with room for the next constraint.
@@ -93,7 +93,7 @@ impl ConstraintSet {
 
     /// Number of equations m.
     pub fn equations(&self) -> usize {
-        self.linear.rows() + self.blocks.rows()
+        self.linear.rows() + self.nonlinear.rows()
     }
 
     /// Number of constraints, active or not.
@@ -111,7 +111,7 @@ impl ConstraintSet {
         self.check(u, None)?;
         self.follow(quantities)?;
         let Quantities { u: kept, c, g, .. } = &mut *quantities;
-        let mut tasks = value_tasks(&self.linear, &self.blocks.all, c, g);
+        let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
         tasks.extend(copy_tasks(u, kept));
         run_tasks(tasks, u);
         quantities.evaluated = self.version.get();
@@ -131,7 +131,7 @@ impl ConstraintSet {
         self.check(u, Some(weights))?;
         self.follow(quantities)?;
         let plan = self.follow_hessian(quantities);
-        let weighted = WeightedBatches::new(&self.blocks.all, self.linear.rows(), weights);
+        let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
         run_tasks(hessian_tasks(plan, &weighted, quantities.h.values_mut()), u);
         Ok(())
     }
@@ -161,8 +161,8 @@ impl ConstraintSet {
         self.follow(quantities)?;
         let plan = self.follow_hessian(quantities);
         let Quantities { u: kept, c, g, h, .. } = &mut *quantities;
-        let weighted = WeightedBatches::new(&self.blocks.all, self.linear.rows(), weights);
-        let mut tasks = value_tasks(&self.linear, &self.blocks.all, c, g);
+        let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
+        let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
         tasks.extend(hessian_tasks(plan, &weighted, h.values_mut()));
         tasks.extend(copy_tasks(u, kept));
         run_tasks(tasks, u);
@@ -181,7 +181,7 @@ impl ConstraintSet {
 
     /// The way into H.
     fn plan(&self) -> &HessianPlan {
-        self.planned.plan(&self.blocks.all, self.dofs)
+        self.hessian_plan.plan(&self.nonlinear.batches, self.dofs)
     }
 }
 

@@ -54,8 +54,8 @@ impl ConstraintIds {
 #[derive(Default)]
 pub(super) struct ConstraintRegister {
     pub identity: Identity,
-    pub parts: EquationNames,
-    names: ConstraintLabels,
+    pub equation_names: EquationNames,
+    labels: ConstraintLabels,
     alive: usize,
     inactive: BTreeMap<u32, Box<ConstraintContents>>,
 }
@@ -67,7 +67,7 @@ impl ConstraintRegister {
 
     /// Number of constraints that were ever added.
     pub fn ever(&self) -> usize {
-        self.names.count() as usize
+        self.labels.count() as usize
     }
 
     pub fn alive(&self) -> usize {
@@ -75,16 +75,16 @@ impl ConstraintRegister {
     }
 
     pub fn add(&mut self, label: String) -> ConstraintId {
-        let id = ConstraintId { set: self.identity, number: self.names.count() };
-        self.names.push(label);
+        let id = ConstraintId { set: self.identity, number: self.labels.count() };
+        self.labels.push(label);
         self.alive += 1;
         id
     }
 
     /// So many at once.
     pub fn add_all(&mut self, label: String, count: u32) -> ConstraintIds {
-        let ids = ConstraintIds { set: self.identity, first: self.names.count(), count };
-        self.names.push_numbered(label, count);
+        let ids = ConstraintIds { set: self.identity, first: self.labels.count(), count };
+        self.labels.push_numbered(label, count);
         self.alive += count as usize;
         ids
     }
@@ -94,12 +94,12 @@ impl ConstraintRegister {
         if id.set != self.identity {
             return Err(EditError::Foreign);
         }
-        let there = self.names.is_there(id.number);
+        let there = self.labels.is_there(id.number);
         there.then_some(id.number).ok_or(EditError::Gone { place: id.place() })
     }
 
     pub fn remove(&mut self, number: u32) {
-        self.names.remove(number);
+        self.labels.remove(number);
         self.alive -= 1;
     }
 
@@ -126,13 +126,13 @@ impl ConstraintRegister {
     }
 
     pub fn name(&self, number: u32) -> Cow<'_, str> {
-        self.names.get(number).unwrap_or_default()
+        self.labels.get(number).unwrap_or_default()
     }
 
     /// The name of the constraint and of the parts that have one, with commas.
     pub fn label(&self, owner: EquationOwner, part: &str) -> String {
         let mut label = self.name(owner.constraint).into_owned();
-        for part in [self.parts.name(owner.part).as_ref(), part].into_iter().filter(|part| !part.is_empty()) {
+        for part in [self.equation_names.name(owner.name).as_ref(), part].into_iter().filter(|part| !part.is_empty()) {
             if !label.is_empty() {
                 label.push_str(", ");
             }
@@ -221,10 +221,10 @@ pub(super) fn numbered(label: &str, i: usize) -> String {
 }
 
 impl ConstraintSet {
-    /// Which block of equations a row belongs to, and its row there; nothing for linear equations.
+    /// Which batch of equations a row belongs to, and its row there; nothing for linear equations.
     fn place(&self, row: usize) -> Option<(&dyn NonlinearBatch, usize)> {
-        let (block, own) = self.blocks.offsets.find(row.checked_sub(self.linear.rows())?);
-        Some((self.blocks.all[block].as_ref(), own))
+        let (batch, own) = self.nonlinear.offsets.find(row.checked_sub(self.linear.rows())?);
+        Some((self.nonlinear.batches[batch].as_ref(), own))
     }
 
     /// The constraint of a row and the name of the part that it is.
@@ -232,7 +232,7 @@ impl ConstraintSet {
         if row >= self.equations() {
             return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
         }
-        Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(block, own)| block.owner(own)))
+        Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(batch, own)| batch.owner(own)))
     }
 
     /// Which constraint an equation belongs to.
@@ -251,10 +251,10 @@ impl ConstraintSet {
     pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
         self.own("the constraint", constraint.set)?;
         let mut rows: Vec<usize> = self.linear.of(constraint.number).collect();
-        for (_, (block, item)) in self.blocks.of(constraint.number) {
-            let parts = self.blocks.all[block].parts();
-            let first = self.linear.rows() + self.blocks.offsets.first(block) + item * parts;
-            rows.extend(first..first + parts);
+        for (_, (batch, item)) in self.nonlinear.of(constraint.number) {
+            let rows_of_item = self.nonlinear.batches[batch].equations_per_item();
+            let first = self.linear.rows() + self.nonlinear.offsets.first(batch) + item * rows_of_item;
+            rows.extend(first..first + rows_of_item);
         }
         Ok(rows)
     }

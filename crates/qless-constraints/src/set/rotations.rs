@@ -17,7 +17,7 @@ impl ConstraintSet {
     pub fn rotation_vectors(&self) -> Vec<[usize; 3]> {
         let mut found = RotationVectors { owner: vec![DofUse::Nobody; self.dofs], vectors: Vec::new() };
         let each = |visit: &mut dyn FnMut(&[u32], &[usize])| {
-            self.blocks.all.iter().for_each(|block| block.rotation_vectors(visit));
+            self.nonlinear.batches.iter().for_each(|batch| batch.rotation_vectors(visit));
         };
         each(&mut |dofs, places| {
             places.iter().for_each(|&k| found.put([dofs[k], dofs[k + 1], dofs[k + 2]].map(|dof| dof as usize)));

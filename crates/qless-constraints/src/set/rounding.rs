@@ -69,10 +69,12 @@ impl ConstraintSet {
         let (mut c, mut g) = (vec![0.0; self.equations()], self.whole_pattern());
         let constant = self.linear.nnz();
         g.values_mut()[..constant].iter_mut().for_each(|a| *a = Bounded::from(*a).error);
-        let known = UncertainDofs { u, sizes: self.stated.largest() };
-        value_tasks(&self.linear, &self.blocks.all, &mut c, &mut g).into_par_iter().for_each(|task| match task.work {
+        let known = UncertainDofs { u, sizes: self.reference_coordinates.largest() };
+        value_tasks(&self.linear, &self.nonlinear.batches, &mut c, &mut g).into_par_iter().for_each(|task| match task
+            .work
+        {
             TaskOutput::Linear { batch, c } => of_batch(batch, u, c),
-            TaskOutput::Nonlinear { block, c, g } => block.rounding(&known, c, g),
+            TaskOutput::Nonlinear { batch, c, g } => batch.rounding(&known, c, g),
             TaskOutput::Copy { .. } | TaskOutput::Hessian { .. } => (),
         });
         Ok(Rounding { c, start: g.starts().to_vec(), g: g.values().to_vec() })
@@ -94,10 +96,11 @@ fn of_batch(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
 impl ConstraintSet {
     /// `max(|u_j|, |at|)` with the largest coordinate of the nodes that DOF j moves; at least 1 rad for rotations.
     pub(crate) fn extents(&self, u: &[f64]) -> Vec<f64> {
-        let at = self.stated.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
+        let at =
+            self.reference_coordinates.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
         let mut sizes: Vec<f64> = u.iter().zip(at).map(|(u, at)| u.abs().max(at)).collect();
-        self.blocks.all.iter().for_each(|block| {
-            block.rotation_vectors(&mut |dofs, places| {
+        self.nonlinear.batches.iter().for_each(|batch| {
+            batch.rotation_vectors(&mut |dofs, places| {
                 let rotations = places.iter().flat_map(|&k| &dofs[k..k + 3]);
                 rotations.for_each(|&j| sizes[j as usize] = sizes[j as usize].max(1.0));
             });
@@ -107,6 +110,6 @@ impl ConstraintSet {
 
     /// Whether a DOF is known to add to a coordinate: it is a displacement of a node.
     pub(crate) fn is_displacement(&self, dof: usize) -> bool {
-        self.stated.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
+        self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
     }
 }

@@ -41,10 +41,10 @@ impl ConstraintSet {
             }
             values.push((row, value));
         }
-        if let Err((row, value)) = self.blocks.set_time(time) {
+        if let Err((row, value)) = self.nonlinear.set_time(time) {
             let label = self.label(self.linear.rows() + row).unwrap_or_default();
             // It was finite there before.
-            let _ = self.blocks.set_time(self.time);
+            let _ = self.nonlinear.set_time(self.time);
             return Err(TimeError::NotFinite { label, time, value });
         }
         values.into_iter().for_each(|(row, value)| self.linear.set_rhs(row, value));
@@ -56,9 +56,9 @@ impl ConstraintSet {
     /// The angles that are prescribed at the time of the set and that equations know up to whole turns only, each with its equation.
     pub(crate) fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
-        for (b, block) in self.blocks.all.iter().enumerate() {
-            let first = self.linear.rows() + self.blocks.offsets.first(b);
-            block.angles(&mut |row, angle| angles.push((first + row, angle)));
+        for (b, batch) in self.nonlinear.batches.iter().enumerate() {
+            let first = self.linear.rows() + self.nonlinear.offsets.first(b);
+            batch.angles(&mut |row, angle| angles.push((first + row, angle)));
         }
         angles
     }

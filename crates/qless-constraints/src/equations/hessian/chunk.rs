@@ -16,23 +16,23 @@ pub struct HessianChunk {
     /// Where each row ends; nothing if there are no entries yet.
     end: Vec<u32>,
     col: Box<[u32]>,
-    /// One share per block; blocks of no interest have none.
+    /// One share per batch; batches of no interest have none.
     pub shares: Vec<ChunkItems>,
     /// Entries from the numbers of all shares.
     sums: EntrySums,
 }
 
-/// Items of one block that touch a chunk, and how many numbers their Hessians have.
+/// Items of one batch that touch a chunk, and how many numbers their Hessians have.
 pub struct ChunkItems {
-    pub block: u32,
+    pub batch: u32,
     /// Items, in runs without gaps.
     pub items: Vec<Range<u32>>,
     numbers: usize,
 }
 
 impl ChunkItems {
-    pub fn new(block: u32) -> Self {
-        Self { block, items: Vec::new(), numbers: 0 }
+    pub fn new(batch: u32) -> Self {
+        Self { batch, items: Vec::new(), numbers: 0 }
     }
 
     /// Appends an item with so many numbers.
@@ -62,18 +62,18 @@ impl HessianChunk {
         self.rows.start + before.clamp(1, self.rows.len() - 1) as u32
     }
 
-    /// Puts a share in its place; no other one is of the same block.
+    /// Puts a share in its place; no other one is of the same batch.
     pub fn put(&mut self, share: ChunkItems) {
-        let place = self.shares.partition_point(|other| other.block < share.block);
+        let place = self.shares.partition_point(|other| other.batch < share.batch);
         self.shares.insert(place, share);
     }
 
     /// Makes the pattern and the sums anew from the shares: "all pair lists are combined and sorted, duplicates are eliminated".
     ///
     /// `counts`: how many entries of constraints are in each row, if that is known.
-    pub fn fill(&mut self, blocks: &[Box<dyn NonlinearBatch>], counts: Option<&[u32]>, room: &mut ChunkScratch) {
-        room.count(&self.shares, blocks, &self.rows, counts);
-        let numbers = room.gather(&self.shares, blocks, &self.rows);
+    pub fn fill(&mut self, batches: &[Box<dyn NonlinearBatch>], counts: Option<&[u32]>, room: &mut ChunkScratch) {
+        room.count(&self.shares, batches, &self.rows, counts);
+        let numbers = room.gather(&self.shares, batches, &self.rows);
         room.sort(&mut self.end);
         self.col = room.col.as_slice().into();
         self.sums = EntrySums::new(numbers, &room.counts, &room.keys);
@@ -93,8 +93,8 @@ impl HessianChunk {
         for share in &self.shares {
             let last = first + share.numbers;
             numbers.resize(numbers.len().max(last), 0.0);
-            let (block, weights) = weighted.blocks[share.block as usize];
-            block.curvatures(&share.items, u, weights, &mut numbers[first..last]);
+            let (batch, weights) = weighted.batches[share.batch as usize];
+            batch.curvatures(&share.items, u, weights, &mut numbers[first..last]);
             first = last;
         }
         self.sums.write(numbers, h);
@@ -119,7 +119,7 @@ impl ChunkScratch {
     fn count(
         &mut self,
         shares: &[ChunkItems],
-        blocks: &[Box<dyn NonlinearBatch>],
+        batches: &[Box<dyn NonlinearBatch>],
         rows: &Range<u32>,
         known: Option<&[u32]>,
     ) {
@@ -129,21 +129,21 @@ impl ChunkScratch {
         match known {
             Some(known) => counts.copy_from_slice(&known[rows.start as usize..rows.end as usize]),
             None => {
-                shares.iter().for_each(|share| blocks[share.block as usize].count(&share.items, rows.start, counts));
+                shares.iter().for_each(|share| batches[share.batch as usize].count(&share.items, rows.start, counts));
             }
         }
         (0..rows.len()).for_each(|row| self.next[row + 1] += self.next[row]);
     }
 
     /// The keys of all shares, row by row; how many numbers these have.
-    fn gather(&mut self, shares: &[ChunkItems], blocks: &[Box<dyn NonlinearBatch>], rows: &Range<u32>) -> usize {
+    fn gather(&mut self, shares: &[ChunkItems], batches: &[Box<dyn NonlinearBatch>], rows: &Range<u32>) -> usize {
         // All of those that count are written.
         self.keys.resize(self.keys.len().max(self.next[rows.len()] as usize), 0);
         self.next.pop();
         let mut first = 0;
         for share in shares {
-            let block = &blocks[share.block as usize];
-            block.keys(&share.items, rows.start, first, (&mut self.next, &mut self.keys));
+            let batch = &batches[share.batch as usize];
+            batch.keys(&share.items, rows.start, first, (&mut self.next, &mut self.keys));
             first += share.numbers;
         }
         first
@@ -173,19 +173,19 @@ impl ChunkScratch {
 
 /// Blocks with the weights of their equations.
 pub struct WeightedBatches<'a> {
-    pub blocks: Vec<(&'a dyn NonlinearBatch, &'a [f64])>,
+    pub batches: Vec<(&'a dyn NonlinearBatch, &'a [f64])>,
 }
 
 impl<'a> WeightedBatches<'a> {
     /// From one weight per equation, of which `linear` come first and have no share in H.
-    pub fn new(blocks: &'a [Box<dyn NonlinearBatch>], linear: usize, weights: &'a [f64]) -> Self {
+    pub fn new(batches: &'a [Box<dyn NonlinearBatch>], linear: usize, weights: &'a [f64]) -> Self {
         let mut rest = &weights[linear..];
-        let mut all = Vec::with_capacity(blocks.len());
-        for block in blocks {
+        let mut all = Vec::with_capacity(batches.len());
+        for batch in batches {
             let own;
-            (own, rest) = rest.split_at(block.rows());
-            all.push((block.as_ref(), own));
+            (own, rest) = rest.split_at(batch.rows());
+            all.push((batch.as_ref(), own));
         }
-        Self { blocks: all }
+        Self { batches: all }
     }
 }

@@ -26,7 +26,7 @@ use crate::equations::nonlinear::batch::NonlinearBatch;
 pub struct HessianPlan {
     cut: ChunkRows,
     pub chunks: Vec<HessianChunk>,
-    /// Stamps of the blocks that it was made for.
+    /// Stamps of the batches that it was made for.
     stamps: Vec<Identity>,
 }
 
@@ -34,83 +34,83 @@ impl HessianPlan {
     /// Cuts the rows of H into chunks, and finds the constraints and the places of their numbers for each.
     ///
     /// Where nothing is curved there is nothing to find.
-    pub fn new(blocks: &[Box<dyn NonlinearBatch>], dofs: usize) -> Self {
-        if blocks.is_empty() {
+    pub fn new(batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> Self {
+        if batches.is_empty() {
             return Self {
                 cut: ChunkRows::of_one(dofs),
                 chunks: vec![HessianChunk::empty(0..dofs as u32)],
                 stamps: Vec::new(),
             };
         }
-        let counts = entries_per_row(blocks, dofs);
+        let counts = entries_per_row(batches, dofs);
         let cut = ChunkRows::new(&counts);
         let chunks = cut.chunks().map(HessianChunk::empty).collect();
-        let mut plan = Self { cut, chunks, stamps: stamps(blocks) };
-        let all: Vec<u32> = (0..blocks.len() as u32).collect();
-        plan.share_out(blocks, &all);
+        let mut plan = Self { cut, chunks, stamps: stamps(batches) };
+        let all: Vec<u32> = (0..batches.len() as u32).collect();
+        plan.share_out(batches, &all);
         plan.chunks.par_iter_mut().for_each_init(ChunkScratch::default, |room, chunk| {
-            chunk.fill(blocks, Some(&counts), room);
+            chunk.fill(batches, Some(&counts), room);
         });
         plan
     }
 
-    /// After changes of some blocks and of the entries in `touched` rows.
-    pub fn updated(mut self, blocks: &[Box<dyn NonlinearBatch>], touched: &[u32]) -> Self {
-        let changed = self.renumber(blocks);
-        self.share_out(blocks, &changed);
+    /// After changes of some batches and of the entries in `touched` rows.
+    pub fn updated(mut self, batches: &[Box<dyn NonlinearBatch>], touched: &[u32]) -> Self {
+        let changed = self.renumber(batches);
+        self.share_out(batches, &changed);
         let mut stale = vec![false; self.chunks.len()];
         touched.iter().for_each(|&row| stale[self.cut.of(row)] = true);
         let chunks = self.chunks.par_iter_mut().zip(stale).filter(|(_, stale)| *stale);
-        chunks.for_each_init(ChunkScratch::default, |room, (chunk, _)| chunk.fill(blocks, None, room));
+        chunks.for_each_init(ChunkScratch::default, |room, (chunk, _)| chunk.fill(batches, None, room));
         let large = |chunk: &HessianChunk| chunk.entries() > 2 * ENTRIES && chunk.rows.len() > 1;
         while let Some(place) = self.chunks.iter().position(large) {
-            self.split(place, blocks);
+            self.split(place, batches);
         }
         self
     }
 
     /// Cuts a chunk in two of about equal work.
-    fn split(&mut self, place: usize, blocks: &[Box<dyn NonlinearBatch>]) {
+    fn split(&mut self, place: usize, batches: &[Box<dyn NonlinearBatch>]) {
         let old = self.chunks.remove(place);
         let row = old.middle();
         self.chunks.insert(place, HessianChunk::empty(row..old.rows.end));
         self.chunks.insert(place, HessianChunk::empty(old.rows.start..row));
         self.cut.split(place, row);
         for share in &old.shares {
-            for (chunk, share) in shares(blocks, (share.block, &share.items), &self.cut) {
+            for (chunk, share) in shares(batches, (share.batch, &share.items), &self.cut) {
                 self.chunks[chunk as usize].put(share);
             }
         }
         self.cut.widen();
         self.chunks[place..place + 2]
             .iter_mut()
-            .for_each(|chunk| chunk.fill(blocks, None, &mut ChunkScratch::default()));
+            .for_each(|chunk| chunk.fill(batches, None, &mut ChunkScratch::default()));
     }
 
-    /// Gives the shares of blocks that did not change their new places, and takes those of others away; the blocks that are new.
-    fn renumber(&mut self, blocks: &[Box<dyn NonlinearBatch>]) -> Vec<u32> {
-        let stamps = stamps(blocks);
+    /// Gives the shares of batches that did not change their new places, and takes those of others away; the batches that are new.
+    fn renumber(&mut self, batches: &[Box<dyn NonlinearBatch>]) -> Vec<u32> {
+        let stamps = stamps(batches);
         let places = std::iter::zip(&stamps, 0..).collect::<std::collections::HashMap<_, u32>>();
         let place: Vec<Option<u32>> = self.stamps.iter().map(|stamp| places.get(stamp).copied()).collect();
-        let mut new = vec![true; blocks.len()];
+        let mut new = vec![true; batches.len()];
         place.iter().flatten().for_each(|&place| new[place as usize] = false);
         for chunk in &mut self.chunks {
-            chunk.shares.retain_mut(|share| match place[share.block as usize] {
+            chunk.shares.retain_mut(|share| match place[share.batch as usize] {
                 Some(place) => {
-                    share.block = place;
+                    share.batch = place;
                     true
                 }
                 None => false,
             });
         }
         self.stamps = stamps;
-        (0..blocks.len() as u32).filter(|&block| new[block as usize]).collect()
+        (0..batches.len() as u32).filter(|&batch| new[batch as usize]).collect()
     }
 
-    /// Gives the constraints of some blocks to the chunks that they touch.
-    fn share_out(&mut self, blocks: &[Box<dyn NonlinearBatch>], which: &[u32]) {
-        let items = |b: u32| 0..blocks[b as usize].items() as u32;
-        let all = |&b: &u32| shares(blocks, (b, slice::from_ref(&items(b))), &self.cut);
+    /// Gives the constraints of some batches to the chunks that they touch.
+    fn share_out(&mut self, batches: &[Box<dyn NonlinearBatch>], which: &[u32]) {
+        let items = |b: u32| 0..batches[b as usize].items() as u32;
+        let all = |&b: &u32| shares(batches, (b, slice::from_ref(&items(b))), &self.cut);
         let shares: Vec<Vec<(u32, ChunkItems)>> = which.par_iter().map(all).collect();
         for (chunk, share) in shares.into_iter().flatten() {
             self.chunks[chunk as usize].put(share);
@@ -132,22 +132,22 @@ impl HessianPlan {
     }
 }
 
-fn stamps(blocks: &[Box<dyn NonlinearBatch>]) -> Vec<Identity> {
-    blocks.iter().map(|block| block.stamp()).collect()
+fn stamps(batches: &[Box<dyn NonlinearBatch>]) -> Vec<Identity> {
+    batches.iter().map(|batch| batch.stamp()).collect()
 }
 
-/// The shares of some items of a block, by chunk.
+/// The shares of some items of a batch, by chunk.
 fn shares(
-    blocks: &[Box<dyn NonlinearBatch>],
+    batches: &[Box<dyn NonlinearBatch>],
     (b, items): (u32, &[Range<u32>]),
     cut: &ChunkRows,
 ) -> Vec<(u32, ChunkItems)> {
-    let (block, mut touched) = (&blocks[b as usize], Vec::new());
-    block.share_out(items, cut, &mut touched);
+    let (batch, mut touched) = (&batches[b as usize], Vec::new());
+    batch.share_out(items, cut, &mut touched);
     touched.sort_unstable();
     let of_chunk = |same: &[(u32, u32)]| {
         let mut share = ChunkItems::new(b);
-        same.iter().for_each(|&(_, i)| share.push(i, block.numbers(i as usize)));
+        same.iter().for_each(|&(_, i)| share.push(i, batch.numbers(i as usize)));
         (same[0].0, share)
     };
     touched.chunk_by(|a, b| a.0 == b.0).map(of_chunk).collect()
@@ -157,9 +157,9 @@ fn shares(
 const MOST: usize = 8;
 
 /// By row; sums of whole numbers, whoever counts.
-pub fn entries_per_row(blocks: &[Box<dyn NonlinearBatch>], dofs: usize) -> Vec<u32> {
+pub fn entries_per_row(batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> Vec<u32> {
     let threads = rayon::current_num_threads().min(MOST);
-    let parts = blocks.par_chunks(blocks.len().div_ceil(threads).max(1)).map(entries_of_batches).collect::<Vec<_>>();
+    let parts = batches.par_chunks(batches.len().div_ceil(threads).max(1)).map(entries_of_batches).collect::<Vec<_>>();
     let mut all = vec![0; dofs];
     for (first, counts) in parts {
         all[first as usize..].iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
@@ -168,12 +168,12 @@ pub fn entries_per_row(blocks: &[Box<dyn NonlinearBatch>], dofs: usize) -> Vec<u
 }
 
 /// The first row that these have entries in, and the counts from there on.
-fn entries_of_batches(blocks: &[Box<dyn NonlinearBatch>]) -> (u32, Vec<u32>) {
+fn entries_of_batches(batches: &[Box<dyn NonlinearBatch>]) -> (u32, Vec<u32>) {
     let hull = |a: Range<u32>, b: Range<u32>| a.start.min(b.start)..a.end.max(b.end);
-    let rows = blocks.iter().map(|block| block.reach()).reduce(hull).unwrap_or_default();
+    let rows = batches.iter().map(|batch| batch.reach()).reduce(hull).unwrap_or_default();
     let mut counts = vec![0; rows.len()];
-    blocks.iter().for_each(|block| {
-        block.count(slice::from_ref(&(0..block.items() as u32)), rows.start, &mut counts);
+    batches.iter().for_each(|batch| {
+        batch.count(slice::from_ref(&(0..batch.items() as u32)), rows.start, &mut counts);
     });
     (rows.start, counts)
 }
@@ -188,20 +188,20 @@ pub struct LazyPlan {
 }
 
 impl LazyPlan {
-    /// The plan for the blocks as they are.
-    pub fn plan(&self, blocks: &[Box<dyn NonlinearBatch>], dofs: usize) -> &HessianPlan {
+    /// The plan for the batches as they are.
+    pub fn plan(&self, batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> &HessianPlan {
         if let Some(plan) = self.current.get() {
             return plan;
         }
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
         // Many changes are done at once.
         let known = last.filter(|_| self.touched.len() < dofs);
-        let plan = known.map_or_else(|| HessianPlan::new(blocks, dofs), |last| last.updated(blocks, &self.touched));
+        let plan = known.map_or_else(|| HessianPlan::new(batches, dofs), |last| last.updated(batches, &self.touched));
         // Not within the lock: while its threads wait, they may take up work that asks for the plan too. The first one is kept.
         self.current.get_or_init(|| plan)
     }
 
-    /// Blocks change; the plan is not that of the blocks any more.
+    /// Blocks change; the plan is not that of the batches any more.
     pub fn outdate(&mut self) {
         let last = self.last.get_mut().unwrap_or_else(PoisonError::into_inner);
         if let Some(plan) = self.current.take() {
@@ -215,15 +215,15 @@ impl LazyPlan {
         self.last.get_mut().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
-    /// The rows of H that the items of a block have entries in, which come.
-    pub fn touch_all(&mut self, block: &dyn NonlinearBatch) {
-        (0..block.items()).for_each(|item| self.touch(block, item));
+    /// The rows of H that the items of a batch have entries in, which come.
+    pub fn touch_all(&mut self, batch: &dyn NonlinearBatch) {
+        (0..batch.items()).for_each(|item| self.touch(batch, item));
     }
 
     /// The rows of H that an item has entries in, which comes or goes.
-    pub fn touch(&mut self, block: &dyn NonlinearBatch, item: usize) {
+    pub fn touch(&mut self, batch: &dyn NonlinearBatch, item: usize) {
         if self.is_wanted() {
-            block.touched(item, &mut |row| self.touched.push(row));
+            batch.touched(item, &mut |row| self.touched.push(row));
         }
     }
 }

@@ -58,7 +58,7 @@ impl LinearEquations {
     }
 
     /// Puts equations of one constraint behind those that it has.
-    pub fn put(&mut self, constraint: u32, equations: &mut Vec<StagedEquation>, parts: &mut EquationNames, time: f64) {
+    pub fn put(&mut self, constraint: u32, equations: &mut Vec<StagedEquation>, names: &mut EquationNames, time: f64) {
         if equations.is_empty() {
             return;
         }
@@ -66,7 +66,7 @@ impl LinearEquations {
         let behind = last.is_none_or(|last| last.constraint < constraint);
         let of = if behind { self.rows()..self.rows() } else { self.of(constraint) };
         for (row, equation) in (of.end..).zip(equations.drain(..)) {
-            let owner = EquationOwner { constraint, part: parts.place(equation.part) };
+            let owner = EquationOwner { constraint, name: names.place(equation.name) };
             self.insert(row, owner, &equation.terms, equation.rhs.at(time));
             self.drive((constraint, (row - of.start) as u32), equation.rhs);
         }
@@ -84,10 +84,10 @@ impl LinearEquations {
         self.drive((owner.constraint, k), rhs);
     }
 
-    /// Puts others, of later constraints, behind all; their parts go by other numbers.
-    pub fn join(&mut self, others: Self, parts: Option<&[u32]>) {
+    /// Puts others, of later constraints, behind all; their names go by other numbers.
+    pub fn join(&mut self, others: Self, names: Option<&[u32]>) {
         for mut batch in others.batches {
-            renumber(&mut batch.owners, parts);
+            renumber(&mut batch.owners, names);
             self.offsets.push(batch.rows());
             self.batches.push(batch);
         }
@@ -126,12 +126,12 @@ impl LinearEquations {
     }
 
     /// Takes the equations of a constraint out.
-    pub fn take(&mut self, constraint: u32, parts: &EquationNames) -> Vec<StagedEquation> {
+    pub fn take(&mut self, constraint: u32, names: &EquationNames) -> Vec<StagedEquation> {
         let of = self.of(constraint);
-        (0..of.len() as u32).map(|k| self.take_row(of.start, (constraint, k), parts)).collect()
+        (0..of.len() as u32).map(|k| self.take_row(of.start, (constraint, k), names)).collect()
     }
 
-    fn take_row(&mut self, row: usize, key: (u32, u32), parts: &EquationNames) -> StagedEquation {
+    fn take_row(&mut self, row: usize, key: (u32, u32), names: &EquationNames) -> StagedEquation {
         let (batch, own) = self.offsets.find(row);
         let (owner, terms, rhs) = self.batches[batch].remove(own);
         self.offsets.grow(batch, -1);
@@ -140,16 +140,16 @@ impl LinearEquations {
             self.offsets.remove(batch);
         }
         let rhs = self.driven.remove(&key).map_or(LinearRhs::Value(rhs), LinearRhs::TimeFunction);
-        StagedEquation { part: parts.name(owner.part), terms, rhs }
+        StagedEquation { name: names.name(owner.name), terms, rhs }
     }
 
     /// Gives the equations of a constraint, as many as it has, others: what does not change stays.
-    pub fn overwrite(&mut self, constraint: u32, equations: Vec<StagedEquation>, parts: &mut EquationNames, time: f64) {
+    pub fn overwrite(&mut self, constraint: u32, equations: Vec<StagedEquation>, names: &mut EquationNames, time: f64) {
         let of = self.of(constraint);
         for ((k, row), equation) in (0..).zip(of).zip(equations) {
             let (batch, own) = self.offsets.find(row);
             let (batch, owner) =
-                (&mut self.batches[batch], EquationOwner { constraint, part: parts.place(equation.part) });
+                (&mut self.batches[batch], EquationOwner { constraint, name: names.place(equation.name) });
             let rhs = equation.rhs.at(time);
             let same = |(a, b): (&(u32, f64), &(u32, f64))| a.0 == b.0 && a.1.to_bits() == b.1.to_bits();
             let old = batch.terms(own);
@@ -185,7 +185,7 @@ impl LinearEquations {
 
 /// `sum a_j u_j = rhs`, DOFs ascending.
 pub struct StagedEquation {
-    pub part: Cow<'static, str>,
+    pub name: Cow<'static, str>,
     pub terms: LinearTerms,
     pub rhs: LinearRhs,
 }

@@ -24,10 +24,10 @@ pub trait NonlinearBatch: Send + Sync {
     fn owner(&self, row: usize) -> (EquationOwner, &'static str);
     /// To which constraint the equations of item i belong.
     fn constraint(&self, i: usize) -> u32;
-    /// Gives the parts that its equations are the numbers that stand at theirs.
-    fn renumber_parts(&mut self, parts: Option<&[u32]>);
+    /// Gives the names that its equations are the numbers that stand at theirs.
+    fn renumber_names(&mut self, names: Option<&[u32]>);
     /// Equations of each item.
-    fn parts(&self) -> usize;
+    fn equations_per_item(&self) -> usize;
     /// Entries of its rows of G.
     fn nnz(&self) -> usize;
     /// Writes the columns of its rows of G, and where these end; the first starts at `first`.
@@ -60,10 +60,10 @@ pub trait NonlinearBatch: Send + Sync {
     fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)>;
     /// Calls `found` with each angle that is prescribed, and the first row that it is in.
     fn angles(&self, found: &mut dyn FnMut(usize, f64));
-    /// The items from i on, in a block of their own.
+    /// The items from i on, in a batch of their own.
     fn split_off(&mut self, i: usize) -> Box<dyn NonlinearBatch>;
     /// Takes item i out, and appends its DOFs.
-    fn take(&mut self, i: usize, parts: &EquationNames, dofs: &mut Vec<u32>) -> Box<dyn StagedNonlinear>;
+    fn take(&mut self, i: usize, names: &EquationNames, dofs: &mut Vec<u32>) -> Box<dyn StagedNonlinear>;
     fn as_any(&self) -> &dyn Any;
     fn as_any_mut(&mut self) -> &mut dyn Any;
     /// c and G in twice the digits.
@@ -78,25 +78,25 @@ pub trait NonlinearBatch: Send + Sync {
 pub trait StagedNonlinear: Send + Sync {
     fn rows(&self) -> usize;
     /// Which type of the set it is of; none if the set has not met it.
-    fn kind(&self, blocks: &NonlinearEquations) -> Option<u32>;
+    fn kind(&self, nonlinear: &NonlinearEquations) -> Option<u32>;
     /// Takes the parameters of this time; as an error the number of it that is not finite.
     fn at_time(&mut self, time: f64) -> Result<(), f64>;
-    /// Puts it among those of its type; the DOFs of all pieces of its constraint and its parts are given.
+    /// Puts it among those of its type; the DOFs of all pieces of its constraint and its names are given.
     fn commit(
         self: Box<Self>,
         constraint: u32,
         dofs: &[u32],
-        parts: &mut EquationNames,
-        blocks: &mut NonlinearEquations,
+        names: &mut EquationNames,
+        nonlinear: &mut NonlinearEquations,
     );
     /// Whether it has the DOFs and pairs of an equation of its type, so that it can take its place.
-    fn fits(&self, dofs: &[u32], place: ItemPlace, blocks: &NonlinearEquations) -> bool;
+    fn fits(&self, dofs: &[u32], place: ItemPlace, nonlinear: &NonlinearEquations) -> bool;
     /// Takes that place.
     fn overwrite(
         self: Box<Self>,
         constraint: u32,
-        parts: &mut EquationNames,
+        names: &mut EquationNames,
         place: ItemPlace,
-        blocks: &mut NonlinearEquations,
+        nonlinear: &mut NonlinearEquations,
     );
 }

@@ -1,4 +1,4 @@
-//! The equations of one type as a block: what a set asks of them, whatever they are.
+//! The equations of one type as a batch: what a set asks of them, whatever they are.
 //! Nonlinear equations that are not among those of their type.
 
 use std::any::Any;
@@ -43,11 +43,11 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
         self.owners[i].constraint
     }
 
-    fn renumber_parts(&mut self, parts: Option<&[u32]>) {
-        renumber(&mut self.owners, parts);
+    fn renumber_names(&mut self, names: Option<&[u32]>) {
+        renumber(&mut self.owners, names);
     }
 
-    fn parts(&self) -> usize {
+    fn equations_per_item(&self) -> usize {
         Q::PARTS.len()
     }
 
@@ -129,8 +129,8 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
         Box::new(self.split(i))
     }
 
-    fn take(&mut self, i: usize, parts: &EquationNames, dofs: &mut Vec<u32>) -> Box<dyn StagedNonlinear> {
-        Box::new(self.remove(i, parts, dofs))
+    fn take(&mut self, i: usize, names: &EquationNames, dofs: &mut Vec<u32>) -> Box<dyn StagedNonlinear> {
+        Box::new(self.remove(i, names, dofs))
     }
 
     fn as_any(&self) -> &dyn Any {
@@ -172,8 +172,8 @@ impl<Q: Nonlinear> StagedNonlinear for StagedItem<Q> {
         Q::PARTS.len()
     }
 
-    fn kind(&self, blocks: &NonlinearEquations) -> Option<u32> {
-        blocks.kind::<Q>()
+    fn kind(&self, nonlinear: &NonlinearEquations) -> Option<u32> {
+        nonlinear.kind::<Q>()
     }
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
@@ -184,28 +184,28 @@ impl<Q: Nonlinear> StagedNonlinear for StagedItem<Q> {
         self: Box<Self>,
         constraint: u32,
         dofs: &[u32],
-        parts: &mut EquationNames,
-        blocks: &mut NonlinearEquations,
+        names: &mut EquationNames,
+        nonlinear: &mut NonlinearEquations,
     ) {
-        let Self { part, dofs: own, parameters } = *self;
-        blocks.insert(EquationOwner { constraint, part: parts.place(part) }, &dofs[own], parameters);
+        let Self { name, dofs: own, parameters } = *self;
+        nonlinear.insert(EquationOwner { constraint, name: names.place(name) }, &dofs[own], parameters);
     }
 
-    fn fits(&self, dofs: &[u32], (block, item): ItemPlace, blocks: &NonlinearEquations) -> bool {
+    fn fits(&self, dofs: &[u32], (batch, item): ItemPlace, nonlinear: &NonlinearEquations) -> bool {
         let dofs = &dofs[self.dofs.clone()];
-        blocks.of_type::<Q>(block).is_some_and(|block| block.alike(item, dofs, &self.parameters))
+        nonlinear.of_type::<Q>(batch).is_some_and(|batch| batch.alike(item, dofs, &self.parameters))
     }
 
     fn overwrite(
         self: Box<Self>,
         constraint: u32,
-        parts: &mut EquationNames,
-        (block, item): ItemPlace,
-        blocks: &mut NonlinearEquations,
+        names: &mut EquationNames,
+        (batch, item): ItemPlace,
+        nonlinear: &mut NonlinearEquations,
     ) {
-        let owner = EquationOwner { constraint, part: parts.place(self.part) };
-        if let Some(block) = blocks.of_type_mut::<Q>(block) {
-            block.overwrite(item, owner, self.parameters);
+        let owner = EquationOwner { constraint, name: names.place(self.name) };
+        if let Some(batch) = nonlinear.of_type_mut::<Q>(batch) {
+            batch.overwrite(item, owner, self.parameters);
         }
     }
 }

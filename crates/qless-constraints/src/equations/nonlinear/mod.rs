@@ -1,4 +1,4 @@
-//! The nonlinear equations of all types, block by block, and where an item goes that comes.
+//! The nonlinear equations of all types, batch by batch, and where an item goes that comes.
 
 pub mod batch;
 mod dispatch;
@@ -15,13 +15,13 @@ use crate::equations::nonlinear::typed::TypedBatch;
 use crate::equations::{EquationNames, EquationOwner, RowOffsets};
 use crate::nonlinear::Nonlinear;
 
-/// A block and an item of it.
+/// A batch and an item of it.
 pub type ItemPlace = (usize, usize);
 
-/// All blocks: type by type in the order of first use, within a type in the order of the constraints.
+/// All batches: type by type in the order of first use, within a type in the order of the constraints.
 #[derive(Default)]
 pub struct NonlinearEquations {
-    pub all: Vec<Box<dyn NonlinearBatch>>,
+    pub batches: Vec<Box<dyn NonlinearBatch>>,
     /// The type of each.
     kinds: Vec<u32>,
     of_type: HashMap<TypeId, u32>,
@@ -42,28 +42,28 @@ impl NonlinearEquations {
         self.offsets.rows()
     }
 
-    /// Each block with the number of its type.
+    /// Each batch with the number of its type.
     pub fn with_kinds(&self) -> impl Iterator<Item = (&dyn NonlinearBatch, u32)> {
-        self.all.iter().map(AsRef::as_ref).zip(self.kinds.iter().copied())
+        self.batches.iter().map(AsRef::as_ref).zip(self.kinds.iter().copied())
     }
 
     /// Takes the parameters of this time; as an error a nonlinear row with a number that is not finite, and that number.
     pub fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
-        let Self { all, offsets, .. } = self;
-        let mut blocks = all.iter_mut().enumerate();
-        blocks.try_for_each(|(b, block)| block.set_time(time).map_err(|(row, value)| (offsets.first(b) + row, value)))
+        let Self { batches, offsets, .. } = self;
+        let mut batches = batches.iter_mut().enumerate();
+        batches.try_for_each(|(b, batch)| batch.set_time(time).map_err(|(row, value)| (offsets.first(b) + row, value)))
     }
 
     pub fn kind<Q: Nonlinear>(&self) -> Option<u32> {
         self.of_type.get(&TypeId::of::<Q>()).copied()
     }
 
-    pub fn of_type<Q: Nonlinear>(&self, block: usize) -> Option<&TypedBatch<Q>> {
-        self.all.get(block)?.as_any().downcast_ref()
+    pub fn of_type<Q: Nonlinear>(&self, batch: usize) -> Option<&TypedBatch<Q>> {
+        self.batches.get(batch)?.as_any().downcast_ref()
     }
 
-    pub fn of_type_mut<Q: Nonlinear>(&mut self, block: usize) -> Option<&mut TypedBatch<Q>> {
-        self.all.get_mut(block)?.as_any_mut().downcast_mut()
+    pub fn of_type_mut<Q: Nonlinear>(&mut self, batch: usize) -> Option<&mut TypedBatch<Q>> {
+        self.batches.get_mut(batch)?.as_any_mut().downcast_mut()
     }
 
     fn of_kind(&self, kind: u32) -> Range<usize> {
@@ -72,27 +72,27 @@ impl NonlinearEquations {
 
     /// Puts an item behind those of its constraint and of those that were added before.
     pub fn insert<Q: Nonlinear>(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
-        if let Some((place, block)) = self.recent_room::<Q>(owner.constraint) {
-            block.insert(owner, dofs, parameters);
+        if let Some((place, batch)) = self.recent_room::<Q>(owner.constraint) {
+            batch.insert(owner, dofs, parameters);
             return self.offsets.grow(place, Q::PARTS.len() as i32);
         }
         let kind = self.meet(TypeId::of::<Q>());
         let place = self.room_at::<Q>(kind, owner.constraint);
         self.recent = Some((TypeId::of::<Q>(), place));
-        if let Some(block) = self.of_type_mut::<Q>(place) {
-            block.insert(owner, dofs, parameters);
+        if let Some(batch) = self.of_type_mut::<Q>(place) {
+            batch.insert(owner, dofs, parameters);
         }
         self.offsets.grow(place, Q::PARTS.len() as i32);
     }
 
-    /// The block of the last item that was put in, if the next one goes behind it.
+    /// The batch of the last item that was put in, if the next one goes behind it.
     fn recent_room<Q: Nonlinear>(&mut self, constraint: u32) -> Option<(usize, &mut TypedBatch<Q>)> {
         let (_, place) = self.recent.filter(|&(of, _)| of == TypeId::of::<Q>())?;
         let last_of_type = self.kinds.get(place + 1) != self.kinds.get(place);
-        let block = self.of_type_mut::<Q>(place)?;
+        let batch = self.of_type_mut::<Q>(place)?;
         let fits =
-            last_of_type && !block.is_full() && block.owners.last().is_none_or(|last| last.constraint <= constraint);
-        fits.then_some((place, block))
+            last_of_type && !batch.is_full() && batch.owners.last().is_none_or(|last| last.constraint <= constraint);
+        fits.then_some((place, batch))
     }
 
     /// The number of a type, which the set may not have met before.
@@ -101,48 +101,48 @@ impl NonlinearEquations {
         *self.of_type.entry(of).or_insert(next)
     }
 
-    /// A block in which an item of this constraint can be put.
+    /// A batch in which an item of this constraint can be put.
     fn room_at<Q: Nonlinear>(&mut self, kind: u32, constraint: u32) -> usize {
         let of = self.of_kind(kind);
-        let at = of.start + self.all[of.clone()].partition_point(|block| last(block.as_ref()) <= constraint);
+        let at = of.start + self.batches[of.clone()].partition_point(|batch| last(batch.as_ref()) <= constraint);
         if at == of.end {
-            if of.is_empty() || self.all[at - 1].is_full() {
+            if of.is_empty() || self.batches[at - 1].is_full() {
                 self.offsets.insert(at);
                 let few = of.is_empty() && !self.many;
-                let block = if few { TypedBatch::<Q>::default() } else { TypedBatch::with_room() };
-                self.put(at, kind, Box::new(block));
+                let batch = if few { TypedBatch::<Q>::default() } else { TypedBatch::with_room() };
+                self.put(at, kind, Box::new(batch));
                 return at;
             }
             return at - 1;
         }
-        if !self.all[at].is_full() {
+        if !self.batches[at].is_full() {
             return at;
         }
-        let half = self.all[at].items() / 2;
-        let second = self.all[at].split_off(half);
-        self.offsets.split(at, self.all[at].rows());
+        let half = self.batches[at].items() / 2;
+        let second = self.batches[at].split_off(half);
+        self.offsets.split(at, self.batches[at].rows());
         self.put(at + 1, kind, second);
-        if last(self.all[at].as_ref()) <= constraint { at + 1 } else { at }
+        if last(self.batches[at].as_ref()) <= constraint { at + 1 } else { at }
     }
 
-    /// Puts others, of later constraints, behind those of their types; their parts go by other numbers.
-    pub fn join(&mut self, others: Self, parts: Option<&[u32]>) {
+    /// Puts others, of later constraints, behind those of their types; their names go by other numbers.
+    pub fn join(&mut self, others: Self, names: Option<&[u32]>) {
         let mut types: Vec<_> = others.of_type.into_iter().collect();
         types.sort_unstable_by_key(|&(_, kind)| kind);
         let kinds: Vec<u32> = types.into_iter().map(|(of, _)| self.meet(of)).collect();
-        for (mut block, kind) in others.all.into_iter().zip(others.kinds) {
+        for (mut batch, kind) in others.batches.into_iter().zip(others.kinds) {
             let kind = kinds[kind as usize];
             let at = self.of_kind(kind).end;
-            block.renumber_parts(parts);
+            batch.renumber_names(names);
             self.offsets.insert(at);
-            self.offsets.grow(at, block.rows() as i32);
-            self.put(at, kind, block);
+            self.offsets.grow(at, batch.rows() as i32);
+            self.put(at, kind, batch);
         }
     }
 
-    fn put(&mut self, at: usize, kind: u32, block: Box<dyn NonlinearBatch>) {
+    fn put(&mut self, at: usize, kind: u32, batch: Box<dyn NonlinearBatch>) {
         self.recent = None;
-        self.all.insert(at, block);
+        self.batches.insert(at, batch);
         self.kinds.insert(at, kind);
     }
 
@@ -151,41 +151,41 @@ impl NonlinearEquations {
         let mut places = Vec::new();
         for kind in 0..self.of_type.len() as u32 {
             let of = self.of_kind(kind);
-            let first = of.start + self.all[of.clone()].partition_point(|block| last(block.as_ref()) < constraint);
-            for block in first..of.end {
-                let own = items(self.all[block].as_ref(), constraint);
+            let first = of.start + self.batches[of.clone()].partition_point(|batch| last(batch.as_ref()) < constraint);
+            for batch in first..of.end {
+                let own = items(self.batches[batch].as_ref(), constraint);
                 if own.is_empty() {
                     break;
                 }
-                places.extend(own.map(|item| (kind, (block, item))));
+                places.extend(own.map(|item| (kind, (batch, item))));
             }
         }
         places
     }
 
     /// Takes the items of a constraint out.
-    pub fn take(&mut self, constraint: u32, parts: &EquationNames) -> (Vec<Box<dyn StagedNonlinear>>, Vec<u32>) {
+    pub fn take(&mut self, constraint: u32, names: &EquationNames) -> (Vec<Box<dyn StagedNonlinear>>, Vec<u32>) {
         let (places, mut dofs) = (self.of(constraint), Vec::new());
         // From the last: the places of the others stay.
         let mut pieces: Vec<_> =
-            places.iter().rev().map(|&(_, place)| self.take_item(place, parts, &mut dofs)).collect();
+            places.iter().rev().map(|&(_, place)| self.take_item(place, names, &mut dofs)).collect();
         pieces.reverse();
         (pieces, dofs)
     }
 
     fn take_item(
         &mut self,
-        (block, item): ItemPlace,
-        parts: &EquationNames,
+        (batch, item): ItemPlace,
+        names: &EquationNames,
         dofs: &mut Vec<u32>,
     ) -> Box<dyn StagedNonlinear> {
-        let rows = self.all[block].parts() as i32;
-        let piece = self.all[block].take(item, parts, dofs);
-        self.offsets.grow(block, -rows);
-        if self.all[block].items() == 0 {
-            self.all.remove(block);
-            self.kinds.remove(block);
-            self.offsets.remove(block);
+        let rows = self.batches[batch].equations_per_item() as i32;
+        let piece = self.batches[batch].take(item, names, dofs);
+        self.offsets.grow(batch, -rows);
+        if self.batches[batch].items() == 0 {
+            self.batches.remove(batch);
+            self.kinds.remove(batch);
+            self.offsets.remove(batch);
             self.recent = None;
         }
         piece
@@ -193,17 +193,17 @@ impl NonlinearEquations {
 }
 
 /// The constraint of the last item.
-fn last(block: &dyn NonlinearBatch) -> u32 {
-    block.items().checked_sub(1).map_or(0, |i| block.constraint(i))
+fn last(batch: &dyn NonlinearBatch) -> u32 {
+    batch.items().checked_sub(1).map_or(0, |i| batch.constraint(i))
 }
 
-/// Items of a constraint in a block.
-fn items(block: &dyn NonlinearBatch, constraint: u32) -> Range<usize> {
+/// Items of a constraint in a batch.
+fn items(batch: &dyn NonlinearBatch, constraint: u32) -> Range<usize> {
     let first_from = |constraint: u32| {
-        let (mut low, mut high) = (0, block.items());
+        let (mut low, mut high) = (0, batch.items());
         while low < high {
             let middle = low.midpoint(high);
-            (low, high) = if block.constraint(middle) < constraint { (middle + 1, high) } else { (low, middle) };
+            (low, high) = if batch.constraint(middle) < constraint { (middle + 1, high) } else { (low, middle) };
         }
         low
     };

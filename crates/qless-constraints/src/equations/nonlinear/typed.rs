@@ -1,5 +1,5 @@
 //! Nonlinear equations of one type, in flat arrays, so that the inner loop knows the type and calls nothing at run time.
-//! Items of a block come, go, and change their parameters: O([`TypedBatch::CAPACITY`]) numbers are moved.
+//! Items of a batch come, go, and change their parameters: O([`TypedBatch::CAPACITY`]) numbers are moved.
 //! Columns ascend in a row of G, the DOFs of a constraint need not: where each goes. Most ascend, and cost nothing here.
 //! Nonlinear equations that are not among those of their type.
 
@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 use crate::equations::{ChangeStamp, EquationNames, EquationOwner};
 use crate::nonlinear::Nonlinear;
 
-/// Items per block, ...
+/// Items per batch, ...
 const MANY: usize = 1024;
 /// ... of types that take much arithmetic, of which there are fewer in most models: they reach further.
 const FEW: usize = 256;
@@ -102,26 +102,26 @@ impl<Q: Nonlinear> TypedBatch<Q> {
 }
 
 pub struct StagedItem<Q> {
-    pub part: Cow<'static, str>,
+    pub name: Cow<'static, str>,
     /// Places among the DOFs of all pieces.
     pub dofs: Range<usize>,
     pub parameters: Q,
 }
 
 impl<Q: Nonlinear> TypedBatch<Q> {
-    /// With room for as many items as there may be, as the last block of a type has that follows others.
+    /// With room for as many items as there may be, as the last batch of a type has that follows others.
     pub fn with_room() -> Self {
-        let mut block = Self::default();
-        block.items.reserve_exact(Self::CAPACITY);
-        block.owners.reserve_exact(Self::CAPACITY);
-        block.dofs.reserve_exact(Self::CAPACITY * Q::DOFS);
+        let mut batch = Self::default();
+        batch.items.reserve_exact(Self::CAPACITY);
+        batch.owners.reserve_exact(Self::CAPACITY);
+        batch.dofs.reserve_exact(Self::CAPACITY * Q::DOFS);
         if Q::DOFS == 0 {
-            block.start.reserve_exact(Self::CAPACITY);
+            batch.start.reserve_exact(Self::CAPACITY);
         }
         if Self::UNITS == 0 {
-            block.numbers.reserve_exact(Self::CAPACITY);
+            batch.numbers.reserve_exact(Self::CAPACITY);
         }
-        block
+        batch
     }
 
     /// Puts an item behind those of its constraint and of those that were added before.
@@ -154,7 +154,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
     }
 
     /// Takes item i out.
-    pub fn remove(&mut self, i: usize, parts: &EquationNames, dofs: &mut Vec<u32>) -> StagedItem<Q> {
+    pub fn remove(&mut self, i: usize, names: &EquationNames, dofs: &mut Vec<u32>) -> StagedItem<Q> {
         let (span, first) = (self.span(i..i + 1), dofs.len());
         dofs.extend(self.dofs.drain(span.clone()));
         if Q::DOFS == 0 {
@@ -168,10 +168,10 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         let (owner, parameters) = (self.owners.remove(i), self.items.remove(i));
         self.stamp.renew();
         self.renew_order();
-        StagedItem { part: parts.name(owner.part), dofs: first..dofs.len(), parameters }
+        StagedItem { name: names.name(owner.name), dofs: first..dofs.len(), parameters }
     }
 
-    /// The items from i on, in a block of their own.
+    /// The items from i on, in a batch of their own.
     pub fn split(&mut self, i: usize) -> Self {
         let first = self.span(i..i).start;
         let mut second = Self {
@@ -229,7 +229,7 @@ fn pairs<Q: Nonlinear>(parameters: &Q, dofs: usize) -> Vec<(usize, usize)> {
     all
 }
 
-/// The items of a block whose DOFs do not ascend.
+/// The items of a batch whose DOFs do not ascend.
 #[derive(Default)]
 pub struct DofOrder {
     count: usize,
@@ -247,7 +247,7 @@ impl DofOrder {
         self.items.is_empty()
     }
 
-    /// Appends the next item of the block.
+    /// Appends the next item of the batch.
     pub fn push(&mut self, dofs: &[u32]) {
         if !dofs.is_sorted() {
             let place = |dof| dofs.iter().filter(|&other| other < dof).count() as u32;

@@ -15,7 +15,7 @@ fn configurations() -> impl Iterator<Item = Vec<f64>> {
 fn formulas_agree_with_dual_numbers() -> Outcome {
     let set = set()?;
     for u in configurations() {
-        set.blocks.all.iter().for_each(|block| block.compare_with_duals(&u));
+        set.nonlinear.batches.iter().for_each(|batch| batch.compare_with_duals(&u));
     }
     Ok(())
 }
