@@ -1,5 +1,7 @@
-//! What one constraint consists of, as long as it is not among the equations of a set.
-//! Constraints that follow one another, as equations of their own: one thread makes them, and nothing of the set is touched until they join it.
+//! Equations of constraints that are not yet, or no longer, part of a set.
+//!
+//! [`ConstraintContents`] holds one constraint: a new one, or one that is inactive. [`BulkEquations`] holds many new ones, stored as a set
+//! stores them: one thread makes them without touching the set, which then takes them over.
 
 use std::borrow::Cow;
 
@@ -11,27 +13,26 @@ use crate::equations::nonlinear::batch::StagedNonlinear;
 use crate::equations::{EquationNames, EquationOwner, LinearRhs};
 use crate::nonlinear::Nonlinear;
 
-/// Parts of a constraint whose room is kept for the next one.
+/// Largest total capacity of a constraint's lists that is kept for reuse.
 const KEPT: usize = 256;
 
-/// Linear equations, nonlinear names, and what they state.
+/// The linear equations, nonlinear equations and reference coordinates of one constraint.
 #[derive(Default)]
 pub struct ConstraintContents {
     pub equations: Vec<StagedEquation>,
     pub pieces: Vec<Box<dyn StagedNonlinear>>,
-    /// The DOFs of all pieces.
+    /// The DOFs of all nonlinear pieces.
     pub dofs: Vec<u32>,
-    /// What DOFs add to.
     pub coordinates: Vec<DofCoordinate>,
 }
 
 impl ConstraintContents {
-    /// Gives its equations, as many, these right-hand sides.
+    /// Replaces the right-hand sides of the linear equations, one each.
     pub fn set_rhs(&mut self, rhs: &[f64]) {
         self.equations.iter_mut().zip(rhs).for_each(|(equation, &rhs)| equation.rhs = LinearRhs::Value(rhs));
     }
 
-    /// Nothing, with the room that a constraint of usual size needs.
+    /// Clears the lists for reuse; `None` if they are too large to be kept.
     pub fn emptied(mut self: Box<Self>) -> Option<Box<Self>> {
         let Self { equations, pieces, dofs, coordinates } = &mut *self;
         let room = equations.capacity() + pieces.capacity() + dofs.capacity() + coordinates.capacity();
@@ -42,7 +43,7 @@ impl ConstraintContents {
         (room <= KEPT).then_some(self)
     }
 
-    /// Takes the numbers of this time; as an error one that is not finite.
+    /// Evaluates the functions of time. The error is a value that is not finite.
     pub fn at_time(&mut self, time: f64) -> Result<(), f64> {
         let values = self.equations.iter().map(|equation| equation.rhs.at(time));
         let bad = values.into_iter().find(|value| !value.is_finite());
@@ -55,24 +56,24 @@ impl ConstraintContents {
     }
 }
 
-/// Equations, and what they state of coordinates.
+/// Equations and coordinates of consecutive constraints.
 #[derive(Default)]
 pub struct BulkEquations {
     pub linear: LinearEquations,
     pub nonlinear: NonlinearEquations,
     pub names: EquationNames,
     pub coordinates: CoordinateList,
-    /// The constraint that is being added.
+    /// Number of the constraint that is being added.
     constraint: u32,
-    /// How many linear equations it has.
+    /// Number of its linear equations so far.
     own: u32,
     pub time: f64,
-    /// Room for the terms of one equation.
+    /// Empty list, reused for the terms of each equation.
     terms: LinearTerms,
 }
 
 impl BulkEquations {
-    /// From this constraint on, at this time.
+    /// `constraint` is the number of the first one; functions of time are evaluated at `time`.
     pub fn new(constraint: u32, time: f64) -> Self {
         Self {
             constraint,
@@ -87,7 +88,7 @@ impl BulkEquations {
         self.linear.rows() + self.nonlinear.rows()
     }
 
-    /// Room for terms, to be given back with the equation.
+    /// An empty list, which [`BulkEquations::equation`] takes back.
     pub fn terms(&mut self) -> LinearTerms {
         let mut terms = std::mem::take(&mut self.terms);
         terms.clear();
@@ -106,7 +107,7 @@ impl BulkEquations {
         self.nonlinear.insert(owner, dofs, parameters);
     }
 
-    /// The constraint, one of so many, is complete.
+    /// Ends the current constraint, one of `expected` in total.
     pub fn next(&mut self, expected: usize) {
         self.coordinates.close(expected);
         self.constraint += 1;

@@ -1,34 +1,36 @@
-//! What active constraints state of the coordinates that DOFs add to.
+//! Reference coordinates of DOFs, `x = at + u`: their magnitudes bound how well a DOF is known, for the analysis of rounding errors.
+//!
+//! Constraint types report the coordinates of their nodes, since they often store coordinate differences only.
 
 use std::sync::OnceLock;
 
 use crate::scalar::Bounded;
 
-/// The size of a number in 16 bits: rounded up, by at most a sixteenth.
+/// The magnitude of a number in 16 bits, rounded up by at most 1/16.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CoarseSize(u16);
 
-/// What is known of the coordinates that a DOF adds to.
+/// Magnitudes of the reference coordinates that a DOF adds to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CoordinateSizes {
-    /// The largest of them.
+    /// Largest of these coordinates.
     pub at: CoarseSize,
-    /// The largest of the nodes that they belong to, along any axis; something if there is a node, wherever it lies.
+    /// Largest coordinate, along any axis, of the nodes that the DOF moves. It is not zero if there is such a node, even at the origin.
     pub node: CoarseSize,
 }
 
-/// The bits of a double that a size does not keep.
+/// Low bits of a double that are dropped.
 const CUT: u32 = 48;
 
 impl CoarseSize {
-    /// Of a number that is not NaN.
+    /// Rounds up. `x` must not be NaN.
     #[inline]
     pub fn above(x: f64) -> Self {
         let largest = (f64::MAX.to_bits() >> CUT) as u16;
         Self(if x == 0.0 { 0 } else { ((x.abs().to_bits() >> CUT) as u16 + 1).min(largest) })
     }
 
-    /// Of the least number that there is, for one that is zero.
+    /// Like [`CoarseSize::above`], but the smallest nonzero magnitude for zero.
     pub fn of_something(x: f64) -> Self {
         Self::above(x).max(Self(1))
     }
@@ -42,32 +44,32 @@ impl CoarseSize {
     }
 }
 
-/// The configuration, each DOF with what is not known of it.
+/// DOF values together with their uncertainty.
 pub struct UncertainDofs<'a> {
     pub u: &'a [f64],
-    /// The largest coordinate that each DOF adds to; shorter if the others add to none.
+    /// Coordinate magnitudes by DOF; DOFs beyond the end have none.
     pub sizes: &'a [CoordinateSizes],
 }
 
 impl UncertainDofs<'_> {
-    /// One DOF.
+    /// The value of DOF j with its error bound.
     pub fn dof(&self, j: u32) -> Bounded {
         let (u, size) = (self.u[j as usize], self.sizes.get(j as usize).copied().unwrap_or_default());
         Bounded::known_to(u, u.abs() + size.at.number())
     }
 }
 
-/// The bound, or infinity where the arithmetic of bounds has none.
+/// The error bound of a computed number; infinite if it is NaN.
 ///
-/// Twice that of [`crate::Nonlinear::value`]: a Jacobian written by hand has the same terms in another order.
+/// The bound is doubled, because a Jacobian written by hand sums the same terms in another order than [`crate::Nonlinear::value`].
 pub fn bound(of: Bounded) -> f64 {
     if of.error.is_nan() { f64::INFINITY } else { 2.0 * of.error }
 }
 
-/// Coordinates of a segment that no more are put behind, but for those of one constraint.
+/// Arrays of at least this many coordinates are closed: the next constraint starts another array.
 const LONG: usize = 1 << 16;
 
-/// A DOF that adds to a coordinate.
+/// A reference coordinate of a DOF.
 #[derive(Clone, Copy)]
 pub struct DofCoordinate {
     dof: u32,
@@ -75,23 +77,23 @@ pub struct DofCoordinate {
 }
 
 impl DofCoordinate {
-    /// `node`: the largest coordinate of the node; along an axis where it has none, it is no smaller a model.
+    /// `node` is the largest coordinate of the node: it measures the model also along axes where the node's coordinate is zero.
     #[inline]
     pub fn new(dof: usize, at: f64, node: CoarseSize) -> Self {
         Self { dof: dof as u32, sizes: CoordinateSizes { at: CoarseSize::above(at), node } }
     }
 }
 
-/// What constraints state that follow one another.
+/// Coordinates of consecutive constraints.
 #[derive(Default)]
 pub struct CoordinateList {
     pub all: Vec<DofCoordinate>,
-    /// Where those of each end.
+    /// End of each constraint's coordinates.
     end: Vec<u32>,
 }
 
 impl CoordinateList {
-    /// What a constraint, one of so many, states is complete.
+    /// Ends the coordinates of the current constraint, one of `expected` in total.
     pub fn close(&mut self, expected: usize) {
         if self.end.is_empty() {
             self.end.reserve_exact(expected);
@@ -101,7 +103,7 @@ impl CoordinateList {
     }
 }
 
-/// Where the coordinates of a constraint are.
+/// Location of one constraint's coordinates.
 #[derive(Clone, Copy, Default)]
 struct CoordinateSpan {
     segment: u32,
@@ -109,10 +111,10 @@ struct CoordinateSpan {
     end: u32,
 }
 
-/// By constraint, and the largest by DOF, which are looked for when they are asked for: a constraint that goes takes its own along.
+/// Coordinates by constraint. The largest magnitude by DOF is computed on request, since it changes when constraints are removed.
 #[derive(Default)]
 pub struct ReferenceCoordinates {
-    /// Of all constraints, with those of some that are gone.
+    /// Coordinates of all constraints, including some that were removed.
     segments: Vec<Vec<DofCoordinate>>,
     of: Vec<CoordinateSpan>,
     there: usize,
@@ -121,7 +123,7 @@ pub struct ReferenceCoordinates {
 }
 
 impl ReferenceCoordinates {
-    /// Takes over what a constraint without any states.
+    /// Stores the coordinates of a constraint that has none yet, and empties the list.
     pub fn put(&mut self, constraint: u32, coordinates: &mut Vec<DofCoordinate>) {
         if coordinates.is_empty() {
             return;
@@ -138,7 +140,7 @@ impl ReferenceCoordinates {
         coordinates.clear();
     }
 
-    /// Takes over what constraints state from this one on, which come after all others; how many these are.
+    /// Appends the coordinates of new constraints, the first of which is `constraint`. Returns how many constraints these are.
     pub fn join(&mut self, constraint: u32, new: CoordinateList) -> u32 {
         if !new.all.is_empty() {
             let (segment, mut first) = (self.segments.len() as u32, 0);
@@ -165,7 +167,7 @@ impl ReferenceCoordinates {
         taken
     }
 
-    /// Where more than half is of constraints that are gone.
+    /// Compacts the arrays when more than half of the coordinates belong to removed constraints.
     fn close_gaps(&mut self) {
         if self.gone <= self.there {
             return;
@@ -177,7 +179,7 @@ impl ReferenceCoordinates {
         (self.segments, self.gone) = (segments, 0);
     }
 
-    /// By DOF; shorter if the others have none.
+    /// Largest magnitudes by DOF; DOFs beyond the end have none.
     pub fn largest(&self) -> &[CoordinateSizes] {
         self.largest.get_or_init(|| {
             let mut largest = Vec::new();
@@ -188,7 +190,7 @@ impl ReferenceCoordinates {
     }
 }
 
-/// Puts coordinates of one constraint behind the others.
+/// Appends the coordinates of one constraint.
 fn append(segments: &mut Vec<Vec<DofCoordinate>>, coordinates: &[DofCoordinate]) -> CoordinateSpan {
     if coordinates.is_empty() {
         return CoordinateSpan::default();
@@ -202,7 +204,7 @@ fn append(segments: &mut Vec<Vec<DofCoordinate>>, coordinates: &[DofCoordinate])
     CoordinateSpan { segment: segment as u32, first, end: first + coordinates.len() as u32 }
 }
 
-/// None if there is no segment.
+/// The coordinates of a span; empty if its array does not exist.
 fn within(segments: &[Vec<DofCoordinate>], CoordinateSpan { segment, first, end }: CoordinateSpan) -> &[DofCoordinate] {
     segments.get(segment as usize).map_or(&[], |all| &all[first as usize..end as usize])
 }

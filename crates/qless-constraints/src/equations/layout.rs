@@ -1,6 +1,6 @@
-//! Which rows of an array belong to which segment, and what has to be replaced when segments change.
-//! The pattern of a sparse matrix from those of its segments, each in its own part of the arrays, in parallel.
-//! The rows of H, cut into chunks of about equal work.
+//! Rows of G in batches and rows of H in chunks: where each starts, what to replace after changes, and how the pattern is written.
+//!
+//! G and H are each a sequence of row groups: batches for G, chunks for H.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -9,12 +9,12 @@ use qless::common::Identity;
 use qless::{Csr, SystemError};
 use rayon::prelude::*;
 
-/// The stamp of each segment and how many rows it has, in their order.
+/// The stamp and the number of rows of each row group, in order.
 pub type RowLayout = Vec<(Identity, usize)>;
 
-/// Ranges of rows of the old layout, and the segments of the new one that take their place.
+/// Pairs of a row range of the old layout and the groups of the new layout that replace it.
 ///
-/// Segments that are in both have the same order in both.
+/// Groups that are in both layouts must have the same order in both.
 pub fn differences(old: &[(Identity, usize)], new: &[(Identity, usize)]) -> Vec<(Range<usize>, Range<usize>)> {
     let places: HashMap<Identity, usize> = new.iter().enumerate().map(|(place, segment)| (segment.0, place)).collect();
     let (mut all, mut row, mut gone, mut next) = (Vec::new(), 0, 0, 0);
@@ -33,18 +33,18 @@ pub fn differences(old: &[(Identity, usize)], new: &[(Identity, usize)]) -> Vec<
     all
 }
 
-/// The arrays of the rows of one segment.
+/// The arrays of one row group in a compressed sparse row matrix.
 pub struct RowSlice<'a> {
-    /// Entries of the rows before.
+    /// Number of entries in the rows before this group.
     pub first: usize,
-    /// Where each row ends.
+    /// End of each row.
     pub end: &'a mut [usize],
     pub col: &'a mut [u32],
-    /// Zeros.
+    /// Values, zero at first.
     pub val: &'a mut [f64],
 }
 
-/// A matrix of n columns from segments of so many `(rows, entries)`, each written by `write`.
+/// Builds a matrix from row groups in parallel: `size` gives the rows and entries of a group, `write` fills its arrays.
 pub fn write_csr<S: Sync>(
     cols: usize,
     segments: &[S],
@@ -70,22 +70,22 @@ pub fn write_csr<S: Sync>(
     Csr::from_parts(cols, start, col, val)
 }
 
-/// Entries of constraints in the rows of a new chunk: those of H, of which several fall on one place, stay in the cache of one core.
+/// Largest number of contributions to a new chunk, so that its entries, which are fewer, fit into the cache of one core.
 pub const ENTRIES: usize = 1 << 15;
 
-/// To which chunk each row of H belongs.
+/// Assigns the rows of H to chunks of about equal work.
 #[derive(Default)]
 pub struct ChunkRows {
-    /// The first row of each chunk, and one more: the number of rows.
+    /// The first row of each chunk, and at the end the number of rows.
     first: Vec<u32>,
     /// The chunk of each row.
     chunk: Vec<u32>,
-    /// If only some are of interest.
+    /// The chunks that [`ChunkRows::chunk`] reports; all if `None`.
     only: Option<Range<u32>>,
 }
 
 impl ChunkRows {
-    /// From the entries of each row.
+    /// Forms chunks from the number of contributions to each row.
     pub fn new(counts: &[u32]) -> Self {
         let (mut first, mut entries) = (vec![0], 0);
         for (row, &count) in counts.iter().enumerate() {
@@ -101,36 +101,35 @@ impl ChunkRows {
         cut
     }
 
-    /// One chunk of all rows.
+    /// One chunk that holds all rows.
     pub fn of_one(rows: usize) -> Self {
         Self { first: vec![0, rows as u32], chunk: vec![0; rows], only: None }
     }
 
-    /// Cuts a chunk before this row; until the next cut, its halves alone are of interest.
+    /// Splits a chunk before `row`. Until [`ChunkRows::widen`], [`ChunkRows::chunk`] reports the two halves only.
     pub fn split(&mut self, chunk: usize, row: u32) {
         self.first.insert(chunk + 1, row);
         self.number_from(chunk + 1);
         self.only = Some(chunk as u32..chunk as u32 + 2);
     }
 
-    /// All chunks are of interest.
+    /// Lets [`ChunkRows::chunk`] report all chunks again.
     pub fn widen(&mut self) {
         self.only = None;
     }
 
-    /// Numbers the rows of this chunk and of those behind it.
+    /// Updates the chunk numbers of all rows from this chunk on.
     fn number_from(&mut self, chunk: usize) {
         for (chunk, rows) in (0..).zip(self.first.windows(2)).skip(chunk) {
             self.chunk[rows[0] as usize..rows[1] as usize].fill(chunk);
         }
     }
 
-    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.chunk.len()
     }
 
-    /// The chunk of a row, whether it is of interest or not.
+    /// The chunk of a row.
     pub fn of(&self, row: u32) -> usize {
         self.chunk[row as usize] as usize
     }
@@ -139,7 +138,7 @@ impl ChunkRows {
         self.first.windows(2).map(|rows| rows[0]..rows[1])
     }
 
-    /// The chunk of a row, if it is of interest.
+    /// The chunk of a row, if it is among the reported ones.
     #[inline]
     pub fn chunk(&self, row: u32) -> Option<u32> {
         let chunk = self.chunk[row as usize];

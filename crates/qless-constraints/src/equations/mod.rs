@@ -1,10 +1,13 @@
-//! Constraints by number, who an equation belongs to, and its label "constraint, name".
-//! Which segment of a list a row belongs to.
-//! Which state of something is meant: an identity that is made when somebody asks, as most changes follow one another unseen.
-//! Right-hand sides and parameters that are functions of time: `c(u, t) = 0`.
+//! Storage of the equations of a set: linear ones and nonlinear ones, and the plan by which their Hessians are summed.
 //!
-//! The pattern of G and H is the same at all times; [`ConstraintSet::set_time`] writes new numbers in place. Constraints that are not active
-//! take theirs when they are activated.
+//! | word | meaning |
+//! | --- | --- |
+//! | item | the nonlinear equations of one type that one constraint has: parameters and a list of DOFs |
+//! | batch | equations of c and G that are stored together and evaluated by one task: [`linear::batch`], [`nonlinear::batch`] |
+//! | chunk | rows of H that one task writes: [`hessian::chunk`] |
+//! | stamp | identity of one state of a batch or chunk; a new one after each change |
+//!
+//! Modules, lowest first: this one and [`layout`], [`coordinates`], [`linear`] and [`nonlinear`], [`contents`] and [`hessian`], [`tasks`].
 
 pub mod contents;
 pub mod coordinates;
@@ -20,22 +23,22 @@ use std::sync::{Arc, OnceLock};
 
 use qless::common::Identity;
 
-/// The constraint that equations belong to, and which name of it they are.
+/// The constraint that an equation belongs to, and which of its equations it is.
 #[derive(Clone, Copy)]
 pub struct EquationOwner {
     pub constraint: u32,
-    /// Its place among [`EquationNames`].
+    /// Index into [`EquationNames`].
     pub name: u32,
 }
 
-/// Gives names the numbers that stand at theirs.
+/// Replaces each index into one list of names by `names[index]`, the index into another.
 pub fn renumber(owners: &mut [EquationOwner], names: Option<&[u32]>) {
     if let Some(names) = names {
         owners.iter_mut().for_each(|owner| owner.name = names[owner.name as usize]);
     }
 }
 
-/// The names of names, each once: there are few, and many equations.
+/// The names that tell the equations of one constraint apart, such as "x". Each is stored once, as few names serve many equations.
 pub struct EquationNames {
     names: Vec<Cow<'static, str>>,
     places: HashMap<Cow<'static, str>, u32>,
@@ -48,7 +51,7 @@ impl Default for EquationNames {
 }
 
 impl EquationNames {
-    /// The place of a name, which is 0 for the empty one.
+    /// The index of a name; it is added if it is new. The empty name has index 0.
     pub fn place(&mut self, name: Cow<'static, str>) -> u32 {
         if name.is_empty() {
             return 0;
@@ -62,7 +65,7 @@ impl EquationNames {
         place
     }
 
-    /// The places here of all names there, unless they are the same.
+    /// The indices here of all names of another list; `None` if they are the same as there.
     pub fn places_of(&mut self, others: &Self) -> Option<Vec<u32>> {
         let places: Vec<u32> = others.names.iter().map(|name| self.place(name.clone())).collect();
         (0..).zip(&places).any(|(there, &here)| there != here).then_some(places)
@@ -73,7 +76,7 @@ impl EquationNames {
     }
 }
 
-/// The first row of each segment, and one more: the number of rows.
+/// The first row of each batch, and at the end the number of rows.
 pub struct RowOffsets(Vec<u32>);
 
 impl Default for RowOffsets {
@@ -83,49 +86,49 @@ impl Default for RowOffsets {
 }
 
 impl RowOffsets {
-    /// Rows of all segments.
+    /// Rows of all batches.
     pub fn rows(&self) -> usize {
         self.0.last().map_or(0, |&rows| rows as usize)
     }
 
-    /// The first row of a segment; behind the last one, the number of rows.
+    /// The first row of a batch; the number of rows for the index after the last batch.
     pub fn first(&self, segment: usize) -> usize {
         self.0[segment] as usize
     }
 
-    /// The segment of a row that is there, and the row in it.
+    /// The batch that holds a row, and the row's number in that batch.
     pub fn find(&self, row: usize) -> (usize, usize) {
         let segment = self.0.partition_point(|&first| first as usize <= row) - 1;
         (segment, row - self.0[segment] as usize)
     }
 
-    /// A segment has so many rows more.
+    /// Changes the number of rows of a batch.
     pub fn grow(&mut self, segment: usize, by: i32) {
         self.0[segment + 1..].iter_mut().for_each(|first| *first = first.wrapping_add_signed(by));
     }
 
-    /// One more segment, of so many rows, behind all.
+    /// Appends a batch of this many rows.
     pub fn push(&mut self, rows: usize) {
         self.0.push((self.rows() + rows) as u32);
     }
 
-    /// A segment without rows is put in.
+    /// Inserts a batch without rows.
     pub fn insert(&mut self, segment: usize) {
         self.0.insert(segment, self.0[segment]);
     }
 
-    /// A segment without rows is taken out.
+    /// Removes a batch that has no rows.
     pub fn remove(&mut self, segment: usize) {
         self.0.remove(segment);
     }
 
-    /// A segment ends after so many rows, and the next one has the others.
+    /// Splits a batch after its first `rows` rows.
     pub fn split(&mut self, segment: usize, rows: usize) {
         self.0.insert(segment + 1, self.0[segment] + rows as u32);
     }
 }
 
-/// Of the state since the last change.
+/// Identity of a state since the last change. It is made on request, since most changes follow one another unobserved.
 #[derive(Default)]
 pub struct ChangeStamp(OnceLock<Identity>);
 
@@ -134,13 +137,13 @@ impl ChangeStamp {
         *self.0.get_or_init(Identity::new)
     }
 
-    /// After a change.
+    /// To be called after each change.
     pub fn renew(&mut self) {
         self.0.take();
     }
 }
 
-/// `b(t)`.
+/// A right-hand side `b(t)`.
 pub type TimeFunction = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
 /// The right-hand side of a linear equation.

@@ -1,8 +1,7 @@
-//! `c(u)`, `G(u)` and `H(u, w)`: all types in one list of tasks, each with its own part of the arrays, so that threads wait for one
-//! another once.
+//! Evaluation of `c(u)`, `G(u)` and `H(u, w)` as one list of parallel tasks, each of which writes its own slices of the arrays.
 //!
-//! Tasks are taken in the order of their last DOFs: those of all types that read the same part of u follow one another, while it is in
-//! a cache, and rare types, whose tasks reach far, come when others have read it.
+//! Tasks are sorted by the last DOF that they read. Tasks of different types that read the same part of u then run close together, while
+//! that part is in a cache. With one list for everything, threads wait for each other only once.
 
 use qless::Csr;
 use rayon::prelude::*;
@@ -14,29 +13,29 @@ use crate::equations::linear::LinearEquations;
 use crate::equations::linear::batch::LinearBatch;
 use crate::equations::nonlinear::batch::NonlinearBatch;
 
-/// DOFs of a configuration that one task copies.
+/// Number of DOFs that one task copies.
 const COPIED: usize = 1 << 15;
 
-/// What one thread does at a time.
+/// The work of one thread at a time.
 pub struct EvaluationTask<'a> {
-    /// The last DOF that it reads, or nearly so.
+    /// The last DOF that the task reads, approximately.
     pub dof: u32,
     pub work: TaskOutput<'a>,
 }
 
-/// What is written, and where.
+/// What a task evaluates, and the slices that it writes.
 pub enum TaskOutput<'a> {
     /// c of a batch of linear equations.
     Linear { batch: &'a LinearBatch, c: &'a mut [f64] },
-    /// c and G of constraints of a batch.
+    /// c and G of a batch of nonlinear equations.
     Nonlinear { batch: &'a dyn NonlinearBatch, c: &'a mut [f64], g: &'a mut [f64] },
-    /// Keeps the configuration.
+    /// A copy of u, kept with the results.
     Copy { u: &'a [f64], to: &'a mut [f64] },
     /// Rows of H.
     Hessian { chunk: &'a HessianChunk, weighted: &'a WeightedBatches<'a>, h: &'a mut [f64] },
 }
 
-/// The tasks that write c and the rows of G that depend on u.
+/// The tasks that write c and the nonlinear rows of G.
 pub fn value_tasks<'a>(
     linear: &'a LinearEquations,
     batches: &'a [Box<dyn NonlinearBatch>],
@@ -69,7 +68,7 @@ fn nonlinear<'a>(
     tasks
 }
 
-/// The tasks that keep u, beside those that read it; a short one is copied at once.
+/// The tasks that copy u. A short u is copied at once.
 pub fn copy_tasks<'a>(u: &'a [f64], to: &'a mut [f64]) -> Vec<EvaluationTask<'a>> {
     if u.len() <= COPIED {
         to.copy_from_slice(u);
@@ -79,10 +78,10 @@ pub fn copy_tasks<'a>(u: &'a [f64], to: &'a mut [f64]) -> Vec<EvaluationTask<'a>
     parts.map(|(k, (u, to))| EvaluationTask { dof: (k * COPIED) as u32, work: TaskOutput::Copy { u, to } }).collect()
 }
 
-/// Does all of them.
+/// Runs all tasks in parallel.
 pub fn run_tasks(mut tasks: Vec<EvaluationTask>, u: &[f64]) {
     tasks.sort_by_key(|task| task.dof);
-    // The numbers of one chunk of H, in an array that serves one chunk after another and stays in the cache of a core.
+    // Each thread reuses one array for the Hessian numbers of a chunk, so that it stays in the cache of its core.
     tasks.into_par_iter().for_each_init(Vec::new, |numbers, task| match task.work {
         TaskOutput::Linear { batch, c } => batch.evaluate(u, c),
         TaskOutput::Nonlinear { batch, c, g } => batch.evaluate(u, c, g),

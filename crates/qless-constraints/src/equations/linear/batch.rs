@@ -1,47 +1,47 @@
-//! `c_i = sum_t a_it u_it - b_i` for up to [`BATCH_ROWS`] equations, those of equal length together.
+//! Up to [`BATCH_ROWS`] linear equations, `c_i = sum_t a_it u_it - b_i`, grouped by their number of terms.
 //!
-//! The inner loop then has a length that the compiler knows, and no branch that nobody can predict. The lists `a_i` are kept
-//! apart, equal neighbours once: in ties and periodic cells most of them repeat, and what is not read costs nothing. DOFs are counted
-//! from one below the smallest of the batch, in 16 bits where that is enough, as in any model whose numbers follow its shape.
+//! Within a group the inner loop has a length known to the compiler, and no branch. Coefficient lists are stored apart from the DOFs, and
+//! a repeated list only once: in ties and periodic cells most of them repeat. DOFs are stored relative to a base of the batch, in 16 bits
+//! if their range allows it.
 
 use qless::common::Identity;
 
 use crate::equations::linear::equal_length::{CoefficientCache, EqualLengthRows};
 use crate::equations::{ChangeStamp, EquationOwner};
 
-/// Equations per batch: their places fit into 16 bits, their values into the nearest cache.
+/// Equations per batch: row numbers fit into 16 bits, and the values fit into the first-level cache.
 pub const BATCH_ROWS: usize = 4096;
-/// The DOFs that 16 bits can name.
+/// Number of DOFs that 16 bits can address.
 pub const NEAR_DOFS: usize = 1 << 16;
 
-/// `(DOF, a)`, ascending.
+/// Pairs `(DOF, coefficient)`, DOFs ascending.
 pub type LinearTerms = Vec<(u32, f64)>;
 
-/// Up to [`BATCH_ROWS`] equations that follow one another.
+/// Up to [`BATCH_ROWS`] consecutive equations.
 pub struct LinearBatch {
-    /// Another one after each change of its rows of G.
+    /// Renewed after each change of the batch's rows of G.
     pub stamp: ChangeStamp,
-    /// Not above the smallest DOF.
+    /// DOFs are stored relative to this one, which is not above the smallest.
     base: u32,
     pub owners: Vec<EquationOwner>,
-    /// b, apart from the lists: it may change.
+    /// Right-hand sides b, separate from the coefficients because they may change.
     pub rhs: Vec<f64>,
     nnz: usize,
-    /// The lists, and how many of their numbers no equation needs any more.
+    /// Coefficient lists, one after the other; `unused` counts the coefficients of removed equations.
     numbers: Vec<f64>,
     unused: usize,
-    /// What [`CoefficientCache`] knows the numbers by.
+    /// Identity of `numbers`, for [`CoefficientCache`].
     lists: Identity,
     lengths: RowsByLength,
 }
 
-/// DOFs in 16 or 32 bits.
+/// The equations grouped by length, with relative DOFs in 16 or 32 bits.
 enum RowsByLength {
     Near(Vec<EqualLengthRows<u16>>),
     Far(Vec<EqualLengthRows<u32>>),
 }
 
-/// `$work` with the equations by length, whatever their DOFs are kept in.
+/// Evaluates `$work` with the groups, for either width of the DOFs.
 macro_rules! with_lengths {
     ($lengths:expr, $all:ident => $work:expr) => {
         match $lengths {
@@ -70,17 +70,17 @@ impl LinearBatch {
         self.owners.len()
     }
 
-    /// Entries of its rows of G.
+    /// Entries in the rows of G.
     pub fn nnz(&self) -> usize {
         self.nnz
     }
 
-    /// Nearly a DOF that they hold.
+    /// Approximately the smallest DOF.
     pub fn first_dof(&self) -> u32 {
         self.base
     }
 
-    /// Puts an equation before those from `row` on. `recent` finds lists that repeat.
+    /// Inserts an equation before row `row`. `recent` finds coefficient lists that are already stored.
     pub fn insert(
         &mut self,
         row: usize,
@@ -107,7 +107,7 @@ impl LinearBatch {
         });
     }
 
-    /// Takes an equation out: its DOFs and coefficients, and its right-hand side.
+    /// Removes an equation, and returns its owner, terms and right-hand side.
     pub fn remove(&mut self, row: usize) -> (EquationOwner, LinearTerms, f64) {
         let terms = self.terms(row);
         with_lengths!(&mut self.lengths, all => {
@@ -118,14 +118,13 @@ impl LinearBatch {
         self.nnz -= terms.len();
         self.stamp.renew();
         let out = (self.owners.remove(row), terms, self.rhs.remove(row));
-        // A list that several share is counted more than once: then this comes sooner than it need.
+        // A shared list counts as unused once per removed equation, so a rewrite may come earlier than necessary.
         if self.unused > self.numbers.len() / 2 + BATCH_ROWS {
             self.rewrite();
         }
         out
     }
 
-    /// The terms of an equation.
     pub fn terms(&self, row: usize) -> LinearTerms {
         let mut terms = Vec::new();
         with_lengths!(&self.lengths, all => {
@@ -138,7 +137,7 @@ impl LinearBatch {
         terms
     }
 
-    /// Calls `row` with the terms of each equation, in their order.
+    /// Calls `row` with the terms of each equation, in order.
     pub fn for_each_row(&self, mut row: impl FnMut(&mut dyn Iterator<Item = (u32, f64)>)) {
         with_lengths!(&self.lengths, all => {
             let mut places = vec![(0_u16, 0_u16); self.rows()];
@@ -152,7 +151,7 @@ impl LinearBatch {
         });
     }
 
-    /// Writes the columns and coefficients of its rows of G, and where these end; the first starts at `first`.
+    /// Writes the columns, the coefficients and the ends of the batch's rows of G; the first row starts at `first`.
     pub fn write_rows(&self, first: usize, end: &mut [usize], col: &mut [u32], val: &mut [f64]) {
         with_lengths!(&self.lengths, all => {
             for length in all {
@@ -170,7 +169,7 @@ impl LinearBatch {
         end.iter_mut().for_each(|end| *end += first);
     }
 
-    /// The equations from `row` on, in a batch of their own.
+    /// Moves the equations from `row` on to a new batch.
     pub fn split_off(&mut self, row: usize) -> Self {
         let mut all = self.equations();
         let last = all.split_off(row);
@@ -187,7 +186,7 @@ impl LinearBatch {
         all
     }
 
-    /// With room for these DOFs too.
+    /// Builds a batch that also has room for DOFs between `least` and `most`.
     fn from_equations(all: &[(EquationOwner, LinearTerms, f64)], (least, most): (u32, u32)) -> Self {
         let (mut batch, mut recent, own) = (Self::empty(), CoefficientCache::default(), range(all));
         batch.set_range(least.min(own.0), most.max(own.1));
@@ -200,7 +199,7 @@ impl LinearBatch {
         *self = Self::from_equations(&all, range(&all));
     }
 
-    /// Makes room for DOFs: 16 bits from another base, or 32.
+    /// Rebuilds the batch with another base, or with 32 bits, if the DOFs of `terms` do not fit.
     fn reach(&mut self, terms: &[(u32, f64)]) {
         let (Some(&(least, _)), Some(&(most, _))) = (terms.first(), terms.last()) else { return };
         let far = matches!(self.lengths, RowsByLength::Far(_));
@@ -213,7 +212,7 @@ impl LinearBatch {
         *self = Self::from_equations(&self.equations(), (least, most));
     }
 
-    /// A base with room on both sides, so that the next DOFs need no other one.
+    /// Chooses the base so that there is room below and above the range.
     fn set_range(&mut self, least: u32, most: u32) {
         let span = most.saturating_sub(least);
         if least > most {
@@ -229,7 +228,7 @@ impl LinearBatch {
     pub fn evaluate(&self, u: &[f64], c: &mut [f64]) {
         let (u, numbers) = (&u[self.base as usize..], self.numbers.as_slice());
         match (&self.lengths, u.first_chunk::<NEAR_DOFS>()) {
-            // No place has to be checked.
+            // With a slice of known length, the compiler removes the bounds checks.
             (RowsByLength::Near(all), Some(u)) => each(all, numbers, |j| u[usize::from(j)], (&self.rhs, c)),
             (RowsByLength::Near(all), None) => each(all, numbers, |j| u[usize::from(j)], (&self.rhs, c)),
             (RowsByLength::Far(all), _) => each(all, numbers, |j| u[j as usize], (&self.rhs, c)),
@@ -247,13 +246,13 @@ fn each<I: Copy>(
     all.iter().for_each(|length| length.evaluate(lists, u, (rhs, c)));
 }
 
-/// The smallest and the largest DOF; `(MAX, 0)` where there is none.
+/// The smallest and the largest DOF; `(u32::MAX, 0)` if there are no terms.
 fn range(all: &[(EquationOwner, LinearTerms, f64)]) -> (u32, u32) {
     let dofs = all.iter().flat_map(|(_, terms, _)| terms).map(|&(j, _)| j);
     dofs.fold((u32::MAX, 0), |(least, most), j| (least.min(j), most.max(j)))
 }
 
-/// The equations of so many terms.
+/// The group of equations with this many terms; it is added if it is missing.
 fn of_terms<I>(all: &mut Vec<EqualLengthRows<I>>, terms: usize) -> &mut EqualLengthRows<I> {
     let known = all.iter().position(|length| length.terms == terms);
     let place = known.unwrap_or(all.len());

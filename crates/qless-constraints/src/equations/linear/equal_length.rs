@@ -1,25 +1,22 @@
-//! Equations of one length: changes of them, and the loop over them.
-//! Lists of numbers, one after the other; one that was put in lately is not put in again.
-//!
-//! A small table of the last lists finds nearly all that repeat, in constant time and memory per list.
+//! Linear equations with the same number of terms: edits of the group, the loop that evaluates them, and a cache of coefficient lists.
 
 use qless::common::Identity;
 
-/// The equations of one length.
+/// Linear equations of a batch that have the same number of terms.
 pub struct EqualLengthRows<I> {
     pub terms: usize,
-    /// Places in the batch, ascending.
+    /// Rows in the batch, ascending.
     pub row: Vec<u16>,
-    /// Where the list of each starts.
+    /// Start of each row's coefficient list.
     pub list: Vec<u32>,
-    /// DOFs less the base of the batch, one row after the other.
+    /// DOFs relative to the base of the batch, row by row.
     pub dofs: Vec<I>,
 }
 
-/// Terms of an equation for many of which room is made before they come.
+/// Equations with at most this many terms get memory for a whole batch in advance.
 const SHORT: usize = 16;
 
-/// A DOF less the base of a batch, in 16 or 32 bits.
+/// A DOF relative to the base of its batch, in 16 or 32 bits.
 pub trait DofOffset: Copy {
     fn of(offset: u32) -> Self;
     fn value(self) -> u32;
@@ -44,12 +41,12 @@ impl DofOffset for u32 {
 }
 
 impl<I: DofOffset> EqualLengthRows<I> {
-    /// Rows from `row` on follow so much later.
+    /// Moves the rows from `row` on back by `by`.
     pub fn shift(&mut self, row: usize, by: u16) {
         self.row.iter_mut().for_each(|r| *r += if usize::from(*r) >= row { by } else { 0 });
     }
 
-    /// Puts in an equation whose row is free.
+    /// Inserts an equation at a row that is free.
     pub fn insert(&mut self, row: usize, list: u32, dofs: impl Iterator<Item = u32>) {
         let behind = self.row.last().is_none_or(|&last| usize::from(last) < row);
         let place = if behind { self.row.len() } else { self.row.partition_point(|&r| usize::from(r) < row) };
@@ -63,7 +60,7 @@ impl<I: DofOffset> EqualLengthRows<I> {
         }
     }
 
-    /// Takes an equation out if it is one of these; those after it move up.
+    /// Removes the row if it belongs to this group. Later rows move up by one in any case.
     pub fn remove(&mut self, row: usize) {
         if let Ok(place) = self.row.binary_search(&(row as u16)) {
             self.row.remove(place);
@@ -73,7 +70,7 @@ impl<I: DofOffset> EqualLengthRows<I> {
         self.row.iter_mut().for_each(|r| *r -= u16::from(usize::from(*r) > row));
     }
 
-    /// DOFs and coefficients of one of them.
+    /// DOFs and coefficients of the equation at index `place`.
     pub fn terms<'a>(&'a self, place: usize, base: u32, lists: &'a [f64]) -> impl Iterator<Item = (u32, f64)> + 'a {
         let dofs = &self.dofs[place * self.terms..(place + 1) * self.terms];
         dofs.iter().zip(&lists[self.list[place] as usize..]).map(move |(&j, &v)| (base + j.value(), v))
@@ -81,7 +78,7 @@ impl<I: DofOffset> EqualLengthRows<I> {
 }
 
 impl<I: DofOffset> EqualLengthRows<I> {
-    /// Writes columns and coefficients of the rows of these, which end where `end` says.
+    /// Writes the columns and coefficients of these equations; `end` holds the end of each row of the batch.
     pub fn write_rows(&self, (base, lists): (u32, &[f64]), end: &[usize], col: &mut [u32], val: &mut [f64]) {
         for (i, (&row, &list)) in self.row.iter().zip(&self.list).enumerate() {
             let last = end[usize::from(row)];
@@ -91,7 +88,7 @@ impl<I: DofOffset> EqualLengthRows<I> {
         }
     }
 
-    /// Room for rows up to so many, if they are short.
+    /// Reserves memory for this many rows, if the rows are short.
     pub fn reserve(&mut self, rows: usize) {
         if self.terms <= SHORT {
             self.row.reserve_exact(rows);
@@ -139,22 +136,24 @@ impl<I: Copy> EqualLengthRows<I> {
     }
 }
 
-/// The table has `2^BITS` places.
+/// The cache has `2^BITS` slots.
 const BITS: u32 = 12;
-/// No list yet.
+/// An empty slot.
 const NONE: u32 = u32::MAX;
 
-/// Where the last list with each key starts, in the numbers of one batch.
+/// Finds repeated coefficient lists: for each hash, where the last list with it starts among the numbers of one batch.
+///
+/// Lists are compared bit by bit. Constant time and memory per list; nearly all repetitions are found.
 #[derive(Default)]
 pub struct CoefficientCache {
     of: Identity,
     places: Vec<u32>,
-    /// The list that was asked for last: most equations of a kind have the same.
+    /// Start of the list returned last: most consecutive equations share it.
     last: usize,
 }
 
 impl CoefficientCache {
-    /// Where the list stands, bit by bit, among the numbers of the batch that has this stamp.
+    /// The start of a list in `numbers`, to which it is appended unless the cache finds it; `of` identifies `numbers`.
     pub fn put(&mut self, of: Identity, numbers: &mut Vec<f64>, list: impl Iterator<Item = f64> + Clone) -> u32 {
         if self.of != of || self.places.is_empty() {
             self.of = of;
@@ -165,7 +164,7 @@ impl CoefficientCache {
         }
         let key =
             list.clone().fold(0_u64, |key, v| (key.rotate_left(5) ^ v.to_bits()).wrapping_mul(0x9E37_79B9_7F4A_7C15));
-        // The product of small whole numbers ends with zeros: its first bits tell lists apart.
+        // The hash of small whole numbers ends with zero bits, so its leading bits select the slot.
         let recent = &mut self.places[(key >> (u64::BITS - BITS)) as usize];
         let known = *recent != NONE && starts_with(&numbers[*recent as usize..], list.clone());
         if !known {
@@ -197,7 +196,7 @@ mod tests {
             let found = &numbers[*place as usize..][..2];
             assert!(found.iter().zip(list).all(|(a, b)| a.to_bits() == b.to_bits()));
         }
-        // The numbers of another batch know nothing of them.
+        // Another batch does not share the lists of this one.
         let mut others = Vec::new();
         assert_eq!(recent.put(Identity::new(), &mut others, [1.0, 2.0].into_iter()), 0);
         assert_eq!(others, [1.0, 2.0]);

@@ -1,5 +1,4 @@
-//! All linear equations, `c = G u - b`, in the order of their constraints; their rows of G do not depend on u.
-//! What one constraint consists of, as long as it is not among the equations of a set.
+//! All linear equations of a set, `c = G u - b`, in the order of their constraints; their rows of G do not depend on u.
 
 pub mod batch;
 pub mod equal_length;
@@ -12,20 +11,20 @@ use crate::equations::linear::batch::{BATCH_ROWS, LinearBatch, LinearTerms};
 use crate::equations::linear::equal_length::CoefficientCache;
 use crate::equations::{EquationNames, EquationOwner, LinearRhs, RowOffsets, TimeFunction, renumber};
 
-/// Linear equations, whatever types they come from.
+/// Linear equations of all types.
 #[derive(Default)]
 pub struct LinearEquations {
     pub batches: Vec<LinearBatch>,
-    /// Whether many are to come.
+    /// Reserve memory for full batches from the start.
     many: bool,
     offsets: RowOffsets,
     recent: CoefficientCache,
-    /// Right-hand sides that are functions of time, by constraint and place among its linear equations.
+    /// Right-hand sides that are functions of time. Key: constraint, and index among its linear equations.
     driven: BTreeMap<(u32, u32), TimeFunction>,
 }
 
 impl LinearEquations {
-    /// With room for many from the first on.
+    /// Empty, but expects many equations.
     pub fn of_many() -> Self {
         Self { many: true, ..Self::default() }
     }
@@ -43,12 +42,12 @@ impl LinearEquations {
         self.batches[batch].owners[own]
     }
 
-    /// The equations of a constraint.
+    /// The rows of a constraint.
     pub fn of(&self, constraint: u32) -> Range<usize> {
         self.first_from(constraint)..self.first_from(constraint + 1)
     }
 
-    /// The first equation of this constraint or of one that was added later.
+    /// The first row of this constraint or of a later one.
     fn first_from(&self, constraint: u32) -> usize {
         let ends_before = |batch: &LinearBatch| batch.owners.last().is_none_or(|owner| owner.constraint < constraint);
         let batch = self.batches.partition_point(ends_before);
@@ -57,7 +56,7 @@ impl LinearEquations {
         self.offsets.first(batch) + own
     }
 
-    /// Puts equations of one constraint behind those that it has.
+    /// Appends equations to those of a constraint, and empties the list.
     pub fn put(&mut self, constraint: u32, equations: &mut Vec<StagedEquation>, names: &mut EquationNames, time: f64) {
         if equations.is_empty() {
             return;
@@ -78,13 +77,13 @@ impl LinearEquations {
         }
     }
 
-    /// Puts an equation behind all others, the k-th of its constraint.
+    /// Appends an equation after all others; it is the k-th of its constraint.
     pub fn append(&mut self, owner: EquationOwner, k: u32, (terms, rhs): (&[(u32, f64)], LinearRhs), time: f64) {
         self.insert(self.rows(), owner, terms, rhs.at(time));
         self.drive((owner.constraint, k), rhs);
     }
 
-    /// Puts others, of later constraints, behind all; their names go by other numbers.
+    /// Appends the equations of later constraints, whose names are renumbered by `names`.
     pub fn join(&mut self, others: Self, names: Option<&[u32]>) {
         for mut batch in others.batches {
             renumber(&mut batch.owners, names);
@@ -100,7 +99,7 @@ impl LinearEquations {
         self.offsets.grow(batch, 1);
     }
 
-    /// The batch in which a row can be put, and its place there.
+    /// The batch into which a row can be inserted, and the row's number there. A full batch is split first.
     fn room_at(&mut self, row: usize) -> (usize, usize) {
         if row == self.rows() {
             if self.batches.last().is_none_or(|batch| batch.rows() == BATCH_ROWS) {
@@ -125,7 +124,7 @@ impl LinearEquations {
         self.offsets.find(row)
     }
 
-    /// Takes the equations of a constraint out.
+    /// Removes and returns the equations of a constraint.
     pub fn take(&mut self, constraint: u32, names: &EquationNames) -> Vec<StagedEquation> {
         let of = self.of(constraint);
         (0..of.len() as u32).map(|k| self.take_row(of.start, (constraint, k), names)).collect()
@@ -143,7 +142,7 @@ impl LinearEquations {
         StagedEquation { name: names.name(owner.name), terms, rhs }
     }
 
-    /// Gives the equations of a constraint, as many as it has, others: what does not change stays.
+    /// Replaces the equations of a constraint by as many others. Equations whose terms stay the same keep their place in memory.
     pub fn overwrite(&mut self, constraint: u32, equations: Vec<StagedEquation>, names: &mut EquationNames, time: f64) {
         let of = self.of(constraint);
         for ((k, row), equation) in (0..).zip(of).zip(equations) {
@@ -164,12 +163,12 @@ impl LinearEquations {
         }
     }
 
-    /// Rows with their right-hand sides in time.
+    /// Rows whose right-hand sides are functions of time.
     pub fn driven(&self) -> impl Iterator<Item = (usize, &TimeFunction)> {
         self.driven.iter().map(|(&(constraint, k), function)| (self.first_from(constraint) + k as usize, function))
     }
 
-    /// Gives a constraint right-hand sides that are no functions of time any more.
+    /// Sets constant right-hand sides; functions of time of this constraint are dropped.
     pub fn set_values(&mut self, constraint: u32, rhs: &[f64]) {
         for ((k, row), &rhs) in (0..).zip(self.of(constraint)).zip(rhs) {
             self.driven.remove(&(constraint, k));
@@ -183,7 +182,7 @@ impl LinearEquations {
     }
 }
 
-/// `sum a_j u_j = rhs`, DOFs ascending.
+/// A linear equation that is not stored in a batch: `sum a_j u_j = rhs`, DOFs ascending.
 pub struct StagedEquation {
     pub name: Cow<'static, str>,
     pub terms: LinearTerms,
