@@ -1,14 +1,13 @@
-//! The four duties of a constraint type, which are the four functions of the library in dockSIM.
+//! What a constraint type implements, and the [`Store`] that takes its equations.
 //!
-//! | duty | here |
+//! | duty of a type | here |
 //! | --- | --- |
 //! | check the input, store the parameters | [`Constraint::process`] |
 //! | list of DOFs, list of DOF pairs | the DOFs given to [`Store`], [`Nonlinear::pairs`] |
 //! | value `c_i`, Jacobian rows `G_i` | [`Nonlinear::value_and_jacobian`] |
-//! | effective Hessian `sum_r w_r H_r` | [`Nonlinear::hessian`]; absent for linear types |
+//! | effective Hessian `sum_r w_r H_r` | [`Nonlinear::hessian`]; not needed by linear types |
 //!
-//! A new type is one file with these two traits, and one line that names the file.
-//! Where a constraint type puts what it consists of, after it has checked its input.
+//! These are the four functions of a type in the library of dockSIM. A new type needs one file that implements the two traits.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -22,7 +21,7 @@ use crate::equations::nonlinear::typed::StagedItem;
 use crate::geometry::node::Node;
 pub use crate::nonlinear::Nonlinear;
 
-/// What the user gives for one constraint.
+/// The input of one constraint.
 ///
 /// ```
 /// use qless_constraints::{Constraint, ConstraintSet, Store};
@@ -53,36 +52,36 @@ pub use crate::nonlinear::Nonlinear;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Constraint {
-    /// What the type is called in messages.
+    /// Name of the type in messages.
     const NAME: &'static str;
-    /// What can be wrong with the input of this type.
+    /// What can be wrong with the input.
     type Error: std::error::Error + Send + Sync + 'static;
 
-    /// Checks the input and hands its linear equations and nonlinear names to the store.
+    /// Checks the input and hands its linear and nonlinear equations to the store.
     ///
     /// # Errors
-    /// One that says what is wrong with the input. DOFs out of range, repeated DOFs and numbers that are not finite, of
-    /// equations or stated by [`Store::numbers`], are found by the store, for all types alike. Nothing is stored then.
+    /// What is wrong with the input; nothing is stored then. The store itself refuses DOFs out of range, repeated DOFs and numbers that are
+    /// not finite, in equations or stated by [`Store::numbers`], so a type need not check these.
     fn process(self, store: &mut Store) -> Result<(), Self::Error>;
 }
 
-/// Sixth powers of lengths between this and one over it are numbers: derivatives of normals and volumes have them.
+/// Largest coordinate or length. Sixth powers of it and of its inverse, which occur in derivatives of normals and volumes, are finite.
 const LARGEST: f64 = 1e50;
-/// DOFs that are compared each with each; more are sorted.
+/// Up to this many DOFs are compared with each other; longer lists are sorted.
 const FEW: usize = 16;
 
-/// The linear equations and nonlinear names of the constraint that is being added.
+/// Receives the linear and nonlinear equations of the constraint that is being added.
 #[derive(Default)]
 pub struct Store {
     dofs: usize,
     time: f64,
     pub(crate) contents: Box<ConstraintContents>,
-    /// Where they go instead, if it is one of many.
+    /// Destination of the equations instead of `contents`, if many constraints are added at once.
     portion: Option<Box<BulkEquations>>,
     pub(crate) fault: Option<StoreError>,
 }
 
-/// Sums of terms on one DOF below so many units in the last place of what was summed are what rounding left of a zero.
+/// If terms on one DOF sum to less than this, relative to the sum of their magnitudes, the sum is rounding and is set to zero.
 const CANCELLED: f64 = 8.0 * f64::EPSILON;
 
 impl std::fmt::Debug for Store {
@@ -93,22 +92,22 @@ impl std::fmt::Debug for Store {
 }
 
 impl Store {
-    /// With an empty room for what comes.
+    /// For one constraint; `contents` must be empty.
     pub(crate) fn new(dofs: usize, time: f64, contents: Box<ConstraintContents>) -> Self {
         Self { dofs, time, contents, ..Self::default() }
     }
 
-    /// For constraints that follow one another.
+    /// For many consecutive constraints.
     pub(crate) fn for_many(dofs: usize, portion: BulkEquations) -> Self {
         Self { dofs, time: portion.time, portion: Some(Box::new(portion)), ..Self::default() }
     }
 
-    /// Equations so far, of all constraints.
+    /// Number of equations so far, of all constraints.
     pub(crate) fn rows(&self) -> usize {
         self.portion.as_ref().map_or_else(|| self.contents.rows(), |portion| portion.rows())
     }
 
-    /// The next of so many.
+    /// Ends the current constraint, one of `expected` in total.
     pub(crate) fn next(&mut self, expected: usize) {
         self.portion.iter_mut().for_each(|portion| portion.next(expected));
     }
@@ -122,9 +121,9 @@ impl Store {
         self.dofs
     }
 
-    /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `name` tells the equations of one constraint apart.
+    /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `name` distinguishes the equations of one constraint.
     ///
-    /// Where terms cancel but for their rounding, the sum is zero: noise of 1e-17 would make a coefficient, and a rank.
+    /// If terms cancel up to rounding, the coefficient is zero: a residue of 1e-17 would otherwise count as a coefficient, and add to the rank.
     pub fn equation(
         &mut self,
         name: impl Into<Cow<'static, str>>,
@@ -135,7 +134,7 @@ impl Store {
         self.put(name.into(), terms, LinearRhs::Value(rhs));
     }
 
-    /// Adds `sum a_j u_j = b(t)` for the time t of the set, 0 until [`crate::ConstraintSet::set_time`] says otherwise.
+    /// Adds `sum a_j u_j = b(t)`, where t is the time of the set: 0, until [`crate::ConstraintSet::set_time`] changes it.
     pub fn equation_in_time(
         &mut self,
         name: impl Into<Cow<'static, str>>,
@@ -169,7 +168,7 @@ impl Store {
         }
     }
 
-    /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
+    /// Adds the nonlinear equations of `parameters` on these DOFs, which must differ.
     pub fn nonlinear<Q: Nonlinear>(&mut self, name: impl Into<Cow<'static, str>>, dofs: &[usize], mut parameters: Q) {
         if Q::DOFS != 0 && Q::DOFS != dofs.len() {
             self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
@@ -203,15 +202,15 @@ impl Store {
         }
     }
 
-    /// States that a DOF moves what is at this coordinate for u = 0, `x = at + u`: of x no more is known than its last place.
+    /// States that a DOF is added to a reference coordinate: `x = at + u`, so that x is known to its last place at best.
     ///
-    /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
+    /// [`crate::ConstraintSet::rounding`] needs this from types that store differences of coordinates only.
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.numbers([at]);
         self.put_coordinates(&[dof], [at], at.abs());
     }
 
-    /// [`Store::coordinate`] of all translations of a node.
+    /// [`Store::coordinate`] for all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
         let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
         self.numbers(node.at);
@@ -231,13 +230,13 @@ impl Store {
         }
     }
 
-    /// States that the parameters of a nonlinear name hold these numbers, as coordinates: each must be finite, and no larger than 1e50, so
-    /// that powers of it are finite too.
+    /// States that the parameters of nonlinear equations contain these numbers, such as coordinates. Each must be finite and at most 1e50 in
+    /// magnitude, so that powers of it are finite too.
     ///
-    /// Linear equations need no such statement: the store sees all of their numbers.
+    /// Linear equations need no such statement, since the store sees all of their numbers.
     pub fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         for value in numbers {
-            // NaN is not.
+            // False for NaN.
             let fits = value.abs() <= LARGEST;
             if !fits {
                 self.check_number(value);
@@ -246,7 +245,7 @@ impl Store {
         }
     }
 
-    /// States that a nonlinear name has powers of this length, also as divisors: it must lie between 1e-50 and 1e50.
+    /// States that nonlinear equations contain powers of this length, also as divisors. It must lie between 1e-50 and 1e50.
     pub fn length(&mut self, value: f64) {
         self.numbers([value]);
         if value.abs() < 1.0 / LARGEST {
@@ -266,13 +265,13 @@ impl Store {
         }
     }
 
-    /// The first fault is the one reported.
+    /// Keeps the first fault, which is the one reported.
     fn fail(&mut self, fault: StoreError) {
         self.fault.get_or_insert(fault);
     }
 }
 
-/// Terms in the order of their DOFs, those on the same DOF summed.
+/// Sorts terms by DOF, and sums those on the same DOF.
 fn summed(mut terms: LinearTerms) -> LinearTerms {
     terms.sort_by_key(|&(dof, _)| dof);
     if terms.windows(2).any(|two| two[0].0 == two[1].0) {
@@ -281,14 +280,14 @@ fn summed(mut terms: LinearTerms) -> LinearTerms {
     terms
 }
 
-/// The coefficient of a DOF, from its terms.
+/// The sum of the coefficients of one DOF.
 fn sum(same: &[(u32, f64)]) -> f64 {
     let sum: f64 = same.iter().map(|&(_, v)| v).sum();
     let size: f64 = same.iter().map(|&(_, v)| v.abs()).sum();
     if same.len() > 1 && sum.abs() <= CANCELLED * size { 0.0 } else { sum }
 }
 
-/// The smallest DOF that is there twice.
+/// The smallest DOF that occurs twice.
 pub(crate) fn repeated(dofs: &[usize]) -> Option<usize> {
     if dofs.is_sorted_by(|a, b| a < b) {
         return None;
@@ -302,39 +301,39 @@ pub(crate) fn repeated(dofs: &[usize]) -> Option<usize> {
     sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
-/// A fault that the store finds in what a type hands to it. DOFs are 0-based.
+/// A fault that the store finds in the equations of a type. DOFs are 0-based.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
     /// A DOF number is not below the number of DOFs.
     #[error("it names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the number or the size", dofs.saturating_sub(1))]
     DofOutOfRange {
-        /// The DOF named.
+        /// The DOF.
         dof: usize,
-        /// How many there are.
+        /// Number of DOFs.
         dofs: usize,
     },
-    /// A nonlinear equation names one DOF in two places.
+    /// A nonlinear equation has one DOF in two places.
     #[error("it names DOF {dof} twice; each of its points and bodies needs DOFs of its own")]
     RepeatedDof {
         /// The DOF.
         dof: usize,
     },
-    /// A nonlinear equation that has another number of DOFs than its type.
+    /// A nonlinear equation has another number of DOFs than its type requires.
     #[error("it names {found} DOFs, but its type has {expected}")]
     DofCount {
-        /// How many it names.
+        /// Number of DOFs given.
         found: usize,
-        /// How many the type has.
+        /// Number of DOFs required.
         expected: usize,
     },
-    /// A coefficient, a right-hand side, or a coordinate is NaN or infinite.
+    /// A coefficient, a right-hand side or a coordinate is NaN or infinite.
     #[error("a number of it is {value}; every number must be finite")]
     NotFinite {
         /// The number.
         value: f64,
     },
-    /// A coordinate or a length of a nonlinear equation of which powers are no numbers any more.
+    /// Powers of a coordinate or length of a nonlinear equation overflow or vanish.
     #[error(
         "a coordinate or length of it is {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
          between 1e-50 and 1e50"
@@ -343,12 +342,12 @@ pub enum StoreError {
         /// The number.
         value: f64,
     },
-    /// More equations, DOFs or entries than 32 bits can number.
+    /// More equations, DOFs or constraints than 32 bits can number.
     #[error("it is one too many: the set would have {found} {what}, and 4294967294 is the most")]
     TooLarge {
-        /// What there would be too many of.
+        /// What there are too many of.
         what: &'static str,
-        /// How many.
+        /// Their number.
         found: usize,
     },
 }

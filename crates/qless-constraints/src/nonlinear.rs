@@ -1,51 +1,51 @@
-//! NONLINEAR
+//! Nonlinear constraint equations, `c(u) = 0`, and their derivatives by dual numbers.
 
 use crate::scalar::{Dual, HyperDual, Scalar};
 
-/// The stored parameters of nonlinear equations that share n DOFs: `c(u) = 0`, one row per part.
+/// The parameters of nonlinear equations `c(u) = 0` that share n DOFs, one row per name in [`Nonlinear::PARTS`].
 ///
-/// `u` are the values of the constraint's own DOFs, in the order of its list. Only [`Nonlinear::value`] is required:
-/// without more, derivatives are taken by dual numbers, exact to rounding.
+/// `u` holds the values of the constraint's own DOFs, in the order of its list. Only [`Nonlinear::value`] is required: by default,
+/// derivatives are computed with dual numbers, exact to rounding.
 pub trait Nonlinear: Send + Sync + Sized + 'static {
-    /// How many DOFs each constraint of the type has, or 0 if that varies. A fixed number makes faster loops.
+    /// Number of DOFs of each constraint of the type, or 0 if it varies. A fixed number makes loops faster.
     const DOFS: usize = 0;
-    /// Whether c is a polynomial of degree two: then [`Nonlinear::hessian`] does not depend on u, and is given none.
-    /// With one equation and [`Nonlinear::NUMBERS`] it is called once, for a weight of 1, and its multiples are taken from then on.
+    /// Whether c is a polynomial of degree two. [`Nonlinear::hessian`] must not depend on u then, and is called with an empty u.
+    /// If there is one equation and [`Nonlinear::NUMBERS`] is given, it is called once, with a weight of 1, and the result is scaled.
     const QUADRATIC: bool = false;
-    /// Which number of [`Nonlinear::hessian`] each pair takes, repeated over all pairs; empty if each pair has its own.
+    /// For each pair, the index of its number in [`Nonlinear::hessian`]; the list is repeated over all pairs. If empty, each pair has its own.
     ///
-    /// Where few numbers make many entries, `[0, 1, 0]` for `v, -v, v, v, -v, v`, only these are written.
+    /// This saves work if few numbers make many entries: `[0, 1, 0]` describes `v, -v, v, v, -v, v`.
     const NUMBERS: &'static [usize] = &[];
-    /// Whether [`Nonlinear::pairs`] depends on the number of DOFs alone: then one constraint is asked for all that have as many.
+    /// Whether [`Nonlinear::pairs`] depends on the number of DOFs only: then one constraint is asked for all with that number.
     const SAME_PAIRS: bool = false;
-    /// Whether parameters are functions of time: then [`Nonlinear::at_time`] is called, else it is not.
+    /// Whether parameters are functions of time. [`Nonlinear::at_time`] is called only then.
     const DRIVEN: bool = false;
-    /// A name for each equation, such as "x"; a single equation has an empty one.
+    /// A name for each equation, such as "x"; a single equation has an empty name.
     const PARTS: &'static [&'static str];
 
-    /// `c`, length of `PARTS`.
+    /// Writes `c`, which has the length of `PARTS`.
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]);
 
-    /// Takes the parameters of this time; the DOFs and [`Nonlinear::pairs`] stay what they are.
+    /// Evaluates the parameters at this time. The DOFs and [`Nonlinear::pairs`] must not change.
     ///
-    /// Called when the constraint is added or activated, with the time of the set (0 at first), and by
+    /// It is called when the constraint is added or activated, with the time of the set (0 at first), and by
     /// [`crate::ConstraintSet::set_time`].
     ///
     /// # Errors
-    /// What a function of time gives where that is not finite. The set then stays where it was, and takes the parameters of that time again.
+    /// The value of a function of time that is not finite. The set then keeps its time, and calls this function again with it.
     fn at_time(&mut self, _time: f64) -> Result<(), f64> {
         Ok(())
     }
 
-    /// The angle, in radians, that the parameters prescribe and that c knows only up to whole turns.
+    /// The prescribed angle in radians, if c determines it only up to multiples of 2 pi.
     ///
-    /// From one time to the next c can be followed over less than half a turn of it; [`crate::equilibrium::drive`] takes shorter steps.
+    /// Steps of time must change this angle by less than pi, so that c can be followed; [`crate::equilibrium::drive`] sees to it.
     fn angle(&self) -> Option<f64> {
         None
     }
 
-    /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation and nothing else: it may be replaced by
-    /// another vector of the same rotation ([`crate::ConstraintSet::shorten_rotations`]).
+    /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation only, so that another vector
+    /// of the same rotation may replace it ([`crate::ConstraintSet::shorten_rotations`]).
     fn rotation_vectors(&self, _found: &mut dyn FnMut(usize)) {}
 
     /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
@@ -53,58 +53,56 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
     }
 
-    /// `c`, and `dc_r / du_j` at `g[r * n + j]`; every number is written.
+    /// Writes all of `c`, and `dc_r / du_j` at `g[r * n + j]`.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         jacobian(self, u, c, g);
     }
 
-    /// The same in any numbers: with bounds on their rounding, if u has them ([`crate::ConstraintSet::rounding`]).
+    /// Like [`Nonlinear::value_and_jacobian`], in any scalars: with error bounds, if u has them ([`crate::ConstraintSet::rounding`]).
     ///
-    /// By dual numbers that costs as many evaluations of c as there are DOFs; a type whose c is a sum over many pieces adds up derivatives of
-    /// the pieces instead.
+    /// Dual numbers evaluate c once for every few DOFs. A type whose c is a sum of many terms does better to sum the derivatives of the terms.
     fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
         jacobian(self, u, c, g);
     }
 
-    /// `sum_r w_r d^2 c_r / du_j du_k`, one number per pair, in the order of [`Nonlinear::pairs`], or as
-    /// [`Nonlinear::NUMBERS`] says; every number is written.
+    /// Writes `sum_r w_r d^2 c_r / du_j du_k`, one number per pair in the order of [`Nonlinear::pairs`], or as [`Nonlinear::NUMBERS`] says.
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
         hessian(self, u, w, h);
     }
 
-    /// How many constraints [`Nonlinear::values_and_jacobians`] and [`Nonlinear::second_derivatives`] take at once, at most.
+    /// Largest number of constraints that [`Nonlinear::values_and_jacobians`] and [`Nonlinear::second_derivatives`] take at once.
     ///
-    /// A type that costs much arithmetic can do the same operations for several constraints in the same instructions; it then has
-    /// both functions of its own, as those given here take one constraint.
+    /// A type that needs much arithmetic can process several constraints with the same vector instructions. It must then define both
+    /// functions, as the defaults take one constraint.
     const AT_ONCE: usize = 1;
 
-    /// [`Nonlinear::value_and_jacobian`] of several constraints, `u`, `c` and `g` one after the other.
+    /// [`Nonlinear::value_and_jacobian`] of several constraints; `u`, `c` and `g` hold one after the other.
     #[inline]
     fn values_and_jacobians(items: &[Self], u: &[f64], c: &mut [f64], g: &mut [f64]) {
         debug_assert_eq!(items.len(), 1);
         items[0].value_and_jacobian(u, c, g);
     }
 
-    /// [`Nonlinear::hessian`] of several constraints, `u`, `w` and `h` one after the other.
+    /// [`Nonlinear::hessian`] of several constraints; `u`, `w` and `h` hold one after the other.
     fn second_derivatives(items: &[Self], u: &[f64], w: &[f64], h: &mut [f64]) {
         debug_assert_eq!(items.len(), 1);
         items[0].hessian(u, w, h);
     }
 
-    /// Which number the pair takes that [`Nonlinear::pairs`] names at this place.
+    /// The index of the number of a pair, given the pair's place in the order of [`Nonlinear::pairs`].
     #[doc(hidden)]
     fn number(pair: usize) -> usize {
         if Self::NUMBERS.is_empty() { pair } else { Self::NUMBERS[pair % Self::NUMBERS.len()] }
     }
 }
 
-/// Directions per evaluation: enough to use the width of the machine, few enough to stay in registers.
+/// Directions per evaluation: enough to fill vector instructions, few enough to stay in registers.
 const WIDTH: usize = 8;
-/// Equations, and DOFs, that fit on the stack.
+/// Largest numbers of equations and of DOFs for which scratch memory is on the stack.
 const ROWS: usize = 8;
 const DOFS: usize = 32;
 
-/// `c`, and `dc_r / du_j` at `g[r * n + j]`, in any numbers: with bounds, if u has them.
+/// `c`, and `dc_r / du_j` at `g[r * n + j]`, in any scalars.
 pub fn jacobian<Q: Nonlinear, S: Scalar>(q: &Q, u: &[S], c: &mut [S], g: &mut [S]) {
     let zero = Dual::<WIDTH, S>::from(0.0);
     with_scratch(zero, u.len(), c.len(), |x, value| {
@@ -135,7 +133,7 @@ pub fn hessian<Q: Nonlinear>(q: &Q, u: &[f64], w: &[f64], h: &mut [f64]) {
     });
 }
 
-/// Room for the DOFs and the equations, on the stack where they are few.
+/// Calls `work` with scratch memory for the DOFs and the equations.
 fn with_scratch<S: Copy>(zero: S, dofs: usize, rows: usize, work: impl FnOnce(&mut [S], &mut [S])) {
     if dofs <= DOFS && rows <= ROWS {
         work(&mut [zero; DOFS][..dofs], &mut [zero; ROWS][..rows]);

@@ -1,4 +1,4 @@
-//! Rows of H that one task owns: their pattern, and where their numbers come from.
+//! A chunk: rows of H that one task writes. It has its pattern, the items that contribute to it, and the sums of their Hessian numbers.
 
 use std::ops::Range;
 
@@ -8,24 +8,24 @@ use crate::equations::hessian::key_sorter::KeySorter;
 use crate::equations::hessian::sums::EntrySums;
 use crate::equations::nonlinear::batch::NonlinearBatch;
 
-/// Rows of H that one task owns.
+/// Consecutive rows of H that one task writes.
 pub struct HessianChunk {
-    /// Another one after each change of its pattern.
+    /// Renewed after each change of the pattern.
     pub stamp: Identity,
     pub rows: Range<u32>,
-    /// Where each row ends; nothing if there are no entries yet.
+    /// End of each row; empty if there are no entries.
     end: Vec<u32>,
     col: Box<[u32]>,
-    /// One share per batch; batches of no interest have none.
+    /// The items that contribute to these rows, by batch.
     pub shares: Vec<ChunkItems>,
-    /// Entries from the numbers of all shares.
+    /// How the entries are summed from the Hessian numbers of all shares.
     sums: EntrySums,
 }
 
-/// Items of one batch that touch a chunk, and how many numbers their Hessians have.
+/// Items of one batch that contribute to a chunk, and how many Hessian numbers they have in total.
 pub struct ChunkItems {
     pub batch: u32,
-    /// Items, in runs without gaps.
+    /// Items as ranges, ascending.
     pub items: Vec<Range<u32>>,
     numbers: usize,
 }
@@ -35,7 +35,7 @@ impl ChunkItems {
         Self { batch, items: Vec::new(), numbers: 0 }
     }
 
-    /// Appends an item with so many numbers.
+    /// Appends an item that has this many Hessian numbers.
     pub fn push(&mut self, i: u32, numbers: usize) {
         match self.items.last_mut().filter(|run| run.end == i) {
             Some(run) => run.end += 1,
@@ -46,7 +46,7 @@ impl ChunkItems {
 }
 
 impl HessianChunk {
-    /// No entries yet; all patterns without entries are alike.
+    /// No entries. All patterns without entries share one stamp.
     pub fn empty(rows: Range<u32>) -> Self {
         let (end, col) = (Vec::new(), Box::default());
         Self { stamp: Identity::NONE, rows, end, col, shares: Vec::new(), sums: EntrySums::default() }
@@ -56,21 +56,21 @@ impl HessianChunk {
         self.col.len()
     }
 
-    /// The row before which about half of the entries are; neither the first nor beyond the last.
+    /// The row that halves the entries; never the first row.
     pub fn middle(&self) -> u32 {
         let before = self.end.partition_point(|&end| (end as usize) < self.entries() / 2);
         self.rows.start + before.clamp(1, self.rows.len() - 1) as u32
     }
 
-    /// Puts a share in its place; no other one is of the same batch.
+    /// Inserts the items of a batch that has none here yet.
     pub fn put(&mut self, share: ChunkItems) {
         let place = self.shares.partition_point(|other| other.batch < share.batch);
         self.shares.insert(place, share);
     }
 
-    /// Makes the pattern and the sums anew from the shares: "all pair lists are combined and sorted, duplicates are eliminated".
+    /// Rebuilds the pattern and the sums: the pairs of all items are collected and sorted, and duplicates are merged.
     ///
-    /// `counts`: how many entries of constraints are in each row, if that is known.
+    /// `counts`: contributions to each row of H, if they are known.
     pub fn fill(&mut self, batches: &[Box<dyn NonlinearBatch>], counts: Option<&[u32]>, room: &mut ChunkScratch) {
         room.count(&self.shares, batches, &self.rows, counts);
         let numbers = room.gather(&self.shares, batches, &self.rows);
@@ -80,14 +80,14 @@ impl HessianChunk {
         self.stamp = Identity::new();
     }
 
-    /// Writes where its rows end, of which the first starts at `first`, and their columns.
+    /// Writes the columns and the ends of its rows; the first row starts at `first`.
     pub fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
         let ends = self.end.iter().chain(std::iter::repeat(&0));
         end.iter_mut().zip(ends).for_each(|(to, &end)| *to = first + end as usize);
         col.copy_from_slice(&self.col);
     }
 
-    /// Writes these rows of H; `numbers` is room for the numbers of their constraints.
+    /// Writes these rows of H; `numbers` is scratch memory.
     pub fn write(&self, weighted: &WeightedBatches, u: &[f64], numbers: &mut Vec<f64>, h: &mut [f64]) {
         let mut first = 0;
         for share in &self.shares {
@@ -101,21 +101,21 @@ impl HessianChunk {
     }
 }
 
-/// Room for what chunks are made from, one after the other.
+/// Scratch memory for [`HessianChunk::fill`].
 #[derive(Default)]
 pub struct ChunkScratch {
-    /// Where each row ends, when the keys are there.
+    /// Position of each row's next key; its end when all keys are written.
     next: Vec<u32>,
-    /// `(column, number)` in one key, row by row.
+    /// Keys `(column, number)`, row by row.
     keys: Vec<u64>,
-    /// How many keys have the column of each entry.
+    /// Number of keys of each entry.
     counts: Vec<u32>,
     col: Vec<u32>,
     ranks: KeySorter,
 }
 
 impl ChunkScratch {
-    /// Where the keys of each row start, and one more.
+    /// Computes where the keys of each row start, and the end of the last row.
     fn count(
         &mut self,
         shares: &[ChunkItems],
@@ -135,9 +135,9 @@ impl ChunkScratch {
         (0..rows.len()).for_each(|row| self.next[row + 1] += self.next[row]);
     }
 
-    /// The keys of all shares, row by row; how many numbers these have.
+    /// Writes the keys of all shares, row by row. Returns how many Hessian numbers these have.
     fn gather(&mut self, shares: &[ChunkItems], batches: &[Box<dyn NonlinearBatch>], rows: &Range<u32>) -> usize {
-        // All of those that count are written.
+        // Old keys need no clearing: every counted position is overwritten.
         self.keys.resize(self.keys.len().max(self.next[rows.len()] as usize), 0);
         self.next.pop();
         let mut first = 0;
@@ -149,7 +149,7 @@ impl ChunkScratch {
         first
     }
 
-    /// Sorts the keys of each row, and finds its columns.
+    /// Sorts the keys of each row, and lists the columns.
     fn sort(&mut self, ends: &mut Vec<u32>) {
         let Self { next, keys, counts, col, ranks } = self;
         counts.clear();
@@ -171,13 +171,13 @@ impl ChunkScratch {
     }
 }
 
-/// Blocks with the weights of their equations.
+/// Nonlinear batches with the weights of their equations.
 pub struct WeightedBatches<'a> {
     pub batches: Vec<(&'a dyn NonlinearBatch, &'a [f64])>,
 }
 
 impl<'a> WeightedBatches<'a> {
-    /// From one weight per equation, of which `linear` come first and have no share in H.
+    /// `weights` has one number per equation; those of the `linear` equations come first and are not used.
     pub fn new(batches: &'a [Box<dyn NonlinearBatch>], linear: usize, weights: &'a [f64]) -> Self {
         let mut rest = &weights[linear..];
         let mut all = Vec::with_capacity(batches.len());

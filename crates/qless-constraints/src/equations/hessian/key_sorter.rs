@@ -1,24 +1,26 @@
-//! Sorts short lists, of which many have the order of the one before: rows of H that belong to the directions of one node, or to nodes that
-//! are joined alike. Keys are `(column, number)`; those of one column are a run.
+//! Sorts short lists that often have the same order as the list before.
+//!
+//! Examples are the rows of H for the directions of one node, or for nodes that are connected alike. Keys are `(column, number)`; the
+//! keys of one column form a run.
 
-/// Longer lists are sorted as such.
+/// Longer lists are sorted without reuse of the last order.
 const SHORT: usize = 16;
 
-/// What is known of the last list.
+/// The order of the last list.
 #[derive(Default)]
 pub struct KeySorter {
-    /// How many of its keys were smaller than each of them, if it was short.
+    /// Rank of each unsorted key; empty if the list was long.
     of: Vec<u8>,
     unsorted: [u64; SHORT],
     sorted: [u64; SHORT],
-    /// Whether each of the sorted keys has another column than the one before.
+    /// Whether each sorted key starts a run.
     new: [bool; SHORT],
-    /// How many keys each column has.
+    /// Number of keys of each column.
     runs: Vec<u32>,
 }
 
 impl KeySorter {
-    /// Sorts keys that all differ; how many each column has.
+    /// Sorts distinct keys. Returns the number of keys of each column.
     pub fn sort(&mut self, keys: &mut [u64]) -> &[u32] {
         if keys.is_empty() {
             return &[];
@@ -46,7 +48,7 @@ impl KeySorter {
         &self.runs
     }
 
-    /// Sorts keys that are those of the last list, all so many columns further, as in rows of the next direction; whether they are.
+    /// Handles keys that are those of the last list with all columns shifted equally; returns whether they are.
     fn shift(&mut self, keys: &mut [u64]) -> bool {
         let step = keys[0].wrapping_sub(self.unsorted[0]);
         let shifted = |(key, last): (&u64, &u64)| key.wrapping_sub(*last) == step;
@@ -61,14 +63,14 @@ impl KeySorter {
         true
     }
 
-    /// Puts each key in the place of its rank; whether they ascend then.
+    /// Arranges the keys by the ranks of the last list; returns whether they ascend then.
     fn place(&mut self, keys: &[u64]) -> bool {
         self.of.iter().zip(keys).for_each(|(&rank, &key)| self.sorted[usize::from(rank) % SHORT] = key);
         let sorted = &self.sorted[..keys.len()];
         sorted.windows(2).filter(|two| two[0] >= two[1]).count() == 0
     }
 
-    /// Whether the runs are those of the last list, which was as long.
+    /// Whether the runs are those of the last list, which has the same length.
     fn has_runs(&self, keys: &[u64]) -> bool {
         keys.windows(2).zip(&self.new[1..]).fold(true, |same, (two, &new)| same & (starts_run(two) == new))
     }
@@ -89,7 +91,7 @@ fn starts_run(two: &[u64]) -> bool {
 mod tests {
     use super::*;
 
-    /// Lists of all lengths, many of them shifted copies of the one before.
+    /// Lists of all lengths, many of them shifted copies of the list before.
     #[test]
     fn sorted_lists_are_those_of_the_library() {
         let (mut ranks, mut state) = (KeySorter::default(), 1_u64);
@@ -102,7 +104,7 @@ mod tests {
             if k % 3 == 0 {
                 list = (0..next() % 20).map(|place| (next() % 1000) << 8 | place).collect();
             }
-            // Their order stays; keys of one column may come apart.
+            // The order stays, but keys of one column may fall into different columns.
             let apart = if k % 7 == 0 { 24 } else { 20 };
             let shifted: Vec<u64> = list.iter().map(|key| (key << apart) + (k << 32)).collect();
             let (mut found, mut expected) = (shifted.clone(), shifted);

@@ -1,10 +1,8 @@
-//! `H = sum_r w_r H_r`: where the Hessian of each constraint goes, and the sum itself.
+//! `H = sum_r w_r H_r`: the plan that maps the Hessian of each constraint into H, and the sum itself.
 //!
-//! Rows of H are cut into chunks of about equal work. A task owns one chunk and takes all constraints that touch it, in their
-//! order, so that no two tasks write the same entry and the sum does not depend on the threads. A constraint that
-//! touches two chunks is evaluated twice, which costs less than a lock.
-//! How many entries constraints have in each row of H, counted by all threads.
-//! The plan of H, made when somebody needs it, and brought up to date from the last one.
+//! Rows of H are divided into chunks of about equal work. One task writes one chunk from all items that contribute to it, in their order.
+//! No two tasks write the same entry, and the sum does not depend on the number of threads. An item that contributes to two chunks is
+//! evaluated twice, which costs less than a lock.
 
 pub mod chunk;
 mod key_sorter;
@@ -22,18 +20,16 @@ use crate::equations::hessian::chunk::{ChunkItems, ChunkScratch, HessianChunk};
 use crate::equations::layout::{ChunkRows, ENTRIES, write_csr};
 use crate::equations::nonlinear::batch::NonlinearBatch;
 
-/// The pattern of H and the way into it.
+/// The pattern of H, and the contributions to each chunk.
 pub struct HessianPlan {
     cut: ChunkRows,
     pub chunks: Vec<HessianChunk>,
-    /// Stamps of the batches that it was made for.
+    /// Stamps of the batches that the plan was made for.
     stamps: Vec<Identity>,
 }
 
 impl HessianPlan {
-    /// Cuts the rows of H into chunks, and finds the constraints and the places of their numbers for each.
-    ///
-    /// Where nothing is curved there is nothing to find.
+    /// Divides the rows of H into chunks, and finds the items that contribute to each. O(1) if there are no nonlinear equations.
     pub fn new(batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> Self {
         if batches.is_empty() {
             return Self {
@@ -54,7 +50,7 @@ impl HessianPlan {
         plan
     }
 
-    /// After changes of some batches and of the entries in `touched` rows.
+    /// Updates the plan after changes of some batches; `touched` are the rows of H whose entries may have changed.
     pub fn updated(mut self, batches: &[Box<dyn NonlinearBatch>], touched: &[u32]) -> Self {
         let changed = self.renumber(batches);
         self.share_out(batches, &changed);
@@ -69,7 +65,7 @@ impl HessianPlan {
         self
     }
 
-    /// Cuts a chunk in two of about equal work.
+    /// Splits a chunk into two of about equal work.
     fn split(&mut self, place: usize, batches: &[Box<dyn NonlinearBatch>]) {
         let old = self.chunks.remove(place);
         let row = old.middle();
@@ -87,7 +83,7 @@ impl HessianPlan {
             .for_each(|chunk| chunk.fill(batches, None, &mut ChunkScratch::default()));
     }
 
-    /// Gives the shares of batches that did not change their new places, and takes those of others away; the batches that are new.
+    /// Renumbers the shares of unchanged batches, and drops those of all others. Returns the new batches.
     fn renumber(&mut self, batches: &[Box<dyn NonlinearBatch>]) -> Vec<u32> {
         let stamps = stamps(batches);
         let places = std::iter::zip(&stamps, 0..).collect::<std::collections::HashMap<_, u32>>();
@@ -107,7 +103,7 @@ impl HessianPlan {
         (0..batches.len() as u32).filter(|&batch| new[batch as usize]).collect()
     }
 
-    /// Gives the constraints of some batches to the chunks that they touch.
+    /// Assigns the items of these batches to the chunks that they contribute to.
     fn share_out(&mut self, batches: &[Box<dyn NonlinearBatch>], which: &[u32]) {
         let items = |b: u32| 0..batches[b as usize].items() as u32;
         let all = |&b: &u32| shares(batches, (b, slice::from_ref(&items(b))), &self.cut);
@@ -122,7 +118,7 @@ impl HessianPlan {
         self.chunks.iter().map(|chunk| (chunk.stamp, chunk.rows.len())).collect()
     }
 
-    /// The rows of H of some chunks, with zeros in them.
+    /// The rows of H of some chunks, with zeros as values.
     pub fn pattern(&self, chunks: Range<usize>) -> Result<Csr, SystemError> {
         let chunks = &self.chunks[chunks];
         let size = |chunk: &HessianChunk| (chunk.rows.len(), chunk.entries());
@@ -153,10 +149,10 @@ fn shares(
     touched.chunk_by(|a, b| a.0 == b.0).map(of_chunk).collect()
 }
 
-/// Threads that count: each has an array of its own, of as many rows as its constraints reach.
+/// Largest number of threads that count contributions; each needs an array as long as the range of DOFs of its batches.
 const MOST: usize = 8;
 
-/// By row; sums of whole numbers, whoever counts.
+/// Number of contributions to each row of H, counted in parallel. Sums of integers do not depend on their order.
 pub fn entries_per_row(batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> Vec<u32> {
     let threads = rayon::current_num_threads().min(MOST);
     let parts = batches.par_chunks(batches.len().div_ceil(threads).max(1)).map(entries_of_batches).collect::<Vec<_>>();
@@ -167,7 +163,7 @@ pub fn entries_per_row(batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> Vec<
     all
 }
 
-/// The first row that these have entries in, and the counts from there on.
+/// The first row that these batches contribute to, and the counts from there on.
 fn entries_of_batches(batches: &[Box<dyn NonlinearBatch>]) -> (u32, Vec<u32>) {
     let hull = |a: Range<u32>, b: Range<u32>| a.start.min(b.start)..a.end.max(b.end);
     let rows = batches.iter().map(|batch| batch.reach()).reduce(hull).unwrap_or_default();
@@ -178,30 +174,30 @@ fn entries_of_batches(batches: &[Box<dyn NonlinearBatch>]) -> (u32, Vec<u32>) {
     (rows.start, counts)
 }
 
-/// A plan, or what is known of the next one.
+/// A plan that is made on request, by an update of the last one if there is one.
 #[derive(Default)]
 pub struct LazyPlan {
     current: OnceLock<HessianPlan>,
-    /// The last one, and the rows of H whose entries changed since.
+    /// The last plan, which is out of date, and the rows of H whose entries changed since.
     last: Mutex<Option<HessianPlan>>,
     touched: Vec<u32>,
 }
 
 impl LazyPlan {
-    /// The plan for the batches as they are.
+    /// The plan for the current batches.
     pub fn plan(&self, batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> &HessianPlan {
         if let Some(plan) = self.current.get() {
             return plan;
         }
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
-        // Many changes are done at once.
+        // After many changes a new plan is cheaper than an update.
         let known = last.filter(|_| self.touched.len() < dofs);
         let plan = known.map_or_else(|| HessianPlan::new(batches, dofs), |last| last.updated(batches, &self.touched));
-        // Not within the lock: while its threads wait, they may take up work that asks for the plan too. The first one is kept.
+        // The lock is not held here: threads that wait for others may take up a task that also asks for the plan. The first plan is kept.
         self.current.get_or_init(|| plan)
     }
 
-    /// Blocks change; the plan is not that of the batches any more.
+    /// To be called before batches change: the current plan becomes the last one.
     pub fn outdate(&mut self) {
         let last = self.last.get_mut().unwrap_or_else(PoisonError::into_inner);
         if let Some(plan) = self.current.take() {
@@ -210,17 +206,17 @@ impl LazyPlan {
         }
     }
 
-    /// Whether there is a plan to bring up to date.
+    /// Whether there is a last plan that changes must be recorded for.
     pub fn is_wanted(&mut self) -> bool {
         self.last.get_mut().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
-    /// The rows of H that the items of a batch have entries in, which come.
+    /// Records the rows of H that all items of a new batch contribute to.
     pub fn touch_all(&mut self, batch: &dyn NonlinearBatch) {
         (0..batch.items()).for_each(|item| self.touch(batch, item));
     }
 
-    /// The rows of H that an item has entries in, which comes or goes.
+    /// Records the rows of H that an inserted or removed item contributes to.
     pub fn touch(&mut self, batch: &dyn NonlinearBatch, item: usize) {
         if self.is_wanted() {
             batch.touched(item, &mut |row| self.touched.push(row));

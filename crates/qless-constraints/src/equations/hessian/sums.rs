@@ -1,32 +1,31 @@
-//! `out_e = sum_k x_(e,k)`: sums of given numbers, those of equally many together, in loops of known length.
+//! `out_e = sum_k x_(e,k)`: sums of selected numbers, in loops of known length over entries with equally many terms.
 //!
-//! Where most entries have one number, the first of each is copied in one sweep, and what else an entry sums is added to it: no place has
-//! to be read for these. Where most sum several, a sweep would write them twice. The numbers of an entry keep their order, so that the
-//! sum has the same bits whoever makes it, either way.
-//! Places are kept in 16 bits where that is enough, which it is but for rows of enormous length: they are most of what is read.
+//! If most entries have one term, the first term of every entry is copied in one sweep, and further terms are added. If most entries
+//! have several terms, each sum is written directly. The terms of an entry keep their order, so the result has the same bits either way.
+//! Indices are most of the memory that is read, so they are stored in 16 bits if possible.
 
-/// The x that 16 bits can name; so many are always there, and no place has to be checked.
+/// Number of x that 16 bits can address. Callers pass at least as many, so that the compiler can remove bounds checks.
 pub const NUMBERS: usize = 1 << 16;
 
-/// Where the numbers of each entry come from.
+/// The terms of each entry.
 pub enum EntrySums {
     Short(SumTables<u16>),
     Long(SumTables<u32>),
 }
 
-/// Places in 16 or 32 bits.
+/// Indices in 16 or 32 bits.
 #[derive(Default)]
 pub struct SumTables<I> {
-    /// The first number of every entry, if they are copied in one sweep.
+    /// The first term of every entry, if these are copied in one sweep.
     first: Vec<I>,
     more: Vec<SumGroup<I>>,
 }
 
-/// Entries with equally many numbers, after the first if that is copied before.
+/// Entries with equally many terms, not counting a first term that was copied.
 struct SumGroup<I> {
     count: usize,
     entry: Vec<I>,
-    /// `count` for each entry.
+    /// `count` indices for each entry.
     from: Vec<I>,
 }
 
@@ -37,8 +36,8 @@ impl Default for EntrySums {
 }
 
 impl EntrySums {
-    /// From how many numbers each entry has, at least one, and the places of all, entry by entry, in the lower halves of `keys`; these are
-    /// below `numbers`.
+    /// `counts`: number of terms of each entry, at least one. `keys`: the indices of all terms, entry by entry, in the lower halves; all of
+    /// them are below `numbers`.
     pub fn new(numbers: usize, counts: &[u32], keys: &[u64]) -> Self {
         if counts.len().max(numbers) <= NUMBERS {
             Self::Short(SumTables::new(counts, keys, |k| k as u16))
@@ -77,7 +76,7 @@ impl<I: Copy> SumTables<I> {
         sums
     }
 
-    /// Arrays of the right size; and for each count the place of its entries, if it has any.
+    /// Allocates the groups; also returns the index of the group for each count.
     fn with_room(counts: &[u32], sweep: bool) -> (Self, Vec<usize>) {
         let most = counts.iter().max().map_or(0, |&most| most as usize);
         let mut entries = vec![0; most + 1];
@@ -108,7 +107,7 @@ impl<I: Copy> SumTables<I> {
 }
 
 impl<I: Copy> SumGroup<I> {
-    /// Writes sums, or adds them to what is there.
+    /// Writes the sums, or adds them to the present values.
     #[inline]
     fn write<const ADD: bool>(&self, out: &mut [f64], x: impl Fn(I) -> f64 + Copy, place: impl Fn(I) -> usize + Copy) {
         match self.count {
@@ -153,7 +152,7 @@ impl<I: Copy> SumGroup<I> {
 mod tests {
     use super::*;
 
-    /// Counts from one number to more than any loop of known length has; in the second half, most entries have one.
+    /// Counts from one term to more than any loop of fixed length has; in the second half, most entries have one term.
     #[test]
     fn sums_are_those_of_the_parts() {
         let x: Vec<f64> = (0..200).map(|k| f64::from(k * k % 97) / 8.0).collect();

@@ -1,5 +1,4 @@
-//! The equations of one type as a batch: what a set asks of them, whatever they are.
-//! Nonlinear equations that are not among those of their type.
+//! [`NonlinearBatch`] and [`StagedNonlinear`] for the equations of any type: virtual calls lead to the typed loops.
 
 use std::any::Any;
 use std::ops::Range;

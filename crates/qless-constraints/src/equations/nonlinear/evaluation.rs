@@ -1,5 +1,6 @@
-//! c and G of the equations of one type: their numbers, their pattern, and what rounding may have done to them.
-//! The numbers of the Hessians of one type: multiples of the weights where c is quadratic, else by its formula, for several at once.
+//! Loops over the items of one type: values, Jacobian, pattern of G, rounding bounds and Hessian numbers.
+//!
+//! If the Hessian is a constant times the weight, its numbers for a weight of 1 are computed once.
 
 use std::ops::Range;
 
@@ -22,7 +23,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         self.order.restore(|i| self.span(i..i).start * rows, rows, g);
     }
 
-    /// N is the number of DOFs of every item: loops of known length.
+    /// N is the number of DOFs of every item, so that loops have a fixed length.
     fn evaluate_fixed<const N: usize>(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::PARTS.len();
         let items = self.items.iter().zip(self.dofs.as_chunks::<N>().0);
@@ -53,7 +54,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// Writes the columns of G, and where its rows end; the first starts at `first`.
+    /// Writes the columns and the ends of the rows of G; the first row starts at `first`.
     pub fn write_columns(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
         if Q::PARTS.len() == 1 && self.order.is_empty() {
             col.copy_from_slice(&self.dofs);
@@ -79,7 +80,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// Writes the bounds on the rounding of c and G.
+    /// Writes bounds on the rounding errors of c and G.
     pub fn write_rounding(&self, known: &UncertainDofs, c: &mut [f64], g: &mut [f64]) {
         let rows = Q::PARTS.len();
         let mut rest = &mut *g;
@@ -103,7 +104,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
 }
 
 impl<Q: Nonlinear> TypedBatch<Q> {
-    /// Numbers of each constraint's Hessian that the weight of its one equation multiplies; 0 where there is more to it.
+    /// Number of distinct Hessian numbers per item if the Hessian is a constant times the weight; otherwise 0.
     pub const UNITS: usize = {
         let mut most = 0;
         let mut k = 0;
@@ -114,7 +115,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         most
     };
 
-    /// The numbers of the Hessians of constraints in some runs, one after the other.
+    /// Writes the Hessian numbers of the items in these ranges, one item after the other.
     pub fn write_curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]) {
         let mut room = vec![0.0; self.ahead() * self.widest];
         let mut rest = out;
@@ -137,7 +138,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// `w` times what it multiplies.
+    /// Hessian numbers as multiples of the weights.
     fn multiples(&self, run: Range<usize>, w: &[f64], out: &mut [f64]) {
         let units = self.units.get_or_init(|| self.for_weights_of_one());
         let (units, w) = (&units[run.start * Self::UNITS..run.end * Self::UNITS], &w[run]);

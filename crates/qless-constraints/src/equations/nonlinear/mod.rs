@@ -1,4 +1,7 @@
-//! The nonlinear equations of all types, batch by batch, and where an item goes that comes.
+//! The nonlinear equations of all types, in batches.
+//!
+//! An item is the nonlinear equations of one type that one constraint has. Batches are sorted by type, in the order of first use; the items
+//! of a type are sorted by constraint.
 
 pub mod batch;
 mod dispatch;
@@ -15,25 +18,25 @@ use crate::equations::nonlinear::typed::TypedBatch;
 use crate::equations::{EquationNames, EquationOwner, RowOffsets};
 use crate::nonlinear::Nonlinear;
 
-/// A batch and an item of it.
+/// Index of a batch, and of an item in it.
 pub type ItemPlace = (usize, usize);
 
-/// All batches: type by type in the order of first use, within a type in the order of the constraints.
+/// All batches of a set.
 #[derive(Default)]
 pub struct NonlinearEquations {
     pub batches: Vec<Box<dyn NonlinearBatch>>,
-    /// The type of each.
+    /// The type number of each batch.
     kinds: Vec<u32>,
     of_type: HashMap<TypeId, u32>,
-    /// Where the last item was put, and its type: others of many are put behind it.
+    /// The type and batch of the last inserted item, since many items of a type often follow each other.
     recent: Option<(TypeId, usize)>,
-    /// Whether many of each type are to come.
+    /// Reserve memory for full batches from the start.
     many: bool,
     pub offsets: RowOffsets,
 }
 
 impl NonlinearEquations {
-    /// With room for many of each type from the first on.
+    /// Empty, but expects many items of each type.
     pub fn of_many() -> Self {
         Self { many: true, ..Self::default() }
     }
@@ -42,12 +45,12 @@ impl NonlinearEquations {
         self.offsets.rows()
     }
 
-    /// Each batch with the number of its type.
+    /// Each batch with its type number.
     pub fn with_kinds(&self) -> impl Iterator<Item = (&dyn NonlinearBatch, u32)> {
         self.batches.iter().map(AsRef::as_ref).zip(self.kinds.iter().copied())
     }
 
-    /// Takes the parameters of this time; as an error a nonlinear row with a number that is not finite, and that number.
+    /// Evaluates parameters that are functions of time. The error is a nonlinear row whose value is not finite, and that value.
     pub fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
         let Self { batches, offsets, .. } = self;
         let mut batches = batches.iter_mut().enumerate();
@@ -70,7 +73,7 @@ impl NonlinearEquations {
         self.kinds.partition_point(|&k| k < kind)..self.kinds.partition_point(|&k| k <= kind)
     }
 
-    /// Puts an item behind those of its constraint and of those that were added before.
+    /// Inserts an item after those of its constraint and of earlier ones.
     pub fn insert<Q: Nonlinear>(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
         if let Some((place, batch)) = self.recent_room::<Q>(owner.constraint) {
             batch.insert(owner, dofs, parameters);
@@ -85,7 +88,7 @@ impl NonlinearEquations {
         self.offsets.grow(place, Q::PARTS.len() as i32);
     }
 
-    /// The batch of the last item that was put in, if the next one goes behind it.
+    /// The batch of the last inserted item, if the next item can be appended to it.
     fn recent_room<Q: Nonlinear>(&mut self, constraint: u32) -> Option<(usize, &mut TypedBatch<Q>)> {
         let (_, place) = self.recent.filter(|&(of, _)| of == TypeId::of::<Q>())?;
         let last_of_type = self.kinds.get(place + 1) != self.kinds.get(place);
@@ -95,13 +98,13 @@ impl NonlinearEquations {
         fits.then_some((place, batch))
     }
 
-    /// The number of a type, which the set may not have met before.
+    /// The number of a type; it is added if it is new.
     fn meet(&mut self, of: TypeId) -> u32 {
         let next = self.of_type.len() as u32;
         *self.of_type.entry(of).or_insert(next)
     }
 
-    /// A batch in which an item of this constraint can be put.
+    /// The batch into which an item of this constraint can be inserted. A full batch is split first.
     fn room_at<Q: Nonlinear>(&mut self, kind: u32, constraint: u32) -> usize {
         let of = self.of_kind(kind);
         let at = of.start + self.batches[of.clone()].partition_point(|batch| last(batch.as_ref()) <= constraint);
@@ -125,7 +128,7 @@ impl NonlinearEquations {
         if last(self.batches[at].as_ref()) <= constraint { at + 1 } else { at }
     }
 
-    /// Puts others, of later constraints, behind those of their types; their names go by other numbers.
+    /// Appends the items of later constraints, whose names are renumbered by `names`.
     pub fn join(&mut self, others: Self, names: Option<&[u32]>) {
         let mut types: Vec<_> = others.of_type.into_iter().collect();
         types.sort_unstable_by_key(|&(_, kind)| kind);
@@ -146,7 +149,7 @@ impl NonlinearEquations {
         self.kinds.insert(at, kind);
     }
 
-    /// The items of a constraint, type by type, in their order.
+    /// The items of a constraint with their type numbers, type by type.
     pub fn of(&self, constraint: u32) -> Vec<(u32, ItemPlace)> {
         let mut places = Vec::new();
         for kind in 0..self.of_type.len() as u32 {
@@ -163,10 +166,10 @@ impl NonlinearEquations {
         places
     }
 
-    /// Takes the items of a constraint out.
+    /// Removes and returns the items of a constraint, and their DOFs.
     pub fn take(&mut self, constraint: u32, names: &EquationNames) -> (Vec<Box<dyn StagedNonlinear>>, Vec<u32>) {
         let (places, mut dofs) = (self.of(constraint), Vec::new());
-        // From the last: the places of the others stay.
+        // Backwards, so that the places of the others stay valid.
         let mut pieces: Vec<_> =
             places.iter().rev().map(|&(_, place)| self.take_item(place, names, &mut dofs)).collect();
         pieces.reverse();
@@ -197,7 +200,7 @@ fn last(batch: &dyn NonlinearBatch) -> u32 {
     batch.items().checked_sub(1).map_or(0, |i| batch.constraint(i))
 }
 
-/// Items of a constraint in a batch.
+/// The items of a constraint in a batch.
 fn items(batch: &dyn NonlinearBatch, constraint: u32) -> Range<usize> {
     let first_from = |constraint: u32| {
         let (mut low, mut high) = (0, batch.items());

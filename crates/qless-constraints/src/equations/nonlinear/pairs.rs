@@ -1,5 +1,4 @@
-//! The pairs of local DOFs of one item after another, each with the number of the Hessian that it takes.
-//! Where the Hessians of one type have entries: rows, chunks and places of H.
+//! Contributions of one type to H: for each pair of DOFs of an item, the row, column and chunk that its Hessian number belongs to.
 
 use std::ops::Range;
 use std::slice;
@@ -8,13 +7,13 @@ use crate::equations::layout::ChunkRows;
 use crate::equations::nonlinear::typed::TypedBatch;
 use crate::nonlinear::Nonlinear;
 
-/// Those of the last item that was asked; the same for the next where the type says so.
+/// The pairs of the last item that was asked. They are reused for the next one if [`Nonlinear::SAME_PAIRS`] holds.
 #[derive(Default)]
 pub struct HessianPairs {
     dofs: Option<usize>,
-    /// `j`, `k` and the number.
+    /// `[j, k, number]`: local DOFs, and index among the item's Hessian numbers.
     pub all: Vec<[u32; 3]>,
-    /// How many entries the row of each DOF has.
+    /// Number of contributions to the row of each local DOF.
     pub entries: Vec<u32>,
 }
 
@@ -47,7 +46,7 @@ impl HessianPairs {
 }
 
 impl<Q: Nonlinear> TypedBatch<Q> {
-    /// Calls `entry(row, column, number)` for each entry of H that some items have, whose numbers are counted from `first`.
+    /// Calls `entry(row, column, number)` for each contribution of these items to H; numbers are counted from `first`.
     #[inline]
     fn entries(&self, items: &[Range<u32>], first: usize, mut entry: impl FnMut(u32, u32, u32)) {
         let (mut pairs, mut first) = (HessianPairs::default(), first as u32);
@@ -64,7 +63,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// Counts the entries of some items in each of the rows from `row` on.
+    /// Adds the contributions of these items to each row from `row` on.
     pub fn count_entries(&self, items: &[Range<u32>], row: u32, counts: &mut [u32]) {
         let mut pairs = HessianPairs::default();
         for i in items.iter().cloned().flatten() {
@@ -75,12 +74,12 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// Calls `row` with the rows that item i has entries in.
+    /// Calls `row` with each row to which item i contributes.
     pub fn each_row(&self, i: usize, mut row: impl FnMut(u32)) {
         self.entries(slice::from_ref(&(i as u32..i as u32 + 1)), 0, |j, _, _| row(j));
     }
 
-    /// Appends `(chunk, item)` for each of some items and the chunks that it has entries in.
+    /// Appends `(chunk, item)` for each of these items and each reported chunk to which it contributes.
     pub fn list_chunks(&self, items: &[Range<u32>], cut: &ChunkRows, out: &mut Vec<(u32, u32)>) {
         let mut pairs = HessianPairs::default();
         for i in items.iter().cloned().flatten() {
@@ -101,7 +100,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// Puts `(column, number)` of the entries that are counted where `next` says for each row; numbers from `first` on.
+    /// Writes the keys `(column, number)` of the contributions that were counted, at the positions `next` of each row.
     pub fn write_keys(&self, items: &[Range<u32>], row: u32, first: usize, (next, keys): (&mut [u32], &mut [u64])) {
         self.entries(items, first, |j, k, number| {
             if let Some(next) = next.get_mut(j.wrapping_sub(row) as usize) {

@@ -1,7 +1,6 @@
-//! Nonlinear equations of one type, in flat arrays, so that the inner loop knows the type and calls nothing at run time.
-//! Items of a batch come, go, and change their parameters: O([`TypedBatch::CAPACITY`]) numbers are moved.
-//! Columns ascend in a row of G, the DOFs of a constraint need not: where each goes. Most ascend, and cost nothing here.
-//! Nonlinear equations that are not among those of their type.
+//! A batch of one type: parameters and DOFs in flat arrays, so that loops know the type and need no virtual calls.
+//!
+//! Inserting or removing an item moves O([`TypedBatch::CAPACITY`]) numbers.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -10,29 +9,29 @@ use std::sync::OnceLock;
 use crate::equations::{ChangeStamp, EquationNames, EquationOwner};
 use crate::nonlinear::Nonlinear;
 
-/// Items per batch, ...
+/// Items per batch.
 const MANY: usize = 1024;
-/// ... of types that take much arithmetic, of which there are fewer in most models: they reach further.
+/// Items per batch of types that need much arithmetic.
 const FEW: usize = 256;
-/// Items whose DOFs are gathered at once: looks into u that do not wait for one another, nor for arithmetic.
+/// Items whose DOFs are gathered in one go, so that memory accesses neither wait for each other nor for arithmetic.
 const AHEAD: usize = 64;
-/// The most DOFs of an item for which so many are.
+/// Largest number of DOFs of an item for which [`AHEAD`] items are gathered in one go.
 const NARROW: usize = 64;
 
-/// Items of type Q: parameters, with the DOFs that they share.
+/// Items of type Q: parameters and DOFs.
 pub struct TypedBatch<Q> {
     pub stamp: ChangeStamp,
     pub items: Vec<Q>,
     pub owners: Vec<EquationOwner>,
-    /// Where the DOFs of each item start, if that varies; one more than items.
+    /// Start of each item's DOFs, and at the end the number of DOFs; used only if that number varies.
     pub start: Vec<u32>,
     pub dofs: Vec<u32>,
     pub order: DofOrder,
-    /// Most DOFs of one item.
+    /// Largest number of DOFs of an item.
     pub widest: usize,
-    /// How many numbers the Hessian of each item has, but where they depend on the weight alone: ...
+    /// Number of Hessian numbers of each item; empty if [`TypedBatch::UNITS`] says it.
     pub numbers: Vec<u32>,
-    /// ... then there are [`TypedBatch::UNITS`] of each item, and these are those for a weight of 1, made when somebody needs them.
+    /// Hessian numbers of all items for a weight of 1, computed on request; used only if [`TypedBatch::UNITS`] is not 0.
     pub units: OnceLock<Box<[f64]>>,
 }
 
@@ -53,7 +52,7 @@ impl<Q> Default for TypedBatch<Q> {
 }
 
 impl<Q: Nonlinear> TypedBatch<Q> {
-    /// The most items.
+    /// Largest number of items.
     pub const CAPACITY: usize = if Q::AT_ONCE > 1 { FEW } else { MANY };
 
     #[inline]
@@ -61,7 +60,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         &self.dofs[self.span(i..i + 1)]
     }
 
-    /// Where the DOFs of items are that follow one another.
+    /// Where the DOFs of these items are.
     #[inline]
     pub fn span(&self, items: Range<usize>) -> Range<usize> {
         if Q::DOFS > 0 {
@@ -70,17 +69,17 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         self.start[items.start] as usize..self.start[items.end] as usize
     }
 
-    /// Items whose DOFs are gathered at once.
+    /// Number of items whose DOFs are gathered in one go.
     pub fn ahead(&self) -> usize {
         if self.widest <= NARROW { AHEAD } else { Q::AT_ONCE }
     }
 
-    /// How many DOFs these items have.
+    /// Number of DOFs of these items.
     pub fn width(&self, items: Range<usize>) -> usize {
         self.span(items).len()
     }
 
-    /// The DOFs of items that follow one another.
+    /// Copies the DOF values of these items into `room`.
     #[inline]
     pub fn gather<'a>(&self, items: Range<usize>, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
         let dofs = &self.dofs[self.span(items)];
@@ -89,13 +88,13 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         local
     }
 
-    /// From the smallest DOF to behind the largest.
+    /// Range of DOFs from the smallest to the largest.
     pub fn hull(&self) -> Range<u32> {
         let (least, most) = self.dofs.iter().fold((u32::MAX, 0), |(least, most), &j| (least.min(j), most.max(j)));
         least.min(most)..if self.dofs.is_empty() { 0 } else { most + 1 }
     }
 
-    /// How many numbers the Hessian of item i has.
+    /// Number of Hessian numbers of item i.
     pub fn numbers_of(&self, i: usize) -> usize {
         if Self::UNITS > 0 { Self::UNITS } else { self.numbers[i] as usize }
     }
@@ -103,13 +102,13 @@ impl<Q: Nonlinear> TypedBatch<Q> {
 
 pub struct StagedItem<Q> {
     pub name: Cow<'static, str>,
-    /// Places among the DOFs of all pieces.
+    /// Positions in the list of DOFs of all nonlinear pieces.
     pub dofs: Range<usize>,
     pub parameters: Q,
 }
 
 impl<Q: Nonlinear> TypedBatch<Q> {
-    /// With room for as many items as there may be, as the last batch of a type has that follows others.
+    /// Empty, with memory for a full batch: types that fill one batch often fill more.
     pub fn with_room() -> Self {
         let mut batch = Self::default();
         batch.items.reserve_exact(Self::CAPACITY);
@@ -124,7 +123,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         batch
     }
 
-    /// Puts an item behind those of its constraint and of those that were added before.
+    /// Inserts an item after those of its constraint and of earlier ones.
     pub fn insert(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
         let last = self.owners.last().is_none_or(|last| last.constraint <= owner.constraint);
         let after = |other: &EquationOwner| other.constraint <= owner.constraint;
@@ -153,7 +152,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// Takes item i out.
+    /// Removes item i, and appends its DOFs to `dofs`.
     pub fn remove(&mut self, i: usize, names: &EquationNames, dofs: &mut Vec<u32>) -> StagedItem<Q> {
         let (span, first) = (self.span(i..i + 1), dofs.len());
         dofs.extend(self.dofs.drain(span.clone()));
@@ -171,7 +170,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         StagedItem { name: names.name(owner.name), dofs: first..dofs.len(), parameters }
     }
 
-    /// The items from i on, in a batch of their own.
+    /// Moves the items from i on to a new batch.
     pub fn split(&mut self, i: usize) -> Self {
         let first = self.span(i..i).start;
         let mut second = Self {
@@ -195,12 +194,12 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         second
     }
 
-    /// Whether parameters with these DOFs can take the place of item i: all patterns are the same.
+    /// Whether parameters with these DOFs can replace item i without a change of patterns.
     pub fn alike(&self, i: usize, dofs: &[u32], parameters: &Q) -> bool {
         self.dofs(i) == dofs && pairs(&self.items[i], dofs.len()) == pairs(parameters, dofs.len())
     }
 
-    /// Gives item i other parameters, with which it is [`TypedBatch::alike`].
+    /// Replaces the parameters of item i by others for which [`TypedBatch::alike`] holds.
     pub fn overwrite(&mut self, i: usize, owner: EquationOwner, parameters: Q) {
         self.units.take();
         (self.items[i], self.owners[i]) = (parameters, owner);
@@ -213,7 +212,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
     }
 }
 
-/// How many numbers a Hessian has.
+/// Number of Hessian numbers of an item.
 fn numbers<Q: Nonlinear>(parameters: &Q, dofs: usize) -> u32 {
     let (mut pairs, mut numbers) = (0, 0);
     parameters.pairs(dofs, &mut |_, _| {
@@ -229,15 +228,15 @@ fn pairs<Q: Nonlinear>(parameters: &Q, dofs: usize) -> Vec<(usize, usize)> {
     all
 }
 
-/// The items of a batch whose DOFs do not ascend.
+/// Column order of items whose DOFs do not ascend, since the columns of a row of G must. Items in order cost no memory here.
 #[derive(Default)]
 pub struct DofOrder {
     count: usize,
-    /// Which items, ascending.
+    /// Items out of order, ascending.
     items: Vec<u32>,
-    /// Where the places of each end.
+    /// End of each item's entries in `place`.
     end: Vec<u32>,
-    /// For each DOF its place among those of its item.
+    /// For each DOF of an item, its rank among the item's DOFs.
     place: Vec<u32>,
 }
 
@@ -258,7 +257,7 @@ impl DofOrder {
         self.count += 1;
     }
 
-    /// Sorts the rows of those; the entries of item i start at `start(i)` of `g`.
+    /// Sorts the rows of items out of order; the entries of item i start at `start(i)` of `g`.
     pub fn restore(&self, start: impl Fn(usize) -> usize, rows: usize, g: &mut [f64]) {
         let mut unsorted = Vec::new();
         for (k, &i) in self.items.iter().enumerate() {
