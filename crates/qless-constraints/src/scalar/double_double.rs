@@ -1,4 +1,4 @@
-//! `hi + lo` with 106 bits: numbers to compare the bounds of rounding with (Dekker, Knuth).
+//! Double-double arithmetic, `hi + lo` with 106 bits, as a reference for rounding bounds (Dekker, Knuth).
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -14,7 +14,7 @@ pub struct DoubleDouble {
 const TURN: DoubleDouble = DoubleDouble { hi: std::f64::consts::TAU, lo: 2.449_293_598_294_706_4e-16 };
 
 impl DoubleDouble {
-    /// `a + b` with its exact remainder.
+    /// `a + b` with its exact rounding error.
     fn sum(a: f64, b: f64) -> Self {
         let hi = a + b;
         let of_b = hi - a;
@@ -30,12 +30,12 @@ impl DoubleDouble {
         Self::sum(x, by)
     }
 
-    /// How far a double is from it.
+    /// Distance from a double.
     pub fn distance(self, x: f64) -> f64 {
         ((x - self.hi) - self.lo).abs()
     }
 
-    /// `sum_k (-1)^k x^(2k + first) / (2k + first)!`, after all whole turns are taken off.
+    /// `sum_k (-1)^k x^(2k + first) / (2k + first)!`, after x is reduced by multiples of 2 pi.
     fn series(self, first: u32) -> Self {
         let turns = (self.hi / TURN.hi).round();
         let x = self - Self::from(turns) * TURN;

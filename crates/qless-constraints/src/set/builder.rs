@@ -1,5 +1,4 @@
-//! From loose constraints to a [`ConstraintSet`].
-//! Many constraints of one type at once, checked and made by all threads.
+//! Collects constraints into a [`ConstraintSet`]: one by one, or many of one type in parallel.
 
 use std::ops::Range;
 
@@ -19,7 +18,7 @@ use crate::set::edit::ProcessFault;
 use crate::set::error::AddError;
 use crate::set::register::{ConstraintId, ConstraintIds, ConstraintRegister, numbered};
 
-/// Collects constraints of any types in any order; each is checked when it is added.
+/// Collects constraints of any types in any order. Each is checked when it is added.
 pub struct SetBuilder(ConstraintSet);
 
 impl std::fmt::Debug for SetBuilder {
@@ -44,10 +43,10 @@ impl SetBuilder {
         })
     }
 
-    /// Adds a constraint under a label that reports will use, as [`ConstraintSet::add`] does.
+    /// Adds a constraint under a label for reports, as [`ConstraintSet::add`] does.
     ///
     /// # Errors
-    /// [`AddError`]: what its type finds wrong with it, or a DOF or number that no type can have. Nothing is added then.
+    /// [`AddError`]: the type refuses the input, or a DOF or number is not valid. Nothing is added then.
     pub fn add<C: Constraint>(
         &mut self,
         label: impl Into<String>,
@@ -56,10 +55,10 @@ impl SetBuilder {
         self.0.add(label, constraint)
     }
 
-    /// Adds many constraints of one type at once, as [`ConstraintSet::add_all`] does: by all threads, all of them or none.
+    /// Adds many constraints of one type in parallel, as [`ConstraintSet::add_all`] does: all or none.
     ///
     /// # Errors
-    /// [`AddError`] of the first faulty one. Nothing is added then.
+    /// [`AddError`] of the first faulty constraint. Nothing is added then.
     pub fn add_all<C: Constraint>(
         &mut self,
         label: impl Into<String>,
@@ -69,7 +68,7 @@ impl SetBuilder {
         self.0.add_all(label, count, constraint)
     }
 
-    /// The set of all that was added. Patterns are made when they are asked for.
+    /// The set of all constraints added. Patterns are made on request.
     ///
     /// # Errors
     /// [`SystemError::TooLarge`] for more DOFs than 32 bits can number.
@@ -81,17 +80,17 @@ impl SetBuilder {
     }
 }
 
-/// Constraints that one task makes: where each has one equation, whole nonlinear and batches.
+/// Constraints per task: if each has one equation, they fill whole batches.
 const PORTION: usize = BATCH_ROWS;
 
-/// Which constraint is faulty, and how.
+/// Index of a faulty constraint, and its fault.
 type IndexedFault<C> = (usize, ProcessFault<<C as Constraint>::Error>);
 
 impl ConstraintSet {
-    /// Adds `count` constraints of one type, of which `constraint(i)` is the i-th, i from 0 on: all of them, or none if one is faulty.
+    /// Adds `count` constraints of one type, `constraint(0)` to `constraint(count - 1)`: all, or none if one is faulty.
     ///
-    /// The set is the same as if they were added one by one under the labels `"label 0"`, `"label 1"` and so on; if `label` is empty,
-    /// theirs are. `constraint` is called by all threads; it may look into a list: `|i| list[i]`.
+    /// The set is the same as if they were added one by one under the labels `"label 0"`, `"label 1"` and so on, or under empty labels if
+    /// `label` is empty. All threads call `constraint`; it may read from a list: `|i| list[i]`.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -108,7 +107,7 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`AddError`] of the first faulty one. Nothing is added then.
+    /// [`AddError`] of the first faulty constraint. Nothing is added then.
     pub fn add_all<C: Constraint>(
         &mut self,
         label: impl Into<String>,
@@ -127,7 +126,7 @@ impl ConstraintSet {
         }
     }
 
-    /// So few that they fill no batch: these go into those that there are.
+    /// Too few to fill a batch: their equations go into the existing batches.
     fn one_by_one<C: Constraint>(
         &mut self,
         count: usize,
@@ -160,7 +159,7 @@ impl ConstraintSet {
         Ok(AddedConstraints::Many(all))
     }
 
-    /// Checks some, and makes their equations.
+    /// Checks a range of constraints, and stores their equations.
     fn portion<C: Constraint>(
         &self,
         which: Range<usize>,
@@ -176,7 +175,7 @@ impl ConstraintSet {
         Ok(store.into_portion())
     }
 
-    /// The first constraint that is one too many, before any of them is looked at.
+    /// The first constraint that exceeds the limits of the set, before any constraint is made.
     fn too_many<E>(&self, count: usize) -> Option<(usize, ProcessFault<E>)> {
         let last = count.checked_sub(1)?;
         let room = (u32::MAX as usize - 1).saturating_sub(self.register.ever());
@@ -184,7 +183,7 @@ impl ConstraintSet {
         self.too_large(i, 0).map(|fault| (i, ProcessFault::Store(fault)))
     }
 
-    /// What the library cannot number, after i + 1 more constraints with so many equations: it marks "none" with `u32::MAX`.
+    /// The limit that i + 1 more constraints with this many equations exceed, if any. The index `u32::MAX` is reserved.
     pub(super) fn too_large(&self, i: usize, rows: usize) -> Option<StoreError> {
         let (rows, constraints) = (self.equations() + rows, self.register.ever() + i + 1);
         [("DOFs", self.dofs), ("equations", rows), ("constraints", constraints)]
@@ -204,7 +203,7 @@ impl ConstraintSet {
         ids
     }
 
-    /// Takes over equations of new constraints, from this one on.
+    /// Takes over the equations of new constraints; `constraint` is the number of the first.
     fn append(&mut self, mut constraint: u32, portions: Vec<BulkEquations>) {
         let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, .. } = self;
         for BulkEquations { linear: rows, nonlinear: others, names, coordinates, .. } in portions {
@@ -221,7 +220,7 @@ impl ConstraintSet {
     }
 }
 
-/// Constraints without fault.
+/// Constraints that passed the checks.
 enum AddedConstraints {
     Few(Vec<ConstraintContents>),
     Many(Vec<BulkEquations>),

@@ -1,5 +1,4 @@
-//! The arrays that a set evaluates into, and how they follow its changes.
-//! The "product strategy": by what each constraint Hessian is multiplied, as the method that enforces the constraints says.
+//! The arrays that a set evaluates into, their update after changes of the set, and the weights of the effective Hessian.
 
 use std::ops::Range;
 
@@ -12,7 +11,7 @@ use crate::equations::linear::batch::LinearBatch;
 use crate::equations::nonlinear::batch::NonlinearBatch;
 use crate::set::{ConstraintSet, long};
 
-/// What a set evaluates to. Values are those of the last evaluation; patterns are those of the set at that time. No other set takes it.
+/// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
 #[derive(Clone, Debug)]
 pub struct Quantities {
     of: Identity,
@@ -21,14 +20,14 @@ pub struct Quantities {
     pub(crate) c: Vec<f64>,
     pub(crate) g: Csr,
     pub(super) h: Csr,
-    /// The state of the set whose c and G these are.
+    /// The version of the set whose c and G these are.
     pub(super) evaluated: Identity,
     rows: RowLayout,
     chunks: RowLayout,
 }
 
 impl PartialEq for Quantities {
-    /// The same numbers.
+    /// Compares the numbers.
     fn eq(&self, other: &Self) -> bool {
         (&self.c, &self.g, &self.h) == (&other.c, &other.g, &other.h)
     }
@@ -50,16 +49,16 @@ impl Quantities {
         &self.g
     }
 
-    /// Effective Hessian, n x n, symmetric, both halves stored; without entries until one was evaluated.
+    /// Effective Hessian, n x n, symmetric, both halves stored. It has no entries before its first evaluation.
     pub fn h(&self) -> &Csr {
         &self.h
     }
 }
 
 impl ConstraintSet {
-    /// Arrays of the right size: the pattern of G from the DOF lists. That of H, from the pair lists, is made by the first evaluation of H.
+    /// Arrays of the right size, with the pattern of G and the coefficients of linear equations, which are constant.
     ///
-    /// The coefficients of linear equations are written here and stay. When the set changes, the next evaluation brings the arrays along.
+    /// The first evaluation of H makes its pattern. When the set changes, the next evaluation updates the arrays.
     pub fn allocate(&self) -> Quantities {
         let rows = self.layout();
         let sound = "the set has checked DOFs and sizes";
@@ -75,9 +74,7 @@ impl ConstraintSet {
         }
     }
 
-    /// Brings c and G along with the changes of the set since their last evaluation.
-    ///
-    /// Rows behind the first that came or went are moved once, whatever their number; all others stay.
+    /// Updates c and G after changes of the set. Rows after the first change are moved once, however many changes there were.
     pub(super) fn follow(&self, quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.own("the quantities", quantities.of)?;
         if quantities.evaluated == self.version.get() {
@@ -92,7 +89,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// The same of H, with its plan.
+    /// Updates H after changes of the set. Returns the current plan.
     pub(super) fn follow_hessian(&self, quantities: &mut Quantities) -> &HessianPlan {
         let (plan, sound) = (self.plan(), "the set has checked DOFs and sizes");
         let chunks = plan.layout();
@@ -101,14 +98,14 @@ impl ConstraintSet {
         plan
     }
 
-    /// Whether c and G are those of the set as it is now.
+    /// Checks that c and G are those of the current set.
     pub(super) fn current(&self, quantities: &Quantities) -> Result<(), ArgumentError> {
         self.own("the quantities", quantities.of)?;
         let what = "the quantities";
         if quantities.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
 
-    /// G without numbers, but for the coefficients of linear equations.
+    /// G with the coefficients of linear equations, and zeros elsewhere.
     pub(super) fn whole_pattern(&self) -> Csr {
         self.pattern(0..self.linear.batches.len() + self.nonlinear.batches.len())
             .expect("the set has checked DOFs and sizes")
@@ -119,7 +116,7 @@ impl ConstraintSet {
         linear.chain(self.nonlinear.batches.iter().map(|batch| (batch.stamp(), batch.rows()))).collect()
     }
 
-    /// The rows of G of some segments, with the coefficients of linear equations in them.
+    /// The rows of G of some batches, linear ones first, with the coefficients of linear equations.
     fn pattern(&self, segments: Range<usize>) -> Result<Csr, SystemError> {
         let batches = self.linear.batches.len();
         let linear = &self.linear.batches[segments.start.min(batches)..segments.end.min(batches)];
@@ -131,14 +128,14 @@ impl ConstraintSet {
     }
 }
 
-/// Rows of G that follow one another.
+/// A batch of rows of G.
 enum StoredRows<'a> {
     Linear(&'a LinearBatch),
     Nonlinear(&'a dyn NonlinearBatch),
 }
 
 impl StoredRows<'_> {
-    /// Rows and entries.
+    /// Number of rows and of entries.
     fn size(&self) -> (usize, usize) {
         match self {
             Self::Linear(batch) => (batch.rows(), batch.nnz()),
@@ -155,7 +152,7 @@ impl StoredRows<'_> {
     }
 }
 
-/// Replaces the rows of segments that changed; all of them without a copy.
+/// Replaces the rows of changed batches or chunks. If all changed, the new matrix is used without a copy.
 fn replace(
     matrix: &mut Csr,
     (old, new): (&RowLayout, &RowLayout),
@@ -188,18 +185,18 @@ pub enum Weights<'a> {
     Penalty(&'a [f64]),
     /// Augmented Lagrange: `w = lambda + p c`.
     Augmented {
-        /// One per equation.
+        /// Multipliers, one per equation.
         multipliers: &'a [f64],
-        /// One per equation.
+        /// Penalty factors, one per equation.
         penalty: &'a [f64],
     },
 }
 
 impl Weights<'_> {
-    /// One weight per equation, from the constraint values.
+    /// The weight of each equation, from the constraint values.
     ///
     /// # Errors
-    /// [`ArgumentError::WrongLength`] unless multipliers and penalties are as many as the values.
+    /// [`ArgumentError::WrongLength`] unless there is one multiplier or penalty per value.
     pub fn of(&self, c: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         let (multipliers, penalty) = match *self {
             Self::Multipliers(multipliers) => (multipliers, c),

@@ -1,7 +1,7 @@
 //! `G du = -c`: the set linearised at u, as linear equations for `qless`.
 //!
-//! A row of G that is nothing but rounding is written without terms: scaled to one, its noise would be taken for a rank. Which rows
-//! these are belongs to the configuration and not to the model: [`ConstraintSet::vanishing`] says it of one.
+//! Rows of G that rounding explains are written without terms: otherwise their noise, once scaled to one, would count as rank. Which rows
+//! these are depends on the configuration, so [`ConstraintSet::vanishing`] reports them for one configuration.
 
 use std::fmt;
 
@@ -12,23 +12,23 @@ use crate::set::error::LineariseError;
 use crate::set::evaluation::Quantities;
 use crate::set::rounding::Rounding;
 
-/// An equation whose row of G is nothing but rounding at this configuration.
+/// An equation whose row of G is indistinguishable from zero at this configuration.
 ///
-/// To first order no motion changes it: at `|theta| = 2 pi` no rotation vector reaches a turn about an axis across it, and a rod
-/// whose ends meet has no direction. At other configurations it may well be needed.
+/// To first order, no motion changes its value. Examples: a rotation vector with `|theta| = 2 pi` cannot reach rotations about axes
+/// perpendicular to it, and a rod whose ends coincide has no direction. The equation may be needed at other configurations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vanishing {
     /// The equation.
     pub row: usize,
     /// Its label.
     pub label: String,
-    /// The largest entry of its row that was computed.
+    /// The largest computed entry of its row.
     pub entry: f64,
-    /// What the rounding of its terms can make of a zero there: not less than the entry.
+    /// Bound on the rounding error of the row's entries; not less than `entry`.
     pub rounding: f64,
-    /// c, which no step to first order changes.
+    /// The value of c, which no step changes to first order.
     pub value: f64,
-    /// Whether the equation is linear: then it has no terms at any configuration.
+    /// Whether the equation is linear, so that it has no terms at any configuration.
     pub everywhere: bool,
 }
 
@@ -49,8 +49,8 @@ impl fmt::Display for Vanishing {
 impl ConstraintSet {
     /// The linearised equations `G du = -c` with the labels of the set; `prescribed` are increments `(DOF, du)`.
     ///
-    /// Entries that are no more than their rounding at this configuration are left out; rows of nothing else have no terms, and a right-hand side of zero where c is rounding too;
-    /// [`ConstraintSet::vanishing`] says which. The configuration is that of the last evaluation.
+    /// Entries within their rounding errors are left out. A row without other entries has no terms, and its right-hand side is zero if c is within
+    /// its rounding error too; [`ConstraintSet::vanishing`] reports such rows. The configuration is that of the last evaluation.
     ///
     /// ```
     /// use qless::{Options, analyse};
@@ -70,7 +70,7 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`LineariseError`] for quantities of another set, if an entry of G or c is not finite at this u, or a prescribed DOF is not valid.
+    /// [`LineariseError`]: the quantities belong to another set, a number of c or G is not finite, or a prescribed DOF is not valid.
     pub fn linearised(
         &self,
         quantities: &Quantities,
@@ -79,7 +79,7 @@ impl ConstraintSet {
         self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
     }
 
-    /// The same with columns in the given units, `G_rj s_j`: `du_j = s_j y_j`.
+    /// The same with scaled columns, `G_rj s_j`, for the unknowns y in `du_j = s_j y_j`.
     pub(crate) fn linearised_in(
         &self,
         units: &[f64],
@@ -105,7 +105,7 @@ impl ConstraintSet {
         Ok(builder.build()?)
     }
 
-    /// The equations whose rows of G are nothing but rounding at the configuration of the quantities, ascending.
+    /// The equations whose rows of G are indistinguishable from zero at the configuration of the quantities, ascending.
     ///
     /// These are the rows that [`ConstraintSet::linearised`] writes without terms.
     ///
@@ -117,7 +117,7 @@ impl ConstraintSet {
     /// builder.add("door", Revolute { a: Body::ground(), b: arm, at: [0.0; 3], axis: [0.0, 0.0, 1.0] })?;
     /// let set = builder.build()?;
     /// let mut quantities = set.allocate();
-    /// // After one turn, a rotation vector reaches no turn but the one along itself.
+    /// // After a full turn, a rotation vector reaches rotations about its own axis only.
     /// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::TAU], &mut quantities)?;
     /// let vanishing = set.vanishing(&quantities)?;
     /// assert_eq!((vanishing.len(), vanishing[0].label.as_str()), (2, "door, tilt 1"));
@@ -126,7 +126,7 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] for quantities of another set, or of the set before it changed.
+    /// [`ArgumentError`] if the quantities belong to another set, or are out of date.
     pub fn vanishing(&self, quantities: &Quantities) -> Result<Vec<Vanishing>, ArgumentError> {
         self.current(quantities)?;
         let rounding = self.rounding(&quantities.u)?;
@@ -134,7 +134,7 @@ impl ConstraintSet {
         rows.map(|row| self.report(row, quantities, &rounding)).collect()
     }
 
-    /// The bounds, where a row may vanish that is not zero: that of a linear equation does not.
+    /// Rounding bounds if there are nonlinear equations. Nonzero rows of linear equations cannot vanish.
     pub(super) fn rounding_of_nonlinear(&self, quantities: &Quantities) -> Result<Option<Rounding>, ArgumentError> {
         if self.linear.rows() == self.equations() { Ok(None) } else { self.rounding(&quantities.u).map(Some) }
     }
@@ -147,20 +147,21 @@ impl ConstraintSet {
     }
 }
 
-/// Whether a number is no more than its rounding; what is not finite is no rounding.
+/// Whether a finite number is within its rounding error.
 fn is_rounding(value: f64, bound: f64) -> bool {
     value.is_finite() && value.abs() <= bound
 }
 
 impl Quantities {
-    /// A number of c or of the row of G that is not finite, before bounds on rounding, which are then infinite, hide it.
+    /// A number of c or of the row of G that is not finite. Must be asked before rounding bounds, which are infinite for such rows.
     pub(super) fn not_finite(&self, row: usize) -> Option<f64> {
         let numbers = std::iter::once(self.c[row]).chain(self.g.row(row).map(|(_, v)| v));
         numbers.into_iter().find(|value| !value.is_finite())
     }
 
-    /// The entries of a row of G that are more than rounding, and -c, zero if all of these are: an entry of 1e-159 would make a column look as if
-    /// it were in another unit.
+    /// The terms of a row of G that exceed their rounding errors, and the right-hand side -c, or 0 if the row vanishes and c is rounding.
+    ///
+    /// Without this, an entry of 1e-159 would make a column look as if it were in another unit.
     pub(super) fn linear_equation<'a>(
         &'a self,
         row: usize,
@@ -169,7 +170,7 @@ impl Quantities {
         let bounds = rounding.map_or(&[][..], |rounding| rounding.of_row(row)).iter().copied();
         let terms = self.g.row(row).zip(bounds.chain(std::iter::repeat(-1.0)));
         let vanishing = rounding.filter(|rounding| self.vanishes(row, rounding));
-        // An infinite bound knows nothing: it takes no entry out of a row in which others stand.
+        // An infinite bound says nothing, so it removes no entry from a row with significant entries.
         let real = move |&((_, v), bound): &((_, f64), f64)| {
             vanishing.is_none() && !(is_rounding(v, bound) && bound.is_finite())
         };
@@ -178,7 +179,7 @@ impl Quantities {
         (terms.filter(real).map(|(term, _)| term), if is_nothing { 0.0 } else { -c })
     }
 
-    /// Whether no entry of a row of G is more than rounding.
+    /// Whether all entries of a row of G are within their rounding errors.
     fn vanishes(&self, row: usize, rounding: &Rounding) -> bool {
         self.g.row(row).zip(rounding.of_row(row)).all(|((_, v), &bound)| is_rounding(v, bound))
     }

@@ -1,10 +1,10 @@
-//! A set of constraints, stored by type: `c(u)`, `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`.
+//! A set of constraints: `c(u)`, `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`, evaluated in parallel into patterns that follow its changes.
 //!
-//! The patterns of G and H are made from the lists of DOFs and pairs, and follow changes of the set; the values are written in place, in
-//! parallel. A number is always computed by the same operations in the same order, so that the result does not depend on the threads, nor on
-//! what was in the set before but for the order in which it met the types.
-//! Rows: those of active constraints, all linear equations in the order in which the constraints were added, then the nonlinear ones,
-//! type by type in the order in which the set met the types, and of one type in the order in which the constraints were added.
+//! Rows are the equations of active constraints. Linear equations come first, in the order in which their constraints were added; then
+//! nonlinear ones, by type in the order of the types' first use, and within a type in the order in which the constraints were added.
+//!
+//! Every number is computed by the same operations in the same order. Results depend neither on the number of threads nor on the history of
+//! the set, except for the order of types.
 
 mod active;
 mod builder;
@@ -65,11 +65,11 @@ pub struct ConstraintSet {
     nonlinear: NonlinearEquations,
     hessian_plan: LazyPlan,
     time: f64,
-    /// The coordinates that DOFs add to, for [`ConstraintSet::rounding`].
+    /// Reference coordinates of DOFs, for [`ConstraintSet::rounding`].
     reference_coordinates: ReferenceCoordinates,
-    /// Another one after each change.
+    /// Renewed after each change.
     version: ChangeStamp,
-    /// Empty, with room for the next constraint.
+    /// Empty lists, reused for the next constraint.
     spare: Option<Box<ConstraintContents>>,
 }
 
@@ -81,7 +81,7 @@ impl std::fmt::Debug for ConstraintSet {
 }
 
 impl ConstraintSet {
-    /// No constraints yet, on DOFs `0..dofs`.
+    /// A builder without constraints, on DOFs `0..dofs`.
     pub fn builder(dofs: usize) -> SetBuilder {
         SetBuilder::new(dofs)
     }
@@ -103,7 +103,7 @@ impl ConstraintSet {
 
     /// Writes `c(u)` and `G(u)`, in parallel.
     ///
-    /// What is not finite in u is not finite in what depends on it; [`ConstraintSet::linearised`] refuses it.
+    /// If u is not finite, neither is what depends on it; [`ConstraintSet::linearised`] refuses such values.
     ///
     /// # Errors
     /// [`ArgumentError`] if `u` does not have length n, or the quantities were not allocated by this set.
@@ -136,8 +136,8 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] at once, which reads u once: for weights that do not rest on c,
-    /// such as multipliers.
+    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] in one pass over u. The weights must not depend on the new c, as
+    /// multipliers do not.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -179,13 +179,13 @@ impl ConstraintSet {
         if of == self.register.identity { Ok(()) } else { Err(ArgumentError::Foreign { what }) }
     }
 
-    /// The way into H.
+    /// The plan of H for the current equations.
     fn plan(&self) -> &HessianPlan {
         self.hessian_plan.plan(&self.nonlinear.batches, self.dofs)
     }
 }
 
-/// The right length.
+/// Checks the length of an argument.
 pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<(), ArgumentError> {
     if found == expected { Ok(()) } else { Err(ArgumentError::WrongLength { what, found, expected }) }
 }

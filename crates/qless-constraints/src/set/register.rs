@@ -1,6 +1,6 @@
-//! Constraints by number, who an equation belongs to, and its label "constraint, part".
-//! The labels of constraints by number; of those that were added at once, one for all.
-//! Which equations are whose.
+//! Identities and labels of constraints, and the constraint and label of each row.
+//!
+//! The label of an equation is "constraint, equation name"; empty parts are left out.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,7 +15,7 @@ use crate::equations::{EquationNames, EquationOwner};
 use crate::set::ConstraintSet;
 use crate::set::error::EditError;
 
-/// A constraint of a set, which no other set takes; it stays valid until the constraint is removed, and is not given again.
+/// Identifies a constraint of one set until it is removed. It is never reused, and other sets refuse it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ConstraintId {
     pub(super) set: Identity,
@@ -23,13 +23,13 @@ pub struct ConstraintId {
 }
 
 impl ConstraintId {
-    /// How many constraints were added before it.
+    /// Number of constraints added before it.
     pub fn place(self) -> usize {
         self.number as usize
     }
 }
 
-/// Constraints that were added at once, by [`crate::ConstraintSet::add_all`]; as many as were asked for.
+/// Identifies the constraints of one call of [`crate::ConstraintSet::add_all`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ConstraintIds {
     pub(super) set: Identity,
@@ -38,19 +38,19 @@ pub struct ConstraintIds {
 }
 
 impl ConstraintIds {
-    /// The i-th of them, from 0; nothing beyond the last.
+    /// The i-th of them, from 0; `None` after the last.
     pub fn get(self, i: usize) -> Option<ConstraintId> {
         (i < self.count as usize).then(|| ConstraintId { set: self.set, number: self.first + i as u32 })
     }
 
-    /// All, in their order.
+    /// All of them, in order.
     pub fn iter(self) -> impl ExactSizeIterator<Item = ConstraintId> + DoubleEndedIterator {
-        // As `usize`, whose ranges know their length.
+        // Only ranges of `usize` implement `ExactSizeIterator`.
         (0..self.count as usize).map(move |i| ConstraintId { set: self.set, number: self.first + i as u32 })
     }
 }
 
-/// All constraints that were ever added: their labels, and what those consist of that are not active.
+/// Labels of all constraints ever added, and the contents of inactive ones.
 #[derive(Default)]
 pub(super) struct ConstraintRegister {
     pub identity: Identity,
@@ -65,7 +65,7 @@ impl ConstraintRegister {
         Self { identity: Identity::new(), ..Self::default() }
     }
 
-    /// Number of constraints that were ever added.
+    /// Number of constraints ever added.
     pub fn ever(&self) -> usize {
         self.labels.count() as usize
     }
@@ -81,7 +81,7 @@ impl ConstraintRegister {
         id
     }
 
-    /// So many at once.
+    /// Adds `count` constraints under numbered labels.
     pub fn add_all(&mut self, label: String, count: u32) -> ConstraintIds {
         let ids = ConstraintIds { set: self.identity, first: self.labels.count(), count };
         self.labels.push_numbered(label, count);
@@ -89,7 +89,7 @@ impl ConstraintRegister {
         ids
     }
 
-    /// The number of a constraint that is there.
+    /// The number of a constraint that was not removed.
     pub fn number(&self, id: ConstraintId) -> Result<u32, EditError> {
         if id.set != self.identity {
             return Err(EditError::Foreign);
@@ -107,7 +107,7 @@ impl ConstraintRegister {
         !self.inactive.contains_key(&number)
     }
 
-    /// Keeps what an inactive constraint consists of.
+    /// Keeps the contents of a constraint that becomes inactive.
     pub fn park(&mut self, number: u32, contents: Box<ConstraintContents>) {
         self.inactive.insert(number, contents);
     }
@@ -120,7 +120,7 @@ impl ConstraintRegister {
         self.inactive.get_mut(&number).map(AsMut::as_mut)
     }
 
-    /// What an inactive constraint consists of, which it is no more.
+    /// Hands out the contents of an inactive constraint, which is about to be activated or removed.
     pub fn take(&mut self, number: u32) -> Option<Box<ConstraintContents>> {
         self.inactive.remove(&number)
     }
@@ -129,7 +129,7 @@ impl ConstraintRegister {
         self.labels.get(number).unwrap_or_default()
     }
 
-    /// The name of the constraint and of the parts that have one, with commas.
+    /// Joins the label of the constraint and its nonempty equation names by commas.
     pub fn label(&self, owner: EquationOwner, part: &str) -> String {
         let mut label = self.name(owner.constraint).into_owned();
         for part in [self.equation_names.name(owner.name).as_ref(), part].into_iter().filter(|part| !part.is_empty()) {
@@ -142,9 +142,9 @@ impl ConstraintRegister {
     }
 }
 
-/// Constraints that follow one another.
+/// Labels of consecutive constraints.
 enum LabelRange {
-    /// Nothing for those that were removed.
+    /// `None` for removed constraints.
     Each(Vec<Option<Box<str>>>),
     Numbered {
         label: Box<str>,
@@ -152,16 +152,16 @@ enum LabelRange {
     },
 }
 
-/// Of all constraints that were ever added.
+/// Labels of all constraints ever added.
 #[derive(Default)]
 pub(super) struct ConstraintLabels {
-    /// Each with the number of its first constraint.
+    /// Ranges with the number of their first constraint.
     runs: Vec<(u32, LabelRange)>,
     count: u32,
 }
 
 impl ConstraintLabels {
-    /// Constraints that were ever added.
+    /// Number of constraints ever added.
     pub fn count(&self) -> u32 {
         self.count
     }
@@ -175,7 +175,7 @@ impl ConstraintLabels {
         self.count += 1;
     }
 
-    /// So many, which are [`numbered`].
+    /// Adds labels as [`numbered`] forms them.
     pub fn push_numbered(&mut self, label: String, count: u32) {
         if count > 0 {
             self.runs.push((self.count, LabelRange::Numbered { label: label.into(), removed: BTreeSet::new() }));
@@ -183,7 +183,7 @@ impl ConstraintLabels {
         }
     }
 
-    /// The label of a constraint that was not removed.
+    /// The label of a constraint; `None` if it was removed.
     pub fn get(&self, number: u32) -> Option<Cow<'_, str>> {
         match &self.runs[self.run(number)] {
             (first, LabelRange::Each(names)) => names[(number - first) as usize].as_deref().map(Cow::Borrowed),
@@ -209,25 +209,25 @@ impl ConstraintLabels {
         }
     }
 
-    /// The run of a constraint.
+    /// The range that contains a constraint.
     fn run(&self, number: u32) -> usize {
         self.runs.partition_point(|&(first, _)| first <= number) - 1
     }
 }
 
-/// The label of the i-th of several.
+/// The label of the i-th of several constraints.
 pub(super) fn numbered(label: &str, i: usize) -> String {
     if label.is_empty() { String::new() } else { format!("{label} {i}") }
 }
 
 impl ConstraintSet {
-    /// Which batch of equations a row belongs to, and its row there; nothing for linear equations.
+    /// The batch of a nonlinear row, and the row's number in it; `None` for linear rows.
     fn place(&self, row: usize) -> Option<(&dyn NonlinearBatch, usize)> {
         let (batch, own) = self.nonlinear.offsets.find(row.checked_sub(self.linear.rows())?);
         Some((self.nonlinear.batches[batch].as_ref(), own))
     }
 
-    /// The constraint of a row and the name of the part that it is.
+    /// The owner of a row, and its name within the type.
     fn owner(&self, row: usize) -> Result<(EquationOwner, &'static str), ArgumentError> {
         if row >= self.equations() {
             return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
@@ -235,7 +235,7 @@ impl ConstraintSet {
         Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(batch, own)| batch.owner(own)))
     }
 
-    /// Which constraint an equation belongs to.
+    /// The constraint that an equation belongs to.
     ///
     /// # Errors
     /// [`ArgumentError::OutOfRange`].
@@ -244,7 +244,7 @@ impl ConstraintSet {
         Ok(ConstraintId { set: self.register.identity, number })
     }
 
-    /// The equations of a constraint, ascending; none if it is not active or was removed.
+    /// The equations of a constraint, ascending; empty if it is inactive or was removed.
     ///
     /// # Errors
     /// [`ArgumentError::Foreign`] for a constraint of another set.
@@ -259,7 +259,7 @@ impl ConstraintSet {
         Ok(rows)
     }
 
-    /// The label of an equation: that of its constraint, and which part of it.
+    /// The label of an equation: that of its constraint, and the name of the equation.
     ///
     /// # Errors
     /// [`ArgumentError::OutOfRange`].
@@ -268,12 +268,12 @@ impl ConstraintSet {
         Ok(self.register.label(owner, part))
     }
 
-    /// Whether the equation is linear: its row of G never changes.
+    /// Whether the equation is linear, so that its row of G is constant.
     pub fn is_linear(&self, row: usize) -> bool {
         self.linear_rows().contains(&row)
     }
 
-    /// The linear equations.
+    /// The rows of linear equations.
     pub fn linear_rows(&self) -> Range<usize> {
         0..self.linear.rows()
     }

@@ -1,7 +1,7 @@
-//! Rotation vectors kept below half a turn: `theta - 2 pi k theta / |theta|` is the same rotation.
+//! Keeps rotation vectors below half a turn: `theta - 2 pi k theta / |theta|` is the same rotation.
 //!
-//! `d(R s)/d theta` loses rank where `|theta|` is a whole turn. Replacing a vector longer than pi by its complement, as Cardona and
-//! Géradin do (A beam finite element non-linear theory with finite rotations, 1988), keeps it away from there; the configuration is the same.
+//! `d(R s)/d theta` loses rank if `|theta|` is a nonzero multiple of 2 pi. To stay away from there, a vector longer than pi is replaced by its
+//! complement, as proposed by Cardona and Géradin (A beam finite element non-linear theory with finite rotations, 1988).
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,10 +10,10 @@ use qless::ArgumentError;
 use crate::set::{ConstraintSet, long};
 
 impl ConstraintSet {
-    /// The DOFs of rotation vectors that may be replaced by others of the same rotation, in the order of first use. O(nonzeros of G).
+    /// The DOFs of rotation vectors that may be replaced by another vector of the same rotation, in the order of first use. O(nonzeros of G).
     ///
-    /// Every constraint that uses them uses their rotation alone. An equation on one of their DOFs, or a constraint that takes them in another
-    /// order, ties them to what they are.
+    /// All constraints on these DOFs must use the rotation only. A vector is excluded if one of its DOFs occurs in a linear equation, or if a
+    /// constraint uses the DOFs in another order.
     pub fn rotation_vectors(&self) -> Vec<[usize; 3]> {
         let mut found = RotationVectors { owner: vec![DofUse::Nobody; self.dofs], vectors: Vec::new() };
         let each = |visit: &mut dyn FnMut(&[u32], &[usize])| {
@@ -35,10 +35,10 @@ impl ConstraintSet {
         found.vectors.iter().filter(|vector| found.owner[vector[0]] != DofUse::Tied).copied().collect()
     }
 
-    /// Replaces rotation vectors longer than half a turn by the shortest ones of the same rotation; returns how many.
+    /// Replaces rotation vectors longer than pi by the shortest vectors of the same rotation. Returns how many were replaced.
     ///
-    /// Values of c stay what they are but for rounding, G and H become those of the new DOFs. Only [`ConstraintSet::rotation_vectors`] are replaced; what
-    /// else rests on them outside the set, such as forces of a model or prescribed values, is for the caller to know.
+    /// Values of c change by rounding only; G and H become those at the new DOFs. Only [`ConstraintSet::rotation_vectors`] are replaced. The
+    /// caller must know whether anything outside the set, such as forces or prescribed values, depends on these DOFs.
     ///
     /// ```
     /// use qless_constraints::{ConstraintSet, types::{Body, Fixed}};
@@ -59,7 +59,7 @@ impl ConstraintSet {
     }
 }
 
-/// Replaces one vector; whether it was too long.
+/// Replaces a vector longer than pi. Returns whether it was.
 pub(crate) fn shorten(u: &mut [f64], vector: [usize; 3]) -> bool {
     let length = vector.iter().fold(0.0, |sum: f64, &dof| sum.hypot(u[dof]));
     let long = length > PI && length.is_finite();
@@ -70,17 +70,17 @@ pub(crate) fn shorten(u: &mut [f64], vector: [usize; 3]) -> bool {
     long
 }
 
-/// To what a DOF belongs.
+/// How a DOF is used.
 #[derive(Clone, Copy, PartialEq)]
 enum DofUse {
     Nobody,
-    /// A vector, by its place in the list.
+    /// By the vector with this index.
     Vector(usize),
-    /// Something that needs its value.
+    /// By an equation that needs its value.
     Tied,
 }
 
-/// Vectors found so far.
+/// Rotation vectors found so far, and the use of each DOF.
 struct RotationVectors {
     owner: Vec<DofUse>,
     vectors: Vec<[usize; 3]>,
@@ -101,7 +101,7 @@ impl RotationVectors {
         }
     }
 
-    /// The vector with this DOF may not be replaced.
+    /// Excludes the vector that contains this DOF.
     fn tie(&mut self, dof: usize) {
         if let DofUse::Vector(k) = self.owner[dof] {
             self.vectors[k].iter().for_each(|&dof| self.owner[dof] = DofUse::Tied);

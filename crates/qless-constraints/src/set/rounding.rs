@@ -1,9 +1,8 @@
-//! `|c^_r - c_r| <= rounding of c_r`, and the same for every entry of G: what rounding may have done to them.
+//! Bounds on the rounding errors of c and G at a configuration, by running error analysis.
 //!
-//! Running error analysis: [`crate::Nonlinear::value`] in numbers with derivatives, each of which carries a bound, so that the size of every
-//! term counts, whatever cancels after it. DOFs, parameters and coordinates are taken as known to one unit in the last place; as
-//! `x = at + u`, that of a coordinate is put on its DOF. Some ten times the operations of [`ConstraintSet::evaluate`].
-//! How large a DOF is, in the unit of the model: what its last place is counted from.
+//! [`crate::Nonlinear::value`] is evaluated in dual numbers whose components carry error bounds, so that the size of every term counts even if
+//! terms cancel later. DOFs, parameters and coordinates are assumed known to one unit in the last place; since `x = at + u`, the uncertainty
+//! of a coordinate is added to its DOF. Cost: about ten evaluations.
 
 use qless::ArgumentError;
 use rayon::prelude::*;
@@ -14,7 +13,7 @@ use crate::equations::tasks::{TaskOutput, value_tasks};
 use crate::scalar::Bounded;
 use crate::set::{ConstraintSet, long};
 
-/// Bounds on the rounding of c and G at one configuration, in the units of c and G; infinite where nothing is known.
+/// Bounds on the rounding errors of c and G at one configuration, in the units of c and G; infinite if there is no bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rounding {
     c: Vec<f64>,
@@ -23,29 +22,29 @@ pub struct Rounding {
 }
 
 impl Rounding {
-    /// How far each constraint value may be from that of exact arithmetic, length m.
+    /// Bound on the error of each constraint value, length m.
     pub fn c(&self) -> &[f64] {
         &self.c
     }
 
-    /// The same for the entries of G, in the order of `Quantities::g().values()`.
+    /// Bounds on the errors of G, in the order of `Quantities::g().values()`.
     pub fn g(&self) -> &[f64] {
         &self.g
     }
 
-    /// The bounds on the entries of row `r` of G, in the order of its columns; rows from m on have none.
+    /// The bounds on row `r` of G, in the order of its columns; empty from m on.
     ///
-    /// A row that is no larger in any of its entries is rounding and nothing else.
+    /// A row of G is indistinguishable from zero if none of its entries exceeds its bound.
     pub fn of_row(&self, r: usize) -> &[f64] {
         if r < self.c.len() { &self.g[self.start[r]..self.start[r + 1]] } else { &[] }
     }
 }
 
 impl ConstraintSet {
-    /// What rounding may have done to `c(u)` and `G(u)`, from the sizes of the terms that went into them.
+    /// Bounds on the rounding errors of `c(u)` and `G(u)`, from the magnitudes of their terms.
     ///
-    /// `|c_r|` is not zero but for rounding where it is at most `rounding.c()[r]`; a row of G is nothing but rounding where all its entries
-    /// are at most `rounding.of_row(r)`.
+    /// `c_r` is indistinguishable from zero if `|c_r|` is at most `rounding.c()[r]`, and a row of G if all its entries are at most
+    /// `rounding.of_row(r)`.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -81,7 +80,7 @@ impl ConstraintSet {
     }
 }
 
-/// The rounding of linear equations.
+/// Writes the bounds of linear equations.
 fn of_batch(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
     batch.evaluate(u, c);
     let mut values = c.iter_mut();
@@ -94,7 +93,7 @@ fn of_batch(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
 }
 
 impl ConstraintSet {
-    /// `max(|u_j|, |at|)` with the largest coordinate of the nodes that DOF j moves; at least 1 rad for rotations.
+    /// The magnitude of each DOF in the unit of the model: the largest of `|u_j|` and the coordinates of its nodes; at least 1 rad for rotations.
     pub(crate) fn extents(&self, u: &[f64]) -> Vec<f64> {
         let at =
             self.reference_coordinates.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
@@ -108,7 +107,7 @@ impl ConstraintSet {
         sizes
     }
 
-    /// Whether a DOF is known to add to a coordinate: it is a displacement of a node.
+    /// Whether a DOF is a displacement of a node, because it adds to a coordinate.
     pub(crate) fn is_displacement(&self, dof: usize) -> bool {
         self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
     }

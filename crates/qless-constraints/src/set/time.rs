@@ -1,18 +1,18 @@
 //! Right-hand sides and parameters that are functions of time: `c(u, t) = 0`.
 //!
-//! The pattern of G and H is the same at all times; [`ConstraintSet::set_time`] writes new numbers in place. Constraints that are not active
-//! take theirs when they are activated.
+//! Patterns do not depend on time: [`ConstraintSet::set_time`] writes new numbers in place. Inactive constraints are evaluated at the time of
+//! the set when they are activated.
 
 use crate::set::ConstraintSet;
 use crate::set::error::TimeError;
 
 impl ConstraintSet {
-    /// The time of the numbers in the set; 0 at first.
+    /// The time at which the set is evaluated; 0 at first.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Goes to another time: right-hand sides and parameters that are functions of time take their values there.
+    /// Changes the time: right-hand sides and parameters that are functions of time are evaluated there.
     ///
     /// ```
     /// use qless_constraints::{ConstraintSet, types::Driven};
@@ -27,7 +27,7 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`TimeError`] if the time, or a function of it then, is not finite; the set stays at the time where it was.
+    /// [`TimeError`] if the time or a function of it is not finite; the set then keeps its time.
     pub fn set_time(&mut self, time: f64) -> Result<(), TimeError> {
         if !time.is_finite() {
             return Err(TimeError::Time(time));
@@ -43,7 +43,7 @@ impl ConstraintSet {
         }
         if let Err((row, value)) = self.nonlinear.set_time(time) {
             let label = self.label(self.linear.rows() + row).unwrap_or_default();
-            // It was finite there before.
+            // This cannot fail: all values were finite at the old time.
             let _ = self.nonlinear.set_time(self.time);
             return Err(TimeError::NotFinite { label, time, value });
         }
@@ -53,7 +53,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// The angles that are prescribed at the time of the set and that equations know up to whole turns only, each with its equation.
+    /// The angles prescribed at the time of the set that their equations determine only up to multiples of 2 pi, with the row of each.
     pub(crate) fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
         for (b, batch) in self.nonlinear.batches.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Formulas of one constraint against its value in dual numbers.
+//! Compares the formulas of a constraint with dual numbers.
 
 use super::every_type::random;
 use crate::Nonlinear;

@@ -1,7 +1,6 @@
-//! Bounds on the rounding of c and G: against numbers of twice the digits, with DOFs moved within what is known of them.
+//! Rounding bounds of c and G against double-double arithmetic, with DOFs moved within their uncertainty.
 //!
-//! What is bounded are the numbers that [`crate::ConstraintSet::evaluate`] writes, so that formulas written by hand are held to the bounds
-//! that the general evaluation gives.
+//! The errors are those of [`crate::ConstraintSet::evaluate`], so that formulas written by hand must meet the bounds of the general evaluation.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,14 +11,14 @@ use crate::scalar::double_double::DoubleDouble;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// A configuration of a size, lengths in the unit.
+/// A random configuration of this size; lengths are in the unit.
 fn configuration(unit: f64, size: f64, seed: u64) -> Vec<f64> {
     let turns = |j: usize| ROTATIONS.iter().any(|range| range.contains(&j));
     let scale = |j: usize| if turns(j) { size } else { size * unit };
     (0..DOFS).map(|j| scale(j) * random(seed * DOFS as u64 + j as u64)).collect()
 }
 
-/// Turns about one axis, by whole parts of a turn: where terms cancel that do not cancel elsewhere.
+/// Rotations about one axis by multiples of a quarter turn, at which terms cancel that do not cancel elsewhere.
 fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
     let mut u = configuration(unit, 0.3, seed);
     ROTATIONS.into_iter().flatten().for_each(|j| u[j] = 0.0);
@@ -28,7 +27,7 @@ fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
     u
 }
 
-/// c and G of the nonlinear equations in twice the digits, each DOF moved by up to one unit in its last place.
+/// c and G of the nonlinear equations in double-double arithmetic, each DOF moved by up to one unit in its last place.
 fn reference(set: &ConstraintSet, u: &[f64], seed: u64) -> [Vec<DoubleDouble>; 2] {
     let size = |j: usize| u[j].abs() + set.reference_coordinates.largest().get(j).map_or(0.0, |size| size.at.number());
     let by = |j: usize| 2.0 * random(seed + j as u64) * f64::EPSILON * size(j);
@@ -42,7 +41,7 @@ fn reference(set: &ConstraintSet, u: &[f64], seed: u64) -> [Vec<DoubleDouble>; 2
     all
 }
 
-/// `bound / error` of all numbers that are off, none of them more than the bound.
+/// Appends `bound / error` of all numbers with an error, after a check that no error exceeds its bound.
 fn ratios(what: &str, found: &[f64], bounds: &[f64], truth: &[DoubleDouble], ratios: &mut Vec<f64>) {
     assert_eq!([found.len(), bounds.len()], [truth.len(); 2]);
     for (k, ((&x, &bound), truth)) in found.iter().zip(bounds).zip(truth).enumerate() {
