@@ -1,19 +1,27 @@
-//! The four duties of a constraint type, which are the four functions of the library in dockSIM.
+//! What a constraint type implements, and the [`Store`] that takes its equations.
 //!
-//! | duty | here |
+//! | duty of a type | here |
 //! | --- | --- |
 //! | check the input, store the parameters | [`Constraint::process`] |
 //! | list of DOFs, list of DOF pairs | the DOFs given to [`Store`], [`Nonlinear::pairs`] |
 //! | value `c_i`, Jacobian rows `G_i` | [`Nonlinear::value_and_jacobian`] |
-//! | effective Hessian `sum_r w_r H_r` | [`Nonlinear::hessian`]; absent for linear types |
+//! | effective Hessian `sum_r w_r H_r` | [`Nonlinear::hessian`]; not needed by linear types |
 //!
-//! A new type is one file with these two traits, and one line that names the file.
+//! These are the four functions of a type in the library of dockSIM. A new type needs one file that implements the two traits.
 
-use crate::derive;
-use crate::scalar::Scalar;
-use crate::set::Store;
+use std::borrow::Cow;
+use std::sync::Arc;
 
-/// What the user gives for one constraint.
+use crate::equations::LinearRhs;
+use crate::equations::contents::{BulkEquations, ConstraintContents};
+use crate::equations::coordinates::{CoarseSize, DofCoordinate};
+use crate::equations::linear::StagedEquation;
+use crate::equations::linear::batch::LinearTerms;
+use crate::equations::nonlinear::typed::StagedItem;
+use crate::geometry::node::Node;
+pub use crate::nonlinear::Nonlinear;
+
+/// The input of one constraint.
 ///
 /// ```
 /// use qless_constraints::{Constraint, ConstraintSet, Store};
@@ -44,111 +52,302 @@ use crate::set::Store;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Constraint {
-    /// What the type is called in messages.
+    /// Name of the type in messages.
     const NAME: &'static str;
-    /// What can be wrong with the input of this type.
+    /// What can be wrong with the input.
     type Error: std::error::Error + Send + Sync + 'static;
 
-    /// Checks the input and hands its linear equations and nonlinear parts to the store.
+    /// Checks the input and hands its linear and nonlinear equations to the store.
     ///
     /// # Errors
-    /// One that says what is wrong with the input. DOFs out of range, repeated DOFs and numbers that are not finite, of
-    /// equations or stated by [`Store::numbers`], are found by the store, for all types alike. Nothing is stored then.
+    /// What is wrong with the input; nothing is stored then. The store itself refuses DOFs out of range, repeated DOFs and numbers that are
+    /// not finite, in equations or stated by [`Store::numbers`], so a type need not check these.
     fn process(self, store: &mut Store) -> Result<(), Self::Error>;
 }
 
-/// The stored parameters of nonlinear equations that share n DOFs: `c(u) = 0`, one row per part.
-///
-/// `u` are the values of the constraint's own DOFs, in the order of its list. Only [`Nonlinear::value`] is required:
-/// without more, derivatives are taken by dual numbers, exact to rounding.
-pub trait Nonlinear: Send + Sync + Sized + 'static {
-    /// How many DOFs each constraint of the type has, or 0 if that varies. A fixed number makes faster loops.
-    const DOFS: usize = 0;
-    /// Whether c is a polynomial of degree two: then [`Nonlinear::hessian`] does not depend on u, and is given none.
-    /// With one equation and [`Nonlinear::NUMBERS`] it is called once, for a weight of 1, and its multiples are taken from then on.
-    const QUADRATIC: bool = false;
-    /// Which number of [`Nonlinear::hessian`] each pair takes, repeated over all pairs; empty if each pair has its own.
+/// Largest coordinate or length. Sixth powers of it and of its inverse, which occur in derivatives of normals and volumes, are finite.
+const LARGEST: f64 = 1e50;
+/// Up to this many DOFs are compared with each other; longer lists are sorted.
+const FEW: usize = 16;
+
+/// Receives the linear and nonlinear equations of the constraint that is being added.
+#[derive(Default)]
+pub struct Store {
+    dofs: usize,
+    time: f64,
+    pub(crate) contents: Box<ConstraintContents>,
+    /// Destination of the equations instead of `contents`, if many constraints are added at once.
+    portion: Option<Box<BulkEquations>>,
+    pub(crate) fault: Option<StoreError>,
+}
+
+/// If terms on one DOF sum to less than this, relative to the sum of their magnitudes, the sum is rounding and is set to zero.
+const CANCELLED: f64 = 8.0 * f64::EPSILON;
+
+impl std::fmt::Debug for Store {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("Store");
+        text.field("dofs", &self.dofs).field("rows", &self.rows()).field("fault", &self.fault).finish_non_exhaustive()
+    }
+}
+
+impl Store {
+    /// For one constraint; `contents` must be empty.
+    pub(crate) fn new(dofs: usize, time: f64, contents: Box<ConstraintContents>) -> Self {
+        Self { dofs, time, contents, ..Self::default() }
+    }
+
+    /// For many consecutive constraints.
+    pub(crate) fn for_many(dofs: usize, portion: BulkEquations) -> Self {
+        Self { dofs, time: portion.time, portion: Some(Box::new(portion)), ..Self::default() }
+    }
+
+    /// Number of equations so far, of all constraints.
+    pub(crate) fn rows(&self) -> usize {
+        self.portion.as_ref().map_or_else(|| self.contents.rows(), |portion| portion.rows())
+    }
+
+    /// Ends the current constraint, one of `expected` in total.
+    pub(crate) fn next(&mut self, expected: usize) {
+        self.portion.iter_mut().for_each(|portion| portion.next(expected));
+    }
+
+    pub(crate) fn into_portion(self) -> BulkEquations {
+        self.portion.map_or_else(BulkEquations::default, |portion| *portion)
+    }
+
+    /// Number of DOFs of the model.
+    pub fn dofs(&self) -> usize {
+        self.dofs
+    }
+
+    /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `name` distinguishes the equations of one constraint.
     ///
-    /// Where few numbers make many entries, `[0, 1, 0]` for `v, -v, v, v, -v, v`, only these are written.
-    const NUMBERS: &'static [usize] = &[];
-    /// Whether [`Nonlinear::pairs`] depends on the number of DOFs alone: then one constraint is asked for all that have as many.
-    const SAME_PAIRS: bool = false;
-    /// Whether parameters are functions of time: then [`Nonlinear::at_time`] is called, else it is not.
-    const DRIVEN: bool = false;
-    /// A name for each equation, such as "x"; a single equation has an empty one.
-    const PARTS: &'static [&'static str];
+    /// If terms cancel up to rounding, the coefficient is zero: a residue of 1e-17 would otherwise count as a coefficient, and add to the rank.
+    pub fn equation(
+        &mut self,
+        name: impl Into<Cow<'static, str>>,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+        rhs: f64,
+    ) {
+        self.check_number(rhs);
+        self.put(name.into(), terms, LinearRhs::Value(rhs));
+    }
 
-    /// `c`, length of `PARTS`.
-    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]);
+    /// Adds `sum a_j u_j = b(t)`, where t is the time of the set: 0, until [`crate::ConstraintSet::set_time`] changes it.
+    pub fn equation_in_time(
+        &mut self,
+        name: impl Into<Cow<'static, str>>,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+        rhs: impl Fn(f64) -> f64 + Send + Sync + 'static,
+    ) {
+        self.check_number(rhs(self.time));
+        self.put(name.into(), terms, LinearRhs::TimeFunction(Arc::new(rhs)));
+    }
 
-    /// Takes the parameters of this time; the DOFs and [`Nonlinear::pairs`] stay what they are.
+    fn put(&mut self, name: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: LinearRhs) {
+        let terms = terms.into_iter();
+        let mut sorted = match &mut self.portion {
+            Some(portion) => portion.terms(),
+            None => Vec::with_capacity(terms.size_hint().0),
+        };
+        let mut ascends = true;
+        for (dof, value) in terms {
+            self.check_dof(dof);
+            self.check_number(value);
+            ascends &= sorted.last().is_none_or(|&(last, _)| last < dof as u32);
+            sorted.push((dof as u32, value));
+        }
+        if !ascends {
+            sorted = summed(sorted);
+        }
+        match &mut self.portion {
+            _ if self.fault.is_some() => (),
+            Some(portion) => portion.equation(name, sorted, rhs),
+            None => self.contents.equations.push(StagedEquation { name, terms: sorted, rhs }),
+        }
+    }
+
+    /// Adds the nonlinear equations of `parameters` on these DOFs, which must differ.
+    pub fn nonlinear<Q: Nonlinear>(&mut self, name: impl Into<Cow<'static, str>>, dofs: &[usize], mut parameters: Q) {
+        if Q::DOFS != 0 && Q::DOFS != dofs.len() {
+            self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
+        }
+        if let Some(&dof) = dofs.iter().find(|&&dof| dof >= self.dofs) {
+            self.check_dof(dof);
+        }
+        if let Some(dof) = repeated(dofs) {
+            self.fail(StoreError::RepeatedDof { dof });
+        }
+        if Q::DRIVEN
+            && let Err(value) = parameters.at_time(self.time)
+        {
+            self.fail(StoreError::NotFinite { value });
+        }
+        if self.fault.is_none() {
+            self.put_nonlinear(name.into(), dofs, parameters);
+        }
+    }
+
+    fn put_nonlinear<Q: Nonlinear>(&mut self, name: Cow<'static, str>, dofs: &[usize], parameters: Q) {
+        let room = &mut self.contents.dofs;
+        if self.portion.is_some() {
+            room.clear();
+        }
+        let first = room.len();
+        room.extend(dofs.iter().map(|&dof| dof as u32));
+        match &mut self.portion {
+            Some(portion) => portion.nonlinear(name, room, parameters),
+            None => self.contents.pieces.push(Box::new(StagedItem { name, dofs: first..room.len(), parameters })),
+        }
+    }
+
+    /// States that a DOF is added to a reference coordinate: `x = at + u`, so that x is known to its last place at best.
     ///
-    /// Called when the constraint is added or activated, with the time of the set (0 at first), and by
-    /// [`crate::ConstraintSet::set_time`].
+    /// [`crate::ConstraintSet::rounding`] needs this from types that store differences of coordinates only.
+    pub fn coordinate(&mut self, dof: usize, at: f64) {
+        self.numbers([at]);
+        self.put_coordinates(&[dof], [at], at.abs());
+    }
+
+    /// [`Store::coordinate`] for all translations of a node.
+    pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
+        let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
+        self.numbers(node.at);
+        self.put_coordinates(&node.dofs, node.at, largest);
+    }
+
+    fn put_coordinates<const N: usize>(&mut self, dofs: &[usize; N], at: [f64; N], largest: f64) {
+        dofs.iter().for_each(|&dof| self.check_dof(dof));
+        if self.fault.is_none() {
+            let all = match &mut self.portion {
+                Some(portion) => &mut portion.coordinates.all,
+                None => &mut self.contents.coordinates,
+            };
+            let node = CoarseSize::of_something(largest);
+            let each: [_; N] = std::array::from_fn(|k| DofCoordinate::new(dofs[k], at[k], node));
+            all.extend_from_slice(&each);
+        }
+    }
+
+    /// States that the parameters of nonlinear equations contain these numbers, such as coordinates. Each must be finite and at most 1e50 in
+    /// magnitude, so that powers of it are finite too.
     ///
-    /// # Errors
-    /// What a function of time gives where that is not finite. The set then stays where it was, and takes the parameters of that time again.
-    fn at_time(&mut self, _time: f64) -> Result<(), f64> {
-        Ok(())
+    /// Linear equations need no such statement, since the store sees all of their numbers.
+    pub fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
+        for value in numbers {
+            // False for NaN.
+            let fits = value.abs() <= LARGEST;
+            if !fits {
+                self.check_number(value);
+                self.fail(StoreError::OutOfRange { value });
+            }
+        }
     }
 
-    /// The angle, in radians, that the parameters prescribe and that c knows only up to whole turns.
-    ///
-    /// From one time to the next c can be followed over less than half a turn of it; `qless_solve::equilibrium::drive` takes shorter steps.
-    fn angle(&self) -> Option<f64> {
-        None
+    /// States that nonlinear equations contain powers of this length, also as divisors. It must lie between 1e-50 and 1e50.
+    pub fn length(&mut self, value: f64) {
+        self.numbers([value]);
+        if value.abs() < 1.0 / LARGEST {
+            self.fail(StoreError::OutOfRange { value });
+        }
     }
 
-    /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation and nothing else: it may be replaced by
-    /// another vector of the same rotation ([`crate::ConstraintSet::shorten_rotations`]).
-    fn rotation_vectors(&self, _found: &mut dyn FnMut(usize)) {}
-
-    /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
-    fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
-        (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
+    fn check_dof(&mut self, dof: usize) {
+        if dof >= self.dofs {
+            self.fail(StoreError::DofOutOfRange { dof, dofs: self.dofs });
+        }
     }
 
-    /// `c`, and `dc_r / du_j` at `g[r * n + j]`; every number is written.
-    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        derive::jacobian(self, u, c, g);
+    fn check_number(&mut self, value: f64) {
+        if !value.is_finite() {
+            self.fail(StoreError::NotFinite { value });
+        }
     }
 
-    /// The same in any numbers: with bounds on their rounding, if u has them ([`crate::ConstraintSet::rounding`]).
-    ///
-    /// By dual numbers that costs as many evaluations of c as there are DOFs; a type whose c is a sum over many pieces adds up derivatives of
-    /// the pieces instead.
-    fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
-        derive::jacobian(self, u, c, g);
+    /// Keeps the first fault, which is the one reported.
+    fn fail(&mut self, fault: StoreError) {
+        self.fault.get_or_insert(fault);
     }
+}
 
-    /// `sum_r w_r d^2 c_r / du_j du_k`, one number per pair, in the order of [`Nonlinear::pairs`], or as
-    /// [`Nonlinear::NUMBERS`] says; every number is written.
-    fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
-        derive::hessian(self, u, w, h);
+/// Sorts terms by DOF, and sums those on the same DOF.
+fn summed(mut terms: LinearTerms) -> LinearTerms {
+    terms.sort_by_key(|&(dof, _)| dof);
+    if terms.windows(2).any(|two| two[0].0 == two[1].0) {
+        terms = terms.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
     }
+    terms
+}
 
-    /// How many constraints [`Nonlinear::values_and_jacobians`] and [`Nonlinear::second_derivatives`] take at once, at most.
-    ///
-    /// A type that costs much arithmetic can do the same operations for several constraints in the same instructions; it then has
-    /// both functions of its own, as those given here take one constraint.
-    const AT_ONCE: usize = 1;
+/// The sum of the coefficients of one DOF.
+fn sum(same: &[(u32, f64)]) -> f64 {
+    let sum: f64 = same.iter().map(|&(_, v)| v).sum();
+    let size: f64 = same.iter().map(|&(_, v)| v.abs()).sum();
+    if same.len() > 1 && sum.abs() <= CANCELLED * size { 0.0 } else { sum }
+}
 
-    /// [`Nonlinear::value_and_jacobian`] of several constraints, `u`, `c` and `g` one after the other.
-    #[inline]
-    fn values_and_jacobians(items: &[Self], u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        debug_assert_eq!(items.len(), 1);
-        items[0].value_and_jacobian(u, c, g);
+/// The smallest DOF that occurs twice.
+pub(crate) fn repeated(dofs: &[usize]) -> Option<usize> {
+    if dofs.is_sorted_by(|a, b| a < b) {
+        return None;
     }
-
-    /// [`Nonlinear::hessian`] of several constraints, `u`, `w` and `h` one after the other.
-    fn second_derivatives(items: &[Self], u: &[f64], w: &[f64], h: &mut [f64]) {
-        debug_assert_eq!(items.len(), 1);
-        items[0].hessian(u, w, h);
+    if dofs.len() <= FEW {
+        let twice = |&(k, dof): &(usize, &usize)| dofs[..k].contains(dof);
+        return dofs.iter().enumerate().filter(twice).map(|(_, &dof)| dof).min();
     }
+    let mut sorted = dofs.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
+}
 
-    /// Which number the pair takes that [`Nonlinear::pairs`] names at this place.
-    #[doc(hidden)]
-    fn number(pair: usize) -> usize {
-        if Self::NUMBERS.is_empty() { pair } else { Self::NUMBERS[pair % Self::NUMBERS.len()] }
-    }
+/// A fault that the store finds in the equations of a type. DOFs are 0-based.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// A DOF number is not below the number of DOFs.
+    #[error("it names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the number or the size", dofs.saturating_sub(1))]
+    DofOutOfRange {
+        /// The DOF.
+        dof: usize,
+        /// Number of DOFs.
+        dofs: usize,
+    },
+    /// A nonlinear equation has one DOF in two places.
+    #[error("it names DOF {dof} twice; each of its points and bodies needs DOFs of its own")]
+    RepeatedDof {
+        /// The DOF.
+        dof: usize,
+    },
+    /// A nonlinear equation has another number of DOFs than its type requires.
+    #[error("it names {found} DOFs, but its type has {expected}")]
+    DofCount {
+        /// Number of DOFs given.
+        found: usize,
+        /// Number of DOFs required.
+        expected: usize,
+    },
+    /// A coefficient, a right-hand side or a coordinate is NaN or infinite.
+    #[error("a number of it is {value}; every number must be finite")]
+    NotFinite {
+        /// The number.
+        value: f64,
+    },
+    /// Powers of a coordinate or length of a nonlinear equation overflow or vanish.
+    #[error(
+        "a coordinate or length of it is {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
+         between 1e-50 and 1e50"
+    )]
+    OutOfRange {
+        /// The number.
+        value: f64,
+    },
+    /// More equations, DOFs or constraints than 32 bits can number.
+    #[error("it is one too many: the set would have {found} {what}, and 4294967294 is the most")]
+    TooLarge {
+        /// What there are too many of.
+        what: &'static str,
+        /// Their number.
+        found: usize,
+    },
 }

@@ -1,10 +1,13 @@
 //! Constraint types of finite-element and multibody models: `c(u) = 0` with `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`.
 //!
-//! A [`ConstraintSet`] holds constraints of any types, from linear equations to the joints of multibody work. It evaluates
-//! their values, Jacobian and effective Hessian into sparse matrices whose patterns are made once and follow the set when constraints
-//! come, go, rest or change ([`ConstraintSet::add`] and others); right-hand sides may be functions of time ([`ConstraintSet::set_time`]);
-//! [`ConstraintSet::linearised`] hands `G du = -c` to [`qless::analyse`], which finds redundant and conflicting equations.
-//! The library concept is that of Boungard and Wackerfuß for dockSIM.
+//! A [`ConstraintSet`] holds constraints of any types, from linear equations to the joints of multibody models.
+//!
+//! - It evaluates their values, Jacobian and effective Hessian into sparse matrices. Patterns are made once, and updated when constraints are
+//!   added, removed, activated, deactivated or replaced ([`ConstraintSet::add`] and others).
+//! - Right-hand sides may be functions of time ([`ConstraintSet::set_time`]).
+//! - [`ConstraintSet::linearised`] passes `G du = -c` to [`qless::analyse`], which finds redundant and conflicting equations.
+//!
+//! The concept of the library is that of Boungard and Wackerfuß for dockSIM.
 //!
 //! ```
 //! use qless::{Options, analyse};
@@ -26,19 +29,24 @@
 //! ```
 
 mod constraint;
-mod derive;
+pub mod enforce;
+mod equations;
+pub mod equilibrium;
 mod geometry;
+pub mod newton;
+mod nonlinear;
 pub mod scalar;
 mod set;
 pub mod types;
 
-pub use constraint::{Constraint, Nonlinear};
+pub use constraint::{Constraint, Store, StoreError};
+pub use nonlinear::Nonlinear;
 pub use set::{
     ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, LineariseError,
-    Quantities, ReplaceError, Rounding, SetBuilder, Store, StoreError, TimeError, Vanishing, Weights, shorten_rotation,
+    Quantities, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights,
 };
 
-/// The example of the README, as a test.
+/// Tests the example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

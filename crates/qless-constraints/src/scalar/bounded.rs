@@ -1,54 +1,54 @@
-//! `x^ = x + e`, `|e| <= error`: a number with a bound on what rounding did to it (running error analysis, Wilkinson).
+//! A number with a bound on its rounding error: `x^ = x + e`, `|e| <= error` (running error analysis, Wilkinson).
 //!
-//! Each operation passes the bounds of its operands on and adds its own: `fl(x op y) = (x op y)(1 + d)`, `|d| <= 2^-53`.
+//! Each operation propagates the bounds of its operands and adds its own: `fl(x op y) = (x op y)(1 + d)`, `|d| <= 2^-53`.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Scalar;
 
-/// The most that one operation is off, relative to its result.
+/// Largest relative error of one operation.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// A computed number, and how far it may be from the one that exact arithmetic gives.
+/// A computed number, and a bound on its distance from the result of exact arithmetic.
 ///
-/// Numbers that go in are taken as known to one unit in the last place. In [`super::Dual`], derivatives get bounds as well.
+/// Inputs are assumed known to one unit in the last place. Within [`super::Dual`], derivatives get bounds as well.
 ///
 /// ```
 /// use qless_constraints::scalar::{Bounded, Scalar};
-/// // Of 1e8 + 1e-8 - 1e8, nothing is known: 1e-8 is below the rounding of 1e8.
+/// // 1e8 + 1e-8 - 1e8 is undetermined, since 1e-8 is below the rounding error of 1e8.
 /// let (large, small) = (Bounded::from(1e8), Bounded::from(1e-8));
 /// let difference = large + small - large;
 /// assert!(difference.real.abs() < difference.error && difference.error < 1e-7);
-/// // The sine of 2 pi is zero, but for what rounding left of it.
+/// // The sine of 2 pi is zero up to rounding.
 /// let sine = Bounded::from(std::f64::consts::TAU).sin();
 /// assert!(sine.real != 0.0 && sine.real.abs() < sine.error);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounded {
-    /// The number as it was computed.
+    /// The computed number.
     pub real: f64,
-    /// The most that it is off, in its own unit; infinite if nothing is known of it.
+    /// Bound on its absolute error; infinite if there is none.
     pub error: f64,
 }
 
 impl Bounded {
-    /// A number that stands for a quantity known to one unit in the last place of `size`, such as the difference of two of that size.
+    /// A quantity known to one unit in the last place of `size`, such as a difference of two numbers of that size.
     pub fn known_to(real: f64, size: f64) -> Self {
         Self { real, error: f64::EPSILON * size.abs() }
     }
 
-    /// What an operation gives, with what came from its operands and its own rounding.
+    /// The result of an operation, with the propagated error and its own rounding.
     fn rounded(real: f64, passed_on: f64) -> Self {
         Self { real, error: passed_on + UNIT * real.abs() }
     }
 
-    /// The same for products, quotients and roots, which lose more than that below the range of normal numbers.
+    /// The same for products, quotients and roots, which lose more below the range of normal numbers.
     fn scaled(real: f64, passed_on: f64, exact_zero: bool) -> Self {
         let lost = if real.abs() < f64::MIN_POSITIVE && !exact_zero { f64::from_bits(1) } else { 0.0 };
         Self::rounded(real, passed_on + lost)
     }
 
-    /// `f` at an argument off by `error`, with `|f''| <= 1` and `|f| <= 1`: sine and cosine, to one unit in the last place.
+    /// Sine or cosine, from its value and slope at an argument with this error; `f` is known to one unit in the last place.
     fn wave(f: f64, slope: f64, error: f64) -> Self {
         let passed_on = (slope.abs() * error + 0.5 * error * error).min(error).min(2.0);
         Self { real: f, error: passed_on + f64::EPSILON * f.abs() }

@@ -5,7 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Scalar;
 
-/// A value and its derivatives in N directions, all of them numbers S: with [`super::Bounded`], each has a bound on its rounding.
+/// A value and its derivatives in N directions. With [`super::Bounded`] as S, each has an error bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize, S = f64> {
     /// The value.
@@ -15,12 +15,12 @@ pub struct Dual<const N: usize, S = f64> {
 }
 
 impl<const N: usize, S: Scalar> Dual<N, S> {
-    /// The variable of direction `k`; a constant if there is no such direction.
+    /// The variable of direction `k`, or a constant if `k` is not below N.
     pub fn variable(real: S, k: usize) -> Self {
         Self { real, slope: from_fn(|i| S::from(f64::from(u8::from(i == k)))) }
     }
 
-    /// `f(self)` from f and f' at its value.
+    /// Chain rule: `f(self)`, from f and f' at its value.
     fn chain(self, f: S, slope: S) -> Self {
         Self { real: f, slope: self.slope.map(|s| slope * s) }
     }

@@ -19,12 +19,12 @@ pub struct HyperDual {
     pub first: f64,
     /// Its derivative in the second direction.
     pub second: f64,
-    /// Its derivative in both.
+    /// Its derivative in both directions.
     pub mixed: f64,
 }
 
 impl HyperDual {
-    /// `f(self)` from f, f' and f'' at its value.
+    /// Chain rule: `f(self)`, from f, f' and f'' at its value.
     fn chain(self, f: f64, slope: f64, curvature: f64) -> Self {
         Self {
             real: f,

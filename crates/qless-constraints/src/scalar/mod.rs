@@ -1,6 +1,8 @@
-//! Numbers that a constraint can be evaluated in: `f64`, or one that carries derivatives or a bound on its rounding along.
+//! Numbers that constraints can be evaluated in: `f64`, dual numbers for derivatives, and numbers with error bounds.
 
 mod bounded;
+#[cfg(test)]
+pub(crate) mod double_double;
 mod dual;
 mod hyper;
 pub mod vector;
@@ -11,7 +13,7 @@ pub use bounded::Bounded;
 pub use dual::Dual;
 pub use hyper::HyperDual;
 
-/// What sums and products are made of: a number, with or without derivatives, or several side by side.
+/// Numbers with sums and products: scalars, with or without derivatives, or several scalars side by side.
 pub trait Arithmetic:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
@@ -22,10 +24,10 @@ impl<S> Arithmetic for S where
 {
 }
 
-/// A real number, with or without derivatives and bounds.
+/// A real number, with or without derivatives and error bounds.
 ///
-/// A constraint whose value is written for every `Scalar` gets its Jacobian and Hessian without a second formula, exact to
-/// rounding: `f(x + e) = f(x) + f'(x) e` where `e^2 = 0`.
+/// If the value of a constraint is written for any `Scalar`, dual numbers give its Jacobian and Hessian exact to rounding:
+/// `f(x + e) = f(x) + f'(x) e` with `e^2 = 0`.
 ///
 /// ```
 /// use qless_constraints::scalar::{Dual, Scalar};
@@ -36,9 +38,9 @@ impl<S> Arithmetic for S where
 /// assert_eq!(cube(Dual::<1>::variable(2.0, 0)).slope, [12.0]);
 /// ```
 pub trait Scalar: Arithmetic + Div<Output = Self> {
-    /// The number without its derivatives; branches may depend on it.
+    /// The number without its derivatives. Branches may depend on it.
     fn real(self) -> f64;
-    /// Square root, of a positive number.
+    /// Square root of a positive number.
     #[must_use]
     fn sqrt(self) -> Self;
     /// Sine.
@@ -47,9 +49,9 @@ pub trait Scalar: Arithmetic + Div<Output = Self> {
     /// Cosine.
     #[must_use]
     fn cos(self) -> Self;
-    /// The angle of the point with the height `self` above `x`, in (-pi, pi].
+    /// The angle of the point `(x, self)`, in (-pi, pi].
     ///
-    /// Of its value h the sine and cosine are known: what is left, `tan(angle - h)`, is rounding, and has the derivatives.
+    /// With h the angle of the values, the remainder `tan(angle - h)` is of the size of rounding and carries the derivatives.
     #[must_use]
     fn atan2(self, x: Self) -> Self {
         let h = self.real().atan2(x.real());

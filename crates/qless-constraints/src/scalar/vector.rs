@@ -1,4 +1,4 @@
-//! Vectors of three: `a + b`, `a . b`, `a x b`.
+//! Vectors with three components: `a + b`, `a . b`, `a x b`.
 
 #![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
 
@@ -7,7 +7,7 @@ use super::{Arithmetic, Scalar};
 /// Three components.
 pub type Vector<S> = [S; 3];
 
-/// A constant vector as one of scalars.
+/// Converts a constant vector.
 #[inline(always)]
 pub fn lift<S: Arithmetic>(a: Vector<f64>) -> Vector<S> {
     a.map(S::from)
@@ -48,7 +48,7 @@ pub fn norm<S: Scalar>(a: Vector<S>) -> S {
     dot(a, a).sqrt()
 }
 
-/// `a / |a|`, or nothing if its length is zero or not finite.
+/// `a / |a|`; `None` if the length is zero or not finite.
 ///
 /// ```
 /// use qless_constraints::scalar::vector::unit;

@@ -1,11 +1,10 @@
-//! `G du = -c` of a set that changes, analysed block by block: joined to [`qless::ChangingSystem`].
+//! The linearised equations `G du = -c` of a changing set, updated in a [`qless::ChangingSystem`].
 //!
 //! ```text
-//! rows that came, went or have other numbers  ->  add, remove, set_terms, set_rhs  ->  blocks touched, analysed and reduced anew
+//! rows added, removed or changed  ->  add, remove, set_terms, set_rhs  ->  affected blocks are analysed and reduced again
 //! ```
 //!
-//! Where G does not depend on u, and u stays, an activated constraint costs the blocks of its equations, whatever else the set holds. Finding
-//! what changed reads G once.
+//! If G does not depend on u, or u stays, an activated constraint costs the blocks of its equations only. To find the changes, G is read once.
 
 use std::collections::HashMap;
 
@@ -13,21 +12,22 @@ use qless::change::{ChangeError, EquationId};
 use qless::common::Identity;
 use qless::{ArgumentError, ChangingSystem, Kind, Options};
 
-use super::layout::{Layout, differences};
-use super::{ConstraintSet, Quantities};
+use crate::equations::layout::{RowLayout, differences};
+use crate::set::ConstraintSet;
+use crate::set::evaluation::Quantities;
 
-/// The constraint of an equation, its type and its place among the equations of both: what stays when others come and go.
-type Key = (u32, u32, u32);
+/// Identifies a row while others come and go: its constraint, its type, and its index among the equations of both.
+type RowKey = (u32, u32, u32);
 
-/// What is known of one row.
-struct Known {
-    key: Key,
+/// A row as it was passed to the system.
+struct ActiveRow {
+    key: RowKey,
     id: EquationId,
     terms: Box<[(usize, f64)]>,
     rhs: f64,
 }
 
-/// The linearised equations `G du = -c` of a [`ConstraintSet`] that changes: m equations on n DOFs, with rank and reduction.
+/// The linearised equations `G du = -c` of a changing [`ConstraintSet`]: m equations on n DOFs, with rank and reduction.
 ///
 /// ```
 /// use qless::{Kind, Options};
@@ -40,7 +40,7 @@ struct Known {
 /// set.evaluate(&[0.0; 6], &mut quantities)?;
 /// assert_eq!((system.update(&set, &quantities)?, system.rank()), (2, 4));
 /// assert_eq!(system.kind(2), Some(Kind::Redundant));
-/// // The ring opens; the other block is not touched.
+/// // The ring opens; the other block is not analysed again.
 /// set.deactivate(ids[1])?;
 /// set.evaluate(&[0.0; 6], &mut quantities)?;
 /// assert_eq!((system.update(&set, &quantities)?, system.rank()), (1, 4));
@@ -51,24 +51,24 @@ struct Known {
 pub struct ActiveSystem {
     of: Identity,
     system: ChangingSystem,
-    layout: Layout,
-    rows: Vec<Known>,
+    layout: RowLayout,
+    rows: Vec<ActiveRow>,
 }
 
-impl std::fmt::Debug for Known {
+impl std::fmt::Debug for ActiveRow {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Known").field("id", &self.id).field("rhs", &self.rhs).finish_non_exhaustive()
     }
 }
 
-/// Why the linearised equations do not follow a set.
+/// Why the linearised equations could not be updated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ActiveError {
-    /// Another set, or quantities that are not those of the set as it is now.
+    /// The set is another one, or the quantities are out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// A number of an equation that is not finite.
+    /// A number of a linearised equation is not finite.
     #[error("{label}: a number of its linearised equation is {value}; give a configuration at which it is finite")]
     NotFinite {
         /// The equation.
@@ -82,26 +82,26 @@ pub enum ActiveError {
 }
 
 impl ActiveSystem {
-    /// No equations yet, on the DOFs of a set.
+    /// A system on the DOFs of a set, without equations yet.
     ///
     /// # Errors
-    /// [`ActiveError::Change`] for more DOFs than the memory holds.
+    /// [`ActiveError::Change`] for more DOFs than fit into memory.
     pub fn new(set: &ConstraintSet, options: Options) -> Result<Self, ActiveError> {
         let system = ChangingSystem::new(set.dofs(), options)?;
         Ok(Self { of: set.register.identity, system, layout: Vec::new(), rows: Vec::new() })
     }
 
-    /// Takes over what changed in the set and its quantities, and analyses the blocks that it touches; how many these are.
+    /// Takes over the changes of the set and its quantities, and analyses the affected blocks. Returns their number.
     ///
     /// # Errors
-    /// [`ActiveError`]: nothing is taken over, or, if a block cannot be analysed, all is, and the results stay those of before.
+    /// [`ActiveError`]. If a block cannot be analysed, the changes are taken over and the results stay the old ones; otherwise nothing changes.
     pub fn update(&mut self, set: &ConstraintSet, quantities: &Quantities) -> Result<usize, ActiveError> {
         set.own("the set of the system", self.of)?;
         set.current(quantities)?;
         finite(set, quantities)?;
         let before = self.matches(set);
         let rounding = set.rounding_of_nonlinear(quantities)?;
-        let mut old: Vec<Option<Known>> = self.rows.drain(..).map(Some).collect();
+        let mut old: Vec<Option<ActiveRow>> = self.rows.drain(..).map(Some).collect();
         let keys = set.keys();
         for (row, place) in before.iter().enumerate() {
             let known = place.and_then(|place| old[place].take());
@@ -111,7 +111,7 @@ impl ActiveSystem {
                 self.renewed(known, terms, rhs)?
             } else {
                 let terms: Box<[_]> = terms.collect();
-                Known { key: keys[row], id: self.system.add(terms.iter().copied(), rhs)?, terms, rhs }
+                ActiveRow { key: keys[row], id: self.system.add(terms.iter().copied(), rhs)?, terms, rhs }
             };
             self.rows.push(known);
         }
@@ -120,7 +120,7 @@ impl ActiveSystem {
         Ok(self.system.update()?)
     }
 
-    /// The row that each row of the set was.
+    /// The old row of each row of the set, if there was one.
     fn matches(&self, set: &ConstraintSet) -> Vec<Option<usize>> {
         let (new, keys) = (set.layout(), set.keys());
         let firsts: Vec<usize> = std::iter::once(0)
@@ -132,9 +132,9 @@ impl ActiveSystem {
         let mut all = Vec::with_capacity(set.equations());
         let mut next = 0;
         for (gone, come) in differences(&self.layout, &new) {
-            // Segments without a change: row by row.
+            // Rows of unchanged batches keep their order.
             all.extend((all.len()..firsts[come.start]).zip(next..).map(|(_, old)| Some(old)));
-            let places: HashMap<Key, usize> = gone.clone().map(|row| (self.rows[row].key, row)).collect();
+            let places: HashMap<RowKey, usize> = gone.clone().map(|row| (self.rows[row].key, row)).collect();
             all.extend((all.len()..firsts[come.end]).map(|row| places.get(&keys[row]).copied()));
             next = gone.end;
         }
@@ -142,13 +142,13 @@ impl ActiveSystem {
         all
     }
 
-    /// An equation that is there, with the numbers that it has now.
+    /// Updates the numbers of an equation that stays.
     fn renewed(
         &mut self,
-        mut known: Known,
+        mut known: ActiveRow,
         terms: impl Iterator<Item = (usize, f64)> + Clone,
         rhs: f64,
-    ) -> Result<Known, ChangeError> {
+    ) -> Result<ActiveRow, ChangeError> {
         let bits = |(j, v): (usize, f64)| (j, v.to_bits());
         if !known.terms.iter().copied().map(bits).eq(terms.clone().map(bits)) {
             known.terms = terms.collect();
@@ -161,7 +161,7 @@ impl ActiveSystem {
         Ok(known)
     }
 
-    /// Gives a DOF an increment du, whether it had one or not.
+    /// Prescribes an increment du for a DOF, or changes a prescribed one.
     ///
     /// # Errors
     /// [`ActiveError::Change`] for a DOF out of range or a number that is not finite.
@@ -169,7 +169,7 @@ impl ActiveSystem {
         Ok(self.system.prescribe(dof, increment)?)
     }
 
-    /// Makes a DOF free.
+    /// Makes a DOF free again.
     ///
     /// # Errors
     /// [`ActiveError::Change`] for a DOF out of range.
@@ -177,12 +177,12 @@ impl ActiveSystem {
         Ok(self.system.release(dof)?)
     }
 
-    /// What the equation in a row of the set is, since the last update.
+    /// The kind of the equation in a row of the set, as of the last update.
     pub fn kind(&self, row: usize) -> Option<Kind> {
         self.rows.get(row).and_then(|known| self.system.kind(known.id))
     }
 
-    /// The equation in a row of the set at the last update, for what [`ActiveSystem::system`] says of it.
+    /// The identity in [`ActiveSystem::system`] of the equation in a row of the set, as of the last update.
     pub fn equation(&self, row: usize) -> Option<EquationId> {
         self.rows.get(row).map(|known| known.id)
     }
@@ -192,15 +192,15 @@ impl ActiveSystem {
         self.system.rank()
     }
 
-    /// Blocks with their reductions, and certificates.
+    /// The blocks with their reductions, and the certificates.
     pub fn system(&self) -> &ChangingSystem {
         &self.system
     }
 
-    /// Sets slaves and prescribed DOFs in `du`, which holds the masters: `du_s = T du_q + G du_p + g`.
+    /// Sets slaves and prescribed DOFs in `du`, where the masters are given: `du_s = T du_q + G du_p + g`.
     ///
     /// # Errors
-    /// [`ActiveError::Change`] unless `du` has a finite number for each DOF.
+    /// [`ActiveError::Change`] unless `du` has one finite number per DOF.
     pub fn expand(&self, du: &mut [f64]) -> Result<(), ActiveError> {
         Ok(self.system.expand(du)?)
     }
@@ -216,11 +216,12 @@ fn finite(set: &ConstraintSet, quantities: &Quantities) -> Result<(), ActiveErro
 }
 
 impl ConstraintSet {
-    /// What tells each row from all others, whatever comes and goes.
-    fn keys(&self) -> Vec<Key> {
+    /// The key of each row.
+    fn keys(&self) -> Vec<RowKey> {
         let linear = self.linear.batches.iter().flat_map(|batch| &batch.owners).map(|owner| (owner.constraint, 0));
-        let nonlinear = self.blocks.with_kinds().flat_map(|(block, kind)| {
-            (0..block.items()).flat_map(move |i| std::iter::repeat_n((block.constraint(i), kind + 1), block.parts()))
+        let nonlinear = self.nonlinear.with_kinds().flat_map(|(batch, kind)| {
+            (0..batch.items())
+                .flat_map(move |i| std::iter::repeat_n((batch.constraint(i), kind + 1), batch.equations_per_item()))
         });
         let mut before = (u32::MAX, u32::MAX, 0);
         let key = |(constraint, kind)| {

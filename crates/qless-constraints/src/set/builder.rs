@@ -1,17 +1,24 @@
-//! From loose constraints to a [`ConstraintSet`].
+//! Collects constraints into a [`ConstraintSet`]: one by one, or many of one type in parallel.
+
+use std::ops::Range;
 
 use qless::SystemError;
+use rayon::prelude::*;
 
-use super::blocks::Blocks;
-use super::labels::Register;
-use super::lazy::Planned;
-use super::linear::Rows;
-use super::stamp::Stamp;
-use super::stated::Stated;
-use super::{AddError, ConstraintId, ConstraintIds, ConstraintSet};
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, Store, StoreError};
+use crate::equations::ChangeStamp;
+use crate::equations::contents::{BulkEquations, ConstraintContents};
+use crate::equations::coordinates::ReferenceCoordinates;
+use crate::equations::hessian::LazyPlan;
+use crate::equations::linear::LinearEquations;
+use crate::equations::linear::batch::BATCH_ROWS;
+use crate::equations::nonlinear::NonlinearEquations;
+use crate::set::ConstraintSet;
+use crate::set::edit::ProcessFault;
+use crate::set::error::AddError;
+use crate::set::register::{ConstraintId, ConstraintIds, ConstraintRegister, numbered};
 
-/// Collects constraints of any types in any order; each is checked when it is added.
+/// Collects constraints of any types in any order. Each is checked when it is added.
 pub struct SetBuilder(ConstraintSet);
 
 impl std::fmt::Debug for SetBuilder {
@@ -24,22 +31,22 @@ impl std::fmt::Debug for SetBuilder {
 impl SetBuilder {
     pub(super) fn new(dofs: usize) -> Self {
         Self(ConstraintSet {
-            register: Register::new(),
+            register: ConstraintRegister::new(),
             dofs,
-            linear: Rows::default(),
-            blocks: Blocks::default(),
-            planned: Planned::default(),
+            linear: LinearEquations::default(),
+            nonlinear: NonlinearEquations::default(),
+            hessian_plan: LazyPlan::default(),
             time: 0.0,
-            stated: Stated::default(),
-            version: Stamp::default(),
+            reference_coordinates: ReferenceCoordinates::default(),
+            version: ChangeStamp::default(),
             spare: None,
         })
     }
 
-    /// Adds a constraint under a label that reports will use, as [`ConstraintSet::add`] does.
+    /// Adds a constraint under a label for reports, as [`ConstraintSet::add`] does.
     ///
     /// # Errors
-    /// [`AddError`]: what its type finds wrong with it, or a DOF or number that no type can have. Nothing is added then.
+    /// [`AddError`]: the type refuses the input, or a DOF or number is not valid. Nothing is added then.
     pub fn add<C: Constraint>(
         &mut self,
         label: impl Into<String>,
@@ -48,10 +55,10 @@ impl SetBuilder {
         self.0.add(label, constraint)
     }
 
-    /// Adds many constraints of one type at once, as [`ConstraintSet::add_all`] does: by all threads, all of them or none.
+    /// Adds many constraints of one type in parallel, as [`ConstraintSet::add_all`] does: all or none.
     ///
     /// # Errors
-    /// [`AddError`] of the first faulty one. Nothing is added then.
+    /// [`AddError`] of the first faulty constraint. Nothing is added then.
     pub fn add_all<C: Constraint>(
         &mut self,
         label: impl Into<String>,
@@ -61,7 +68,7 @@ impl SetBuilder {
         self.0.add_all(label, count, constraint)
     }
 
-    /// The set of all that was added. Patterns are made when they are asked for.
+    /// The set of all constraints added. Patterns are made on request.
     ///
     /// # Errors
     /// [`SystemError::TooLarge`] for more DOFs than 32 bits can number.
@@ -71,4 +78,150 @@ impl SetBuilder {
         }
         Ok(self.0)
     }
+}
+
+/// Constraints per task: if each has one equation, they fill whole batches.
+const PORTION: usize = BATCH_ROWS;
+
+/// Index of a faulty constraint, and its fault.
+type IndexedFault<C> = (usize, ProcessFault<<C as Constraint>::Error>);
+
+impl ConstraintSet {
+    /// Adds `count` constraints of one type, `constraint(0)` to `constraint(count - 1)`: all, or none if one is faulty.
+    ///
+    /// The set is the same as if they were added one by one under the labels `"label 0"`, `"label 1"` and so on, or under empty labels if
+    /// `label` is empty. All threads call `constraint`; it may read from a list: `|i| list[i]`.
+    ///
+    /// ```
+    /// use qless_constraints::ConstraintSet;
+    /// use qless_constraints::types::{Distance, PlanarPoint};
+    /// // A chain of four rods of length 1.
+    /// let point = |i: usize| PlanarPoint::new([2 * i, 2 * i + 1], [i as f64, 0.0]);
+    /// let mut builder = ConstraintSet::builder(10);
+    /// let rods = builder.add_all("rod", 4, |i| Distance::new(point(i), point(i + 1)))?;
+    /// let mut set = builder.build()?;
+    /// assert_eq!((set.equations(), set.label(2)?.as_str()), (4, "rod 2"));
+    /// set.remove(rods.get(2).expect("there are four"))?;
+    /// assert_eq!(set.label(2)?, "rod 3");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`AddError`] of the first faulty constraint. Nothing is added then.
+    pub fn add_all<C: Constraint>(
+        &mut self,
+        label: impl Into<String>,
+        count: usize,
+        constraint: impl Fn(usize) -> C + Sync,
+    ) -> Result<ConstraintIds, AddError<C::Error>> {
+        let label = label.into();
+        let added = match self.too_many(count) {
+            Some(faulty) => Err(faulty),
+            None if count < PORTION => self.one_by_one(count, constraint),
+            None => self.side_by_side(count, constraint),
+        };
+        match added {
+            Ok(added) => Ok(self.join(label, count, added)),
+            Err((i, fault)) => Err(fault.labelled(C::NAME, numbered(&label, i))),
+        }
+    }
+
+    /// Too few to fill a batch: their equations go into the existing batches.
+    fn one_by_one<C: Constraint>(
+        &mut self,
+        count: usize,
+        constraint: impl Fn(usize) -> C,
+    ) -> Result<AddedConstraints, IndexedFault<C>> {
+        let mut rows = 0;
+        let checked = |i| {
+            let contents = self.processed(constraint(i), (i, rows)).map_err(|fault| (i, fault))?;
+            rows += contents.rows();
+            Ok(*contents)
+        };
+        (0..count).map(checked).collect::<Result<_, _>>().map(AddedConstraints::Few)
+    }
+
+    fn side_by_side<C: Constraint>(
+        &self,
+        count: usize,
+        constraint: impl Fn(usize) -> C + Sync,
+    ) -> Result<AddedConstraints, IndexedFault<C>> {
+        let portion = |k: usize| self.portion(k * PORTION..count.min((k + 1) * PORTION), &constraint);
+        let portions: Vec<_> = (0..count.div_ceil(PORTION)).into_par_iter().map(portion).collect();
+        let (mut rows, mut all) = (0, Vec::with_capacity(portions.len()));
+        for (k, portion) in portions.into_iter().enumerate() {
+            let portion = portion?;
+            rows += portion.rows();
+            let last = count.min((k + 1) * PORTION) - 1;
+            self.too_large(last, rows).map_or(Ok(()), |fault| Err((last, ProcessFault::Store(fault))))?;
+            all.push(portion);
+        }
+        Ok(AddedConstraints::Many(all))
+    }
+
+    /// Checks a range of constraints, and stores their equations.
+    fn portion<C: Constraint>(
+        &self,
+        which: Range<usize>,
+        constraint: &(impl Fn(usize) -> C + Sync),
+    ) -> Result<BulkEquations, IndexedFault<C>> {
+        let (first, count) = (self.register.ever() + which.start, which.len());
+        let mut store = Store::for_many(self.dofs, BulkEquations::new(first as u32, self.time));
+        for i in which {
+            constraint(i).process(&mut store).map_err(|error| (i, ProcessFault::Input(error)))?;
+            store.fault.take().map_or(Ok(()), |fault| Err((i, ProcessFault::Store(fault))))?;
+            store.next(count);
+        }
+        Ok(store.into_portion())
+    }
+
+    /// The first constraint that exceeds the limits of the set, before any constraint is made.
+    fn too_many<E>(&self, count: usize) -> Option<(usize, ProcessFault<E>)> {
+        let last = count.checked_sub(1)?;
+        let room = (u32::MAX as usize - 1).saturating_sub(self.register.ever());
+        let i = if self.too_large(0, 0).is_some() { 0 } else { last.min(room) };
+        self.too_large(i, 0).map(|fault| (i, ProcessFault::Store(fault)))
+    }
+
+    /// The limit that i + 1 more constraints with this many equations exceed, if any. The index `u32::MAX` is reserved.
+    pub(super) fn too_large(&self, i: usize, rows: usize) -> Option<StoreError> {
+        let (rows, constraints) = (self.equations() + rows, self.register.ever() + i + 1);
+        [("DOFs", self.dofs), ("equations", rows), ("constraints", constraints)]
+            .into_iter()
+            .find(|&(_, found)| found >= u32::MAX as usize)
+            .map(|(what, found)| StoreError::TooLarge { what, found })
+    }
+
+    fn join(&mut self, label: String, count: usize, added: AddedConstraints) -> ConstraintIds {
+        let ids = self.register.add_all(label, count as u32);
+        match added {
+            AddedConstraints::Few(all) => {
+                std::iter::zip(ids.first.., all).for_each(|(number, contents)| self.put(number, Box::new(contents)));
+            }
+            AddedConstraints::Many(all) => self.append(ids.first, all),
+        }
+        ids
+    }
+
+    /// Takes over the equations of new constraints; `constraint` is the number of the first.
+    fn append(&mut self, mut constraint: u32, portions: Vec<BulkEquations>) {
+        let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, .. } = self;
+        for BulkEquations { linear: rows, nonlinear: others, names, coordinates, .. } in portions {
+            let places = register.equation_names.places_of(&names);
+            constraint += reference_coordinates.join(constraint, coordinates);
+            linear.join(rows, places.as_deref());
+            if others.rows() > 0 {
+                hessian_plan.outdate();
+                others.batches.iter().for_each(|batch| hessian_plan.touch_all(batch.as_ref()));
+                nonlinear.join(others, places.as_deref());
+            }
+        }
+        self.version.renew();
+    }
+}
+
+/// Constraints that passed the checks.
+enum AddedConstraints {
+    Few(Vec<ConstraintContents>),
+    Many(Vec<BulkEquations>),
 }

@@ -1,20 +1,21 @@
-//! Constraints that come, go, rest and change, in a set that is in use.
+//! Changes of a set that is in use: constraints are added, removed, activated, deactivated and replaced.
 //!
 //! | operation | cost |
 //! | --- | --- |
-//! | [`ConstraintSet::add`], [`remove`](ConstraintSet::remove), [`activate`](ConstraintSet::activate), [`deactivate`](ConstraintSet::deactivate) | the segments of the constraint's equations: at most some thousand numbers each are moved |
-//! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers themselves |
-//! | the next evaluation | the rows of H that were touched are planned anew; rows of G and H behind the first that came or went move once |
+//! | [`ConstraintSet::add`], [`remove`](ConstraintSet::remove), [`activate`](ConstraintSet::activate), [`deactivate`](ConstraintSet::deactivate) | the batches of the constraint's equations, at most some thousand numbers each |
+//! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers that are replaced |
+//! | the next evaluation | new patterns for the chunks of H that changed; rows of G and H after the first change move once |
 //!
-//! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints, if that meets their types
-//! in the same order: a set goes on in the order in which it met them first.
+//! Results have the same bits, in the same rows, as those of a new set of the active constraints that meets their types in the same order.
 
-use super::contents::Contents;
-use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, Store, StoreError};
+use crate::equations::contents::ConstraintContents;
+use crate::set::ConstraintSet;
+use crate::set::error::{AddError, EditError, ReplaceError, TimeError};
+use crate::set::register::ConstraintId;
 
 impl ConstraintSet {
-    /// Adds a constraint, active, under a label that reports will use.
+    /// Adds an active constraint under a label for reports.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -35,7 +36,7 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`AddError`]: what its type finds wrong with it, or a DOF or number that no type can have. Nothing is added then.
+    /// [`AddError`]: the type refuses the input, or a DOF or number is not valid. Nothing is added then.
     pub fn add<C: Constraint>(
         &mut self,
         label: impl Into<String>,
@@ -51,7 +52,7 @@ impl ConstraintSet {
         Ok(id)
     }
 
-    /// Takes a constraint out for good, active or not.
+    /// Removes a constraint for good, active or not.
     ///
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`].
@@ -64,7 +65,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// Lets a constraint rest: it has no equations until it is activated. One that rests stays as it is.
+    /// Makes a constraint inactive: it has no equations until it is activated. No effect on an inactive constraint.
     ///
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`].
@@ -77,10 +78,10 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// Gives a constraint that rests its equations again, in the place that it had, at the time of the set. An active one stays as it is.
+    /// Reactivates an inactive constraint in its old position, evaluated at the time of the set. No effect on an active constraint.
     ///
     /// # Errors
-    /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] for a function of time that is not finite at that of the set.
+    /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] if a function of time is not finite at the time of the set.
     pub fn activate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
         let Some(contents) = self.register.parked_mut(number) else { return Ok(()) };
@@ -94,7 +95,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// Whether a constraint has its equations in the set.
+    /// Whether a constraint is active, so that its equations are part of the set.
     ///
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`].
@@ -102,12 +103,12 @@ impl ConstraintSet {
         self.register.number(constraint).map(|number| self.register.is_active(number))
     }
 
-    /// Gives a constraint new parameters or another type; its label, its place and whether it is active stay.
+    /// Replaces the parameters or the type of a constraint. Its label and position stay, and it remains active or inactive.
     ///
-    /// Where DOFs, types and numbers of equations are the same, all patterns stay what they are.
+    /// All patterns stay if DOFs, types and numbers of equations are the same.
     ///
     /// # Errors
-    /// [`ReplaceError`]; the constraint is then what it was.
+    /// [`ReplaceError`]; the constraint is not changed then.
     pub fn replace<C: Constraint>(&mut self, constraint: ConstraintId, new: C) -> Result<(), ReplaceError<C::Error>> {
         let number = self.register.number(constraint)?;
         let contents = match self.processed(new, (0, 0)) {
@@ -123,7 +124,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// Gives the linear equations of a constraint new right-hand sides, one each in their order; they are no functions of time any more.
+    /// Sets constant right-hand sides for the linear equations of a constraint, in order. They replace functions of time.
     ///
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Count`], [`EditError::NotFinite`]; nothing changes then.
@@ -146,80 +147,83 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// What a constraint consists of, checked, if it comes after so many others with so many equations.
+    /// The checked equations of a new constraint, which follows `others` new ones with `rows` equations.
     pub(super) fn processed<C: Constraint>(
         &mut self,
         constraint: C,
         (others, rows): (usize, usize),
-    ) -> Result<Box<Contents>, Fault<C::Error>> {
+    ) -> Result<Box<ConstraintContents>, ProcessFault<C::Error>> {
         let mut store = Store::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
-        constraint.process(&mut store).map_err(Fault::Input)?;
+        constraint.process(&mut store).map_err(ProcessFault::Input)?;
         match store.fault.take().or_else(|| self.too_large(others, rows + store.rows())) {
-            Some(fault) => Err(Fault::Store(fault)),
+            Some(fault) => Err(ProcessFault::Store(fault)),
             None => Ok(store.contents),
         }
     }
 
-    /// Puts what a constraint consists of in its place.
-    pub(super) fn put(&mut self, number: u32, mut contents: Box<Contents>) {
-        let Self { register, linear, blocks, planned, stated, time, .. } = self;
-        stated.put(number, &mut contents.coordinates);
-        linear.put(number, &mut contents.equations, &mut register.parts, *time);
+    /// Stores the equations of a constraint in its position.
+    pub(super) fn put(&mut self, number: u32, mut contents: Box<ConstraintContents>) {
+        let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, time, .. } = self;
+        reference_coordinates.put(number, &mut contents.coordinates);
+        linear.put(number, &mut contents.equations, &mut register.equation_names, *time);
         if !contents.pieces.is_empty() {
-            planned.outdate();
-            let Contents { pieces, dofs, .. } = &mut *contents;
-            pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.parts, blocks));
-            if planned.is_wanted() {
-                blocks.of(number).into_iter().for_each(|(_, (b, i))| planned.touch(blocks.all[b].as_ref(), i));
+            hessian_plan.outdate();
+            let ConstraintContents { pieces, dofs, .. } = &mut *contents;
+            pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.equation_names, nonlinear));
+            if hessian_plan.is_wanted() {
+                nonlinear
+                    .of(number)
+                    .into_iter()
+                    .for_each(|(_, (b, i))| hessian_plan.touch(nonlinear.batches[b].as_ref(), i));
             }
         }
         self.version.renew();
         self.spare = contents.emptied();
     }
 
-    /// Takes the equations of a constraint out.
-    fn take(&mut self, number: u32) -> Contents {
-        let Self { register, linear, blocks, planned, .. } = self;
-        let places = blocks.of(number);
+    /// Removes and returns the equations of a constraint.
+    fn take(&mut self, number: u32) -> ConstraintContents {
+        let Self { register, linear, nonlinear, hessian_plan, .. } = self;
+        let places = nonlinear.of(number);
         if !places.is_empty() {
-            planned.outdate();
-            places.iter().for_each(|&(_, (block, item))| planned.touch(blocks.all[block].as_ref(), item));
+            hessian_plan.outdate();
+            places.iter().for_each(|&(_, (batch, item))| hessian_plan.touch(nonlinear.batches[batch].as_ref(), item));
         }
         self.version.renew();
-        let equations = linear.take(number, &register.parts);
-        let (pieces, dofs) = blocks.take(number, &register.parts);
-        Contents { equations, pieces, dofs, coordinates: self.stated.take(number) }
+        let equations = linear.take(number, &register.equation_names);
+        let (pieces, dofs) = nonlinear.take(number, &register.equation_names);
+        ConstraintContents { equations, pieces, dofs, coordinates: self.reference_coordinates.take(number) }
     }
 
-    /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
-    fn overwrite(&mut self, number: u32, mut contents: Box<Contents>) -> Result<(), Box<Contents>> {
-        contents.pieces.sort_by_key(|piece| piece.kind(&self.blocks));
-        let places = self.blocks.of(number);
+    /// Replaces the numbers of a constraint if all patterns stay; otherwise returns the contents.
+    fn overwrite(&mut self, number: u32, mut contents: Box<ConstraintContents>) -> Result<(), Box<ConstraintContents>> {
+        contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear));
+        let places = self.nonlinear.of(number);
         let same = contents.equations.len() == self.linear.of(number).len() && contents.pieces.len() == places.len();
         let mut pairs = contents.pieces.iter().zip(&places);
-        if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.blocks)) {
+        if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.nonlinear)) {
             return Err(contents);
         }
-        let Self { register, linear, blocks, stated, time, .. } = self;
-        let Contents { equations, pieces, mut coordinates, .. } = *contents;
-        stated.take(number);
-        stated.put(number, &mut coordinates);
-        linear.overwrite(number, equations, &mut register.parts, *time);
+        let Self { register, linear, nonlinear, reference_coordinates, time, .. } = self;
+        let ConstraintContents { equations, pieces, mut coordinates, .. } = *contents;
+        reference_coordinates.take(number);
+        reference_coordinates.put(number, &mut coordinates);
+        linear.overwrite(number, equations, &mut register.equation_names, *time);
         for (piece, (_, place)) in pieces.into_iter().zip(places) {
-            piece.overwrite(number, &mut register.parts, place, blocks);
+            piece.overwrite(number, &mut register.equation_names, place, nonlinear);
         }
         self.version.renew();
         Ok(())
     }
 }
 
-/// What is wrong with a constraint, before it has a name.
-pub(super) enum Fault<E> {
+/// A fault of a constraint, before it is labelled.
+pub(super) enum ProcessFault<E> {
     Input(E),
     Store(StoreError),
 }
 
-impl<E: std::error::Error + 'static> Fault<E> {
+impl<E: std::error::Error + 'static> ProcessFault<E> {
     pub(super) fn labelled(self, name: &'static str, label: String) -> AddError<E> {
         match self {
             Self::Input(source) => AddError::Input { name, label, source },

@@ -1,74 +1,23 @@
-//! What can be wrong with any constraint, whatever its type.
+//! Errors of a set: constraints that cannot be added, changed, moved in time or linearised.
 
 use qless::{ArgumentError, SystemError};
 
-use super::TimeError;
+use crate::constraint::StoreError;
 
-/// A fault that the store finds in what a type hands to it. DOFs are 0-based.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StoreError {
-    /// A DOF number is not below the number of DOFs.
-    #[error("it names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the number or the size", dofs.saturating_sub(1))]
-    DofOutOfRange {
-        /// The DOF named.
-        dof: usize,
-        /// How many there are.
-        dofs: usize,
-    },
-    /// A nonlinear equation names one DOF in two places.
-    #[error("it names DOF {dof} twice; each of its points and bodies needs DOFs of its own")]
-    RepeatedDof {
-        /// The DOF.
-        dof: usize,
-    },
-    /// A nonlinear equation that has another number of DOFs than its type.
-    #[error("it names {found} DOFs, but its type has {expected}")]
-    DofCount {
-        /// How many it names.
-        found: usize,
-        /// How many the type has.
-        expected: usize,
-    },
-    /// A coefficient, a right-hand side, or a coordinate is NaN or infinite.
-    #[error("a number of it is {value}; every number must be finite")]
-    NotFinite {
-        /// The number.
-        value: f64,
-    },
-    /// A coordinate or a length of a nonlinear equation of which powers are no numbers any more.
-    #[error(
-        "a coordinate or length of it is {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
-         between 1e-50 and 1e50"
-    )]
-    OutOfRange {
-        /// The number.
-        value: f64,
-    },
-    /// More equations, DOFs or entries than 32 bits can number.
-    #[error("it is one too many: the set would have {found} {what}, and 4294967294 is the most")]
-    TooLarge {
-        /// What there would be too many of.
-        what: &'static str,
-        /// How many.
-        found: usize,
-    },
-}
-
-/// Why a constraint of a set does not change.
+/// Why a constraint could not be changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EditError {
-    /// A constraint of another set.
+    /// The constraint belongs to another set.
     #[error("the constraint is one of another set; use what adding it to this one gave")]
     Foreign,
-    /// A constraint that was removed before.
+    /// The constraint was removed before.
     #[error("constraint {place} (from 0) was removed; add it again, or deactivate what shall come back")]
     Gone {
-        /// How many were added before it.
+        /// Number of constraints added before it.
         place: usize,
     },
-    /// Another number of right-hand sides than of linear equations.
+    /// The number of right-hand sides is not that of linear equations.
     #[error("{label} has {expected} linear equations, not {found}; give one right-hand side for each")]
     Count {
         /// The constraint.
@@ -78,7 +27,7 @@ pub enum EditError {
         /// Linear equations.
         expected: usize,
     },
-    /// A right-hand side that is no number.
+    /// A right-hand side is not finite.
     #[error("a right-hand side of {label} would be {value}; give a finite number")]
     NotFinite {
         /// The constraint.
@@ -86,31 +35,31 @@ pub enum EditError {
         /// The number.
         value: f64,
     },
-    /// A function of time that is not finite at that of the set.
+    /// A function of time is not finite at the time of the set.
     #[error(transparent)]
     Time(#[from] TimeError),
 }
 
-/// Why a constraint was not replaced.
+/// Why a constraint could not be replaced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReplaceError<E: std::error::Error + 'static> {
-    /// The constraint is not there.
+    /// The constraint belongs to another set, or was removed.
     #[error(transparent)]
     Edit(#[from] EditError),
-    /// What it shall be is refused.
+    /// The new constraint is refused.
     #[error(transparent)]
     Add(#[from] AddError<E>),
 }
 
-/// Why there are no linearised equations.
+/// Why the set could not be linearised.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LineariseError {
-    /// The quantities are those of another set.
+    /// The quantities belong to another set, or are out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// A number of c or G is not finite: u is not, or the constraint has no value there, as a line whose ends meet.
+    /// A number of c or G is not finite: u is not, or the constraint has no value at u, such as a line whose end points coincide.
     #[error(
         "{label}, row {row}: {value} is among the numbers of c and G at this configuration; every number must be finite: \
              correct u, or start where the constraint has a value"
@@ -128,11 +77,11 @@ pub enum LineariseError {
     System(#[from] SystemError),
 }
 
-/// Why a constraint was not added.
+/// Why a constraint could not be added.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AddError<E: std::error::Error + 'static> {
-    /// Its type refuses the input.
+    /// The type refuses the input.
     #[error("{name} \"{label}\": {source}")]
     Input {
         /// The type.
@@ -142,7 +91,7 @@ pub enum AddError<E: std::error::Error + 'static> {
         /// What is wrong.
         source: E,
     },
-    /// A fault that any type can have.
+    /// The equations have a fault that any type can have.
     #[error("{name} \"{label}\": {source}")]
     Store {
         /// The type.
@@ -151,5 +100,24 @@ pub enum AddError<E: std::error::Error + 'static> {
         label: String,
         /// What is wrong.
         source: StoreError,
+    },
+}
+
+/// Why the time of a set could not be changed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TimeError {
+    /// The time is not finite.
+    #[error("time {0} is not finite; give a number")]
+    Time(f64),
+    /// A right-hand side or a prescribed motion is not finite at the new time.
+    #[error("the function of time of {label} is {value} at time {time}; it must be finite there")]
+    NotFinite {
+        /// The equation.
+        label: String,
+        /// The new time.
+        time: f64,
+        /// The value of the function.
+        value: f64,
     },
 }

@@ -1,81 +1,43 @@
-//! A set of constraints, stored by type: `c(u)`, `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`.
+//! A set of constraints: `c(u)`, `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`, evaluated in parallel into patterns that follow its changes.
 //!
-//! The patterns of G and H are made from the lists of DOFs and pairs, and follow changes of the set; the values are written in place, in
-//! parallel. A number is always computed by the same operations in the same order, so that the result does not depend on the threads, nor on
-//! what was in the set before but for the order in which it met the types.
-//! Rows: those of active constraints, all linear equations in the order in which the constraints were added, then the nonlinear ones,
-//! type by type in the order in which the set met the types, and of one type in the order in which the constraints were added.
+//! Rows are the equations of active constraints. Linear equations come first, in the order in which their constraints were added; then
+//! nonlinear ones, by type in the order of the types' first use, and within a type in the order in which the constraints were added.
+//!
+//! Every number is computed by the same operations in the same order. Results depend neither on the number of threads nor on the history of
+//! the set, except for the order of types.
 
 mod active;
-mod batch;
-mod block;
-mod blocks;
 mod builder;
-mod bulk;
-mod chunk;
-mod contents;
-mod curvatures;
-mod cut;
 mod edit;
-mod effective;
-mod entries;
 mod error;
-mod exchange;
-mod extents;
-mod homogeneous;
-mod labels;
-mod layout;
-mod lazy;
-mod length;
-mod linear;
-mod lists;
-mod names;
-mod offsets;
-mod order;
-mod pairs;
-mod pattern;
-mod piece;
-mod places;
-mod portion;
-mod quantities;
-mod ranks;
-mod rotations;
+mod evaluation;
+mod linearised;
+mod register;
+pub(crate) mod rotations;
 mod rounding;
-mod rows;
-mod stamp;
-mod stated;
-mod store;
-mod sums;
-mod system;
-mod tasks;
 mod time;
-mod typed;
-mod values;
-mod weights;
 
 use qless::ArgumentError;
 use qless::common::Identity;
 
+use crate::equations::ChangeStamp;
+use crate::equations::contents::ConstraintContents;
+use crate::equations::coordinates::ReferenceCoordinates;
+use crate::equations::hessian::chunk::WeightedBatches;
+use crate::equations::hessian::{HessianPlan, LazyPlan};
+use crate::equations::linear::LinearEquations;
+use crate::equations::nonlinear::NonlinearEquations;
+use crate::equations::tasks::{copy_tasks, hessian_tasks, run_tasks, value_tasks};
+use crate::set::register::ConstraintRegister;
+
+pub(crate) use crate::constraint::repeated;
 pub use active::{ActiveError, ActiveSystem};
-use blocks::Blocks;
 pub use builder::SetBuilder;
-use contents::Contents;
-use effective::{Plan, Weighted};
-pub use error::{AddError, EditError, LineariseError, ReplaceError, StoreError};
-use labels::Register;
-pub use labels::{ConstraintId, ConstraintIds};
-use lazy::Planned;
-use linear::Rows;
-pub use quantities::Quantities;
-pub use rotations::shorten_rotation;
+pub use error::{AddError, EditError, LineariseError, ReplaceError, TimeError};
+pub use evaluation::{Quantities, Weights};
+pub use linearised::Vanishing;
+pub use register::{ConstraintId, ConstraintIds};
 pub use rounding::Rounding;
-use stamp::Stamp;
-use stated::Stated;
-pub use store::Store;
-pub(crate) use store::repeated;
-pub use system::Vanishing;
-pub use time::TimeError;
-pub use weights::Weights;
 
 /// Validated constraints on n DOFs.
 ///
@@ -97,18 +59,18 @@ pub use weights::Weights;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct ConstraintSet {
-    register: Register,
+    register: ConstraintRegister,
     dofs: usize,
-    linear: Rows,
-    blocks: Blocks,
-    planned: Planned,
+    linear: LinearEquations,
+    nonlinear: NonlinearEquations,
+    hessian_plan: LazyPlan,
     time: f64,
-    /// The coordinates that DOFs add to, for [`ConstraintSet::rounding`].
-    stated: Stated,
-    /// Another one after each change.
-    version: Stamp,
-    /// Empty, with room for the next constraint.
-    spare: Option<Box<Contents>>,
+    /// Reference coordinates of DOFs, for [`ConstraintSet::rounding`].
+    reference_coordinates: ReferenceCoordinates,
+    /// Renewed after each change.
+    version: ChangeStamp,
+    /// Empty lists, reused for the next constraint.
+    spare: Option<Box<ConstraintContents>>,
 }
 
 impl std::fmt::Debug for ConstraintSet {
@@ -119,7 +81,7 @@ impl std::fmt::Debug for ConstraintSet {
 }
 
 impl ConstraintSet {
-    /// No constraints yet, on DOFs `0..dofs`.
+    /// A builder without constraints, on DOFs `0..dofs`.
     pub fn builder(dofs: usize) -> SetBuilder {
         SetBuilder::new(dofs)
     }
@@ -131,7 +93,7 @@ impl ConstraintSet {
 
     /// Number of equations m.
     pub fn equations(&self) -> usize {
-        self.linear.rows() + self.blocks.rows()
+        self.linear.rows() + self.nonlinear.rows()
     }
 
     /// Number of constraints, active or not.
@@ -141,7 +103,7 @@ impl ConstraintSet {
 
     /// Writes `c(u)` and `G(u)`, in parallel.
     ///
-    /// What is not finite in u is not finite in what depends on it; [`ConstraintSet::linearised`] refuses it.
+    /// If u is not finite, neither is what depends on it; [`ConstraintSet::linearised`] refuses such values.
     ///
     /// # Errors
     /// [`ArgumentError`] if `u` does not have length n, or the quantities were not allocated by this set.
@@ -149,9 +111,9 @@ impl ConstraintSet {
         self.check(u, None)?;
         self.follow(quantities)?;
         let Quantities { u: kept, c, g, .. } = &mut *quantities;
-        let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
-        tasks.extend(tasks::of_copies(u, kept));
-        tasks::run(tasks, u);
+        let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
+        tasks.extend(copy_tasks(u, kept));
+        run_tasks(tasks, u);
         quantities.evaluated = self.version.get();
         Ok(())
     }
@@ -169,13 +131,13 @@ impl ConstraintSet {
         self.check(u, Some(weights))?;
         self.follow(quantities)?;
         let plan = self.follow_hessian(quantities);
-        let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
-        tasks::run(plan.tasks(&weighted, quantities.h.values_mut()), u);
+        let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
+        run_tasks(hessian_tasks(plan, &weighted, quantities.h.values_mut()), u);
         Ok(())
     }
 
-    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] at once, which reads u once: for weights that do not rest on c,
-    /// such as multipliers.
+    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] in one pass over u. The weights must not depend on the new c, as
+    /// multipliers do not.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -199,11 +161,11 @@ impl ConstraintSet {
         self.follow(quantities)?;
         let plan = self.follow_hessian(quantities);
         let Quantities { u: kept, c, g, h, .. } = &mut *quantities;
-        let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
-        let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
-        tasks.extend(plan.tasks(&weighted, h.values_mut()));
-        tasks.extend(tasks::of_copies(u, kept));
-        tasks::run(tasks, u);
+        let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
+        let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
+        tasks.extend(hessian_tasks(plan, &weighted, h.values_mut()));
+        tasks.extend(copy_tasks(u, kept));
+        run_tasks(tasks, u);
         quantities.evaluated = self.version.get();
         Ok(())
     }
@@ -217,16 +179,16 @@ impl ConstraintSet {
         if of == self.register.identity { Ok(()) } else { Err(ArgumentError::Foreign { what }) }
     }
 
-    /// The way into H.
-    fn plan(&self) -> &Plan {
-        self.planned.plan(&self.blocks.all, self.dofs)
+    /// The plan of H for the current equations.
+    fn plan(&self) -> &HessianPlan {
+        self.hessian_plan.plan(&self.nonlinear.batches, self.dofs)
     }
 }
 
-/// The right length.
+/// Checks the length of an argument.
 pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<(), ArgumentError> {
     if found == expected { Ok(()) } else { Err(ArgumentError::WrongLength { what, found, expected }) }
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

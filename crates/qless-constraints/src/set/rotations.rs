@@ -1,23 +1,23 @@
-//! Rotation vectors kept below half a turn: `theta - 2 pi k theta / |theta|` is the same rotation.
+//! Keeps rotation vectors below half a turn: `theta - 2 pi k theta / |theta|` is the same rotation.
 //!
-//! `d(R s)/d theta` loses rank where `|theta|` is a whole turn. Replacing a vector longer than pi by its complement, as Cardona and
-//! Géradin do (A beam finite element non-linear theory with finite rotations, 1988), keeps it away from there; the configuration is the same.
+//! `d(R s)/d theta` loses rank if `|theta|` is a nonzero multiple of 2 pi. To stay away from there, a vector longer than pi is replaced by its
+//! complement, as proposed by Cardona and Géradin (A beam finite element non-linear theory with finite rotations, 1988).
 
 use std::f64::consts::{PI, TAU};
 
 use qless::ArgumentError;
 
-use super::{ConstraintSet, long};
+use crate::set::{ConstraintSet, long};
 
 impl ConstraintSet {
-    /// The DOFs of rotation vectors that may be replaced by others of the same rotation, in the order of first use. O(nonzeros of G).
+    /// The DOFs of rotation vectors that may be replaced by another vector of the same rotation, in the order of first use. O(nonzeros of G).
     ///
-    /// Every constraint that uses them uses their rotation alone. An equation on one of their DOFs, or a constraint that takes them in another
-    /// order, ties them to what they are.
+    /// All constraints on these DOFs must use the rotation only. A vector is excluded if one of its DOFs occurs in a linear equation, or if a
+    /// constraint uses the DOFs in another order.
     pub fn rotation_vectors(&self) -> Vec<[usize; 3]> {
-        let mut found = Found { owner: vec![Owner::Nobody; self.dofs], vectors: Vec::new() };
+        let mut found = RotationVectors { owner: vec![DofUse::Nobody; self.dofs], vectors: Vec::new() };
         let each = |visit: &mut dyn FnMut(&[u32], &[usize])| {
-            self.blocks.all.iter().for_each(|block| block.rotation_vectors(visit));
+            self.nonlinear.batches.iter().for_each(|batch| batch.rotation_vectors(visit));
         };
         each(&mut |dofs, places| {
             places.iter().for_each(|&k| found.put([dofs[k], dofs[k + 1], dofs[k + 2]].map(|dof| dof as usize)));
@@ -32,13 +32,13 @@ impl ConstraintSet {
         for batch in &self.linear.batches {
             batch.for_each_row(|terms| terms.for_each(|(dof, _)| found.tie(dof as usize)));
         }
-        found.vectors.iter().filter(|vector| found.owner[vector[0]] != Owner::Tied).copied().collect()
+        found.vectors.iter().filter(|vector| found.owner[vector[0]] != DofUse::Tied).copied().collect()
     }
 
-    /// Replaces rotation vectors longer than half a turn by the shortest ones of the same rotation; returns how many.
+    /// Replaces rotation vectors longer than pi by the shortest vectors of the same rotation. Returns how many were replaced.
     ///
-    /// Values of c stay what they are but for rounding, G and H become those of the new DOFs. Only [`ConstraintSet::rotation_vectors`] are replaced; what
-    /// else rests on them outside the set, such as forces of a model or prescribed values, is for the caller to know.
+    /// Values of c change by rounding only; G and H become those at the new DOFs. Only [`ConstraintSet::rotation_vectors`] are replaced. The
+    /// caller must know whether anything outside the set, such as forces or prescribed values, depends on these DOFs.
     ///
     /// ```
     /// use qless_constraints::{ConstraintSet, types::{Body, Fixed}};
@@ -55,14 +55,12 @@ impl ConstraintSet {
     /// [`ArgumentError`] if `u` does not have length n.
     pub fn shorten_rotations(&self, u: &mut [f64]) -> Result<usize, ArgumentError> {
         long("u", u.len(), self.dofs)?;
-        Ok(self.rotation_vectors().iter().filter(|vector| shorten_rotation(u, **vector)).count())
+        Ok(self.rotation_vectors().iter().filter(|vector| shorten(u, **vector)).count())
     }
 }
 
-/// Replaces one rotation vector by the shortest one of the same rotation if it is longer than half a turn; returns whether it was.
-///
-/// `vector` names three entries of u. It has to be one of [`ConstraintSet::rotation_vectors`].
-pub fn shorten_rotation(u: &mut [f64], vector: [usize; 3]) -> bool {
+/// Replaces a vector longer than pi. Returns whether it was.
+pub(crate) fn shorten(u: &mut [f64], vector: [usize; 3]) -> bool {
     let length = vector.iter().fold(0.0, |sum: f64, &dof| sum.hypot(u[dof]));
     let long = length > PI && length.is_finite();
     if long {
@@ -72,41 +70,41 @@ pub fn shorten_rotation(u: &mut [f64], vector: [usize; 3]) -> bool {
     long
 }
 
-/// To what a DOF belongs.
+/// How a DOF is used.
 #[derive(Clone, Copy, PartialEq)]
-enum Owner {
+enum DofUse {
     Nobody,
-    /// A vector, by its place in the list.
+    /// By the vector with this index.
     Vector(usize),
-    /// Something that needs its value.
+    /// By an equation that needs its value.
     Tied,
 }
 
-/// Vectors found so far.
-struct Found {
-    owner: Vec<Owner>,
+/// Rotation vectors found so far, and the use of each DOF.
+struct RotationVectors {
+    owner: Vec<DofUse>,
     vectors: Vec<[usize; 3]>,
 }
 
-impl Found {
+impl RotationVectors {
     fn put(&mut self, vector: [usize; 3]) {
         let owners = vector.map(|dof| self.owner[dof]);
-        if owners == [Owner::Nobody; 3] {
-            vector.iter().for_each(|&dof| self.owner[dof] = Owner::Vector(self.vectors.len()));
+        if owners == [DofUse::Nobody; 3] {
+            vector.iter().for_each(|&dof| self.owner[dof] = DofUse::Vector(self.vectors.len()));
             self.vectors.push(vector);
             return;
         }
-        let same = matches!(owners[0], Owner::Vector(k) if self.vectors[k] == vector && owners == [owners[0]; 3]);
+        let same = matches!(owners[0], DofUse::Vector(k) if self.vectors[k] == vector && owners == [owners[0]; 3]);
         if !same {
             vector.iter().for_each(|&dof| self.tie(dof));
-            vector.iter().for_each(|&dof| self.owner[dof] = Owner::Tied);
+            vector.iter().for_each(|&dof| self.owner[dof] = DofUse::Tied);
         }
     }
 
-    /// The vector with this DOF may not be replaced.
+    /// Excludes the vector that contains this DOF.
     fn tie(&mut self, dof: usize) {
-        if let Owner::Vector(k) = self.owner[dof] {
-            self.vectors[k].iter().for_each(|&dof| self.owner[dof] = Owner::Tied);
+        if let DofUse::Vector(k) = self.owner[dof] {
+            self.vectors[k].iter().for_each(|&dof| self.owner[dof] = DofUse::Tied);
         }
     }
 }

@@ -1,18 +1,19 @@
-//! `|c^_r - c_r| <= rounding of c_r`, and the same for every entry of G: what rounding may have done to them.
+//! Bounds on the rounding errors of c and G at a configuration, by running error analysis.
 //!
-//! Running error analysis: [`crate::Nonlinear::value`] in numbers with derivatives, each of which carries a bound, so that the size of every
-//! term counts, whatever cancels after it. DOFs, parameters and coordinates are taken as known to one unit in the last place; as
-//! `x = at + u`, that of a coordinate is put on its DOF. Some ten times the operations of [`ConstraintSet::evaluate`].
+//! [`crate::Nonlinear::value`] is evaluated in dual numbers whose components carry error bounds, so that the size of every term counts even if
+//! terms cancel later. DOFs, parameters and coordinates are assumed known to one unit in the last place; since `x = at + u`, the uncertainty
+//! of a coordinate is added to its DOF. Cost: about ten evaluations.
 
 use qless::ArgumentError;
 use rayon::prelude::*;
 
-use super::batch::Batch;
-use super::tasks::{Work, of_values};
-use super::{ConstraintSet, long};
+use crate::equations::coordinates::{UncertainDofs, bound};
+use crate::equations::linear::batch::LinearBatch;
+use crate::equations::tasks::{TaskOutput, value_tasks};
 use crate::scalar::Bounded;
+use crate::set::{ConstraintSet, long};
 
-/// Bounds on the rounding of c and G at one configuration, in the units of c and G; infinite where nothing is known.
+/// Bounds on the rounding errors of c and G at one configuration, in the units of c and G; infinite if there is no bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rounding {
     c: Vec<f64>,
@@ -21,89 +22,29 @@ pub struct Rounding {
 }
 
 impl Rounding {
-    /// How far each constraint value may be from that of exact arithmetic, length m.
+    /// Bound on the error of each constraint value, length m.
     pub fn c(&self) -> &[f64] {
         &self.c
     }
 
-    /// The same for the entries of G, in the order of `Quantities::g().values()`.
+    /// Bounds on the errors of G, in the order of `Quantities::g().values()`.
     pub fn g(&self) -> &[f64] {
         &self.g
     }
 
-    /// The bounds on the entries of row `r` of G, in the order of its columns; rows from m on have none.
+    /// The bounds on row `r` of G, in the order of its columns; empty from m on.
     ///
-    /// A row that is no larger in any of its entries is rounding and nothing else.
+    /// A row of G is indistinguishable from zero if none of its entries exceeds its bound.
     pub fn of_row(&self, r: usize) -> &[f64] {
         if r < self.c.len() { &self.g[self.start[r]..self.start[r + 1]] } else { &[] }
     }
 }
 
-/// The size of a number in 16 bits: rounded up, by at most a sixteenth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Size(u16);
-
-/// What is known of the coordinates that a DOF adds to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Sizes {
-    /// The largest of them.
-    pub at: Size,
-    /// The largest of the nodes that they belong to, along any axis; something if there is a node, wherever it lies.
-    pub node: Size,
-}
-
-/// The bits of a double that a size does not keep.
-const CUT: u32 = 48;
-
-impl Size {
-    /// Of a number that is not NaN.
-    #[inline]
-    pub fn above(x: f64) -> Self {
-        let largest = (f64::MAX.to_bits() >> CUT) as u16;
-        Self(if x == 0.0 { 0 } else { ((x.abs().to_bits() >> CUT) as u16 + 1).min(largest) })
-    }
-
-    /// Of the least number that there is, for one that is zero.
-    pub fn of_something(x: f64) -> Self {
-        Self::above(x).max(Self(1))
-    }
-
-    pub fn is_something(self) -> bool {
-        self.0 > 0
-    }
-
-    pub fn number(self) -> f64 {
-        f64::from_bits(u64::from(self.0) << CUT)
-    }
-}
-
-/// The configuration, each DOF with what is not known of it.
-pub(super) struct Known<'a> {
-    u: &'a [f64],
-    /// The largest coordinate that each DOF adds to; shorter if the others add to none.
-    sizes: &'a [Sizes],
-}
-
-impl Known<'_> {
-    /// One DOF.
-    pub fn dof(&self, j: u32) -> Bounded {
-        let (u, size) = (self.u[j as usize], self.sizes.get(j as usize).copied().unwrap_or_default());
-        Bounded::known_to(u, u.abs() + size.at.number())
-    }
-}
-
-/// The bound, or infinity where the arithmetic of bounds has none.
-///
-/// Twice that of [`crate::Nonlinear::value`]: a Jacobian written by hand has the same terms in another order.
-pub(super) fn bound(of: Bounded) -> f64 {
-    if of.error.is_nan() { f64::INFINITY } else { 2.0 * of.error }
-}
-
 impl ConstraintSet {
-    /// What rounding may have done to `c(u)` and `G(u)`, from the sizes of the terms that went into them.
+    /// Bounds on the rounding errors of `c(u)` and `G(u)`, from the magnitudes of their terms.
     ///
-    /// `|c_r|` is not zero but for rounding where it is at most `rounding.c()[r]`; a row of G is nothing but rounding where all its entries
-    /// are at most `rounding.of_row(r)`.
+    /// `c_r` is indistinguishable from zero if `|c_r|` is at most `rounding.c()[r]`, and a row of G if all its entries are at most
+    /// `rounding.of_row(r)`.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -127,18 +68,20 @@ impl ConstraintSet {
         let (mut c, mut g) = (vec![0.0; self.equations()], self.whole_pattern());
         let constant = self.linear.nnz();
         g.values_mut()[..constant].iter_mut().for_each(|a| *a = Bounded::from(*a).error);
-        let known = Known { u, sizes: self.stated.largest() };
-        of_values(&self.linear, &self.blocks.all, &mut c, &mut g).into_par_iter().for_each(|task| match task.work {
-            Work::Linear { batch, c } => of_batch(batch, u, c),
-            Work::Nonlinear { block, c, g } => block.rounding(&known, c, g),
-            Work::Copy { .. } | Work::Hessian { .. } => (),
+        let known = UncertainDofs { u, sizes: self.reference_coordinates.largest() };
+        value_tasks(&self.linear, &self.nonlinear.batches, &mut c, &mut g).into_par_iter().for_each(|task| match task
+            .work
+        {
+            TaskOutput::Linear { batch, c } => of_batch(batch, u, c),
+            TaskOutput::Nonlinear { batch, c, g } => batch.rounding(&known, c, g),
+            TaskOutput::Copy { .. } | TaskOutput::Hessian { .. } => (),
         });
         Ok(Rounding { c, start: g.starts().to_vec(), g: g.values().to_vec() })
     }
 }
 
-/// The rounding of linear equations.
-fn of_batch(batch: &Batch, u: &[f64], c: &mut [f64]) {
+/// Writes the bounds of linear equations.
+fn of_batch(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
     batch.evaluate(u, c);
     let mut values = c.iter_mut();
     batch.for_each_row(|terms| {
@@ -147,4 +90,25 @@ fn of_batch(batch: &Batch, u: &[f64], c: &mut [f64]) {
         // c = sum - b.
         values.next().into_iter().for_each(|c| *c = bound(sum - Bounded::from(sum.real - *c)));
     });
+}
+
+impl ConstraintSet {
+    /// The magnitude of each DOF in the unit of the model: the largest of `|u_j|` and the coordinates of its nodes; at least 1 rad for rotations.
+    pub(crate) fn extents(&self, u: &[f64]) -> Vec<f64> {
+        let at =
+            self.reference_coordinates.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
+        let mut sizes: Vec<f64> = u.iter().zip(at).map(|(u, at)| u.abs().max(at)).collect();
+        self.nonlinear.batches.iter().for_each(|batch| {
+            batch.rotation_vectors(&mut |dofs, places| {
+                let rotations = places.iter().flat_map(|&k| &dofs[k..k + 3]);
+                rotations.for_each(|&j| sizes[j as usize] = sizes[j as usize].max(1.0));
+            });
+        });
+        sizes
+    }
+
+    /// Whether a DOF is a displacement of a node, because it adds to a coordinate.
+    pub(crate) fn is_displacement(&self, dof: usize) -> bool {
+        self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
+    }
 }

@@ -1,57 +1,18 @@
 //! Right-hand sides and parameters that are functions of time: `c(u, t) = 0`.
 //!
-//! The pattern of G and H is the same at all times; [`ConstraintSet::set_time`] writes new numbers in place. Constraints that are not active
-//! take theirs when they are activated.
+//! Patterns do not depend on time: [`ConstraintSet::set_time`] writes new numbers in place. Inactive constraints are evaluated at the time of
+//! the set when they are activated.
 
-use std::sync::Arc;
-
-use super::ConstraintSet;
-
-/// `b(t)`.
-pub(super) type Function = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
-
-/// The right-hand side of a linear equation.
-#[derive(Clone)]
-pub(super) enum Rhs {
-    Value(f64),
-    Function(Function),
-}
-
-impl Rhs {
-    pub fn at(&self, time: f64) -> f64 {
-        match self {
-            Self::Value(value) => *value,
-            Self::Function(function) => function(time),
-        }
-    }
-}
-
-/// Why a set does not go to another time.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TimeError {
-    /// No point in time.
-    #[error("time {0} is not finite; give a number")]
-    Time(f64),
-    /// A right-hand side, or what a motor prescribes, is not finite then.
-    #[error("the function of time of {label} is {value} at time {time}; it must be finite there")]
-    NotFinite {
-        /// The equation.
-        label: String,
-        /// When.
-        time: f64,
-        /// What its function gives.
-        value: f64,
-    },
-}
+use crate::set::ConstraintSet;
+use crate::set::error::TimeError;
 
 impl ConstraintSet {
-    /// The time of the numbers in the set; 0 at first.
+    /// The time at which the set is evaluated; 0 at first.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Goes to another time: right-hand sides and parameters that are functions of time take their values there.
+    /// Changes the time: right-hand sides and parameters that are functions of time are evaluated there.
     ///
     /// ```
     /// use qless_constraints::{ConstraintSet, types::Driven};
@@ -66,7 +27,7 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`TimeError`] if the time, or a function of it then, is not finite; the set stays at the time where it was.
+    /// [`TimeError`] if the time or a function of it is not finite; the set then keeps its time.
     pub fn set_time(&mut self, time: f64) -> Result<(), TimeError> {
         if !time.is_finite() {
             return Err(TimeError::Time(time));
@@ -80,10 +41,10 @@ impl ConstraintSet {
             }
             values.push((row, value));
         }
-        if let Err((row, value)) = self.blocks.set_time(time) {
+        if let Err((row, value)) = self.nonlinear.set_time(time) {
             let label = self.label(self.linear.rows() + row).unwrap_or_default();
-            // It was finite there before.
-            let _ = self.blocks.set_time(self.time);
+            // This cannot fail: all values were finite at the old time.
+            let _ = self.nonlinear.set_time(self.time);
             return Err(TimeError::NotFinite { label, time, value });
         }
         values.into_iter().for_each(|(row, value)| self.linear.set_rhs(row, value));
@@ -92,12 +53,12 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// Angles prescribed by motors at the time of the set, as `(row of c, angle in radians)`. c knows them modulo 2 pi only.
-    pub fn angles(&self) -> Vec<(usize, f64)> {
+    /// The angles prescribed at the time of the set that their equations determine only up to multiples of 2 pi, with the row of each.
+    pub(crate) fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
-        for (b, block) in self.blocks.all.iter().enumerate() {
-            let first = self.linear.rows() + self.blocks.offsets.first(b);
-            block.angles(&mut |row, angle| angles.push((first + row, angle)));
+        for (b, batch) in self.nonlinear.batches.iter().enumerate() {
+            let first = self.linear.rows() + self.nonlinear.offsets.first(b);
+            batch.angles(&mut |row, angle| angles.push((first + row, angle)));
         }
         angles
     }

@@ -1,8 +1,8 @@
-//! Formulas of one constraint against its value in dual numbers.
+//! Compares the formulas of a constraint with dual numbers.
 
 use super::every_type::random;
 use crate::Nonlinear;
-use crate::derive;
+use crate::nonlinear::jacobian;
 use crate::scalar::HyperDual;
 
 pub fn compare<Q: Nonlinear>(item: &Q, u: &[f64]) {
@@ -10,7 +10,7 @@ pub fn compare<Q: Nonlinear>(item: &Q, u: &[f64]) {
     let (mut c, mut g) = (vec![f64::NAN; m], vec![f64::NAN; m * n]);
     item.value_and_jacobian(u, &mut c, &mut g);
     let (mut value, mut slopes) = (vec![f64::NAN; m], vec![f64::NAN; m * n]);
-    derive::jacobian(item, u, &mut value, &mut slopes);
+    jacobian(item, u, &mut value, &mut slopes);
     assert_close(&c, &value);
     assert_close(&g, &slopes);
     item.value(u, &mut value);

@@ -15,12 +15,12 @@ fn configurations() -> impl Iterator<Item = Vec<f64>> {
 fn formulas_agree_with_dual_numbers() -> Outcome {
     let set = set()?;
     for u in configurations() {
-        set.blocks.all.iter().for_each(|block| block.compare_with_duals(&u));
+        set.nonlinear.batches.iter().for_each(|batch| batch.compare_with_duals(&u));
     }
     Ok(())
 }
 
-/// Central differences of c: error of order `step^2`, and rounding over step.
+/// Central differences of c have an error of order `step^2`, plus rounding divided by the step.
 #[test]
 fn jacobian_is_the_difference_of_values() -> Outcome {
     let set = set()?;
@@ -49,7 +49,7 @@ fn jacobian_is_the_difference_of_values() -> Outcome {
     Ok(())
 }
 
-/// Central differences of `G^T w`; all of H, what is not in its pattern included.
+/// Compares all of H, including entries outside its pattern, with central differences of `G^T w`.
 #[test]
 fn hessian_is_the_difference_of_jacobians() -> Outcome {
     let set = set()?;

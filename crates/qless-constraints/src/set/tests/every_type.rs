@@ -1,4 +1,4 @@
-//! One set with every nonlinear type in it, bodies with both kinds of rotations, and DOFs in ascending and other orders.
+//! A set with every nonlinear type, both parametrisations of rotations, and DOFs in ascending and other orders.
 
 use std::array::from_fn;
 
@@ -17,10 +17,10 @@ pub fn random(seed: u64) -> f64 {
     f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5
 }
 
-/// The DOFs that are rotations; the others are lengths.
+/// DOFs that are rotations; the others are lengths.
 pub const ROTATIONS: [std::ops::RangeInclusive<usize>; 3] = [33..=35, 39..=42, 46..=52];
 
-/// The unit of length, and where the model is in it.
+/// The unit of length, and the distance of the model from the origin in that unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     pub unit: f64,

@@ -1,21 +1,21 @@
-//! `c = G u - b` whatever the lengths of the equations, however far apart their DOFs, and though lists repeat.
+//! `c = G u - b` for equations of different lengths, with near and distant DOFs, and with repeated coefficient lists.
 
 use super::every_type::random;
 use crate::ConstraintSet;
 use crate::types::LinearEquation;
 
-/// More DOFs than 16 bits can name, and more equations than one batch holds.
+/// More DOFs than 16 bits can address, and more equations than one batch holds.
 const DOFS: usize = 200_000;
 const EQUATIONS: usize = 10_000;
 
-/// Equation i: 1 to 12 terms; those of the first batch are near one another, of the second not, of the third at the end of u.
+/// Equation i has 1 to 12 terms. Its DOFs are near each other in the first batch, distant in the second, and at the end of u in the third.
 fn terms(i: usize) -> Vec<(usize, f64)> {
     let dof = |k: usize| match i {
         0..4096 => (7 * i + 3 * k) % 60_000,
         4096..8192 => (7919 * i + 15_485_863 * k) % DOFS,
         _ => DOFS - 1 - (5 * i + 11 * k) % 3000,
     };
-    // Every third list of coefficients is one that came before.
+    // Every third coefficient list occurred before.
     let value = |k: usize| if i.is_multiple_of(3) { 1.0 + k as f64 } else { random((31 * i + k) as u64) };
     (0..=i % 12).map(|k| (dof(k), value(k))).collect()
 }

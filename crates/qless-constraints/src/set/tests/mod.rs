@@ -1,9 +1,8 @@
-//! Derivatives of every type, against dual numbers and against differences; bounds on their rounding, against numbers of twice the
-//! digits; linear equations; sums that do not depend on the threads.
+//! Derivatives of every type against dual numbers and differences, rounding bounds against double-double arithmetic, linear equations,
+//! and independence of the number of threads.
 
-pub(super) mod compare;
+pub(crate) mod compare;
 mod derivatives;
-pub(super) mod double_double;
 mod every_type;
 mod linear;
 mod rounding;

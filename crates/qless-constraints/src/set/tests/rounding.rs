@@ -1,25 +1,24 @@
-//! Bounds on the rounding of c and G: against numbers of twice the digits, with DOFs moved within what is known of them.
+//! Rounding bounds of c and G against double-double arithmetic, with DOFs moved within their uncertainty.
 //!
-//! What is bounded are the numbers that [`crate::ConstraintSet::evaluate`] writes, so that formulas written by hand are held to the bounds
-//! that the general evaluation gives.
+//! The errors are those of [`crate::ConstraintSet::evaluate`], so that formulas written by hand must meet the bounds of the general evaluation.
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::double_double::DoubleDouble;
 use super::every_type::{DOFS, Place, ROTATIONS, random, set_at};
 use crate::ConstraintSet;
-use crate::set::rounding::Size;
+use crate::equations::coordinates::CoarseSize;
+use crate::scalar::double_double::DoubleDouble;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// A configuration of a size, lengths in the unit.
+/// A random configuration of this size; lengths are in the unit.
 fn configuration(unit: f64, size: f64, seed: u64) -> Vec<f64> {
     let turns = |j: usize| ROTATIONS.iter().any(|range| range.contains(&j));
     let scale = |j: usize| if turns(j) { size } else { size * unit };
     (0..DOFS).map(|j| scale(j) * random(seed * DOFS as u64 + j as u64)).collect()
 }
 
-/// Turns about one axis, by whole parts of a turn: where terms cancel that do not cancel elsewhere.
+/// Rotations about one axis by multiples of a quarter turn, at which terms cancel that do not cancel elsewhere.
 fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
     let mut u = configuration(unit, 0.3, seed);
     ROTATIONS.into_iter().flatten().for_each(|j| u[j] = 0.0);
@@ -28,21 +27,21 @@ fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
     u
 }
 
-/// c and G of the nonlinear equations in twice the digits, each DOF moved by up to one unit in its last place.
+/// c and G of the nonlinear equations in double-double arithmetic, each DOF moved by up to one unit in its last place.
 fn reference(set: &ConstraintSet, u: &[f64], seed: u64) -> [Vec<DoubleDouble>; 2] {
-    let size = |j: usize| u[j].abs() + set.stated.largest().get(j).map_or(0.0, |size| size.at.number());
+    let size = |j: usize| u[j].abs() + set.reference_coordinates.largest().get(j).map_or(0.0, |size| size.at.number());
     let by = |j: usize| 2.0 * random(seed + j as u64) * f64::EPSILON * size(j);
     let moved: Vec<_> = (0..DOFS).map(|j| DoubleDouble::moved(u[j], by(j))).collect();
     let mut all = [Vec::new(), Vec::new()];
-    for block in &set.blocks.all {
-        let [c, g] = block.reference(&moved);
+    for batch in &set.nonlinear.batches {
+        let [c, g] = batch.reference(&moved);
         all[0].extend(c);
         all[1].extend(g);
     }
     all
 }
 
-/// `bound / error` of all numbers that are off, none of them more than the bound.
+/// Appends `bound / error` of all numbers with an error, after a check that no error exceeds its bound.
 fn ratios(what: &str, found: &[f64], bounds: &[f64], truth: &[DoubleDouble], ratios: &mut Vec<f64>) {
     assert_eq!([found.len(), bounds.len()], [truth.len(); 2]);
     for (k, ((&x, &bound), truth)) in found.iter().zip(bounds).zip(truth).enumerate() {
@@ -57,10 +56,10 @@ fn ratios(what: &str, found: &[f64], bounds: &[f64], truth: &[DoubleDouble], rat
 #[test]
 fn sizes_are_no_less_and_hardly_more() {
     for x in [f64::from_bits(1), 1e-310, 1e-150, 0.1, 1.0, 1.5, 1e6, 3e300] {
-        let size = Size::above(-x).number();
+        let size = CoarseSize::above(-x).number();
         assert!(size >= x && (size <= 1.0626 * x || x < f64::MIN_POSITIVE), "{x}: {size}");
     }
-    assert!(Size::above(0.0).number() == 0.0 && Size::above(f64::MAX).number().is_finite());
+    assert!(CoarseSize::above(0.0).number() == 0.0 && CoarseSize::above(f64::MAX).number().is_finite());
 }
 
 fn median(mut x: Vec<f64>) -> f64 {

@@ -1,4 +1,4 @@
-//! The same bits for every number of threads, with more constraints than fit into one task.
+//! The number of threads does not change a bit of the results, with more constraints than fit into one task.
 
 use std::array::from_fn;
 use std::sync::{Arc, mpsc};
@@ -8,7 +8,7 @@ use super::every_type::random;
 use crate::types::{Body, Distance, LinearEquation, OnSphere, Point, RigidBody};
 use crate::{ConstraintSet, Quantities};
 
-/// In two passes, and in one.
+/// Evaluates in two passes, and in one.
 fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option<[Quantities; 2]> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
     let [mut apart, mut at_once] = [set.allocate(), set.allocate()];
@@ -29,7 +29,7 @@ fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> 
         let other = (i + 1 + (i * i) % 500) % nodes;
         builder.add("rod", Distance { length: Some(1.0), ..Distance::new(point(i % nodes), point(other)) })?;
         builder.add("equation", LinearEquation { terms: vec![(i % nodes, 1.5), (other, 0.1)], rhs: 1.0 })?;
-        // A node before or behind the body.
+        // The node's DOFs are before or after those of the body.
         let body = Body::with_vector(point((i + 7) % nodes).dofs, [0.5; 3], point((i + 9) % nodes).dofs);
         builder.add("link", RigidBody { body, nodes: vec![point((i + [3, 12][i % 2]) % nodes).into()] })?;
         builder.add("ball", OnSphere { point: point(other), centre: [0.5; 3], radius: Some(2.0) })?;
@@ -46,7 +46,7 @@ fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> 
     Ok(())
 }
 
-/// A set that nobody has evaluated yet, by tasks that come while its plan is made: threads that wait for one another take them up.
+/// Several tasks evaluate a new set while its plan is made. Threads that wait for the plan may take up such tasks; none must deadlock.
 #[test]
 fn tasks_that_come_while_others_plan_wait_for_nobody() {
     let nodes = 20_000;
@@ -59,7 +59,7 @@ fn tasks_that_come_while_others_plan_wait_for_nobody() {
         let set = Arc::new(builder.build().expect("few DOFs"));
         let (done, all) = mpsc::channel();
         for k in 0..8 {
-            // While the first one plans.
+            // Starts while the first task makes the plan.
             std::thread::sleep(Duration::from_micros(if k == 1 { 200 * seed as u64 } else { 0 }));
             let (set, done) = (Arc::clone(&set), done.clone());
             pool.spawn(move || {

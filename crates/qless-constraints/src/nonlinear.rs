@@ -1,0 +1,143 @@
+//! Nonlinear constraint equations, `c(u) = 0`, and their derivatives by dual numbers.
+
+use crate::scalar::{Dual, HyperDual, Scalar};
+
+/// The parameters of nonlinear equations `c(u) = 0` that share n DOFs, one row per name in [`Nonlinear::PARTS`].
+///
+/// `u` holds the values of the constraint's own DOFs, in the order of its list. Only [`Nonlinear::value`] is required: by default,
+/// derivatives are computed with dual numbers, exact to rounding.
+pub trait Nonlinear: Send + Sync + Sized + 'static {
+    /// Number of DOFs of each constraint of the type, or 0 if it varies. A fixed number makes loops faster.
+    const DOFS: usize = 0;
+    /// Whether c is a polynomial of degree two. [`Nonlinear::hessian`] must not depend on u then, and is called with an empty u.
+    /// If there is one equation and [`Nonlinear::NUMBERS`] is given, it is called once, with a weight of 1, and the result is scaled.
+    const QUADRATIC: bool = false;
+    /// For each pair, the index of its number in [`Nonlinear::hessian`]; the list is repeated over all pairs. If empty, each pair has its own.
+    ///
+    /// This saves work if few numbers make many entries: `[0, 1, 0]` describes `v, -v, v, v, -v, v`.
+    const NUMBERS: &'static [usize] = &[];
+    /// Whether [`Nonlinear::pairs`] depends on the number of DOFs only: then one constraint is asked for all with that number.
+    const SAME_PAIRS: bool = false;
+    /// Whether parameters are functions of time. [`Nonlinear::at_time`] is called only then.
+    const DRIVEN: bool = false;
+    /// A name for each equation, such as "x"; a single equation has an empty name.
+    const PARTS: &'static [&'static str];
+
+    /// Writes `c`, which has the length of `PARTS`.
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]);
+
+    /// Evaluates the parameters at this time. The DOFs and [`Nonlinear::pairs`] must not change.
+    ///
+    /// It is called when the constraint is added or activated, with the time of the set (0 at first), and by
+    /// [`crate::ConstraintSet::set_time`].
+    ///
+    /// # Errors
+    /// The value of a function of time that is not finite. The set then keeps its time, and calls this function again with it.
+    fn at_time(&mut self, _time: f64) -> Result<(), f64> {
+        Ok(())
+    }
+
+    /// The prescribed angle in radians, if c determines it only up to multiples of 2 pi.
+    ///
+    /// Steps of time must change this angle by less than pi, so that c can be followed; [`crate::equilibrium::drive`] sees to it.
+    fn angle(&self) -> Option<f64> {
+        None
+    }
+
+    /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation only, so that another vector
+    /// of the same rotation may replace it ([`crate::ConstraintSet::shorten_rotations`]).
+    fn rotation_vectors(&self, _found: &mut dyn FnMut(usize)) {}
+
+    /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
+    fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
+        (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
+    }
+
+    /// Writes all of `c`, and `dc_r / du_j` at `g[r * n + j]`.
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        jacobian(self, u, c, g);
+    }
+
+    /// Like [`Nonlinear::value_and_jacobian`], in any scalars: with error bounds, if u has them ([`crate::ConstraintSet::rounding`]).
+    ///
+    /// Dual numbers evaluate c once for every few DOFs. A type whose c is a sum of many terms does better to sum the derivatives of the terms.
+    fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
+        jacobian(self, u, c, g);
+    }
+
+    /// Writes `sum_r w_r d^2 c_r / du_j du_k`, one number per pair in the order of [`Nonlinear::pairs`], or as [`Nonlinear::NUMBERS`] says.
+    fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
+        hessian(self, u, w, h);
+    }
+
+    /// Largest number of constraints that [`Nonlinear::values_and_jacobians`] and [`Nonlinear::second_derivatives`] take at once.
+    ///
+    /// A type that needs much arithmetic can process several constraints with the same vector instructions. It must then define both
+    /// functions, as the defaults take one constraint.
+    const AT_ONCE: usize = 1;
+
+    /// [`Nonlinear::value_and_jacobian`] of several constraints; `u`, `c` and `g` hold one after the other.
+    #[inline]
+    fn values_and_jacobians(items: &[Self], u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        debug_assert_eq!(items.len(), 1);
+        items[0].value_and_jacobian(u, c, g);
+    }
+
+    /// [`Nonlinear::hessian`] of several constraints; `u`, `w` and `h` hold one after the other.
+    fn second_derivatives(items: &[Self], u: &[f64], w: &[f64], h: &mut [f64]) {
+        debug_assert_eq!(items.len(), 1);
+        items[0].hessian(u, w, h);
+    }
+
+    /// The index of the number of a pair, given the pair's place in the order of [`Nonlinear::pairs`].
+    #[doc(hidden)]
+    fn number(pair: usize) -> usize {
+        if Self::NUMBERS.is_empty() { pair } else { Self::NUMBERS[pair % Self::NUMBERS.len()] }
+    }
+}
+
+/// Directions per evaluation: enough to fill vector instructions, few enough to stay in registers.
+const WIDTH: usize = 8;
+/// Largest numbers of equations and of DOFs for which scratch memory is on the stack.
+const ROWS: usize = 8;
+const DOFS: usize = 32;
+
+/// `c`, and `dc_r / du_j` at `g[r * n + j]`, in any scalars.
+pub fn jacobian<Q: Nonlinear, S: Scalar>(q: &Q, u: &[S], c: &mut [S], g: &mut [S]) {
+    let zero = Dual::<WIDTH, S>::from(0.0);
+    with_scratch(zero, u.len(), c.len(), |x, value| {
+        for first in (0..u.len()).step_by(WIDTH) {
+            (0..u.len()).for_each(|j| x[j] = Dual::variable(u[j], j.wrapping_sub(first)));
+            q.value(x, value);
+            for j in first..u.len().min(first + WIDTH) {
+                (0..c.len()).for_each(|r| g[r * u.len() + j] = value[r].slope[j - first]);
+            }
+        }
+        (0..c.len()).for_each(|r| c[r] = value[r].real);
+    });
+}
+
+/// `sum_r w_r d^2 c_r / du_j du_k` for each pair.
+pub fn hessian<Q: Nonlinear>(q: &Q, u: &[f64], w: &[f64], h: &mut [f64]) {
+    with_scratch(HyperDual::from(0.0), u.len(), w.len(), |x, value| {
+        (0..u.len()).for_each(|j| x[j] = HyperDual::from(u[j]));
+        let mut slot = h.iter_mut();
+        q.pairs(u.len(), &mut |j, k| {
+            (x[j].first, x[k].second) = (1.0, 1.0);
+            q.value(x, value);
+            (x[j].first, x[k].second) = (0.0, 0.0);
+            if let Some(slot) = slot.next() {
+                *slot = value.iter().zip(w).map(|(c, w)| w * c.mixed).sum();
+            }
+        });
+    });
+}
+
+/// Calls `work` with scratch memory for the DOFs and the equations.
+fn with_scratch<S: Copy>(zero: S, dofs: usize, rows: usize, work: impl FnOnce(&mut [S], &mut [S])) {
+    if dofs <= DOFS && rows <= ROWS {
+        work(&mut [zero; DOFS][..dofs], &mut [zero; ROWS][..rows]);
+    } else {
+        work(&mut vec![zero; dofs], &mut vec![zero; rows]);
+    }
+}

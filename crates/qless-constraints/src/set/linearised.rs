@@ -1,0 +1,186 @@
+//! `G du = -c`: the set linearised at u, as linear equations for `qless`.
+//!
+//! Rows of G that rounding explains are written without terms: otherwise their noise, once scaled to one, would count as rank. Which rows
+//! these are depends on the configuration, so [`ConstraintSet::vanishing`] reports them for one configuration.
+
+use std::fmt;
+
+use qless::{ArgumentError, ConstraintSystem, SystemBuilder};
+
+use crate::set::ConstraintSet;
+use crate::set::error::LineariseError;
+use crate::set::evaluation::Quantities;
+use crate::set::rounding::Rounding;
+
+/// An equation whose row of G is indistinguishable from zero at this configuration.
+///
+/// To first order, no motion changes its value. Examples: a rotation vector with `|theta| = 2 pi` cannot reach rotations about axes
+/// perpendicular to it, and a rod whose ends coincide has no direction. The equation may be needed at other configurations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vanishing {
+    /// The equation.
+    pub row: usize,
+    /// Its label.
+    pub label: String,
+    /// The largest computed entry of its row.
+    pub entry: f64,
+    /// Bound on the rounding error of the row's entries; not less than `entry`.
+    pub rounding: f64,
+    /// The value of c, which no step changes to first order.
+    pub value: f64,
+    /// Whether the equation is linear, so that it has no terms at any configuration.
+    pub everywhere: bool,
+}
+
+impl fmt::Display for Vanishing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { label, entry, rounding, value, .. } = self;
+        if self.everywhere {
+            return write!(f, "\"{label}\" has no terms: they cancel; its value is {value:e}");
+        }
+        write!(
+            f,
+            "\"{label}\" says nothing at this configuration: the largest entry of its row of G, {entry:e}, is rounding"
+        )?;
+        write!(f, " (up to {rounding:e}); its value is {value:e}; elsewhere it may be needed")
+    }
+}
+
+impl ConstraintSet {
+    /// The linearised equations `G du = -c` with the labels of the set; `prescribed` are increments `(DOF, du)`.
+    ///
+    /// Entries within their rounding errors are left out. A row without other entries has no terms, and its right-hand side is zero if c is within
+    /// its rounding error too; [`ConstraintSet::vanishing`] reports such rows. The configuration is that of the last evaluation.
+    ///
+    /// ```
+    /// use qless::{Options, analyse};
+    /// use qless_constraints::ConstraintSet;
+    /// use qless_constraints::types::Equal;
+    /// let mut builder = ConstraintSet::builder(3);
+    /// for (label, dofs) in [("ab", [0, 1]), ("bc", [1, 2]), ("ca", [2, 0])] {
+    ///     builder.add(label, Equal::new(dofs))?;
+    /// }
+    /// let set = builder.build()?;
+    /// let mut quantities = set.allocate();
+    /// set.evaluate(&[0.0; 3], &mut quantities)?;
+    /// let system = set.linearised(&quantities, &[])?;
+    /// assert_eq!(system.equation_label(2), "ca");
+    /// assert_eq!(analyse(&system, &Options::default())?.rank(), 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LineariseError`]: the quantities belong to another set, a number of c or G is not finite, or a prescribed DOF is not valid.
+    pub fn linearised(
+        &self,
+        quantities: &Quantities,
+        prescribed: &[(usize, f64)],
+    ) -> Result<ConstraintSystem, LineariseError> {
+        self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
+    }
+
+    /// The same with scaled columns, `G_rj s_j`, for the unknowns y in `du_j = s_j y_j`.
+    pub(crate) fn linearised_in(
+        &self,
+        units: &[f64],
+        quantities: &Quantities,
+        prescribed: &[(usize, f64)],
+    ) -> Result<ConstraintSystem, LineariseError> {
+        self.current(quantities)?;
+        let rounding = self.rounding_of_nonlinear(quantities)?;
+        let mut builder = SystemBuilder::new(self.dofs);
+        for row in 0..self.equations() {
+            let not_finite = |value| Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
+            if let Some(value) = quantities.not_finite(row) {
+                return not_finite(value);
+            }
+            let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
+            let terms = terms.map(|(j, v)| (j, v * units[j]));
+            if let Some(value) = terms.clone().map(|(_, v)| v).find(|v| !v.is_finite()) {
+                return not_finite(value);
+            }
+            builder.labelled_equation(self.label(row)?, terms, rhs);
+        }
+        prescribed.iter().for_each(|&(dof, increment)| builder.prescribe(dof, increment));
+        Ok(builder.build()?)
+    }
+
+    /// The equations whose rows of G are indistinguishable from zero at the configuration of the quantities, ascending.
+    ///
+    /// These are the rows that [`ConstraintSet::linearised`] writes without terms.
+    ///
+    /// ```
+    /// use qless::{Options, analyse};
+    /// use qless_constraints::{ConstraintSet, types::{Body, Revolute}};
+    /// let arm = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
+    /// let mut builder = ConstraintSet::builder(6);
+    /// builder.add("door", Revolute { a: Body::ground(), b: arm, at: [0.0; 3], axis: [0.0, 0.0, 1.0] })?;
+    /// let set = builder.build()?;
+    /// let mut quantities = set.allocate();
+    /// // After a full turn, a rotation vector reaches rotations about its own axis only.
+    /// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::TAU], &mut quantities)?;
+    /// let vanishing = set.vanishing(&quantities)?;
+    /// assert_eq!((vanishing.len(), vanishing[0].label.as_str()), (2, "door, tilt 1"));
+    /// assert_eq!(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank(), 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError`] if the quantities belong to another set, or are out of date.
+    pub fn vanishing(&self, quantities: &Quantities) -> Result<Vec<Vanishing>, ArgumentError> {
+        self.current(quantities)?;
+        let rounding = self.rounding(&quantities.u)?;
+        let rows = (0..self.equations()).filter(|&row| quantities.vanishes(row, &rounding));
+        rows.map(|row| self.report(row, quantities, &rounding)).collect()
+    }
+
+    /// Rounding bounds if there are nonlinear equations. Nonzero rows of linear equations cannot vanish.
+    pub(super) fn rounding_of_nonlinear(&self, quantities: &Quantities) -> Result<Option<Rounding>, ArgumentError> {
+        if self.linear.rows() == self.equations() { Ok(None) } else { self.rounding(&quantities.u).map(Some) }
+    }
+
+    fn report(&self, row: usize, quantities: &Quantities, rounding: &Rounding) -> Result<Vanishing, ArgumentError> {
+        let entry = quantities.g.row(row).map(|(_, v)| v.abs()).fold(0.0, f64::max);
+        let value = quantities.c[row];
+        let rounding = rounding.of_row(row).iter().copied().fold(0.0, f64::max);
+        Ok(Vanishing { row, label: self.label(row)?, entry, rounding, value, everywhere: self.is_linear(row) })
+    }
+}
+
+/// Whether a finite number is within its rounding error.
+fn is_rounding(value: f64, bound: f64) -> bool {
+    value.is_finite() && value.abs() <= bound
+}
+
+impl Quantities {
+    /// A number of c or of the row of G that is not finite. Must be asked before rounding bounds, which are infinite for such rows.
+    pub(super) fn not_finite(&self, row: usize) -> Option<f64> {
+        let numbers = std::iter::once(self.c[row]).chain(self.g.row(row).map(|(_, v)| v));
+        numbers.into_iter().find(|value| !value.is_finite())
+    }
+
+    /// The terms of a row of G that exceed their rounding errors, and the right-hand side -c, or 0 if the row vanishes and c is rounding.
+    ///
+    /// Without this, an entry of 1e-159 would make a column look as if it were in another unit.
+    pub(super) fn linear_equation<'a>(
+        &'a self,
+        row: usize,
+        rounding: Option<&'a Rounding>,
+    ) -> (impl Iterator<Item = (usize, f64)> + Clone + 'a, f64) {
+        let bounds = rounding.map_or(&[][..], |rounding| rounding.of_row(row)).iter().copied();
+        let terms = self.g.row(row).zip(bounds.chain(std::iter::repeat(-1.0)));
+        let vanishing = rounding.filter(|rounding| self.vanishes(row, rounding));
+        // An infinite bound says nothing, so it removes no entry from a row with significant entries.
+        let real = move |&((_, v), bound): &((_, f64), f64)| {
+            vanishing.is_none() && !(is_rounding(v, bound) && bound.is_finite())
+        };
+        let c = self.c[row];
+        let is_nothing = vanishing.is_some_and(|rounding| is_rounding(c, rounding.c()[row]));
+        (terms.filter(real).map(|(term, _)| term), if is_nothing { 0.0 } else { -c })
+    }
+
+    /// Whether all entries of a row of G are within their rounding errors.
+    fn vanishes(&self, row: usize, rounding: &Rounding) -> bool {
+        self.g.row(row).zip(rounding.of_row(row)).all(|((_, v), &bound)| is_rounding(v, bound))
+    }
+}

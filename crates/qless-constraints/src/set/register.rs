@@ -1,0 +1,280 @@
+//! Identities and labels of constraints, and the constraint and label of each row.
+//!
+//! The label of an equation is "constraint, equation name"; empty parts are left out.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use qless::ArgumentError;
+use qless::common::Identity;
+
+use crate::equations::contents::ConstraintContents;
+use crate::equations::nonlinear::batch::NonlinearBatch;
+use crate::equations::{EquationNames, EquationOwner};
+use crate::set::ConstraintSet;
+use crate::set::error::EditError;
+
+/// Identifies a constraint of one set until it is removed. It is never reused, and other sets refuse it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ConstraintId {
+    pub(super) set: Identity,
+    pub(super) number: u32,
+}
+
+impl ConstraintId {
+    /// Number of constraints added before it.
+    pub fn place(self) -> usize {
+        self.number as usize
+    }
+}
+
+/// Identifies the constraints of one call of [`crate::ConstraintSet::add_all`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConstraintIds {
+    pub(super) set: Identity,
+    pub(super) first: u32,
+    pub(super) count: u32,
+}
+
+impl ConstraintIds {
+    /// The i-th of them, from 0; `None` after the last.
+    pub fn get(self, i: usize) -> Option<ConstraintId> {
+        (i < self.count as usize).then(|| ConstraintId { set: self.set, number: self.first + i as u32 })
+    }
+
+    /// All of them, in order.
+    pub fn iter(self) -> impl ExactSizeIterator<Item = ConstraintId> + DoubleEndedIterator {
+        // Only ranges of `usize` implement `ExactSizeIterator`.
+        (0..self.count as usize).map(move |i| ConstraintId { set: self.set, number: self.first + i as u32 })
+    }
+}
+
+/// Labels of all constraints ever added, and the contents of inactive ones.
+#[derive(Default)]
+pub(super) struct ConstraintRegister {
+    pub identity: Identity,
+    pub equation_names: EquationNames,
+    labels: ConstraintLabels,
+    alive: usize,
+    inactive: BTreeMap<u32, Box<ConstraintContents>>,
+}
+
+impl ConstraintRegister {
+    pub fn new() -> Self {
+        Self { identity: Identity::new(), ..Self::default() }
+    }
+
+    /// Number of constraints ever added.
+    pub fn ever(&self) -> usize {
+        self.labels.count() as usize
+    }
+
+    pub fn alive(&self) -> usize {
+        self.alive
+    }
+
+    pub fn add(&mut self, label: String) -> ConstraintId {
+        let id = ConstraintId { set: self.identity, number: self.labels.count() };
+        self.labels.push(label);
+        self.alive += 1;
+        id
+    }
+
+    /// Adds `count` constraints under numbered labels.
+    pub fn add_all(&mut self, label: String, count: u32) -> ConstraintIds {
+        let ids = ConstraintIds { set: self.identity, first: self.labels.count(), count };
+        self.labels.push_numbered(label, count);
+        self.alive += count as usize;
+        ids
+    }
+
+    /// The number of a constraint that was not removed.
+    pub fn number(&self, id: ConstraintId) -> Result<u32, EditError> {
+        if id.set != self.identity {
+            return Err(EditError::Foreign);
+        }
+        let there = self.labels.is_there(id.number);
+        there.then_some(id.number).ok_or(EditError::Gone { place: id.place() })
+    }
+
+    pub fn remove(&mut self, number: u32) {
+        self.labels.remove(number);
+        self.alive -= 1;
+    }
+
+    pub fn is_active(&self, number: u32) -> bool {
+        !self.inactive.contains_key(&number)
+    }
+
+    /// Keeps the contents of a constraint that becomes inactive.
+    pub fn park(&mut self, number: u32, contents: Box<ConstraintContents>) {
+        self.inactive.insert(number, contents);
+    }
+
+    pub fn parked(&self, number: u32) -> Option<&ConstraintContents> {
+        self.inactive.get(&number).map(AsRef::as_ref)
+    }
+
+    pub fn parked_mut(&mut self, number: u32) -> Option<&mut ConstraintContents> {
+        self.inactive.get_mut(&number).map(AsMut::as_mut)
+    }
+
+    /// Hands out the contents of an inactive constraint, which is about to be activated or removed.
+    pub fn take(&mut self, number: u32) -> Option<Box<ConstraintContents>> {
+        self.inactive.remove(&number)
+    }
+
+    pub fn name(&self, number: u32) -> Cow<'_, str> {
+        self.labels.get(number).unwrap_or_default()
+    }
+
+    /// Joins the label of the constraint and its nonempty equation names by commas.
+    pub fn label(&self, owner: EquationOwner, part: &str) -> String {
+        let mut label = self.name(owner.constraint).into_owned();
+        for part in [self.equation_names.name(owner.name).as_ref(), part].into_iter().filter(|part| !part.is_empty()) {
+            if !label.is_empty() {
+                label.push_str(", ");
+            }
+            label.push_str(part);
+        }
+        label
+    }
+}
+
+/// Labels of consecutive constraints.
+enum LabelRange {
+    /// `None` for removed constraints.
+    Each(Vec<Option<Box<str>>>),
+    Numbered {
+        label: Box<str>,
+        removed: BTreeSet<u32>,
+    },
+}
+
+/// Labels of all constraints ever added.
+#[derive(Default)]
+pub(super) struct ConstraintLabels {
+    /// Ranges with the number of their first constraint.
+    runs: Vec<(u32, LabelRange)>,
+    count: u32,
+}
+
+impl ConstraintLabels {
+    /// Number of constraints ever added.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    pub fn push(&mut self, label: String) {
+        let label = Some(label.into_boxed_str());
+        match self.runs.last_mut() {
+            Some((_, LabelRange::Each(names))) => names.push(label),
+            _ => self.runs.push((self.count, LabelRange::Each(vec![label]))),
+        }
+        self.count += 1;
+    }
+
+    /// Adds labels as [`numbered`] forms them.
+    pub fn push_numbered(&mut self, label: String, count: u32) {
+        if count > 0 {
+            self.runs.push((self.count, LabelRange::Numbered { label: label.into(), removed: BTreeSet::new() }));
+            self.count += count;
+        }
+    }
+
+    /// The label of a constraint; `None` if it was removed.
+    pub fn get(&self, number: u32) -> Option<Cow<'_, str>> {
+        match &self.runs[self.run(number)] {
+            (first, LabelRange::Each(names)) => names[(number - first) as usize].as_deref().map(Cow::Borrowed),
+            (_, LabelRange::Numbered { removed, .. }) if removed.contains(&number) => None,
+            (first, LabelRange::Numbered { label, .. }) => Some(numbered(label, (number - first) as usize).into()),
+        }
+    }
+
+    pub fn is_there(&self, number: u32) -> bool {
+        match &self.runs[self.run(number)] {
+            (first, LabelRange::Each(names)) => names[(number - first) as usize].is_some(),
+            (_, LabelRange::Numbered { removed, .. }) => !removed.contains(&number),
+        }
+    }
+
+    pub fn remove(&mut self, number: u32) {
+        let run = self.run(number);
+        match &mut self.runs[run] {
+            (first, LabelRange::Each(names)) => names[(number - *first) as usize] = None,
+            (_, LabelRange::Numbered { removed, .. }) => {
+                removed.insert(number);
+            }
+        }
+    }
+
+    /// The range that contains a constraint.
+    fn run(&self, number: u32) -> usize {
+        self.runs.partition_point(|&(first, _)| first <= number) - 1
+    }
+}
+
+/// The label of the i-th of several constraints.
+pub(super) fn numbered(label: &str, i: usize) -> String {
+    if label.is_empty() { String::new() } else { format!("{label} {i}") }
+}
+
+impl ConstraintSet {
+    /// The batch of a nonlinear row, and the row's number in it; `None` for linear rows.
+    fn place(&self, row: usize) -> Option<(&dyn NonlinearBatch, usize)> {
+        let (batch, own) = self.nonlinear.offsets.find(row.checked_sub(self.linear.rows())?);
+        Some((self.nonlinear.batches[batch].as_ref(), own))
+    }
+
+    /// The owner of a row, and its name within the type.
+    fn owner(&self, row: usize) -> Result<(EquationOwner, &'static str), ArgumentError> {
+        if row >= self.equations() {
+            return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
+        }
+        Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(batch, own)| batch.owner(own)))
+    }
+
+    /// The constraint that an equation belongs to.
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn constraint_of(&self, row: usize) -> Result<ConstraintId, ArgumentError> {
+        let number = self.owner(row)?.0.constraint;
+        Ok(ConstraintId { set: self.register.identity, number })
+    }
+
+    /// The equations of a constraint, ascending; empty if it is inactive or was removed.
+    ///
+    /// # Errors
+    /// [`ArgumentError::Foreign`] for a constraint of another set.
+    pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
+        self.own("the constraint", constraint.set)?;
+        let mut rows: Vec<usize> = self.linear.of(constraint.number).collect();
+        for (_, (batch, item)) in self.nonlinear.of(constraint.number) {
+            let rows_of_item = self.nonlinear.batches[batch].equations_per_item();
+            let first = self.linear.rows() + self.nonlinear.offsets.first(batch) + item * rows_of_item;
+            rows.extend(first..first + rows_of_item);
+        }
+        Ok(rows)
+    }
+
+    /// The label of an equation: that of its constraint, and the name of the equation.
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn label(&self, row: usize) -> Result<String, ArgumentError> {
+        let (owner, part) = self.owner(row)?;
+        Ok(self.register.label(owner, part))
+    }
+
+    /// Whether the equation is linear, so that its row of G is constant.
+    pub fn is_linear(&self, row: usize) -> bool {
+        self.linear_rows().contains(&row)
+    }
+
+    /// The rows of linear equations.
+    pub fn linear_rows(&self) -> Range<usize> {
+        0..self.linear.rows()
+    }
+}
