@@ -2,7 +2,7 @@
 
 use qless::backend::Factor;
 use qless::{BackendChoice, Csr};
-use qless_qr::{Options, Rows, Symbolic, Tolerance};
+use qless_qr::{Options, SparseRows, Symbolic, Tolerance};
 
 use super::{BAD, HUGE, refused, survives};
 
@@ -106,7 +106,7 @@ fn numbers_that_do_not_fit_to_a_pattern() {
 
 #[test]
 fn rows_that_are_not_there_are_empty() {
-    let rows = Rows { start: vec![0, 2, 9, 1], col: vec![0, 1], val: vec![1.0] };
+    let rows = SparseRows { start: vec![0, 2, 9, 1], col: vec![0, 1], val: vec![1.0] };
     for i in [0, 1, 2, 3, usize::MAX] {
         assert_eq!(survives("a row", || rows.row(i).count()), 0, "row {i}");
     }

@@ -1,48 +1,48 @@
-//! Why a factorization is refused: every condition is checked before the work that it would spoil.
+//! Errors of analysis, factorization and solution. Input is checked before the work that depends on it.
 
-/// What analyses, factorizations and solutions refuse.
+/// An error of an analysis, a factorization or a solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The pattern is no m x n pattern in compressed columns with ascending row indices.
+    /// The arrays are not an m x n pattern in compressed columns with ascending row indices.
     #[error("column {column} of the pattern is malformed: {what}")]
     Pattern {
-        /// The first column at fault.
+        /// The first malformed column.
         column: usize,
-        /// What is wrong with it.
+        /// The defect.
         what: &'static str,
     },
     /// The starts of a [`Matrix`](crate::Matrix) do not ascend from 0 to the number of its entries.
     #[error("start[{at}] is {found}: starts ascend from 0 to the number of entries, {entries}")]
     Start {
-        /// Which of them.
+        /// Index of the first wrong start.
         at: usize,
-        /// What it is (`usize::MAX`: no number that an array could have).
+        /// Its value; `usize::MAX` for a negative number.
         found: usize,
-        /// How many entries the matrix has.
+        /// Number of entries of the matrix.
         entries: usize,
     },
-    /// An entry of a [`Matrix`](crate::Matrix) lies outside of it.
+    /// An entry of a [`Matrix`](crate::Matrix) has a row or column index out of range.
     #[error("entry {entry} has the index {found}, which must be below {bound}")]
     Index {
-        /// Which entry.
+        /// Position of the entry.
         entry: usize,
-        /// Its index (`usize::MAX`: negative).
+        /// Its index; `usize::MAX` for a negative number.
         found: usize,
-        /// How many rows or columns there are.
+        /// Number of rows or columns.
         bound: usize,
     },
-    /// An array is not as long as the pattern says.
+    /// An array has the wrong length.
     #[error("{what} has {found} entries, not {expected}")]
     Length {
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
         /// Its length.
         found: usize,
-        /// What the length must be (of the right-hand sides: a multiple of it).
+        /// Required length; for right-hand sides, the length must be a multiple of this.
         expected: usize,
     },
-    /// More rows, columns or entries than 31-bit indices count.
+    /// More rows, columns or entries than signed 32-bit indices can count.
     #[error("a {rows} x {cols} matrix with {entries} entries is larger than its indices can count")]
     TooLarge {
         /// Rows.
@@ -53,24 +53,24 @@ pub enum Error {
         entries: usize,
     },
     /// The tolerance is negative or not a number.
-    #[error("the tolerance {0} is no distance")]
+    #[error("the tolerance is {0}, but must be zero or positive")]
     Tolerance(f64),
-    /// A number of the matrix or of the right-hand sides is infinite or not a number.
-    #[error("{0} holds a number that is not finite")]
+    /// A value of the matrix or of the right-hand sides is infinite or not a number.
+    #[error("{0} has a value that is infinite or not a number")]
     NotFinite(&'static str),
-    /// Numbers grew beyond the floating-point range.
+    /// The factorization or the solution overflows the floating-point range.
     #[error("the factorization overflows: scale the matrix")]
     Overflow,
-    /// More memory than allowed or than there is.
-    #[error("the factorization needs {needed} bytes, {limit} are allowed")]
+    /// The memory limit is exceeded, or an allocation failed.
+    #[error("the factorization needs {needed} bytes, but the limit is {limit}")]
     OutOfMemory {
-        /// Bytes needed, as far as known when it stopped.
+        /// Bytes needed, as far as known when the factorization stopped.
         needed: usize,
-        /// Bytes allowed.
+        /// The limit in bytes.
         limit: usize,
     },
     /// [`solve`](crate::solve()) was given a matrix that is not square.
-    #[error("a {rows} x {cols} matrix is not square: see least_squares and minimum_norm")]
+    #[error("a {rows} x {cols} matrix is not square: use least_squares or minimum_norm")]
     NotSquare {
         /// Rows.
         rows: usize,
@@ -78,9 +78,9 @@ pub enum Error {
         cols: usize,
     },
     /// [`solve`](crate::solve()) was given a matrix with dependent columns.
-    #[error("the rank is {rank}, not {cols}: see least_squares and minimum_norm")]
+    #[error("the rank is {rank}, not {cols}: use least_squares or minimum_norm")]
     Singular {
-        /// Rank found.
+        /// Numerical rank.
         rank: usize,
         /// Columns.
         cols: usize,

@@ -1,22 +1,22 @@
-//! `A P = Q R` of a sparse m x n matrix of any shape and rank, and what it solves.
+//! Sparse QR, `A P = Q R`, of an m x n matrix of any shape and rank: least squares, minimum-norm solutions, rank.
 //!
-//! Multifrontal Householder QR (Matstoms 1994; Puglisi 1993; Davis 2011): the columns are ordered for little fill,
-//! consecutive columns with nearly one pattern form a front, and a front is a small dense matrix of its rows of A and of
-//! what its children left over. Its pivotal columns are eliminated, which gives rows of R; what is left, upper
-//! trapezoidal, waits for the parent. A pivotal column whose remaining part is at most the tolerance is dependent
-//! (Heath 1982): its remaining part is treated as zero and the column goes behind all others.
+//! The method is multifrontal Householder QR (Matstoms 1994; Puglisi 1993; Davis 2011). The columns are ordered for little
+//! fill. Consecutive columns with nearly the same pattern form a front: a small dense matrix of its rows of A and of the
+//! contributions of its children. Eliminating its pivotal columns gives rows of R; the upper trapezoidal remainder is the
+//! contribution to the parent. A pivotal column is dependent if the norm of its remaining part is at most the tolerance
+//! (Heath 1982): that part is treated as zero, and the column moves behind all others.
 //!
-//! | what for | call |
+//! | task | call |
 //! | --- | --- |
-//! | `A x = b`, square | [`solve`](solve()) |
-//! | least `|A x - b|` | [`least_squares`] |
+//! | square `A x = b` | [`solve`](solve()) |
+//! | minimise `|A x - b|` | [`least_squares`] |
 //! | the shortest such x | [`minimum_norm`] |
 //! | the same pattern again | [`Matrix::analyse`], then [`Symbolic::factor`] for each set of values |
 //! | the same matrix again | [`Options::keep_q`], then [`Factor::solve`]; without Q [`Factor::solve_seminormal`] |
-//! | all digits | [`Options::refinements`] or [`Factor::refine`] |
-//! | how good the matrix is | [`Factor::rank`], [`Factor::condition`], [`Factor::smallest_singular_value`] |
+//! | full accuracy | [`Options::refinements`] or [`Factor::refine`] |
+//! | rank and condition | [`Factor::rank`], [`Factor::condition`], [`Factor::smallest_singular_value`] |
 //!
-//! R and `Q^T B` are always kept, Q only on request: without it, memory and time stay those of R.
+//! R and `Q^T B` are always kept, Q only on request, because it costs memory.
 //!
 //! ```
 //! // [1 1 0]
@@ -29,16 +29,15 @@
 //! # Ok::<(), qless_qr::Error>(())
 //! ```
 
-mod analyse;
-mod dense;
 mod error;
 mod factor;
+mod lists;
 mod matrix;
 mod numeric;
 mod options;
-mod pattern;
-mod q;
+mod reflections;
 mod solve;
+mod staircase;
 mod symbolic;
 
 #[cfg(doctest)]
@@ -46,8 +45,8 @@ mod symbolic;
 struct Readme;
 
 pub use error::Error;
-pub use factor::{Factor, Parts, Rows};
+pub use factor::{Factor, FactorParts, SparseRows};
 pub use matrix::{Index, Matrix};
 pub use options::{Options, Tolerance};
-pub use solve::{Complete, Solution, least_squares, minimum_norm, solve};
+pub use solve::{CompleteFactor, Solution, least_squares, minimum_norm, solve};
 pub use symbolic::Symbolic;

@@ -6,7 +6,7 @@ use common::{Matrix, any};
 use qless_qr::{Error, Index, Matrix as View, Options, least_squares};
 
 /// The factor's R and the tolerance: equal where the same matrix was read.
-fn read<P: Index, I: Index>(a: &View<P, I>) -> (qless_qr::Rows, f64) {
+fn read<P: Index, I: Index>(a: &View<P, I>) -> (qless_qr::SparseRows, f64) {
     let factor = a.analyse().expect("a pattern").factor(a.values(), &[], Options::new()).expect("a factorization");
     (factor.r().clone(), factor.tolerance())
 }

@@ -1,42 +1,42 @@
-//! What a front leaves: `[echelon | Q^T b]` for its parent, `[R | Q^T b]` for the result.
+//! Output of a front: the contribution `[echelon | Q^T b]` to its parent, and `[R | Q^T b]` for the result.
 
-use crate::q::Reflections;
+use crate::reflections::Reflections;
 
-/// The rows of a front behind its pivotal ones, for its parent.
+/// The rows that a front passes to its parent.
 #[derive(Default)]
-pub(crate) struct ContributionBlock {
+pub(crate) struct Contribution {
     /// Columns (positions), ascending.
     pub columns: Vec<u32>,
-    /// For each row the index in `columns` at which it begins; ascending, 0 first.
+    /// For each row the index of its first column in `columns`; ascending from 0.
     pub lead: Vec<u32>,
-    /// Row of A that holds each row, if Q is kept.
+    /// Row of A for each row, if Q is kept.
     pub names: Vec<u32>,
-    /// Column c holds the rows that begin at or before it; then the right-hand sides hold all rows.
+    /// By columns: column c has the rows that begin at or before it; the right-hand sides, behind, have all rows.
     pub values: Vec<f64>,
 }
 
-/// What a front gives to the result. Arrays that the analysis knows already stay empty.
+/// The rows of R from one front. Index lists that equal those of the analysis are not stored.
 #[derive(Default)]
-pub(crate) struct Out {
+pub(crate) struct FrontResult {
     /// Rows of R.
     pub rank: usize,
-    /// Columns of the front that are not pivotal, if they are not all that the pattern allows.
+    /// Outer columns of the front, unless they are all that the pattern allows.
     outer: Option<Vec<u32>>,
-    /// Positions within the front of its independent pivotal columns, if they are not the first ones. Row i of R begins
-    /// at the i-th.
+    /// Positions within the front of its independent pivotal columns, unless they are the first ones. Row i of R begins at
+    /// the i-th.
     lead: Option<Vec<u32>>,
-    /// Row by row from where it begins, the right-hand sides behind; then norms of what no column is left for, by
-    /// right-hand side, if there is anything.
+    /// Each row of R from its first column on, followed by its right-hand sides. Then, if `has_rest`, one norm for each
+    /// right-hand side: of the rows for which no column is left.
     pub values: Vec<f64>,
     pub has_rest: bool,
     pub dropped: f64,
-    /// If Q is kept.
+    /// The reflections, if Q is kept.
     pub reflections: Option<Box<Reflections>>,
-    /// Rows of the front that are neither rows of R nor left to the parent come from here on.
+    /// First row of the front that is neither a row of R nor passed to the parent.
     pub done: usize,
 }
 
-impl Out {
+impl FrontResult {
     pub fn new(lead: &[u32], outer: &[u32], all: &[u32], dropped: f64) -> Self {
         let is_plain = lead.iter().zip(0..).all(|(&k, i)| k == i);
         let outer = (!lead.is_empty() && outer.len() < all.len()).then(|| outer.to_vec());
@@ -48,19 +48,19 @@ impl Out {
         self.outer.as_deref().unwrap_or(all)
     }
 
-    /// Where row i of R begins.
+    /// First column of row i of R, as a position within the front.
     pub fn lead(&self, i: usize) -> u32 {
         self.lead.as_ref().map_or(i as u32, |lead| lead[i])
     }
 
-    /// The norms behind the rows.
+    /// The norms stored behind the rows.
     pub fn rest(&self, count: usize) -> &[f64] {
         if self.has_rest { &self.values[self.values.len() - count..] } else { &[] }
     }
 }
 
-/// Packs the rows `from..from + lead.len()` of a front by columns, each as far as it is not zero, then those of the
-/// right-hand sides. Row i begins at column `lead[i]`.
+/// Packs the rows `from..from + lead.len()` of a front by columns without the zeros below the staircase, right-hand sides
+/// last. Row i begins at column `lead[i]`.
 pub(super) fn pack(values: &[f64], rows: usize, cols: usize, from: usize, lead: &[u32], packed: &mut Vec<f64>) {
     let first = lead.first().map_or(cols, |&k| k as usize);
     let mut height = 0;
@@ -72,8 +72,8 @@ pub(super) fn pack(values: &[f64], rows: usize, cols: usize, from: usize, lead: 
     }
 }
 
-/// Packs the first rows of a front (right-hand sides included) by rows, row i from column `lead[i]` on. Eight rows at a
-/// time, for so many numbers of a column come with one read of memory.
+/// Packs the first rows of a front by rows, with their right-hand sides; row i from column `lead[i]` on. Eight rows are
+/// packed together because a cache line holds eight numbers of a column.
 pub(super) fn pack_rows(values: &[f64], rows: usize, lead: &[u32], packed: &mut Vec<f64>) {
     let columns = values.len() / rows;
     let mut from = 0;
@@ -96,7 +96,7 @@ pub(super) fn pack_rows(values: &[f64], rows: usize, lead: &[u32], packed: &mut 
     }
 }
 
-/// How many numbers [`pack`] and [`pack_rows`] write for `count` right-hand sides.
+/// Length of the output of [`pack`] and [`pack_rows`] with `count` right-hand sides.
 pub(super) fn packed_len(cols: usize, lead: &[u32], count: usize) -> usize {
     lead.iter().map(|&k| cols - k as usize + count).sum()
 }

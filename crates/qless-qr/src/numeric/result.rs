@@ -1,24 +1,24 @@
-//! `[R1 R2]` from the fronts' packed rows: independent columns keep their order, the others go behind them.
+//! Builds `[R1 R2]` from the packed rows of the fronts: independent columns keep their order, dependent ones follow.
 
-use super::contribution::Out;
-use super::ledger::Ledger;
-use super::{Numbers, scaled_norm};
-use crate::analyse::INDEX;
-use crate::pattern::NONE;
-use crate::q::Q;
-use crate::symbolic::Symbolic;
-use crate::{Error, Factor, Rows};
+use super::MemoryLedger;
+use super::contribution::FrontResult;
+use super::{FactorInput, scaled_norm};
+use crate::Symbolic;
+use crate::lists::NONE;
+use crate::reflections::Q;
+use crate::symbolic::INDEX;
+use crate::{Error, Factor, SparseRows};
 
-/// Builds the result; each front is freed once it is read.
+/// Builds the factor; frees each front once it is read.
 pub(super) fn collect(
     symbolic: &Symbolic,
-    numbers: &Numbers,
-    mut outs: Vec<Out>,
-    ledger: &Ledger,
+    numbers: &FactorInput,
+    mut outs: Vec<FrontResult>,
+    ledger: &MemoryLedger,
 ) -> Result<Factor, Error> {
     let place = places(symbolic, &outs);
     let rank = symbolic.peeled + outs.iter().map(|out| out.rank).sum::<usize>();
-    // Zeros among them are room that is never touched.
+    // Zeros are counted here but not stored; their memory is never touched.
     let packed: usize =
         outs.iter().map(|out| out.values.len() - out.rank * numbers.count - out.rest(numbers.count).len()).sum();
     let entries = symbolic.pattern.start[symbolic.peeled] + packed;
@@ -26,8 +26,9 @@ pub(super) fn collect(
     let rest = rest(symbolic, numbers, &outs);
     let q = if numbers.keep_q { Some(q(symbolic, &mut outs, ledger)?) } else { None };
     let dropped = outs.iter().fold(0.0, |sum: f64, out| sum.hypot(out.dropped));
-    let r = Rows { start: ledger.reserve(rank + 1)?, col: ledger.reserve(entries)?, val: ledger.reserve(entries)? };
-    let mut builder = Builder {
+    let r =
+        SparseRows { start: ledger.reserve(rank + 1)?, col: ledger.reserve(entries)?, val: ledger.reserve(entries)? };
+    let mut builder = FactorBuilder {
         symbolic,
         numbers,
         place: &place,
@@ -40,7 +41,7 @@ pub(super) fn collect(
     builder.r.start.push(0);
     (0..symbolic.peeled).for_each(|i| builder.peeled(i));
     outs.into_iter().enumerate().for_each(|(f, out)| builder.front(f, &out));
-    let Builder { r, rhs, .. } = builder;
+    let FactorBuilder { r, rhs, .. } = builder;
     if !r.val.iter().chain(&rhs).chain(&rest).all(|v| v.is_finite()) {
         return Err(Error::Overflow);
     }
@@ -50,8 +51,8 @@ pub(super) fn collect(
     Ok(Factor { rows, order, r, rhs, rest, dropped, tolerance, q })
 }
 
-/// Q with the rows of `Q^T A` in their order: rows of R, rows that fronts had no columns for, rows without entries.
-fn q(symbolic: &Symbolic, outs: &mut [Out], ledger: &Ledger) -> Result<Q, Error> {
+/// Q, with the rows of `Q^T A` in this order: rows of R, rows for which no column was left, rows without entries.
+fn q(symbolic: &Symbolic, outs: &mut [FrontResult], ledger: &MemoryLedger) -> Result<Q, Error> {
     ledger.take(INDEX * symbolic.rows)?;
     let mut row = ledger.reserve(symbolic.rows)?;
     let assembled = symbolic.row.last().map_or(symbolic.peeled, |&end| end as usize);
@@ -64,8 +65,8 @@ fn q(symbolic: &Symbolic, outs: &mut [Out], ledger: &Ledger) -> Result<Q, Error>
     Ok(Q { row, fronts: fronts.map(|front| *front).collect() })
 }
 
-/// Final position of every position of the analysis.
-fn places(symbolic: &Symbolic, outs: &[Out]) -> Vec<u32> {
+/// Final position of each column position of the analysis.
+fn places(symbolic: &Symbolic, outs: &[FrontResult]) -> Vec<u32> {
     let mut place = vec![NONE; symbolic.cols];
     let mut next = 0..;
     let mut number = |at: &mut u32| *at = next.next().unwrap_or(NONE);
@@ -77,32 +78,32 @@ fn places(symbolic: &Symbolic, outs: &[Out]) -> Vec<u32> {
     place
 }
 
-/// Norms of what remains of each right-hand side: of rows without entries and of what fronts had no columns for.
-fn rest(symbolic: &Symbolic, numbers: &Numbers, outs: &[Out]) -> Vec<f64> {
+/// Residual norm of each right-hand side: of the rows without entries and the rows for which no column was left.
+fn rest(symbolic: &Symbolic, numbers: &FactorInput, outs: &[FrontResult]) -> Vec<f64> {
     let assembled = symbolic.row.last().map_or(symbolic.peeled, |&end| end as usize);
     let empty = &symbolic.row_order[assembled..];
-    let of = |c: usize| {
+    let norm = |c: usize| {
         let b = &numbers.rhs[c * symbolic.rows..(c + 1) * symbolic.rows];
         let untouched: Vec<f64> = empty.iter().map(|&i| b[i as usize]).collect();
-        let parts = outs.iter().filter_map(|out| out.rest(numbers.count).get(c));
-        parts.fold(scaled_norm(&untouched), |sum, part| sum.hypot(*part))
+        let norms = outs.iter().filter_map(|out| out.rest(numbers.count).get(c));
+        norms.fold(scaled_norm(&untouched), |sum, norm| sum.hypot(*norm))
     };
-    (0..numbers.count).map(of).collect()
+    (0..numbers.count).map(norm).collect()
 }
 
-struct Builder<'a> {
+struct FactorBuilder<'a> {
     symbolic: &'a Symbolic,
-    numbers: &'a Numbers<'a>,
+    numbers: &'a FactorInput<'a>,
     place: &'a [u32],
     rank: usize,
-    r: Rows,
+    r: SparseRows,
     dependent: Vec<(u32, f64)>,
     columns: Vec<u32>,
     rhs: Vec<f64>,
 }
 
-impl Builder<'_> {
-    /// Independent columns stand in their order already; the others wait for the end of the row.
+impl FactorBuilder<'_> {
+    /// Adds an entry to the current row. Entries of dependent columns are collected until the end of the row.
     fn push(&mut self, column: u32, value: f64) {
         if value == 0.0 {
         } else if (column as usize) < self.rank {
@@ -119,7 +120,7 @@ impl Builder<'_> {
         self.r.start.push(self.r.col.len());
     }
 
-    /// Row i of A is row i of R.
+    /// Adds peeled row i: it is a row of A.
     fn peeled(&mut self, i: usize) {
         let symbolic = self.symbolic;
         let range = symbolic.pattern.start[i]..symbolic.pattern.start[i + 1];
@@ -133,7 +134,7 @@ impl Builder<'_> {
         }
     }
 
-    fn front(&mut self, f: usize, out: &Out) {
+    fn front(&mut self, f: usize, out: &FrontResult) {
         let (from, end, all) = self.symbolic.front_columns(f);
         let Self { place, columns, .. } = self;
         columns.clear();

@@ -1,35 +1,39 @@
-//! Subtrees in parallel, fronts one after the other: children before parents.
+//! Schedule of the fronts: subtrees in parallel, children before parents.
 //!
-//! A front's numbers depend on its children only, which are assembled in their order, so no schedule changes a bit. A
-//! subtree becomes a task when it is worth one; without threads, or without memory for subtrees side by side, all fronts
-//! run in postorder on the calling thread.
+//! A front depends only on its children, which are assembled in a fixed order, so the result is the same for every
+//! schedule, to the bit. A subtree with enough work becomes a task. With one thread, or without memory for subtrees in
+//! parallel, all fronts run in postorder on the calling thread.
 
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::Numbers;
-use super::contribution::{ContributionBlock, Out};
+use super::FactorInput;
+use super::MemoryLedger;
+use super::contribution::{Contribution, FrontResult};
 use super::front::Workspace;
-use super::ledger::Ledger;
 use crate::Error;
-use crate::pattern::NONE;
-use crate::symbolic::Symbolic;
+use crate::Symbolic;
+use crate::lists::NONE;
 
-/// Operations that a task is worth at least.
+/// Minimum work of a task, in operations.
 const GRAIN: f64 = 2e6;
-/// Tasks are at least this share of the whole, which bounds how deep they nest.
+/// Minimum work of a task as a share of the total; this bounds the depth of nested tasks.
 const SHARE: f64 = 1.0 / 128.0;
 
-/// What a front has left behind.
+/// Output of a finished front.
 #[derive(Default)]
-struct Slot {
-    left: ContributionBlock,
-    out: Out,
+struct FrontSlot {
+    left: Contribution,
+    out: FrontResult,
 }
 
-/// Runs all fronts; what they give, in their order.
-pub(super) fn run(symbolic: &Symbolic, numbers: &Numbers, ledger: &Ledger) -> Result<Vec<Out>, Error> {
+/// Runs all fronts and returns their rows of R in order.
+pub(super) fn run(
+    symbolic: &Symbolic,
+    numbers: &FactorInput,
+    ledger: &MemoryLedger,
+) -> Result<Vec<FrontResult>, Error> {
     let slots = (0..symbolic.fronts.len()).map(|_| Mutex::default()).collect();
     let all = symbolic.forecast.flops.iter().sum::<f64>();
     let parallel =
@@ -43,36 +47,37 @@ pub(super) fn run(symbolic: &Symbolic, numbers: &Numbers, ledger: &Ledger) -> Re
     } else {
         tasks.sequence(std::slice::from_ref(&(0..count)))?;
     }
-    let out = |slot: Mutex<Slot>| slot.into_inner().unwrap_or_else(PoisonError::into_inner).out;
+    let out = |slot: Mutex<FrontSlot>| slot.into_inner().unwrap_or_else(PoisonError::into_inner).out;
     Ok(tasks.slots.into_iter().map(out).collect())
 }
 
-/// With Q, room for reflections in each thread.
-fn bytes_in_parallel(symbolic: &Symbolic, numbers: &Numbers) -> usize {
+/// Memory for a parallel run; with Q, each thread needs its own memory for reflections.
+fn bytes_in_parallel(symbolic: &Symbolic, numbers: &FactorInput) -> usize {
     let of_q = if numbers.keep_q { symbolic.memory_of_q().saturating_mul(rayon::current_num_threads()) } else { 0 };
     symbolic.forecast.bytes_in_parallel(symbolic, numbers.count).saturating_add(of_q)
 }
 
 struct Tasks<'a> {
     symbolic: &'a Symbolic,
-    numbers: &'a Numbers<'a>,
-    ledger: &'a Ledger,
-    slots: Vec<Mutex<Slot>>,
+    numbers: &'a FactorInput<'a>,
+    ledger: &'a MemoryLedger,
+    slots: Vec<Mutex<FrontSlot>>,
     grain: f64,
 }
 
 impl Tasks<'_> {
-    /// The subtrees of the given fronts.
+    /// Runs the subtrees of the given fronts in parallel.
     fn siblings(&self, tops: &[u32]) -> Result<(), Error> {
         let (heavy, light) = self.divided(tops);
-        let jobs: Vec<Job> = heavy.into_iter().map(Job::Subtree).chain(self.batches(light).map(Job::Batch)).collect();
+        let jobs: Vec<FrontTask> =
+            heavy.into_iter().map(FrontTask::Subtree).chain(self.batches(light).map(FrontTask::Batch)).collect();
         jobs.into_par_iter().try_for_each(|job| match job {
-            Job::Subtree(top) => self.subtree(top),
-            Job::Batch(ranges) => self.sequence(&ranges),
+            FrontTask::Subtree(top) => self.subtree(top),
+            FrontTask::Batch(ranges) => self.sequence(&ranges),
         })
     }
 
-    /// Walks down as long as one child alone is worth a task, divides there, and works upwards.
+    /// Walks down while exactly one child is heavy enough for a task, splits into tasks at the bottom, and works upwards.
     fn subtree(&self, top: u32) -> Result<(), Error> {
         let mut path = vec![top];
         loop {
@@ -108,12 +113,12 @@ impl Tasks<'_> {
         self.symbolic.fronts.first[f as usize]..f + 1
     }
 
-    /// Subtrees that are worth a task, and those that are not.
+    /// Subtrees that are heavy enough for a task, and the light others.
     fn divided(&self, tops: &[u32]) -> (Vec<u32>, Vec<u32>) {
         tops.iter().partition(|&&f| self.symbolic.forecast.work[f as usize] >= self.grain)
     }
 
-    /// Light subtrees, gathered until they are worth a task.
+    /// Batches of light subtrees, each heavy enough for a task.
     fn batches(&self, light: Vec<u32>) -> impl Iterator<Item = Vec<Range<u32>>> {
         let (mut batches, mut work) = (vec![Vec::new()], 0.0);
         for f in light {
@@ -129,24 +134,24 @@ impl Tasks<'_> {
         batches.into_iter().filter(|batch| !batch.is_empty())
     }
 
-    /// Fronts one after the other.
+    /// Runs fronts one after the other.
     fn sequence(&self, ranges: &[Range<u32>]) -> Result<(), Error> {
         let mut workspace = Workspace::new(self.symbolic, self.numbers, self.ledger);
         for f in ranges.iter().cloned().flatten() {
             let left = |child: &u32| std::mem::take(&mut self.slot(*child).left);
             let children = self.children(f).iter().map(left).collect();
             let (left, out) = workspace.front(f as usize, children)?;
-            *self.slot(f) = Slot { left, out };
+            *self.slot(f) = FrontSlot { left, out };
         }
         Ok(())
     }
 
-    fn slot(&self, f: u32) -> std::sync::MutexGuard<'_, Slot> {
+    fn slot(&self, f: u32) -> std::sync::MutexGuard<'_, FrontSlot> {
         self.slots[f as usize].lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-enum Job {
+enum FrontTask {
     Subtree(u32),
     Batch(Vec<Range<u32>>),
 }

@@ -1,4 +1,4 @@
-//! `x = A^+ b` and its relatives, from `A P = Q [R1 R2; 0 0]`.
+//! Least-squares and minimum-norm solutions, `x = A^+ b`, from `A P = Q [R1 R2; 0 0]`.
 //!
 //! | stage | formula | in | out | operations beside the QR |
 //! | --- | --- | --- | --- | --- |
@@ -8,34 +8,30 @@
 //! | seminormal | `x = P [R1^{-1} R1^{-T} (P^T A^T b)_1; 0]` | A, b | x | 4 k nnz(R1) + 4 k nnz(A), each time |
 //! | refined | `[I A; A^T 0] [dr; dx] = [b - r - A x; -A^T r]` | A, b, x | x | 4 k (nnz(R1) + 2 nnz(Q)) each step |
 //!
-//! Basic: some x of least `|A x - b|` with at most r numbers that are not zero. Complete: the shortest of all x of least
-//! `|A x - b|` (Golub, Van Loan, Sec. 5.5.3). Transposed: the shortest x with `A^T x = c`, for wide systems, which are
-//! factored as `A^T`. Sources: Björck, Numerical Methods for Least Squares Problems, 1996, Sec. 2.7, 2.9, 6.6.
+//! Basic: an x that minimises `|A x - b|` and has at most r nonzeros. Complete: the shortest x that minimises `|A x - b|`
+//! (Golub, Van Loan, Sec. 5.5.3). Transposed: the shortest x with `A^T x = c`; wide systems are factored as `A^T` and use
+//! it. Source: Björck, Numerical Methods for Least Squares Problems, 1996, Sec. 2.7, 2.9, 6.6.
 
-mod basic;
-mod complete;
+mod by_factor;
 mod refine;
-mod seminormal;
-mod shortest;
 
-pub use complete::Complete;
-pub use shortest::minimum_norm;
+pub use by_factor::CompleteFactor;
 
-use crate::dense::scaled_norm;
 use crate::factor::columns_of;
+use crate::staircase::scaled_norm;
 use crate::{Error, Factor, Index, Matrix, Options};
 
-/// Solutions for all right-hand sides, and what is known about them.
+/// Solutions for all right-hand sides, their residuals, and the rank of A.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {
     /// X, n x k by columns.
     pub x: Vec<f64>,
-    /// `|A x - b|` of each.
+    /// `|A x - b|` for each right-hand side.
     pub residuals: Vec<f64>,
-    /// Rank of A, as far as the tolerance tells.
+    /// Numerical rank of A.
     pub rank: usize,
-    /// The tolerance as a distance.
+    /// The tolerance as a 2-norm.
     pub tolerance: f64,
 }
 
@@ -60,9 +56,8 @@ pub fn solve<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: Options) 
     if solution.rank < cols { Err(Error::Singular { rank: solution.rank, cols }) } else { Ok(solution) }
 }
 
-/// An x of least `|A x - b|` for A of any shape and rank, and k right-hand sides by columns: what `x = A\b` is to
-/// SuiteSparseQR. With dependent columns it is a basic solution, zero for those. A matrix without rows has one
-/// right-hand side.
+/// An x that minimises `|A x - b|`, for A of any shape and rank and k right-hand sides by columns, like `x = A\b` with
+/// SuiteSparseQR. It is a basic solution: zero for dependent columns. A matrix without rows has one right-hand side.
 ///
 /// ```
 /// use qless_qr::{Matrix, Options, least_squares};
@@ -87,17 +82,17 @@ pub fn least_squares<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: O
 }
 
 fn finished<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], x: Vec<f64>, factor: &Factor) -> Result<Solution, Error> {
-    let mut left = b.to_vec();
-    for (left, x) in left.chunks_exact_mut(a.rows().max(1)).zip(each(&x, a.cols())) {
-        a.add_product(-1.0, x, left);
+    let mut residual = b.to_vec();
+    for (residual, x) in residual.chunks_exact_mut(a.rows().max(1)).zip(each(&x, a.cols())) {
+        a.add_product(-1.0, x, residual);
     }
     let count = columns_of(b.len(), a.rows())?;
-    let residuals = (0..count).map(|c| scaled_norm(&left[c * a.rows()..(c + 1) * a.rows()])).collect();
+    let residuals = (0..count).map(|c| scaled_norm(&residual[c * a.rows()..(c + 1) * a.rows()])).collect();
     let (rank, tolerance) = (factor.rank(), factor.tolerance());
     Ok(Solution { x: all_finite(x)?, residuals, rank, tolerance })
 }
 
-/// Vectors of a length, any number of them if that is 0.
+/// Vectors of the given length; if the length is 0, infinitely many.
 fn each(x: &[f64], length: usize) -> impl Iterator<Item = &[f64]> {
     (0..).map(move |c| x.get(c * length..(c + 1) * length).unwrap_or_default())
 }
@@ -106,11 +101,75 @@ fn all_finite(x: Vec<f64>) -> Result<Vec<f64>, Error> {
     if x.iter().all(|v| v.is_finite()) { Ok(x) } else { Err(Error::Overflow) }
 }
 
-/// Refuses a matrix of another shape than the one that was factored.
+/// An error if the matrix has another shape than the factored one.
 fn same_shape<P: Index, I: Index>(a: &Matrix<P, I>, factor: &Factor) -> Result<(), Error> {
     let pairs = [("the matrix by rows", a.rows(), factor.rows()), ("the matrix by columns", a.cols(), factor.cols())];
     match pairs.into_iter().find(|&(_, found, expected)| found != expected) {
         Some((what, found, expected)) => Err(Error::Length { what, found, expected }),
         None => Ok(()),
     }
+}
+
+/// The shortest x that minimises `|A x - b|`, `x = A^+ b`, for A of any shape and rank and k right-hand sides by columns.
+///
+/// A tall A is factored directly, a wide A as `A^T` with Q kept. A second factorization, of `[R1 R2]^T`, is needed only if
+/// the rank is not full; for a wide A, only if its dependent equations also contradict the others.
+///
+/// ```
+/// use qless_qr::{Matrix, Options, minimum_norm};
+/// let a = Matrix::by_rows(1, 2, &[0, 2], &[0_u32, 1], &[3.0, 4.0])?;
+/// let solution = minimum_norm(&a, &[5.0], Options::new())?;
+/// assert!((solution.x[0] - 0.6).abs() < 1e-15 && (solution.x[1] - 0.8).abs() < 1e-15);
+/// # Ok::<(), qless_qr::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`least_squares`](crate::least_squares).
+pub fn minimum_norm<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: Options) -> Result<Solution, Error> {
+    columns_of(b.len(), a.rows())?;
+    if a.rows() < a.cols() { wide(a, b, options) } else { tall(a, b, options) }
+}
+
+fn tall<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: Options) -> Result<Solution, Error> {
+    let options = options.keep_q(options.refinements > 0);
+    let factor = a.analyse()?.factor(a.values(), b, options)?;
+    let mut x;
+    if factor.rank() == a.cols() {
+        x = factor.basic()?;
+        factor.refine(a, b, &mut x, options.refinements)?;
+    } else {
+        let complete = factor.complete(options.memory)?;
+        x = complete.minimum_norm()?;
+        refine::refine_by(a, b, &mut x, options.refinements, |b| complete.solve(b))?;
+    }
+    finished(a, b, x, &factor)
+}
+
+fn wide<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: Options) -> Result<Solution, Error> {
+    let at = a.transposed();
+    let factor = at.analyse()?.factor(at.values(), &[], options.keep_q(true))?;
+    if !b.iter().all(|v| v.is_finite()) {
+        return Err(Error::NotFinite("the right-hand side"));
+    }
+    let mut x = factor.solve_transposed(b)?;
+    if factor.rank() == a.rows() || is_consistent(a, b, &x, &factor) {
+        refine::refine_by(a, b, &mut x, options.refinements, |b| factor.solve_transposed(b))?;
+    } else {
+        let complete = factor.complete(options.memory)?;
+        x = complete.solve_transposed(b)?;
+        refine::refine_by(a, b, &mut x, options.refinements, |b| complete.solve_transposed(b))?;
+    }
+    finished(a, b, x, &factor)
+}
+
+/// Whether x, a solution of the independent equations, satisfies the dependent ones to tolerance.
+fn is_consistent<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], x: &[f64], factor: &Factor) -> bool {
+    let (rounding, dependent) = (20.0 * (a.rows() + a.cols()) as f64 * f64::EPSILON, a.rows() - factor.rank());
+    let dropped = factor.tolerance() * (dependent as f64).sqrt();
+    let pairs = b.chunks_exact(a.rows().max(1)).zip(each(x, a.cols()));
+    pairs.into_iter().all(|(b, x)| {
+        let mut residual = b.to_vec();
+        a.add_product(-1.0, x, &mut residual);
+        scaled_norm(&residual) <= dropped * scaled_norm(x) + rounding * scaled_norm(b)
+    })
 }

@@ -1,17 +1,19 @@
-//! `[I A; A^T 0] [dr; dx] = [b - r - A x; -A^T r]`: residuals with twice the digits, corrections by Q and R (Björck 1967).
+//! Iterative refinement, `[I A; A^T 0] [dr; dx] = [b - r - A x; -A^T r]` (Björck 1967).
+//!
+//! Residuals are computed with twice the digits, corrections with Q and R.
 
 use super::{all_finite, each, same_shape};
 use crate::factor::columns_of;
 use crate::{Error, Factor, Index, Matrix};
 
 impl Factor {
-    /// Refines basic solutions of least `|A x - b|`, n x k by columns, in so many steps each; needs Q.
+    /// Refines basic solutions that minimise `|A x - b|`, n x k by columns, with the given number of steps. Needs Q.
     ///
-    /// `a` must be the matrix that was factored. Two or three steps give all digits of x unless the condition number is
-    /// near 1e16; columns that were found dependent stay out.
+    /// `a` must be the factored matrix. Two or three steps give all digits of x unless the condition number is near 1e16.
+    /// The unknowns of dependent columns stay zero.
     ///
     /// # Errors
-    /// [`Error::NoQ`], [`Error::Length`] if the shapes do not fit, [`Error::Overflow`]; `x` is changed only without error.
+    /// [`Error::NoQ`], [`Error::Length`] if the shapes do not fit, [`Error::Overflow`]; after an error `x` is unchanged.
     ///
     /// ```
     /// use qless_qr::{Matrix, Options};
@@ -67,8 +69,8 @@ impl Factor {
     }
 }
 
-/// `x <- x + solve(b - A x)` so many times: for solutions that are a linear function of b.
-pub(super) fn repeat<P: Index, I: Index>(
+/// Repeats `x <- x + solve(b - A x)`; `solve` must be linear in b.
+pub(super) fn refine_by<P: Index, I: Index>(
     a: &Matrix<P, I>,
     b: &[f64],
     x: &mut [f64],
@@ -78,8 +80,8 @@ pub(super) fn repeat<P: Index, I: Index>(
     let count = columns_of(b.len(), a.rows())?;
     for _ in 0..steps {
         let pairs = each(b, a.rows()).zip(each(x, a.cols())).take(count);
-        let left: Vec<f64> = pairs.flat_map(|(b, x)| a.exact_residual(b, None, x)).collect();
-        x.iter_mut().zip(solve(&left)?).for_each(|(x, step)| *x += step);
+        let residual: Vec<f64> = pairs.flat_map(|(b, x)| a.exact_residual(b, None, x)).collect();
+        x.iter_mut().zip(solve(&residual)?).for_each(|(x, step)| *x += step);
     }
     Ok(())
 }

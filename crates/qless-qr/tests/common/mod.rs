@@ -3,7 +3,7 @@
 
 pub mod dense;
 
-use qless_qr::{Factor, Matrix as View, Options, Rows, Symbolic, Tolerance};
+use qless_qr::{Factor, Matrix as View, Options, SparseRows, Symbolic, Tolerance};
 
 /// A small repeatable generator (xorshift).
 pub struct Random(pub u64);
@@ -34,7 +34,7 @@ pub fn absolute(tolerance: f64) -> Options {
 pub struct Found {
     pub rank: usize,
     pub order: Vec<usize>,
-    pub r: Rows,
+    pub r: SparseRows,
     pub rhs: Vec<f64>,
     pub rest: Vec<f64>,
     pub dropped: f64,

@@ -2,7 +2,7 @@
 //!
 //! The memory that the pattern asks for is known before anything is allocated; more than the limit is refused.
 
-use qless_qr::{Error, Options, Parts, Symbolic, Tolerance};
+use qless_qr::{Error, Options, FactorParts, Symbolic, Tolerance};
 
 use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
@@ -53,7 +53,7 @@ impl Sparse {
         let factor = symbolic.factor(&columns.val, rhs, options);
         let factor = factor.map_err(|error| refused(&error, columns.cols, columns.rows()))?;
         let (rank, dropped) = (factor.rank(), factor.dropped());
-        let Parts { order, r, rhs, rest, .. } = factor.into_parts();
+        let FactorParts { order, r, rhs, rest, .. } = factor.into_parts();
         let r = Csr { cols: columns.rows(), start: r.start, col: r.col, val: r.val };
         Ok(Factor { rank, order, r, rhs, rest, dropped })
     }

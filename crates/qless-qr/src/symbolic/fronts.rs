@@ -1,14 +1,17 @@
-//! Fronts: consecutive columns whose rows of R have nearly one pattern, and the tree that they form.
+//! Fronts: runs of consecutive columns whose rows of R have nearly the same pattern, and the tree that they form.
 //!
-//! Columns j, j + 1 with `parent(j) = j + 1` and `c_j = c_{j+1} + 1` share a pattern. A front joins its parent when the
-//! zeros so added to R stay below a share of the joined trapezoid that falls with its size (Ashcraft, Grimes 1989).
+//! Columns j and j + 1 share a pattern if `parent(j) = j + 1` and `c_j = c_{j+1} + 1`. A front is merged with its parent
+//! if the zeros that this adds to R are a small share of the merged trapezoid; the larger the trapezoid, the smaller the
+//! share may be (Ashcraft, Grimes 1989).
 
-use crate::pattern::{Lists, NONE};
+use super::tree::first_descendants;
+use crate::lists::{Lists, NONE};
 
-/// Up to so many pivotal columns a front may hold so large a share of zeros.
+/// (pivotal columns, largest share of zeros) of merged fronts up to that size.
 const RELAXED: [(usize, f64); 3] = [(8, 0.8), (24, 0.25), (64, 0.1)];
+/// Largest share of zeros of larger merged fronts.
 const SHARE: f64 = 0.05;
-/// Fronts this narrow are joined whatever the zeros.
+/// Merged fronts with at most this many pivotal columns may have any number of zeros.
 const TINY: usize = 4;
 
 /// The assembly tree in postorder; front f eliminates the columns `pivot[f]..pivot[f + 1]`.
@@ -33,7 +36,7 @@ impl Fronts {
         let above = ends.map(|end| parent[end - 1]).map(|p| if p == NONE { NONE } else { front[p as usize] });
         let above: Vec<u32> = above.take(starts.len()).collect();
         let pivot = starts.iter().chain([&parent.len()]).map(|&at| (at + offset) as u32).collect();
-        let first = super::counts::first_descendants(&above);
+        let first = first_descendants(&above);
         Self { pivot, children: children(&above), parent: above, first }
     }
 }
@@ -57,28 +60,28 @@ fn front_of(starts: &[usize], n: usize) -> Vec<u32> {
     front
 }
 
-/// First columns of the runs of equal pattern.
+/// First column of each run of columns with the same pattern.
 fn fundamental(parent: &[u32], count: &[u32]) -> Vec<usize> {
     let continues = |j: usize| j > 0 && parent[j - 1] == j as u32 && count[j - 1] == count[j] + 1;
     (0..parent.len()).filter(|&j| !continues(j)).collect()
 }
 
-/// A group of runs that became one front.
+/// Runs merged to one front.
 #[derive(Clone, Copy)]
-struct Group {
+struct FrontGroup {
     start: usize,
     pivots: usize,
     width: usize,
     zeros: f64,
 }
 
-/// First columns of the fronts. From the last run down, each is joined with the group that follows it if its parent is
+/// First column of each front. From the last run to the first, a run is merged with the group behind it if its parent is
 /// in that group.
 fn joined(starts: &[usize], parent: &[u32], count: &[u32]) -> Vec<usize> {
-    let mut groups: Vec<Group> = Vec::with_capacity(starts.len());
+    let mut groups: Vec<FrontGroup> = Vec::with_capacity(starts.len());
     let mut end = parent.len();
     for &start in starts.iter().rev() {
-        let mut group = Group { start, pivots: end - start, width: count[start] as usize, zeros: 0.0 };
+        let mut group = FrontGroup { start, pivots: end - start, width: count[start] as usize, zeros: 0.0 };
         let above = parent[end - 1] as usize;
         if let Some(join) =
             groups.last().filter(|next| above < next.start + next.pivots).and_then(|next| join(group, *next))
@@ -92,11 +95,42 @@ fn joined(starts: &[usize], parent: &[u32], count: &[u32]) -> Vec<usize> {
     groups.iter().rev().map(|group| group.start).collect()
 }
 
-fn join(child: Group, next: Group) -> Option<Group> {
+fn join(child: FrontGroup, next: FrontGroup) -> Option<FrontGroup> {
     let (pivots, width) = (child.pivots + next.pivots, child.pivots + next.width);
     let zeros = child.zeros + next.zeros + child.pivots as f64 * (width - child.width) as f64;
     let size = 0.5 * pivots as f64 * (pivots + 1) as f64 + pivots as f64 * (width - pivots) as f64;
     let share = RELAXED.iter().find(|&&(most, _)| pivots <= most).map_or(SHARE, |&(_, share)| share);
     let accepted = zeros == 0.0 || pivots <= TINY || zeros < share * size;
-    accepted.then_some(Group { start: child.start, pivots, width, zeros })
+    accepted.then_some(FrontGroup { start: child.start, pivots, width, zeros })
+}
+
+/// The outer (not pivotal) columns of each front, ascending: an upper bound of the pattern of R for any values.
+///
+/// `pattern(f) = pivots(f) + union of the columns of its rows and of its children's outer columns`. Front f has the rows
+/// `row[f]..row[f + 1]`.
+pub(super) fn outer_columns(fronts: &Fronts, rows: &Lists, row: &[u32], cols: usize) -> Lists {
+    let mut outer = Lists::new();
+    let mut seen = vec![u32::MAX; cols];
+    for f in 0..fronts.len() {
+        let end = fronts.pivot[f + 1];
+        let from = outer.index.len();
+        let mut add = |outer: &mut Vec<u32>, column: u32| {
+            if column >= end && seen[column as usize] != f as u32 {
+                seen[column as usize] = f as u32;
+                outer.push(column);
+            }
+        };
+        for i in row[f] as usize..row[f + 1] as usize {
+            rows.list(i).iter().for_each(|&column| add(&mut outer.index, column));
+        }
+        for &child in fronts.children.list(f) {
+            for at in outer.start[child as usize]..outer.start[child as usize + 1] {
+                let column = outer.index[at];
+                add(&mut outer.index, column);
+            }
+        }
+        outer.index[from..].sort_unstable();
+        outer.close();
+    }
+    outer
 }

@@ -1,14 +1,14 @@
-//! `S = {(i, j): a_ij stored}`, by columns as it is given and by rows as it is assembled.
+//! Lists of indices: the sparsity pattern of A by columns, as given, and by rows, as the fronts assemble it.
 
 use crate::Error;
 
-/// No front, no row, no column.
+/// Marks the absence of a front, row or column.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// The largest count that the analysis holds: indices are 32 bits wide, the ordering's are signed.
+/// Largest count of rows, columns or entries. The column ordering uses signed 32-bit indices.
 const MOST: usize = i32::MAX as usize / 3;
 
-/// Lists of indices, one after the other: list i is `index[start[i]..start[i + 1]]`.
+/// Lists of indices in one array: list i is `index[start[i]..start[i + 1]]`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Lists {
     pub start: Vec<usize>,
@@ -28,12 +28,12 @@ impl Lists {
         &self.index[self.start[i]..self.start[i + 1]]
     }
 
-    /// Closes the list that was pushed to `index`.
+    /// Ends the list whose indices were just pushed to `index`.
     pub fn close(&mut self) {
         self.start.push(self.index.len());
     }
 
-    /// Who names i, ascending: list i of the result holds every j whose list holds i < `count`.
+    /// Transposed lists: list i of the result, for i < `count`, holds every j whose list contains i, ascending.
     pub fn transposed(&self, count: usize) -> Self {
         let mut start = vec![0; count + 1];
         self.index.iter().for_each(|&i| start[i as usize + 1] += 1);
@@ -49,12 +49,12 @@ impl Lists {
     }
 }
 
-/// Refuses what 32-bit indices cannot count.
+/// An error if 32-bit indices cannot count the rows, columns or entries.
 pub(crate) fn countable(rows: usize, cols: usize, entries: usize) -> Result<(), Error> {
     if rows.max(cols).max(entries) > MOST { Err(Error::TooLarge { rows, cols, entries }) } else { Ok(()) }
 }
 
-/// The pattern by columns, if it is one.
+/// The pattern by columns, if the arrays are valid.
 pub(crate) fn checked(rows: usize, cols: usize, start: &[usize], index: &[u32]) -> Result<Lists, Error> {
     countable(rows, cols, index.len())?;
     if start.len() != cols + 1 {

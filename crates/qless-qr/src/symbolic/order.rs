@@ -1,13 +1,13 @@
-//! `P` with little fill in the Cholesky factor of `P^T S^T S P`: faer's COLAMD on S, or its AMD on `S^T S`.
+//! Column order with little fill in R: COLAMD of S or AMD of `S^T S`, both from faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::{amd, colamd};
 
 use crate::Error;
-use crate::pattern::Lists;
+use crate::lists::Lists;
 
-/// COLAMD of the pattern with the given columns; position -> column.
+/// COLAMD of S: the column at each position.
 pub(super) fn colamd(rows: usize, columns: &Lists) -> Result<Vec<u32>, Error> {
     let n = columns.len();
     if rows == 0 || columns.index.is_empty() {
@@ -22,7 +22,7 @@ pub(super) fn colamd(rows: usize, columns: &Lists) -> Result<Vec<u32>, Error> {
     Ok(order)
 }
 
-/// AMD of `S^T S`, unless that has more than `most` entries.
+/// AMD of `S^T S`; `None` if the product has more than `most` entries.
 pub(super) fn amd(columns: &Lists, rows: &Lists, most: usize) -> Result<Option<Vec<u32>>, Error> {
     let Some(product) = product(columns, rows, most) else { return Ok(None) };
     let n = columns.len();
@@ -38,7 +38,7 @@ pub(super) fn amd(columns: &Lists, rows: &Lists, most: usize) -> Result<Option<V
     Ok(Some(order))
 }
 
-/// The strictly lower part of `S^T S` by columns, ascending: transposing sorts.
+/// The strictly lower part of `S^T S` by columns; the transposition sorts the rows.
 fn product(columns: &Lists, rows: &Lists, most: usize) -> Option<Lists> {
     let mut upper = Lists::new();
     let mut seen = vec![u32::MAX; columns.len()];

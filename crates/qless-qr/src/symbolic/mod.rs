@@ -1,0 +1,159 @@
+//! Symbolic analysis: what the pattern of A alone decides.
+//!
+//! `P_r A P_c = [R11 R12; 0 S]` with the singleton columns peeled into R11, and the tree of fronts of S.
+
+mod forecast;
+mod fronts;
+mod order;
+mod singletons;
+mod tree;
+
+pub(crate) use forecast::{
+    Forecast, FrontShape, INDEX, front_bytes, kept_bytes, out_bytes, reflection_bytes, waiting_bytes,
+};
+pub(crate) use fronts::Fronts;
+
+use crate::lists::Lists;
+use crate::matrix::Gather;
+use crate::{Error, Index, Matrix};
+use singletons::UnpeeledMatrix;
+use std::borrow::Cow;
+
+/// The analysis of one pattern. It holds no values and serves any number of factorizations, also in parallel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Symbolic {
+    pub(crate) rows: usize,
+    pub(crate) cols: usize,
+    /// Column of A at each position; peeled ones first.
+    pub(crate) order: Vec<u32>,
+    /// Number of peeled columns; for i below it, the diagonal entry of row i is at position i.
+    pub(crate) peeled: usize,
+    /// Row of A at each row position: peeled rows, then the others by first column, empty rows last.
+    pub(crate) row_order: Vec<u32>,
+    /// Columns of the rows in that order, as ascending positions.
+    pub(crate) pattern: Lists,
+    /// Index of each of these entries in the values of A.
+    pub(crate) entry: Vec<u32>,
+    pub(crate) fronts: Fronts,
+    /// Front f assembles the rows `row[f]..row[f + 1]` (row positions).
+    pub(crate) row: Vec<u32>,
+    /// Columns of each front that are not pivotal.
+    pub(crate) outer: Lists,
+    pub(crate) forecast: Forecast,
+    /// Maps the given values to the entries of the pattern.
+    pub(crate) gather: Gather,
+}
+
+impl Symbolic {
+    /// Analyses the pattern of an m x n matrix, given by columns: column j has entries in the rows
+    /// `index[start[j]..start[j + 1]]`, ascending without duplicates.
+    ///
+    /// # Errors
+    /// [`Error::Length`], [`Error::Pattern`] or [`Error::TooLarge`] if the arrays are not such a pattern.
+    pub fn analyse(rows: usize, cols: usize, start: &[usize], index: &[u32]) -> Result<Self, Error> {
+        let columns = crate::lists::checked(rows, cols, start, index)?;
+        analyse(rows, &columns, &|_| true)
+    }
+
+    /// P: the column of A at each position, in an order in which R has few entries; length n.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// Floating-point operations of a factorization without right-hand sides, if no column is dependent.
+    pub fn flops(&self) -> f64 {
+        self.forecast.flops.iter().fold(0.0, |sum, flops| sum + flops)
+    }
+
+    /// Entries of `[R1 R2]` if no column is dependent, including the zeros of merged fronts.
+    pub fn entries(&self) -> usize {
+        self.forecast.entries
+    }
+
+    /// Upper bound of the bytes that a factorization with `rhs` right-hand sides allocates (result, fronts, contributions
+    /// to parents), if no column is dependent by its values and all fronts run on one thread.
+    ///
+    /// A dependent column passes one more row to the parent than the pattern foresees; then [`Self::memory_at_worst`]
+    /// is the bound. Subtrees run in parallel only if the memory limit has room for that too.
+    pub fn memory(&self, rhs: usize) -> usize {
+        self.forecast.bytes(self, rhs, false)
+    }
+
+    /// Like [`Self::memory`], but for any values.
+    pub fn memory_at_worst(&self, rhs: usize) -> usize {
+        self.forecast.bytes(self, rhs, true)
+    }
+
+    /// Bytes that [`Options::keep_q`] adds to [`Self::memory`], if no column is dependent by its values.
+    pub fn memory_of_q(&self) -> usize {
+        self.forecast.bytes_of_q(self)
+    }
+
+    /// The given values in the order of the pattern: by columns, rows ascending, each entry once.
+    pub(crate) fn gathered<'a>(&self, values: &'a [f64]) -> Result<Cow<'a, [f64]>, Error> {
+        let expected = self.gather.given(self.entry.len());
+        if values.len() != expected {
+            return Err(Error::Length { what: "values", found: values.len(), expected });
+        }
+        Ok(self.gather.gathered(values, self.entry.len()))
+    }
+
+    pub(crate) fn front_columns(&self, f: usize) -> (u32, u32, &[u32]) {
+        (self.fronts.pivot[f], self.fronts.pivot[f + 1], self.outer.list(f))
+    }
+
+    pub(crate) fn front_rows(&self, f: usize) -> std::ops::Range<usize> {
+        self.row[f] as usize..self.row[f + 1] as usize
+    }
+
+    /// The pattern of A by columns, as it was analysed.
+    pub(crate) fn columns(&self) -> Lists {
+        let mut start = vec![0; self.cols + 1];
+        for &position in &self.pattern.index {
+            start[self.order[position as usize] as usize + 1] += 1;
+        }
+        (0..self.cols).for_each(|j| start[j + 1] += start[j]);
+        let mut index = vec![0; self.entry.len()];
+        for i in 0..self.rows {
+            let entries = &self.entry[self.pattern.start[i]..self.pattern.start[i + 1]];
+            entries.iter().for_each(|&entry| index[entry as usize] = self.row_order[i]);
+        }
+        Lists { start, index }
+    }
+}
+
+impl<P: Index, I: Index> Matrix<'_, P, I> {
+    /// Analyses the pattern. [`Symbolic::factor`] then expects values in the order of this matrix.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] or [`Error::Ordering`].
+    pub fn analyse(&self) -> Result<Symbolic, Error> {
+        crate::lists::countable(self.rows(), self.cols(), self.values().len())?;
+        let (columns, gather) = self.by_ascending_columns();
+        let symbolic = analyse(self.rows(), &columns, &|_| true)?;
+        Ok(Symbolic { gather, ..symbolic })
+    }
+}
+
+/// AMD is tried first if `S^T S` has at most this many times the entries of S; then it is faster than COLAMD.
+const PRODUCT: usize = 5;
+/// COLAMD is tried too if the order of AMD needs more than this many operations for each entry of S.
+const WORTH: f64 = 2e4;
+
+/// The analysis. Only entries of A that `may` accepts become peeled diagonal entries.
+pub(crate) fn analyse(row_count: usize, columns: &Lists, may: &dyn Fn(usize) -> bool) -> Result<Symbolic, Error> {
+    let rows = columns.transposed(row_count);
+    let peeled = singletons::peel(columns, &rows, may);
+    let rest = UnpeeledMatrix::new(columns, &rows, &peeled);
+    let with = |order: Vec<u32>| rest.symbolic(columns, row_count, &peeled, &order);
+    let by_rows = rest.columns.transposed(rest.rows);
+    let Some(order) = order::amd(&rest.columns, &by_rows, PRODUCT * rest.columns.index.len())? else {
+        return order::colamd(rest.rows, &rest.columns).map(with);
+    };
+    let first = with(order);
+    if first.flops() <= WORTH * rest.columns.index.len() as f64 {
+        return Ok(first);
+    }
+    let second = with(order::colamd(rest.rows, &rest.columns)?);
+    Ok(if second.flops() < first.flops() { second } else { first })
+}
