@@ -158,7 +158,7 @@ impl Diagnosis<'_> {
     /// Adds the reading in which equations that nearly repeat others are meant to, where the rank is in doubt and memory allows it.
     pub fn take_meaning(&mut self) {
         if self.analysis.confidence().ambiguous {
-            self.meant = self.analysis.meant().unwrap_or_default();
+            self.meant = self.analysis.near_dependence().unwrap_or_default();
         }
     }
 
@@ -227,7 +227,7 @@ impl Diagnosis<'_> {
             report = report.with_exact(&self.analysis, exact)?;
         }
         if let Some(meant) = &self.meant {
-            report = report.with_meant(&self.analysis, meant, terms)?;
+            report = report.with_near_dependence(&self.analysis, meant, terms)?;
         }
         let (report, time) = match reduced {
             Some(Reduced { reduction, form, time }) => {
