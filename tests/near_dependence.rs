@@ -9,7 +9,7 @@ use qless_scenes::{Rng, Scene, SceneError};
 
 fn read(system: &ConstraintSystem) -> (Analysis, Option<NearDependence>) {
     let analysis = analyse(system, &Options::default()).expect("an analysis");
-    let meant = analysis.meant().expect("a small system");
+    let meant = analysis.near_dependence().expect("a small system");
     (analysis, meant)
 }
 

@@ -180,8 +180,8 @@ fn calls(system: &ConstraintSystem, analysis: Analysis, calls: &[Call]) {
             }
             Call::BecauseFixed(dof) => _ = analysis.because_fixed(dof.of(system.dofs())),
             Call::NearDependence => {
-                if let Ok(Some(meant)) = analysis.meant() {
-                    Report::new(&analysis, 0).with_meant(&analysis, &meant, 5).expect("of this system");
+                if let Ok(Some(meant)) = analysis.near_dependence() {
+                    Report::new(&analysis, 0).with_near_dependence(&analysis, &meant, 5).expect("of this system");
                 }
             }
             Call::Reduce(form) => {

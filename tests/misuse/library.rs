@@ -114,7 +114,7 @@ fn systems_with_nothing_in_them() {
             let analysis = analysed(&system);
             (0..system.equations()).for_each(|row| _ = analysis.because(row).expect("a row"));
             (0..system.dofs()).for_each(|dof| _ = analysis.because_fixed(dof).expect("small"));
-            assert_eq!(analysis.meant(), Ok(None));
+            assert_eq!(analysis.near_dependence(), Ok(None));
             let value = vec![1.0; system.prescribed().len()];
             for form in FORMS {
                 let reduction = analysis.reduction_in(form).expect("reduced");
@@ -338,7 +338,9 @@ fn findings_of_another_system_are_not_reported() {
     refused("no parts", || report().with_exact(&analysis, &no_parts));
     refused("part", || report().with_exact(&analysis, &strange_parts));
     let near = NearDependent { row: usize::MAX, digits: 0, distance: f64::NAN, because: Vec::new() };
-    refused("meant", || report().with_meant(&analysis, &NearDependence { rank: 1, equations: vec![near] }, usize::MAX));
+    refused("meant", || {
+        report().with_near_dependence(&analysis, &NearDependence { rank: 1, equations: vec![near] }, usize::MAX)
+    });
     survives("nothing", || report().with_reduction(&Reduction::default(), f64::NAN));
     survives("a form of nothing", || report().with_form(Form::Factored));
     survives("times without end", || report().with_timings(Duration::MAX, Duration::ZERO, Duration::MAX));

@@ -38,12 +38,11 @@ pub mod report;
 
 pub use change::ChangingSystem;
 pub use common::argument::ArgumentError;
-pub use diagnosis::analysis::{Analysis, AnalysisError, analyse};
 pub use diagnosis::certificate::CertificateTerm;
 pub use diagnosis::classify::{Dependent, Kind};
 pub use diagnosis::confidence::Confidence;
 pub use diagnosis::exact;
-pub use diagnosis::meant::NearDependence;
+pub use diagnosis::{Analysis, AnalysisError, NearDependence, analyse};
 pub use elimination::Elimination;
 pub use factor::backend;
 pub use input::preferences::Preferences;

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, HashSet};
 
 use crate::diagnosis::certificate::{CertificateTerm, History};
-use crate::diagnosis::samples::{Inverse, Keys, Sample, sweep};
+use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys, probe};
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;
@@ -34,13 +34,15 @@ pub(crate) fn find(
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
-    keys: &Keys,
+    keys: &RandomKeys,
 ) -> Generated {
     if fixed.is_empty() {
         return Generated::default();
     }
-    let again: HashSet<u32> =
-        sweep(system, basis, history, scaling, keys, Sample::Second, Inverse::Bound).still.into_iter().collect();
+    let again: HashSet<u32> = probe(system, basis, history, scaling, keys, ProbeSample::Second, InverseEstimate::Bound)
+        .immobile
+        .into_iter()
+        .collect();
     fixed.retain(|j| again.contains(j));
     let mut u = vec![0.0; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| u[j] = value);

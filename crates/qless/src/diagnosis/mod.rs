@@ -1,16 +1,252 @@
-//! Which equations depend on which, which contradict, which DOFs they fix, and how sure all of that is.
+//! What an analysis says of a constraint system, and what can be asked of it afterwards.
 
-pub(crate) mod analysis;
+mod analyse;
 pub(crate) mod certificate;
 pub(crate) mod classify;
 pub(crate) mod confidence;
 pub mod exact;
 pub(crate) mod generated;
-pub(crate) mod meant;
-pub(crate) mod samples;
-pub(crate) mod sensitivity;
-pub(crate) mod wanted;
+mod near_dependence;
+pub(crate) mod nullspace_probe;
+mod pass_result;
+mod preferred_equations;
+mod sensitivity;
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use crate::common::argument::{ArgumentError, within};
+use crate::common::identity::Identity;
+use crate::factor::backend::{Backend, BackendError};
+use crate::factor::block::Block;
+use crate::input::numbering::Numbering;
+use crate::input::scale::Scaling;
+use crate::presolve::basis::Basis;
+use crate::{ConstraintSystem, OptionError, Options};
+use certificate::{CertificateTerm, History};
+use classify::{Dependent, Kind, Source};
+use confidence::Confidence;
+use generated::Explainer;
+use preferred_equations::add;
 
 pub use crate::input::rounding::Ignored;
-pub use analysis::{PresolveStatistics, Timings};
-pub use meant::NearDependent;
+pub use analyse::analyse;
+pub use near_dependence::{NearDependence, NearDependent};
+
+/// Why an analysis could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AnalysisError {
+    /// A setting out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// The backend failed.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// An equation whose coefficients are all below 2.2e-308, where doubles lose their digits.
+    #[error(
+        "row {row}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation"
+    )]
+    Subnormal {
+        /// The equation, 0-based.
+        row: usize,
+    },
+    /// Numbers so large or so small that the scaled right-hand side leaves the range of doubles.
+    #[error(
+        "row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation"
+    )]
+    Range {
+        /// The equation, 0-based.
+        row: usize,
+    },
+}
+
+/// How much work presolve saved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct PresolveStatistics {
+    /// Equations taken out with a DOF that occurs in no other (column singletons).
+    pub rows_removed_by_column_singletons: usize,
+    /// Equations taken out by elimination without fill (row singletons, two-term rows, DOFs in two rows).
+    pub rows_removed_by_elimination: usize,
+    /// Equations found dependent before any factorization (empty rows included).
+    pub rows_found_dependent: usize,
+    /// Equations left for the backend.
+    pub core_rows: usize,
+    /// Free DOFs in them.
+    pub core_dofs: usize,
+    /// Number of blocks.
+    pub blocks: usize,
+    /// Rows of the largest block.
+    pub largest_block: usize,
+}
+
+/// Time spent in each stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Timings {
+    /// Scaling and presolve.
+    pub presolve: Duration,
+    /// The backend, with everything that follows from its factors.
+    pub factor: Duration,
+    /// Classification and generated boundary conditions.
+    pub classify: Duration,
+}
+
+/// The diagnosis of a constraint system, which it keeps: all that it is asked for is of that system, and of no other.
+pub struct Analysis {
+    pub(crate) identity: Identity,
+    pub(crate) system: ConstraintSystem,
+    pub(crate) kinds: Vec<Kind>,
+    pub(crate) dependent: Vec<Dependent>,
+    pub(crate) generated: Vec<(usize, f64)>,
+    pub(crate) unmet_equations: Vec<usize>,
+    pub(crate) confidence: Confidence,
+    pub(crate) ignored: Vec<Ignored>,
+    pub(crate) presolve: PresolveStatistics,
+    pub(crate) timings: Timings,
+    pub(crate) backend: (&'static str, String),
+    pub(crate) options: Options,
+    pub(crate) basis: Basis,
+    /// Of the rows of T, as [`nullspace_probe::NullspaceProbe::bounds`] has them.
+    pub(crate) bounds: Vec<f64>,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) history: History,
+    pub(crate) scaling: Scaling,
+    /// b as analysed, less what equations that were given up for others contradict.
+    pub(crate) rhs: Vec<f64>,
+    pub(crate) numbering: Numbering,
+    /// Local numbers of [`Analysis::generated`].
+    pub(crate) fixed: Vec<u32>,
+    times: OnceLock<Vec<u32>>,
+    /// The basis with the rows of the blocks, made when they are wanted.
+    pub(crate) solved: OnceLock<Basis>,
+}
+
+/// Sizes and verdict: the factors would fill pages.
+impl std::fmt::Debug for Analysis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("Analysis");
+        text.field("equations", &self.kinds.len()).field("rank", &self.rank());
+        text.field("dependent", &self.dependent.len()).field("confidence", &self.confidence);
+        text.finish_non_exhaustive()
+    }
+}
+
+impl Analysis {
+    /// Rank of the free part of C, which is the number of slaves.
+    pub fn rank(&self) -> usize {
+        self.basis.rank()
+    }
+
+    /// The system that was analysed.
+    pub fn system(&self) -> &ConstraintSystem {
+        &self.system
+    }
+
+    /// What each equation is; length m.
+    pub fn kinds(&self) -> &[Kind] {
+        &self.kinds
+    }
+
+    /// Redundant and conflicting equations, ascending by row.
+    pub fn dependent(&self) -> &[Dependent] {
+        &self.dependent
+    }
+
+    /// Free DOFs that the equations fix, and their values; ascending.
+    pub fn generated(&self) -> &[(usize, f64)] {
+        &self.generated
+    }
+
+    /// Equations of [`crate::Preferences::equations`] that are dependent on other such equations only, ascending.
+    pub fn unmet_equations(&self) -> &[usize] {
+        &self.unmet_equations
+    }
+
+    /// How sure the rank is.
+    pub fn confidence(&self) -> Confidence {
+        self.confidence
+    }
+
+    /// Coefficients that are rounding of their equations, from which nothing was concluded; ascending by row.
+    pub fn ignored(&self) -> &[Ignored] {
+        &self.ignored
+    }
+
+    /// What presolve did.
+    pub fn presolve(&self) -> PresolveStatistics {
+        self.presolve
+    }
+
+    /// Time spent.
+    pub fn timings(&self) -> Timings {
+        self.timings
+    }
+
+    /// Name and version of the backend.
+    pub fn backend(&self) -> (&'static str, &str) {
+        (self.backend.0, &self.backend.1)
+    }
+
+    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row; empty for an independent one.
+    ///
+    /// The promise is relative to the parts: for every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most
+    /// `1e-11 / confidence.sigma_kept` of the largest part `|c_i row_il|` of the certificate, whatever the sizes of equations.
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn because(&self, row: usize) -> Result<Vec<CertificateTerm>, ArgumentError> {
+        within("equation", row, self.kinds.len())?;
+        Ok(self.dependent_of(row).map_or_else(Vec::new, |dependent| dependent.source.explain(&self.history)))
+    }
+
+    /// What is known of an equation if it is dependent.
+    fn dependent_of(&self, row: usize) -> Option<&Dependent> {
+        self.dependent.binary_search_by_key(&row, |d| d.row).ok().map(|place| &self.dependent[place])
+    }
+
+    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
+    ///
+    /// # Errors
+    /// [`BackendError`] if the block of the DOF cannot be factored again.
+    pub fn because_fixed(&self, dof: usize) -> Result<Vec<CertificateTerm>, BackendError> {
+        let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
+        let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
+        let explainer = Explainer {
+            system: self.numbering.view(&self.system, self.system.rhs()),
+            basis: &self.basis,
+            blocks: &self.blocks,
+            history: &self.history,
+            scaling: &self.scaling,
+            backend: backend.as_ref(),
+            time: self.times.get_or_init(|| generated::times(&self.basis, self.numbering.dofs.len())),
+        };
+        explainer.because(self.fixed[place]).map(|terms| self.over_kept(terms))
+    }
+
+    /// Replaces equations that were given up for others by their certificates.
+    fn over_kept(&self, terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
+        let given = |row: usize| match &self.dependent_of(row)?.source {
+            Source::Given(because) => Some(because),
+            Source::Traced(..) => None,
+        };
+        if !terms.iter().any(|term| given(term.row).is_some()) {
+            return terms;
+        }
+        let mut sum = BTreeMap::new();
+        for CertificateTerm { row, coefficient } in terms {
+            match given(row) {
+                Some(parts) => parts.iter().for_each(|part| add(&mut sum, part.row, coefficient * part.coefficient)),
+                None => add(&mut sum, row, coefficient),
+            }
+        }
+        sum.into_iter().map(|(row, coefficient)| CertificateTerm { row, coefficient }).collect()
+    }
+
+    pub(crate) fn independent(&self) -> Vec<bool> {
+        self.kinds.iter().map(|&kind| kind == Kind::Independent).collect()
+    }
+}

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::Csr;
 use crate::diagnosis::certificate::History;
 use crate::diagnosis::classify::Dependent;
-use crate::diagnosis::samples::{Sweep, is_harmless};
+use crate::diagnosis::nullspace_probe::{NullspaceProbe, is_harmless};
 use crate::factor::backend::sparse::Sparse;
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::components::Labels;
@@ -25,7 +25,7 @@ const FEW: usize = 1000;
 
 /// What is kept, in all components.
 #[derive(Clone, Copy)]
-pub(crate) struct Kept<'a> {
+pub(crate) struct KeptEquations<'a> {
     pub system: Local<'a>,
     pub basis: &'a Basis,
     pub history: &'a History,
@@ -49,12 +49,12 @@ impl Worst {
     }
 }
 
-impl Kept<'_> {
+impl KeptEquations<'_> {
     /// Estimate of the smallest singular value of what presolve kept, at most 1: the least of those of the components, each of
     /// which depends on the component alone. `row(t)` is the user's equation of row t of the basis.
     pub fn sigma(
         self,
-        swept: &Sweep,
+        swept: &NullspaceProbe,
         dependent: &[Dependent],
         row: impl Fn(usize) -> usize,
         memory: usize,
@@ -166,8 +166,8 @@ fn by_factors(system: Local, equations: &[usize], scaling: &Scaling, memory: usi
 }
 
 /// `e_s^T C_S^-1` for the slaves of some rows, each of another component, by row of the basis; blocks left out.
-fn row_of_inverse(kept: Kept, rows: &[usize]) -> Vec<f64> {
-    let Kept { system, basis, history, scaling } = kept;
+fn row_of_inverse(kept: KeptEquations, rows: &[usize]) -> Vec<f64> {
+    let KeptEquations { system, basis, history, scaling } = kept;
     let mut rest = vec![0.0; system.dofs()];
     rows.iter().for_each(|&t| rest[basis.slave(t) as usize] = 1.0);
     let first = basis.peeled.len();
@@ -192,8 +192,8 @@ fn row_of_inverse(kept: Kept, rows: &[usize]) -> Vec<f64> {
 }
 
 /// `C_S^-1 right`, by row of the basis; the slaves of blocks stay at zero.
-fn solve(kept: Kept, mut right: Vec<f64>) -> Vec<f64> {
-    let Kept { system, basis, history, scaling } = kept;
+fn solve(kept: KeptEquations, mut right: Vec<f64>) -> Vec<f64> {
+    let KeptEquations { system, basis, history, scaling } = kept;
     let first = basis.peeled.len();
     for (t, &row) in history.steps.iter().enumerate() {
         let sum: f64 = history.factors[row as usize].iter().map(|&(step, f)| f * right[first + step as usize]).sum();

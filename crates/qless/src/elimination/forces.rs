@@ -2,7 +2,7 @@
 
 use qless_qr::Symbolic;
 
-use super::{Elimination, EliminationError, Equations};
+use super::{Elimination, EliminationError, EliminationSource};
 use crate::common::argument::numbers;
 use crate::factor::backend::BackendError;
 use crate::factor::lu;
@@ -22,7 +22,7 @@ pub(super) struct Multipliers {
 }
 
 impl Multipliers {
-    fn new(known: &Equations, slaves: &[usize]) -> Result<Self, BackendError> {
+    fn new(known: &EliminationSource, slaves: &[usize]) -> Result<Self, BackendError> {
         let system = known.analysis.system();
         // Which equations are independent never changes.
         let equations: Vec<usize> = (0..known.kinds.len()).filter(|&i| known.kinds[i] == Kind::Independent).collect();

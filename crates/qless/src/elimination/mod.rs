@@ -13,24 +13,24 @@
 
 mod apply;
 mod condense;
-mod error;
 mod forces;
-mod operator;
 mod roles;
+mod update;
 mod view;
 
 use std::sync::{Arc, OnceLock};
 
-use crate::change::refresh::Refresher;
+use crate::change::Refresher;
 use crate::common::argument::numbers;
 use crate::common::identity::Identity;
 use crate::{Analysis, ArgumentError, ConstraintSystem, Form, Kind, Options, Reduction, analyse};
 use forces::Multipliers;
 use roles::{Role, Roles};
+use update::refuse_conflicts;
 
+pub use apply::Operator;
 pub use condense::{CondensedPattern, PrescribedDofs};
-pub use error::EliminationError;
-pub use operator::Operator;
+pub use update::EliminationError;
 pub use view::{Index, Storage, View};
 
 /// The constraints in the form `u = L u_q + u_0`: made once, owned, `Send + Sync`, kept beside the model.
@@ -67,11 +67,11 @@ pub struct Elimination {
     /// Values of the prescribed DOFs, as they are now.
     prescribed_values: Vec<f64>,
     /// None if it was made from a reduction alone.
-    equations: Option<Equations>,
+    equations: Option<EliminationSource>,
 }
 
 /// The equations behind an elimination.
-struct Equations {
+struct EliminationSource {
     analysis: Arc<Analysis>,
     /// b, as it is now.
     rhs: Vec<f64>,
@@ -107,7 +107,7 @@ impl Elimination {
         refuse_conflicts(analysis.kinds(), analysis.system())?;
         let reduction = analysis.reduction_in(form)?;
         let values = analysis.system().prescribed().iter().map(|&(_, value)| value).collect();
-        let equations = Equations {
+        let equations = EliminationSource {
             rhs: analysis.system().rhs().to_vec(),
             kinds: analysis.kinds().to_vec(),
             analysis,
@@ -140,7 +140,7 @@ impl Elimination {
         Ok(Self::build(reduction, prescribed.to_vec(), None))
     }
 
-    fn build(reduction: Reduction, prescribed_values: Vec<f64>, equations: Option<Equations>) -> Self {
+    fn build(reduction: Reduction, prescribed_values: Vec<f64>, equations: Option<EliminationSource>) -> Self {
         let roles = Roles::new(&reduction, &prescribed_values);
         Self { identity: Identity::new(), roles, reduction, prescribed_values, equations }
     }
@@ -158,80 +158,6 @@ impl Elimination {
     /// Kind of each equation, for b and u_p as they are now; empty if it was made from a reduction.
     pub fn kinds(&self) -> &[Kind] {
         self.equations.as_ref().map_or(&[], |equations| &equations.kinds)
-    }
-
-    /// New right-hand sides b (length m) and prescribed values (in the order of [`Elimination::prescribed`]). Slaves and T stay as they are,
-    /// to the last bit.
-    ///
-    /// ```
-    /// # use qless::{Elimination, Options, SystemBuilder};
-    /// let mut builder = SystemBuilder::new(3);
-    /// builder.equation([(0, 1.0), (1, -1.0), (2, -1.0)], 0.0);
-    /// builder.prescribe(2, 0.0);
-    /// let mut elimination = Elimination::new(&builder.build()?, &Options::default())?;
-    /// for step in 1..=3 {
-    ///     let t = f64::from(step);
-    ///     elimination.update(&[0.5 * t], &[t * t])?;
-    ///     let mut u = [0.0; 3];
-    ///     elimination.expand_into(&[0.0], &mut u)?;
-    ///     assert_eq!(u[0] - u[1], t * t + 0.5 * t);
-    /// }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`EliminationError::Refresh`], and [`EliminationError::Conflicting`] if equations contradict one another now; nothing has changed then.
-    pub fn update(&mut self, rhs: &[f64], prescribed: &[f64]) -> Result<(), EliminationError> {
-        let Self { reduction, equations, prescribed_values, .. } = self;
-        let Equations { analysis, rhs: old, kinds, refresher, .. } =
-            equations.as_mut().ok_or(EliminationError::NoEquations)?;
-        let g = reduction.g.clone();
-        if refresher.get().is_none() {
-            // Nobody else can have set it: this is the only reference.
-            let _ = refresher.set(Refresher::new(Arc::clone(analysis)).map_err(EliminationError::Backend)?);
-        }
-        let Some(refresher) = refresher.get() else { return Ok(()) };
-        let refreshed = refresher.refresh(rhs, prescribed, reduction)?;
-        if let Err(error) = refuse_conflicts(&refreshed.kinds, analysis.system()) {
-            refresher.refresh(old, prescribed_values, reduction)?;
-            reduction.g = g;
-            return Err(error);
-        }
-        *kinds = refreshed.kinds;
-        old.copy_from_slice(rhs);
-        self.prescribe(prescribed);
-        Ok(())
-    }
-
-    /// [`Elimination::update`] by functions of the equation and of the prescribed DOF, at a time that they know.
-    ///
-    /// # Errors
-    /// As [`Elimination::update`].
-    pub fn update_with(
-        &mut self,
-        rhs: impl Fn(usize) -> f64,
-        prescribed: impl Fn(usize) -> f64,
-    ) -> Result<(), EliminationError> {
-        let rhs: Vec<f64> = (0..self.rhs().len()).map(rhs).collect();
-        let prescribed: Vec<f64> = self.prescribed().iter().map(|&dof| prescribed(dof)).collect();
-        self.update(&rhs, &prescribed)
-    }
-
-    /// A new g and new values of the prescribed DOFs; T and G stay.
-    ///
-    /// # Errors
-    /// [`ArgumentError`] for wrong lengths or numbers that are not finite; everything is then as it was.
-    pub fn set(&mut self, g: &[f64], prescribed: &[f64]) -> Result<(), ArgumentError> {
-        numbers("g", g, self.reduction.g.len())?;
-        numbers("the list of prescribed values", prescribed, self.prescribed_values.len())?;
-        self.reduction.g.copy_from_slice(g);
-        self.prescribe(prescribed);
-        Ok(())
-    }
-
-    fn prescribe(&mut self, prescribed: &[f64]) {
-        self.prescribed_values.copy_from_slice(prescribed);
-        self.roles.refresh(&self.reduction, prescribed);
     }
 
     /// T, G and g, for b and u_p as they are now.
@@ -303,14 +229,4 @@ impl Elimination {
         let row = self.reduction.row(i as usize).unwrap_or_default();
         row.into_iter().map(|(q, _)| self.reduction.masters[q]).collect()
     }
-}
-
-/// Equations that contradict others have no solution that a model could follow.
-fn refuse_conflicts(kinds: &[Kind], system: &ConstraintSystem) -> Result<(), EliminationError> {
-    let rows: Vec<usize> = (0..kinds.len()).filter(|&i| kinds[i] == Kind::Conflicting).collect();
-    if rows.is_empty() {
-        return Ok(());
-    }
-    let labels = rows.iter().map(|&row| system.equation_label(row)).collect();
-    Err(EliminationError::Conflicting { rows, labels })
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::rows::Relation;
+use super::relation::Relation;
 
 /// The relation with the rows that hold each master.
 pub(super) struct Exchange<'a, 'b> {

@@ -1,32 +1,23 @@
 //! `u_s = T u_q + G u_p + g` (Eq. 23-26): slaves by masters, prescribed DOFs and a constant.
 
-mod again;
+mod apply;
 pub(crate) mod block;
+mod build;
 mod exchange;
+mod exchange_goals;
 mod factored;
-pub(crate) mod gate;
-mod growth;
-mod of_analysis;
 mod order;
 mod output;
-mod parts;
-mod rows;
-mod using;
-mod wishes;
+mod relation;
+pub(crate) mod residual_check;
+mod retry;
 
-use std::collections::BTreeMap;
-
+use crate::common::argument::long;
 use crate::common::identity::Identity;
 use crate::factor::backend::BackendError;
-use crate::input::components::Labels;
-use crate::input::numbering::Local;
-use crate::input::preferences::{Preferences, Wishes};
-use crate::input::scale::Scaling;
-use crate::presolve::basis::Basis;
-use crate::{ConstraintSystem, Csr};
+use crate::{ArgumentError, ConstraintSystem, Csr};
 
 pub use factored::{FactoredBlock, Parts};
-pub(crate) use factored::{factor, predict::predict};
 
 /// How T is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,107 +80,123 @@ pub struct Reduction {
     pub(crate) factored: Vec<FactoredBlock>,
 }
 
-/// What [`build`] needs to know of an analysis.
-pub(crate) struct Basics<'a> {
-    pub basis: &'a Basis,
-    /// Bounds of the rows of T, infinite where slaves are to be replaced.
-    pub bounds: &'a [f64],
-    /// Local DOFs that move with no master; empty if there are none.
-    pub fixed: Vec<bool>,
-    pub wishes: Wishes,
-    /// The bound of growth.
-    pub growth: f64,
-    pub scaling: &'a Scaling,
-    /// By equation.
-    pub independent: Vec<bool>,
-    /// Bytes for sparse factors.
-    pub memory: usize,
-}
-
-/// A residual above this is worth computing T again from the user's equations.
-const LOSS: f64 = 1e-13;
-
-/// Builds T, G and g; exchanges slaves and masters until the wishes are met and `max |T_ij|` is below the bound. What leaves has
-/// passed the gate.
-pub(crate) fn build(
-    system: &ConstraintSystem,
-    local: Local,
-    basics: &Basics,
-    factored: Vec<FactoredBlock>,
-) -> Result<Reduction, ReductionError> {
-    let limit = basics.growth.max(growth::LEAST);
-    let mut relation = rows::assemble(local, basics, limit);
-    let exchanged = wishes::meet(&mut relation, &basics.wishes, limit);
-    let exchanges = growth::bound(&mut relation, limit, &basics.wishes, exchanged);
-    let reduction = output::write(system, &relation);
-    let growth = factored.iter().map(|block| block.growth).fold(relation.growth, f64::max);
-    checked(Reduction { growth, exchanges, factored, ..reduction }, local, basics)
-}
-
-/// The reduction, computed again component by component where it has lost digits and that brings some back, if it passes the gate.
-fn checked(mut reduction: Reduction, local: Local, basics: &Basics) -> Result<Reduction, ReductionError> {
-    let Basics { scaling, ref independent, memory, .. } = *basics;
-    let residuals = |reduction: &Reduction| gate::residuals(local, reduction, independent, scaling, LOSS);
-    let found = residuals(&reduction);
-    if found.above.is_empty() {
-        return Ok(reduction);
-    }
-    let labels = Labels::of(local);
-    let before = worst_by_part(&found, &labels);
-    let is_factored = |label: u32| reduction.factored.iter().any(|block| labels.of_row[block.equations[0]] == label);
-    let wanted: Vec<u32> = before.keys().copied().filter(|&label| !is_factored(label)).collect();
-    let mut rows = again::compute(local, &reduction, (independent, &labels), scaling, &wanted, memory);
-    let mut tried = reduction.clone();
-    again::replace(&mut tried, &rows);
-    let after = worst_by_part(&residuals(&tried), &labels);
-    drop(tried);
-    // What has become no better stays as it was, whatever the others have become.
-    let part = part_of_slaves(local, &reduction, &labels);
-    rows.iter_mut()
-        .zip(&part)
-        .filter(|(_, label)| after.get(label) >= before.get(label))
-        .for_each(|(row, _)| *row = None);
-    if rows.iter().any(Option::is_some) {
-        again::replace(&mut reduction, &rows);
-        let growth = reduction.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
-    }
-    gate::pass(&residuals(&reduction), &reduction).map(|()| reduction)
-}
-
-/// The largest residual of each connected part that has one above what was asked for.
-fn worst_by_part(found: &gate::Found, labels: &Labels) -> BTreeMap<u32, f64> {
-    let mut worst = BTreeMap::new();
-    for &(row, residual) in &found.above {
-        let most: &mut f64 = worst.entry(labels.of_row[row]).or_default();
-        *most = most.max(residual);
-    }
-    worst
-}
-
-/// The connected part of each slave.
-fn part_of_slaves(local: Local, reduction: &Reduction, labels: &Labels) -> Vec<u32> {
-    let mut part = vec![0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
-    for (i, &label) in labels.of_row.iter().enumerate() {
-        let free = local.row(i).filter(|&(j, _)| local.free()[j]);
-        free.for_each(|(j, _)| part[local.numbering.dofs[j] as usize] = label);
-    }
-    reduction.slaves.iter().map(|&j| part[j]).collect()
-}
-
 impl Reduction {
-    /// Compares the slaves with what was wanted.
-    pub(crate) fn compare(mut self, preferences: &Preferences) -> Self {
-        let listed = |numbers: &[usize], unmet: &dyn Fn(usize) -> bool| {
-            let mut all: Vec<usize> = numbers.iter().copied().filter(|&j| unmet(j)).collect();
-            all.sort_unstable();
-            all.dedup();
-            all
-        };
-        let is_slave = |j: usize| self.slaves.binary_search(&j).is_ok();
-        let masters = listed(&preferences.masters, &is_slave);
-        self.unmet_slaves = listed(&preferences.slaves, &|j| !is_slave(j));
-        self.unmet_masters = masters;
-        self
+    /// A reduction that something else made, to be judged ([`crate::Analysis::residual`]) and used as any other; no
+    /// [`crate::change::Refresher`] takes it.
+    ///
+    /// ```
+    /// use qless::{Csr, Options, Reduction, SystemBuilder, analyse};
+    /// // u0 = 2 u1 + 3, solved by hand.
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -2.0)], 3.0);
+    /// let t = Csr::from_parts(1, vec![0, 1], vec![0], vec![2.0])?;
+    /// let g_matrix = Csr::from_parts(0, vec![0, 0], Vec::new(), Vec::new())?;
+    /// let ours = Reduction::from_parts([vec![0], vec![1], Vec::new()], t, g_matrix, vec![3.0])?;
+    /// assert_eq!(analyse(&builder.build()?, &Options::default())?.residual(&ours)?, 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError`] unless slaves, masters and prescribed DOFs each ascend and together are all DOFs from 0 on, once each, and
+    /// T, G and g have a row for each slave and a column for each master and prescribed DOF.
+    pub fn from_parts(dofs: [Vec<usize>; 3], t: Csr, g_matrix: Csr, g: Vec<f64>) -> Result<Self, ArgumentError> {
+        let [slaves, masters, prescribed] = dofs;
+        once([("slaves", &slaves), ("masters", &masters), ("prescribed DOFs", &prescribed)])?;
+        for (of_rows, of_columns, matrix, columns) in [
+            ("the list of rows of T", "the list of columns of T", &t, masters.len()),
+            ("the list of rows of G", "the list of columns of G", &g_matrix, prescribed.len()),
+        ] {
+            long(of_rows, matrix.rows(), slaves.len())?;
+            long(of_columns, matrix.cols, columns)?;
+        }
+        long("g", g.len(), slaves.len())?;
+        let growth = t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        Ok(Self { slaves, masters, prescribed, t, g_matrix, g, growth, ..Self::default() })
     }
+
+    /// u_s, ascending.
+    pub fn slaves(&self) -> &[usize] {
+        &self.slaves
+    }
+
+    /// u_q, ascending.
+    pub fn masters(&self) -> &[usize] {
+        &self.masters
+    }
+
+    /// u_p, ascending.
+    pub fn prescribed(&self) -> &[usize] {
+        &self.prescribed
+    }
+
+    /// T, slaves x masters; rows of slaves of factored blocks are empty.
+    pub fn t(&self) -> &Csr {
+        &self.t
+    }
+
+    /// G, slaves x prescribed DOFs; rows of slaves of factored blocks are empty.
+    pub fn g_matrix(&self) -> &Csr {
+        &self.g_matrix
+    }
+
+    /// g, one number per slave.
+    pub fn g(&self) -> &[f64] {
+        &self.g
+    }
+
+    /// DOFs of [`crate::Preferences::masters`] that are slaves all the same, ascending: no choice avoids that.
+    pub fn unmet_masters(&self) -> &[usize] {
+        &self.unmet_masters
+    }
+
+    /// DOFs of [`crate::Preferences::slaves`] that are not slaves, ascending: prescribed, in no equation, or at the cost of
+    /// other such DOFs or of growth beyond the bound only.
+    pub fn unmet_slaves(&self) -> &[usize] {
+        &self.unmet_slaves
+    }
+
+    /// `max |T_ij|`; of factored blocks the largest entry that was found.
+    pub fn growth(&self) -> f64 {
+        self.growth
+    }
+
+    /// How many times a slave and a master changed places to keep the growth down.
+    pub fn exchanges(&self) -> usize {
+        self.exchanges
+    }
+
+    /// Connected parts that stay factors: [`crate::Form`].
+    pub fn factored(&self) -> &[FactoredBlock] {
+        &self.factored
+    }
+
+    /// Whether all of T is numbers.
+    pub fn is_explicit(&self) -> bool {
+        self.factored.is_empty()
+    }
+
+    /// Whether it is one of the DOFs of a system, and of those that are prescribed there.
+    pub(crate) fn fits(&self, system: &ConstraintSystem) -> Result<(), ArgumentError> {
+        long("the reduction's list of DOFs", self.dofs(), system.dofs())?;
+        let same = self.prescribed.iter().eq(system.prescribed().iter().map(|(j, _)| j));
+        if same { Ok(()) } else { Err(ArgumentError::Foreign { what: "the reduction" }) }
+    }
+}
+
+/// Lists that ascend and together hold `0..n`, once each.
+fn once(lists: [(&'static str, &[usize]); 3]) -> Result<(), ArgumentError> {
+    let count: usize = lists.iter().map(|(_, list)| list.len()).sum();
+    let mut seen = vec![false; count];
+    for (what, list) in lists {
+        for (place, &value) in list.iter().enumerate() {
+            if value >= count {
+                return Err(ArgumentError::OutOfRange { what, found: value, count });
+            }
+            let ascends = place == 0 || list[place - 1] < value;
+            if !ascends || std::mem::replace(&mut seen[value], true) {
+                return Err(ArgumentError::NotAscending { what, place, value });
+            }
+        }
+    }
+    Ok(())
 }

@@ -5,7 +5,7 @@
 
 use super::Reduction;
 use super::order::{Order, Slab, slabs};
-use super::rows::Relation;
+use super::relation::Relation;
 use crate::common::pool::{each, gather};
 use crate::{ConstraintSystem, Csr};
 

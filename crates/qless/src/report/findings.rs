@@ -107,3 +107,36 @@ impl serde::Serialize for Omitted {
         }
     }
 }
+
+impl DependentEquation {
+    /// The row counts from 1.
+    pub fn new(row: usize, label: String, kind: Kind, mismatch: f64, certificate: Certificate) -> Self {
+        Self { row, label, kind, mismatch, certificate }
+    }
+}
+
+impl GeneratedCondition {
+    /// The DOF counts from 1.
+    pub fn new(dof: usize, label: String, value: f64, certificate: Certificate) -> Self {
+        Self { dof, label, value, certificate }
+    }
+}
+
+impl Certificate {
+    /// All of its terms.
+    pub fn of(because: Vec<Term>) -> Self {
+        Self { because, omitted: Omitted::Nothing }
+    }
+
+    /// One that is left out.
+    pub fn left_out(omitted: Omitted) -> Self {
+        Self { because: Vec::new(), omitted }
+    }
+}
+
+impl Term {
+    /// The row counts from 1.
+    pub fn new(row: usize, label: String, coefficient: f64) -> Self {
+        Self { row, label, coefficient }
+    }
+}

@@ -12,22 +12,20 @@
 mod budget;
 mod exact;
 mod findings;
-mod made;
-mod meant;
+mod near_dependence;
 mod sizes;
-mod status;
 
 use std::time::Duration;
 
 use crate::diagnosis::PresolveStatistics;
-use crate::{Analysis, Confidence, Form, Reduction};
+use crate::{Analysis, Confidence, Form, Kind, Reduction};
 use budget::Budget;
+use sizes::{count, from_one, milliseconds};
+
 pub use exact::{ExactDifference, ExactFinding};
 pub use findings::{Certificate, DependentEquation, GeneratedCondition, IgnoredCoefficient, Omitted, Term};
-pub use meant::{MeantFinding, NearEquation};
+pub use near_dependence::{NearDependenceFinding, NearEquation};
 pub use sizes::{BackendUsed, Counts, FactoredSizes, InputSizes, Milliseconds, ReductionSizes, Unmet};
-use sizes::{count, from_one, milliseconds};
-pub use status::Status;
 
 /// The diagnosis of a system, 1-based, with labels; numbers that are not finite serialize as null.
 ///
@@ -73,7 +71,7 @@ pub struct Report {
     pub exact_rank: Option<ExactFinding>,
     /// The rank as probably meant, where that is less than as typed.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
-    pub meant: Option<MeantFinding>,
+    pub meant: Option<NearDependenceFinding>,
     /// The reduced form, where it was computed.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub reduction: Option<ReductionSizes>,
@@ -165,5 +163,98 @@ impl Report {
         let (read, reduce, total) = (milliseconds(read), milliseconds(reduce), milliseconds(total));
         self.timings_ms = Milliseconds { read, reduce, total, ..self.timings_ms };
         self
+    }
+}
+
+/// The worst that is said of any equation, or that not all of them are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+#[non_exhaustive]
+pub enum Status {
+    /// All equations are independent.
+    Independent,
+    /// Some are combinations of others, and consistent with them.
+    Redundant,
+    /// Some contradict others: so they do whatever was left out.
+    Conflicting,
+    /// No conflict was found, but something that constrains was left out, with which there may be one.
+    Incomplete,
+}
+
+impl From<Kind> for Status {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Independent => Self::Independent,
+            Kind::Redundant => Self::Redundant,
+            Kind::Conflicting => Self::Conflicting,
+        }
+    }
+}
+
+impl Report {
+    /// Says what constrains and was left out of the system.
+    ///
+    /// ```
+    /// use qless::{Options, Report, Status, SystemBuilder, analyse};
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// let analysis = analyse(&builder.build()?, &Options::default())?;
+    /// let report = Report::new(&analysis, Report::TERMS);
+    /// assert_eq!(report.status, Status::Independent);
+    /// let report = report.with_left_out(vec!["line 7: RSPLINE is not read".to_owned()]);
+    /// assert_eq!((report.status, report.counts.independent), (Status::Incomplete, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_left_out(mut self, what: Vec<String>) -> Self {
+        if !what.is_empty() && self.status != Status::Conflicting {
+            self.status = Status::Incomplete;
+        }
+        self.incomplete = what;
+        self
+    }
+}
+
+impl Report {
+    /// A report of an analysis that `ranks` ranks made together, without lists: its fields are public. What presolve did is not known.
+    ///
+    /// ```
+    /// use qless::{Confidence, Kind, Report, Status};
+    /// use qless::report::{BackendUsed, Certificate, Counts, DependentEquation, InputSizes, Term};
+    /// let (input, counts) = (InputSizes::new(2, 3, 4, 0), Counts::new(1, 1, 0));
+    /// let backend = BackendUsed::new("faer", 1, "faer 0.24".to_owned());
+    /// let mut report = Report::of_ranks(2, input, counts, Confidence::of(1.0, 0.0, false), backend);
+    /// let because = Certificate::of(vec![Term::new(1, "tie 7".to_owned(), 2.0)]);
+    /// report.dependent.push(DependentEquation::new(2, "tie 8".to_owned(), Kind::Redundant, 0.0, because));
+    /// assert_eq!((report.rank, report.status, report.ranks), (1, Status::Redundant, Some(2)));
+    /// ```
+    pub fn of_ranks(
+        ranks: usize,
+        input: InputSizes,
+        counts: Counts,
+        confidence: Confidence,
+        backend: BackendUsed,
+    ) -> Self {
+        Self {
+            schema: Self::SCHEMA,
+            input,
+            status: counts.status().into(),
+            rank: counts.independent,
+            counts,
+            dependent: Vec::new(),
+            generated_boundary_conditions: Vec::new(),
+            confidence,
+            incomplete: Vec::new(),
+            exact_rank: None,
+            meant: None,
+            reduction: None,
+            unmet_preferences: Unmet::default(),
+            ignored_coefficients: Vec::new(),
+            presolve: None,
+            ranks: Some(ranks),
+            backend,
+            timings_ms: Milliseconds::default(),
+        }
     }
 }

@@ -182,3 +182,24 @@ impl Milliseconds {
 pub(super) fn milliseconds(time: Duration) -> f64 {
     (time.as_secs_f64() * 1e6).round() / 1e3
 }
+
+impl InputSizes {
+    /// Sizes of a system; DOFs that are not prescribed are free.
+    pub fn new(rows: usize, dofs: usize, nnz: usize, prescribed: usize) -> Self {
+        Self { rows, dofs, nnz, free: dofs - prescribed, prescribed }
+    }
+}
+
+impl Counts {
+    /// Equations of each kind.
+    pub fn new(independent: usize, redundant: usize, conflicting: usize) -> Self {
+        Self { independent, redundant, conflicting }
+    }
+}
+
+impl BackendUsed {
+    /// As [`backend::Backend`](crate::backend::Backend) tells them, and threads at work.
+    pub fn new(name: &'static str, threads: usize, version: String) -> Self {
+        Self { name, threads, version }
+    }
+}

@@ -41,21 +41,16 @@
 //! ```
 
 mod eliminate;
-mod error;
 mod field;
 mod number;
-mod parts;
 mod peel;
 mod prime;
-mod result;
 mod row;
 mod run;
 
-pub use error::ExactError;
-pub use number::Reading;
-pub use result::{ExactRank, PartRank};
-
 use crate::ConstraintSystem;
+
+pub use number::Reading;
 
 /// How to take a rank; made from a [`Reading`] with the default of the rest.
 ///
@@ -106,4 +101,59 @@ impl From<Reading> for Settings {
 /// ```
 pub fn rank(system: &ConstraintSystem, settings: impl Into<Settings>) -> Result<ExactRank, ExactError> {
     run::rank(system, settings.into())
+}
+
+/// An exact rank that was given up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExactError {
+    /// Elimination fills the rows in beyond the memory allowed.
+    #[error(
+        "exact elimination of {rows} equations was given up: they fill in to {fill} coefficients, and {limit} are allowed"
+    )]
+    Fill {
+        /// Equations that were left to eliminate.
+        rows: usize,
+        /// Coefficients held when it was given up.
+        fill: usize,
+        /// [`Settings::fill`](Settings::fill).
+        limit: usize,
+    },
+}
+
+/// `rank C_f` and `rank [C_f | b - C_p u_p]`; see [`rank`](rank()).
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ExactRank {
+    /// What a double was taken for.
+    pub reading: Reading,
+    /// Rank of `C_f`, the columns of free DOFs.
+    pub rank: usize,
+    /// Rank of `[C_f | b - C_p u_p]`: the same where the equations have a solution, else one more.
+    pub augmented_rank: usize,
+    /// The primes, between 2^60 and 2^61.
+    pub primes: [u64; 2],
+    /// For each equation the index of its connected part in `parts`.
+    pub part_of: Vec<u32>,
+    /// Equations connected by free DOFs, in the order of their first equations.
+    pub parts: Vec<PartRank>,
+}
+
+/// The rank of one connected part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct PartRank {
+    /// Its number of equations.
+    pub equations: usize,
+    /// The rank of their free DOFs' coefficients.
+    pub rank: usize,
+    /// Whether they have a solution.
+    pub solvable: bool,
+}
+
+impl ExactRank {
+    /// Whether `C_f u_f = b - C_p u_p` has a solution.
+    pub fn is_solvable(&self) -> bool {
+        self.augmented_rank == self.rank
+    }
 }

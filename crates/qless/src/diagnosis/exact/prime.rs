@@ -1,13 +1,14 @@
 //! Primes between 2^60 and 2^61, drawn at random.
 
 use super::field::Field;
+use crate::common::SplitMix64;
 
 /// The first twelve primes: Miller and Rabin's test with these bases errs for no number below 3.3e24 (Sorenson, Webster 2015).
 const BASES: [u64; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
 
 /// Two different primes in `2^60..2^61`, the same for the same seed; each is as likely as any other.
 pub(super) fn two(seed: u64) -> [u64; 2] {
-    let mut numbers = Bits(seed);
+    let mut numbers = SplitMix64::new(seed);
     let first = draw(&mut numbers);
     loop {
         let second = draw(&mut numbers);
@@ -17,7 +18,7 @@ pub(super) fn two(seed: u64) -> [u64; 2] {
     }
 }
 
-fn draw(numbers: &mut Bits) -> u64 {
+fn draw(numbers: &mut SplitMix64) -> u64 {
     loop {
         let odd = (numbers.next() >> 4) | (1 << 60) | 1;
         if is_prime(odd) {
@@ -50,18 +51,6 @@ fn passes(field: &Field, n: u64, base: u64) -> bool {
         power = field.mul(power, power);
     }
     false
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-struct Bits(u64);
-
-impl Bits {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
 }
 
 #[cfg(test)]

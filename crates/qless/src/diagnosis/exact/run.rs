@@ -3,11 +3,11 @@
 use super::eliminate::eliminate;
 use super::field::Field;
 use super::number::Number;
-use super::parts::parts;
 use super::peel::{Peeled, peel};
 use super::row::Entry;
 use super::{ExactError, ExactRank, PartRank, Settings, prime};
-use crate::ConstraintSystem;
+use crate::common::DisjointSets;
+use crate::{ConstraintSystem, Csr};
 
 /// See [`super::rank()`].
 pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<ExactRank, ExactError> {
@@ -117,5 +117,40 @@ impl Rest<'_> {
             list
         };
         (self.peeled.rest.iter().map(row).collect(), cols as usize)
+    }
+}
+
+/// For each equation the number of its part; parts are counted in the order of their first equations.
+///
+/// Every equation without a free DOF is a part of its own. In O(coefficients), but for a factor that is 4 in practice.
+pub(super) fn parts(matrix: &Csr, free: &[bool]) -> Vec<u32> {
+    const NONE: u32 = u32::MAX;
+    let mut first_with = vec![NONE; matrix.cols];
+    let mut sets = DisjointSets::new(matrix.rows());
+    for i in 0..matrix.rows() {
+        for (j, _) in matrix.row(i).filter(|&(j, _)| free[j]) {
+            match first_with[j] {
+                NONE => first_with[j] = i as u32,
+                other => sets.join(i, other as usize),
+            }
+        }
+    }
+    sets.numbered().0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_joined_by_free_dofs_only() {
+        let mut matrix = Csr::empty(8);
+        let rows: [&[usize]; 6] = [&[0, 1], &[4, 5], &[3], &[1, 3, 6], &[3, 7], &[5, 6]];
+        rows.iter().for_each(|row| matrix.append(row.iter().map(|&j| (j, 1.0))));
+        let mut free = [true; 8];
+        free[3] = false;
+        assert_eq!(parts(&matrix, &free), [0, 0, 1, 0, 2, 0]);
+        free[6] = false;
+        assert_eq!(parts(&matrix, &free), [0, 1, 2, 0, 3, 1]);
     }
 }

@@ -1,5 +1,7 @@
 //! Compressed lines of K_q, and of what slaves bring into it.
 
+use std::sync::{Mutex, PoisonError};
+
 /// Line i holds `index[k]` for `k` in `starts[i]..starts[i + 1]`.
 #[derive(Clone, Debug)]
 pub(super) struct Lines {
@@ -57,5 +59,28 @@ impl Union {
         self.found.sort_unstable();
         into.append(&mut self.found);
         self.line += 1;
+    }
+}
+
+/// As many as were in use at a time.
+#[derive(Debug, Default)]
+pub(super) struct Spare(Mutex<Vec<Vec<f64>>>);
+
+/// What is spare need not be copied.
+impl Clone for Spare {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Spare {
+    /// `work` with a list of this length, whatever numbers are in it.
+    pub fn with<R>(&self, length: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
+        let taken = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut list = taken.unwrap_or_default();
+        list.resize(length.max(list.len()), 0.0);
+        let result = work(&mut list[..length]);
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(list);
+        result
     }
 }

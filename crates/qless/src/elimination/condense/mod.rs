@@ -11,9 +11,7 @@
 
 mod elements;
 mod lines;
-mod load;
 mod plan;
-mod spare;
 mod values;
 
 use std::collections::BTreeMap;
@@ -23,9 +21,8 @@ use super::{Elimination, EliminationError};
 use crate::common::argument::{long, numbers, within};
 use crate::common::identity::Identity;
 use crate::{ArgumentError, Csr};
-use lines::Lines;
+use lines::{Lines, Spare};
 use plan::{Half, Plan};
-use spare::Spare;
 
 /// What becomes of prescribed DOFs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

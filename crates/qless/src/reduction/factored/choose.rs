@@ -10,7 +10,7 @@ use crate::factor::lu::{self, LuError};
 use crate::factor::solver::Solver;
 use crate::input::numbering::Local;
 use crate::input::scale::ldexp;
-use crate::reduction::Basics;
+use crate::reduction::relation::ReductionInput;
 
 /// With a bound of growth from here on slaves are looked for near by first: that takes the least time, and T can be large.
 const LOOSE: f64 = 1e3;
@@ -22,14 +22,14 @@ const ROUNDS: usize = 8;
 pub(crate) fn factor(
     local: Local,
     equations: &[usize],
-    basics: &Basics,
+    input: &ReductionInput,
     predicted: usize,
 ) -> Result<Option<FactoredBlock>, BackendError> {
-    let part = Part::new(local, equations, basics);
+    let part = Part::new(local, equations, input);
     let every = vec![true; part.dofs.len()];
-    let near = (basics.growth >= LOOSE).then(|| candidates(&part.plain(basics))).filter(|near| *near != every);
+    let near = (input.growth >= LOOSE).then(|| candidates(&part.plain(input))).filter(|near| *near != every);
     for may in near.into_iter().chain([every]) {
-        if let Some(mut block) = part.within(may, predicted, basics)? {
+        if let Some(mut block) = part.within(may, predicted, input)? {
             block.predicted = block.predicted.min(block.sampled());
             return Ok(Some(block));
         }
@@ -51,7 +51,7 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn new(local: Local<'a>, equations: &[usize], basics: &Basics) -> Self {
+    fn new(local: Local<'a>, equations: &[usize], input: &ReductionInput) -> Self {
         let user = |j: u32| local.numbering.dofs[j as usize];
         let mut all: Vec<u32> = equations.iter().flat_map(|&i| local.parts(i).0).copied().collect();
         all.sort_unstable_by_key(|&j| user(j));
@@ -70,10 +70,10 @@ impl<'a> Part<'a> {
             |list: &[u32], j: usize| list.binary_search_by_key(&user(j as u32), |&l| user(l)).unwrap_or_default();
         for &i in equations {
             let side = |free: bool| local.row(i).filter(move |&(j, _)| local.free()[j] == free);
-            let entry = |(j, v): (usize, f64)| basics.scaling.entry(i, j, v);
+            let entry = |(j, v): (usize, f64)| input.scaling.entry(i, j, v);
             part.free.append(side(true).map(|(j, v)| (place(&part.dofs, j), entry((j, v)))));
             part.fixed.append(side(false).map(|(j, v)| (place(&part.prescribed, j), entry((j, v)))));
-            part.rhs.push(ldexp(local.rhs()[i], basics.scaling.row[i]));
+            part.rhs.push(ldexp(local.rhs()[i], input.scaling.row[i]));
         }
         part
     }
@@ -83,22 +83,22 @@ impl<'a> Part<'a> {
         &self,
         mut may: Vec<bool>,
         predicted: usize,
-        basics: &Basics,
+        input: &ReductionInput,
     ) -> Result<Option<FactoredBlock>, BackendError> {
-        if self.is_scaled(basics) {
-            self.prefer(&mut may, basics)?;
+        if self.is_scaled(input) {
+            self.prefer(&mut may, input)?;
         }
         for _ in 0..ROUNDS {
             // L has no rows for DOFs that are masters in any case.
             let rows = only(&self.free, &may);
             let order = crate::factor::backend::sparse::order(&rows)?;
-            let lu = match lu::factor(&rows, &order, |j| may[j], basics.memory) {
+            let lu = match lu::factor(&rows, &order, |j| may[j], input.memory) {
                 Ok(lu) => lu,
                 Err(LuError::Dependent) => return Ok(None),
-                Err(error) => return Err(error.of_block("sparse LU", &self.free, basics.memory)),
+                Err(error) => return Err(error.of_block("sparse LU", &self.free, input.memory)),
             };
-            let mut block = self.block(lu, predicted, basics);
-            let exchanges = block.search(basics.growth);
+            let mut block = self.block(lu, predicted, input);
+            let exchanges = block.search(input.growth);
             if exchanges.is_empty() {
                 return Ok(Some(block));
             }
@@ -113,34 +113,34 @@ impl<'a> Part<'a> {
     }
 
     /// Of the DOFs that may be slaves those that are steepest in the user's units, in which T is bounded.
-    fn prefer(&self, may: &mut [bool], basics: &Basics) -> Result<(), BackendError> {
-        let rows = only(&self.plain(basics), may);
+    fn prefer(&self, may: &mut [bool], input: &ReductionInput) -> Result<(), BackendError> {
+        let rows = only(&self.plain(input), may);
         let order = crate::factor::backend::sparse::order(&rows)?;
-        match lu::factor(&rows, &order, |j| may[j], basics.memory) {
+        match lu::factor(&rows, &order, |j| may[j], input.memory) {
             Ok(lu) => {
                 may.fill(false);
                 lu.slaves.iter().for_each(|&j| may[j as usize] = true);
                 Ok(())
             }
             Err(LuError::Dependent) => Ok(()),
-            Err(error) => Err(error.of_block("sparse LU", &rows, basics.memory)),
+            Err(error) => Err(error.of_block("sparse LU", &rows, input.memory)),
         }
     }
 
     /// Whether any of its columns is, whatever stands beside it.
-    fn is_scaled(&self, basics: &Basics) -> bool {
-        self.dofs.iter().any(|&j| basics.scaling.col(j as usize) != 0)
+    fn is_scaled(&self, input: &ReductionInput) -> bool {
+        self.dofs.iter().any(|&j| input.scaling.col(j as usize) != 0)
     }
 
     /// The equations with columns in the user's units.
-    fn plain(&self, basics: &Basics) -> Csr {
+    fn plain(&self, input: &ReductionInput) -> Csr {
         let mut plain = self.free.clone();
-        if !self.is_scaled(basics) {
+        if !self.is_scaled(input) {
             return plain;
         }
         for i in 0..plain.rows() {
             let range = plain.start[i]..plain.start[i + 1];
-            let exponent = |k: usize| -basics.scaling.col(self.dofs[plain.col[k] as usize] as usize);
+            let exponent = |k: usize| -input.scaling.col(self.dofs[plain.col[k] as usize] as usize);
             let values: Vec<f64> = range.clone().map(|k| ldexp(plain.val[k], exponent(k))).collect();
             let largest = values.iter().fold(f64::MIN_POSITIVE, |most: f64, v| most.max(v.abs()));
             range.zip(values).for_each(|(k, v)| plain.val[k] = ldexp(v, -crate::input::scale::exponent(largest)));
@@ -152,7 +152,7 @@ impl<'a> Part<'a> {
         self.local.numbering.dofs[local as usize] as usize
     }
 
-    fn block(&self, lu: lu::Lu, predicted: usize, basics: &Basics) -> FactoredBlock {
+    fn block(&self, lu: lu::Lu, predicted: usize, input: &ReductionInput) -> FactoredBlock {
         let mut number = vec![u32::MAX; self.dofs.len()];
         lu.slaves.iter().for_each(|&j| number[j as usize] = 0);
         let masters: Vec<usize> = (0..self.dofs.len()).filter(|&j| number[j] != 0).collect();
@@ -167,9 +167,9 @@ impl<'a> Part<'a> {
             masters.iter().map(|&j| self.dofs[j]).collect(),
             self.prescribed.clone(),
         ];
-        let scaled = !basics.scaling.col.is_empty();
+        let scaled = !input.scaling.col.is_empty();
         let exponents = |dofs: &[u32]| -> Vec<i32> {
-            if scaled { dofs.iter().map(|&j| basics.scaling.col(j as usize)).collect() } else { Vec::new() }
+            if scaled { dofs.iter().map(|&j| input.scaling.col(j as usize)).collect() } else { Vec::new() }
         };
         let users = |dofs: &[u32]| dofs.iter().map(|&j| self.user(j)).collect::<Vec<usize>>();
         FactoredBlock {
@@ -184,7 +184,7 @@ impl<'a> Part<'a> {
             of_prescribed: self.fixed.clone(),
             rhs: self.rhs.clone(),
             exponents: [exponents(&local[0]), exponents(&local[1]), exponents(&local[2])],
-            rows: self.equations.iter().map(|&i| basics.scaling.row[i]).collect(),
+            rows: self.equations.iter().map(|&i| input.scaling.row[i]).collect(),
         }
     }
 }

@@ -5,16 +5,17 @@
 
 mod choose;
 mod entries;
+mod factors;
 mod finishing;
-mod parts;
-pub(crate) mod predict;
+mod predict;
 
 use crate::Csr;
 use crate::factor::solver::Solver;
 use crate::input::scale::ldexp;
 
-pub(crate) use choose::factor;
-pub use parts::Parts;
+pub(super) use choose::factor;
+pub use factors::Parts;
+pub(super) use predict::predict;
 
 /// A connected part of the equations in factor form. DOFs are the user's, 0-based.
 ///

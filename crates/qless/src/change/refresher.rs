@@ -1,0 +1,266 @@
+//! New b and u_p for the same C: `g = u_s - T u_q` for any u with `C u = b` and `u_p = 0`, without a new factorization.
+//!
+//! ```text
+//! analyse, reduction  ->  T, G     once
+//! Refresher::new      ->  the square matrices of the blocks' slaves, factored     once
+//! Refresher::refresh  ->  g, redundant or conflicting, fixed values     for each b and u_p, O(nnz)
+//! ```
+//!
+//! T, G, the slaves and the independent equations depend on C only and stay as they are, to the last bit.
+
+use std::sync::Arc;
+
+use super::replay::{Replay, Square};
+use crate::common::argument::numbers;
+use crate::diagnosis::classify::{Dependent, Kind, Source};
+use crate::factor::backend::BackendError;
+use crate::input::numbering::Local;
+use crate::input::scale::ldexp;
+use crate::presolve::eliminated::Mismatch;
+use crate::reduction::residual_check;
+use crate::{Analysis, ArgumentError, ConstraintSystem, Reduction, ReductionError};
+
+/// A constant that cancels to within this, relative to its parts, is rounding.
+const NOISE: f64 = 1e-14;
+
+/// Makes g and the kinds of the equations for new right-hand sides.
+///
+/// It owns its analysis, or shares it: both can be stored together, and sent to other threads.
+pub struct Refresher {
+    analysis: Arc<Analysis>,
+    /// The coefficients of the slaves of the peeled equations.
+    pivots: Vec<f64>,
+    squares: Vec<Square>,
+    /// By which powers of two blocks scaled the rows that went through elimination.
+    exponents: Vec<i32>,
+}
+
+impl std::fmt::Debug for Refresher {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Refresher").field("analysis", &self.analysis).finish_non_exhaustive()
+    }
+}
+
+/// What depends on the right-hand side, beside g.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Refreshed {
+    /// What each equation is; length m. Which are independent never changes.
+    pub kinds: Vec<Kind>,
+    /// For each of [`Analysis::dependent`]: `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    pub mismatches: Vec<f64>,
+    /// Free DOFs that the equations fix, and their values; ascending.
+    pub generated: Vec<(usize, f64)>,
+}
+
+/// Why a right-hand side was refused. The reduction is left as it was.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RefreshError {
+    /// A list of the wrong length, a number that is not finite, or a reduction of another analysis.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+    /// The new g does not meet the equations, or leaves the range of doubles.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+}
+
+impl Refresher {
+    /// Prepares for new right-hand sides and prescribed values of the system that was analysed. Takes an [`Analysis`], or an
+    /// `Arc` of one that is used elsewhere too.
+    ///
+    /// ```
+    /// use qless::{Kind, Options, SystemBuilder, analyse};
+    /// use qless::change::Refresher;
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// builder.equation([(0, 2.0), (1, -2.0)], 0.0);
+    /// let system = builder.build()?;
+    /// let analysis = analyse(&system, &Options::default())?;
+    /// let mut reduction = analysis.reduction()?;
+    /// let refresher = Refresher::new(analysis)?;
+    /// // A gap of 0.5 in one equation contradicts the other ...
+    /// let refreshed = refresher.refresh(&[0.5, 0.0], &[], &mut reduction)?;
+    /// assert!(refreshed.kinds.contains(&Kind::Conflicting));
+    /// // ... and in both it does not.
+    /// let refreshed = refresher.refresh(&[0.5, 1.0], &[], &mut reduction)?;
+    /// assert!(!refreshed.kinds.contains(&Kind::Conflicting));
+    /// let u = reduction.expand(&[2.0], &[])?;
+    /// assert!((u[0] - u[1] - 0.5).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BackendError`] if a block needs more memory than [`crate::Options::memory`] allows.
+    pub fn new(analysis: impl Into<Arc<Analysis>>) -> Result<Self, BackendError> {
+        let analysis = analysis.into();
+        let Analysis { basis, blocks, scaling, history, options, .. } = &*analysis;
+        let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+        let peeled = basis.peeled.iter().zip(basis.slaves());
+        let pivots = peeled.map(|(&row, &slave)| local.coefficient(row as usize, slave)).collect();
+        let square = |(block, kept)| Square::new(block, kept, scaling, options.memory);
+        let squares: Vec<Square> = blocks.iter().zip(&basis.blocks).map(square).collect::<Result<_, _>>()?;
+        let mut exponents = vec![0; history.rows.len()];
+        for block in blocks {
+            block.rows.iter().zip(&block.exponents).for_each(|(&row, &shift)| exponents[row as usize] = shift);
+        }
+        Ok(Self { analysis, pivots, squares, exponents })
+    }
+
+    /// What it refreshes.
+    pub fn analysis(&self) -> &Arc<Analysis> {
+        &self.analysis
+    }
+
+    /// Writes g for b = `rhs` (length m) into a reduction of the same analysis; `prescribed` are the values of u_p, in the order
+    /// of [`ConstraintSystem::prescribed`].
+    ///
+    /// # Errors
+    /// [`RefreshError`].
+    pub fn refresh(
+        &self,
+        rhs: &[f64],
+        prescribed: &[f64],
+        reduction: &mut Reduction,
+    ) -> Result<Refreshed, RefreshError> {
+        numbers("the right-hand side", rhs, self.system().equations())?;
+        numbers("the list of prescribed values", prescribed, self.system().prescribed().len())?;
+        if reduction.of != self.analysis.identity {
+            return Err(ArgumentError::Foreign { what: "the reduction" }.into());
+        }
+        let agreeing;
+        let mut replay = Replay::new(&self.analysis, rhs, prescribed);
+        let dependent = &self.analysis.dependent;
+        let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay)).collect();
+        // As in the analysis: equations given up for ones that they contradict leave no trace in the constants.
+        let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
+        let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
+        let excess: Vec<_> = overruled.map(|(d, _)| (d.row, d.mismatch)).collect();
+        if !excess.is_empty() {
+            let mut lowered = rhs.to_vec();
+            excess.iter().for_each(|&(row, excess)| lowered[row] -= excess);
+            agreeing = lowered;
+            replay = Replay::new(&self.analysis, &agreeing, prescribed);
+        }
+        self.write(&replay, reduction)?;
+        let mut kinds = vec![Kind::Independent; rhs.len()];
+        found.iter().for_each(|d| kinds[d.row] = d.kind);
+        let mismatches = found.iter().map(|d| d.mismatch).collect();
+        Ok(Refreshed { kinds, mismatches, generated: self.generated(&replay, prescribed) })
+    }
+
+    fn system(&self) -> &ConstraintSystem {
+        &self.analysis.system
+    }
+
+    fn local(&self) -> Local<'_> {
+        self.analysis.numbering.view(self.system(), self.system().rhs())
+    }
+
+    /// A dependent equation with its new mismatch, without its certificate.
+    fn classify(&self, d: &Dependent, replay: &Replay) -> Dependent {
+        let rest = match &d.source {
+            Source::Traced(row, because, units) => {
+                self.traced(*row, because, *units, replay).scaled(-self.analysis.scaling.row[d.row])
+            }
+            Source::Given(because) => {
+                let mut rest: Mismatch = replay.of_user(d.row);
+                because.iter().for_each(|term| rest.subtract(term.coefficient, replay.of_user(term.row)));
+                rest
+            }
+        };
+        Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), self.analysis.options.tolerance.value())
+    }
+
+    /// `b_k - sum y_i b_i` over rows of a block, where the certificate is rounded too.
+    fn traced(&self, k: u32, because: &[(u32, f64)], units: f64, replay: &Replay) -> Mismatch {
+        let shift = |i: u32| self.exponents[k as usize] - self.exponents[i as usize];
+        let largest = because.iter().fold(0.0, |most: f64, &(i, y)| most.max(ldexp(y.abs(), shift(i))));
+        let mut rest = replay.row(k).effective;
+        for &(i, y) in because {
+            let other = replay.row(i).effective;
+            rest.subtract(y, other);
+            rest.error += ldexp(units * f64::EPSILON * largest, -shift(i)) * other.size;
+        }
+        rest
+    }
+
+    /// The constant of each row that presolve made.
+    fn constants(&self, replay: &Replay) -> Vec<f64> {
+        let (basis, scaling) = (&self.analysis.basis, &self.analysis.scaling);
+        let peeled = basis.peeled.iter().zip(&self.pivots).map(|(&row, pivot)| replay.rhs[row as usize] / pivot);
+        let mut constants: Vec<f64> = peeled.collect();
+        for (s, step) in replay.steps.iter().enumerate() {
+            let t = basis.peeled.len() + s;
+            constants.push(ldexp(step.rhs / basis.pivot_of_step(s), scaling.col(basis.slave(t) as usize)));
+        }
+        constants
+    }
+
+    /// u in local numbers, with zero or the given values of prescribed DOFs; masters are zero.
+    fn complete(&self, replay: &Replay, given: Option<&[f64]>) -> Vec<f64> {
+        let (basis, local) = (&self.analysis.basis, self.local());
+        let mut u = vec![0.0; local.dofs()];
+        if let Some(given) = given {
+            local.prescribed_places().for_each(|(l, place)| u[l] = given[place]);
+        }
+        for (square, kept) in self.squares.iter().zip(&basis.blocks) {
+            let side = |&row: &u32| {
+                let side = replay.row(row);
+                if given.is_some() { side.effective.value } else { side.rhs }
+            };
+            square.solve(kept.rows.iter().map(side).collect(), &mut u);
+        }
+        basis.complete_with(local, &self.constants(replay), &mut u);
+        u
+    }
+
+    /// `g = u_s - T u_q`, which must pass the gate; else the old g stays.
+    fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
+        let old = reduction.g.clone();
+        let sides = self.put(replay, reduction);
+        let local = self.analysis.numbering.view(self.system(), replay.rhs);
+        let found =
+            residual_check::residuals_of_g(local, reduction, &self.analysis.independent(), &self.analysis.scaling);
+        residual_check::pass(&found, reduction).inspect_err(|_| {
+            reduction.g = old;
+            reduction.factored.iter_mut().zip(sides).for_each(|(block, side)| block.rhs = side);
+        })?;
+        Ok(())
+    }
+
+    /// Returns the right-hand sides that factored blocks had before.
+    fn put(&self, replay: &Replay, reduction: &mut Reduction) -> Vec<Vec<f64>> {
+        let mut u = vec![0.0; self.system().dofs()];
+        let local = self.complete(replay, None);
+        local.iter().zip(&self.analysis.numbering.dofs).for_each(|(&v, &j)| u[j as usize] = v);
+        for (i, &slave) in reduction.slaves.iter().enumerate() {
+            let (mut sum, mut size) = (u[slave], u[slave].abs());
+            for (q, v) in reduction.t.row(i) {
+                let part = v * u[reduction.masters[q]];
+                sum -= part;
+                size = size.max(part.abs());
+            }
+            reduction.g[i] = if sum.abs() > NOISE * size { sum } else { 0.0 };
+        }
+        let mut old = Vec::new();
+        for block in &mut reduction.factored {
+            old.push(block.set_rhs(replay.rhs, &self.analysis.scaling.row));
+            for (slave, g) in block.slaves.iter().zip(block.constants()) {
+                let place = reduction.slaves.binary_search(slave);
+                place.into_iter().for_each(|place| reduction.g[place] = g);
+            }
+        }
+        old
+    }
+
+    fn generated(&self, replay: &Replay, prescribed: &[f64]) -> Vec<(usize, f64)> {
+        let fixed = &self.analysis.fixed;
+        if fixed.is_empty() {
+            return Vec::new();
+        }
+        let u = self.complete(replay, Some(prescribed));
+        let named = self.analysis.generated.iter().zip(fixed);
+        named.map(|(&(dof, _), &l)| (dof, u[l as usize])).collect()
+    }
+}

@@ -1,0 +1,114 @@
+//! What elimination did to the right-hand sides, done again: `b_k <- b_k - factor b_p`, in order of time.
+
+use crate::Analysis;
+use crate::factor::backend::BackendError;
+use crate::factor::block::Block;
+use crate::factor::lu;
+use crate::factor::solver::Solver;
+use crate::input::numbering::Local;
+use crate::input::scale::{Scaling, ldexp};
+use crate::presolve::basis::Kept;
+use crate::presolve::eliminated::Mismatch;
+use crate::presolve::rows::Row;
+use crate::reduction::block::may_be_slaves;
+
+/// The right-hand side of a row.
+#[derive(Clone, Copy, Default)]
+pub struct Side {
+    /// b.
+    pub rhs: f64,
+    /// `b - C_p u_p`.
+    pub effective: Mismatch,
+}
+
+impl Side {
+    fn subtract(&mut self, factor: f64, other: Self) {
+        self.rhs -= factor * other.rhs;
+        self.effective.subtract(factor, other.effective);
+        // The factor is rounded too.
+        self.effective.error += f64::EPSILON * (factor * other.effective.value).abs();
+    }
+}
+
+/// All that is known of one b and u_p.
+pub struct Replay<'a> {
+    analysis: &'a Analysis,
+    local: Local<'a>,
+    /// b as given.
+    pub rhs: &'a [f64],
+    /// Values of prescribed DOFs, in local numbers.
+    values: Vec<f64>,
+    /// What each step of the elimination held.
+    pub steps: Vec<Side>,
+}
+
+impl<'a> Replay<'a> {
+    pub fn new(analysis: &'a Analysis, rhs: &'a [f64], prescribed: &[f64]) -> Self {
+        let local = analysis.numbering.view(&analysis.system, rhs);
+        let mut values = vec![0.0; if prescribed.is_empty() { 0 } else { local.dofs() }];
+        local.prescribed_places().for_each(|(l, place)| values[l] = prescribed[place]);
+        let steps = Vec::with_capacity(analysis.history.steps.len());
+        let mut replay = Self { analysis, local, rhs, values, steps };
+        for &row in &analysis.history.steps {
+            let side = replay.row(row);
+            replay.steps.push(side);
+        }
+        replay
+    }
+
+    /// Row `i` of those that went through elimination, after all steps, in scaled units.
+    pub fn row(&self, i: u32) -> Side {
+        let history = &self.analysis.history;
+        let user = history.rows[i as usize] as usize;
+        let mut side = self.side(user, true);
+        history.factors[i as usize].iter().for_each(|&(step, factor)| side.subtract(factor, self.steps[step as usize]));
+        side
+    }
+
+    /// `b - C_p u_p` of an equation as the user gave it.
+    pub fn of_user(&self, row: usize) -> Mismatch {
+        self.side(row, false).effective
+    }
+
+    fn side(&self, row: usize, scaled: bool) -> Side {
+        let exponent = if scaled { self.analysis.scaling.row[row] } else { 0 };
+        let mut sum = Row::new(ldexp(self.rhs[row], exponent));
+        if !self.values.is_empty() {
+            let fixed = self.local.row(row).filter(|&(j, _)| !self.local.free()[j]);
+            fixed.for_each(|(j, v)| sum.prescribe(ldexp(v, exponent) * self.values[j]));
+        }
+        Side { rhs: sum.rhs, effective: Mismatch::of(&sum) }
+    }
+}
+
+/// The kept rows of a block, solved for slaves.
+pub struct Square {
+    /// Exponents of the kept rows.
+    exponents: Vec<i32>,
+    solver: Solver,
+    /// Local DOF of each number of a solution, and the exponent of its scaling.
+    slaves: Vec<(u32, i32)>,
+}
+
+impl Square {
+    /// A block, factored.
+    pub fn new(block: &Block, kept: &Kept, scaling: &Scaling, memory: usize) -> Result<Self, BackendError> {
+        let rows: Vec<usize> = kept.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
+        let matrix = block.select(&rows);
+        let order: Vec<usize> = kept.order.iter().map(|&i| i as usize).collect();
+        let may = may_be_slaves(block, kept, memory)?;
+        let lu = lu::factor(&matrix, &order, |j| may[j], memory)
+            .map_err(|error| error.of_block("refresher", &matrix, memory))?;
+        let of = |&j: &u32| (block.dofs[j as usize], scaling.col(block.dofs[j as usize] as usize));
+        let slaves = lu.slaves.iter().map(of).collect();
+        let exponents = rows.iter().map(|&i| block.exponents[i]).collect();
+        Ok(Self { exponents, solver: Solver::new(&matrix, lu), slaves })
+    }
+
+    /// Sets the slaves in u (local), all other DOFs of the block being zero; `b` has a number for each kept row.
+    pub fn solve(&self, mut b: Vec<f64>, u: &mut [f64]) {
+        b.iter_mut().zip(&self.exponents).for_each(|(b, &shift)| *b = ldexp(*b, shift));
+        let x = self.solver.solve_dense(&b);
+        self.slaves.iter().zip(x).for_each(|(&(j, exponent), x)| u[j as usize] = ldexp(x, exponent));
+    }
+}

@@ -1,0 +1,188 @@
+//! `row_k ~ sum_i c_i row_i`: independent as typed, but by so little that they may be meant as the same.
+//!
+//! The rank of an analysis is that of the numbers as they stand. Equations that somebody typed a second time with six digits, or
+//! cosines of four, are independent by what was rounded; as meant, fewer are. A part of the system is read a second time if
+//! its equations fall into two sorts: most far from dependence and some near it, with a clear gap between them.
+
+mod combination;
+mod equations;
+
+use super::certificate::CertificateTerm;
+use crate::factor::backend::choice::DenseOrSparse;
+use crate::factor::backend::{Backend, BackendError, Factor, largest_place, norm};
+use crate::input::components::components;
+use crate::{Analysis, Kind};
+use combination::{NearCombination, explain, in_order};
+use equations::{ScaledEquations, without_own};
+use rayon::prelude::*;
+
+/// The second reading of a system: as it is probably meant.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct NearDependence {
+    /// Rank if the equations below are meant as combinations of others; [`Analysis::rank`] is the rank as typed.
+    pub rank: usize,
+    /// The equations that are then redundant or conflicting, ascending by row; at least one.
+    pub equations: Vec<NearDependent>,
+}
+
+/// An equation that is nearly a combination of others, none of which is in [`NearDependence::equations`].
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct NearDependent {
+    /// The equation, 0-based.
+    pub row: usize,
+    /// Decimals at which it and the combination part: `floor(-log10 max_j |c_kj - sum_i y_i c_ij| / p_j)`, where `p_j` is the largest
+    /// part of the difference, or the largest of all DOFs where only one equation holds DOF j.
+    pub digits: u32,
+    /// About the smallest change of one coefficient, relative to the largest of the equation (by a power of two), that makes it a
+    /// combination: `|d|^2 / max |d_j|` for the difference d.
+    pub distance: f64,
+    /// The combination, ascending by row.
+    pub because: Vec<CertificateTerm>,
+}
+
+/// Numbers up to which a part is dense: without pivoting near dependence is easily missed.
+const SMALL: usize = 1 << 20;
+
+/// Rows of which so little remains are candidates: what three decimals leave of two coefficients of 1 at most.
+const NEAR: f64 = 1e-2;
+/// What is kept must be so many times farther from dependence than what is not.
+const GAP: f64 = 30.0;
+
+impl NearDependence {
+    /// Decimals to which all of the equations agree with others.
+    pub fn digits(&self) -> u32 {
+        self.equations.iter().map(|equation| equation.digits).min().unwrap_or(0)
+    }
+}
+
+impl Analysis {
+    /// Equations that are independent as typed but may be meant as combinations of others; None where no such reading stands
+    /// out, as in a long chain, whose singular values fall without a gap.
+    ///
+    /// ScaledEquations by connected part; at most three factorizations each, however many such equations
+    /// it holds. Of equations that nearly say the same the earlier ones are kept.
+    ///
+    /// ```
+    /// use qless::{Options, SystemBuilder, analyse};
+    /// // The last is the first with six digits.
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(0, 0.123_456_789), (1, -0.987_654_321)], 0.0);
+    /// builder.equation([(1, 1.0), (2, 2.0)], 0.0);
+    /// builder.equation([(0, 0.123_457), (1, -0.987_654)], 0.0);
+    /// let system = builder.build()?;
+    /// let analysis = analyse(&system, &Options::default())?;
+    /// let near = analysis.near_dependence()?.expect("a second reading");
+    /// assert_eq!((analysis.rank(), near.rank), (3, 2));
+    /// let last = &near.equations[0];
+    /// assert_eq!((last.row, last.digits, last.because[0].row), (2, 5, 0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BackendError`] where a part is too large for the memory allowed.
+    pub fn near_dependence(&self) -> Result<Option<NearDependence>, BackendError> {
+        let local = self.numbering.view(&self.system, self.system.rhs());
+        let rows = (0..self.kinds.len() as u32).filter(|&i| self.kinds[i as usize] == Kind::Independent).collect();
+        let rows = without_own(local, rows, &self.scaling);
+        let free = |i: u32| local.parts(i as usize).0.iter().copied().filter(|&j| local.free()[j as usize]);
+        let backend = DenseOrSparse { memory: self.options.memory, small: SMALL };
+        let mut number = vec![u32::MAX; local.dofs()];
+        let mut equations = Vec::new();
+        for rows in components(&rows, local.dofs(), free) {
+            if rows.len() > 1 {
+                let part = ScaledEquations::new(local, rows, &self.scaling, &mut number);
+                equations.extend(part.near(&backend)?);
+            }
+        }
+        equations.sort_unstable_by_key(|equation: &NearDependent| equation.row);
+        let rank = self.rank() - equations.len();
+        Ok((!equations.is_empty()).then_some(NearDependence { rank, equations }))
+    }
+}
+
+/// Rows kept, rows near to them, and how far the kept ones are from dependence.
+struct SplitEquations {
+    kept: Vec<usize>,
+    near: Vec<NearCombination>,
+    distance: f64,
+}
+
+impl SplitEquations {
+    fn is_clear(&self) -> bool {
+        let largest = self.near.iter().map(|c| c.distance).fold(0.0, f64::max);
+        !self.near.is_empty() && self.distance >= GAP * largest
+    }
+}
+
+impl ScaledEquations {
+    /// The equations nearly dependent on others, or none without a clear gap.
+    pub fn near(&self, backend: &dyn Backend) -> Result<Vec<NearDependent>, BackendError> {
+        let factor = backend.factor(&self.matrix, &[], NEAR)?;
+        let (kept, dropped) = factor.order.split_at(factor.rank);
+        let mut reading = self.read(&factor, kept.to_vec(), dropped);
+        let mut limit = NEAR;
+        for _ in 0..2 {
+            reading = self.within(reading, limit, backend)?;
+            if reading.near.is_empty() || reading.is_clear() {
+                break;
+            }
+            limit = widest(&reading.near);
+        }
+        if !reading.is_clear() {
+            return Ok(Vec::new());
+        }
+        in_order(self, &mut reading.near);
+        Ok(reading.near.iter().map(|c| explain(self, c)).collect())
+    }
+
+    /// Takes back what is farther than the limit: a chain loses rows by the length of what remains of them, though no coefficient
+    /// of that is small.
+    fn within(
+        &self,
+        reading: SplitEquations,
+        limit: f64,
+        backend: &dyn Backend,
+    ) -> Result<SplitEquations, BackendError> {
+        let (near, far): (Vec<_>, Vec<_>) = reading.near.into_iter().partition(|c| c.is_near(self, limit));
+        if near.is_empty() || far.is_empty() {
+            return Ok(SplitEquations { near, ..reading });
+        }
+        let mut kept = reading.kept;
+        kept.extend(far.iter().map(|c| c.row));
+        kept.sort_unstable();
+        let factor = backend.factor(&self.select(&kept), &[], 0.0)?;
+        let kept = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
+        Ok(self.read(&factor, kept, &near.iter().map(|c| c.row).collect::<Vec<_>>()))
+    }
+
+    /// Least squares of some rows over the kept ones, whose factor is given.
+    fn read(&self, factor: &Factor, kept: Vec<usize>, rows: &[usize]) -> SplitEquations {
+        let columns = self.select(&kept);
+        let fit = |&row: &usize| NearCombination::fit(self, factor, &columns, &kept, row);
+        let near: Vec<_> = rows.par_iter().map(fit).collect();
+        SplitEquations { distance: if near.is_empty() { 0.0 } else { self.distance(factor, &kept) }, kept, near }
+    }
+
+    /// About the smallest change of one coefficient that makes the kept rows dependent.
+    fn distance(&self, factor: &Factor, kept: &[usize]) -> f64 {
+        let (sigma, y) = factor.smallest_singular_value();
+        let Some(place) = largest_place(&y) else { return sigma };
+        let mut v = vec![0.0; self.matrix.cols];
+        for (&i, y) in kept.iter().zip(&y) {
+            self.matrix.row(i).for_each(|(j, c)| v[j] += y * c);
+        }
+        let largest = v.iter().fold(f64::MIN_POSITIVE, |a, v| a.max(v.abs()));
+        sigma * (norm(&v) / largest).max(1.0) / y[place].abs()
+    }
+}
+
+/// A limit in the widest gap between distances.
+fn widest(found: &[NearCombination]) -> f64 {
+    let mut distances: Vec<f64> = found.iter().map(|c| c.distance.max(f64::MIN_POSITIVE)).collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    let ratio = |pair: &&[f64]| pair[1] / pair[0];
+    let widest = distances.windows(2).max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    widest.map_or(0.0, |pair| (pair[0] * pair[1]).sqrt())
+}

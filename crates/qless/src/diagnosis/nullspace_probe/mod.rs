@@ -1,0 +1,181 @@
+//! One pass over the kept equations, last to first, for all that can be told of a DOF from those that make it.
+
+mod findings;
+mod random_keys;
+
+use super::certificate::History;
+use crate::common::random::signed;
+use crate::input::numbering::Local;
+use crate::input::scale::{Scaling, ldexp};
+use crate::presolve::basis::{Basis, Kept, Row, Vectors};
+
+pub(crate) use findings::{NullspaceProbe, is_far, is_harmless};
+pub(crate) use random_keys::{RandomKeys, random_sides};
+use random_keys::{SEEDS, random_step_sides, sizes_of_inverse};
+
+/// A sum of parts that cancels to within this, relative to the parts, is zero.
+const NOISE: f64 = 1e-11;
+
+/// Which random numbers.
+#[derive(Clone, Copy)]
+pub(crate) enum ProbeSample {
+    First,
+    Second,
+}
+
+/// How large `C_S^-1` is, row by row.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum InverseEstimate {
+    /// The sum of the sizes of its numbers, along all ways from slave to slave: it depends on the component alone, however numbers
+    /// are drawn.
+    Bound,
+    /// For random right-hand sides.
+    Sample,
+}
+
+/// The first or the second sample, of masters and right-hand sides. O(nnz).
+pub(crate) fn probe(
+    system: Local,
+    basis: &Basis,
+    history: &History,
+    scaling: &Scaling,
+    keys: &RandomKeys,
+    which: ProbeSample,
+    inverse: InverseEstimate,
+) -> NullspaceProbe {
+    let pass = Pass { system, basis, history, scaling, keys, which };
+    match inverse {
+        InverseEstimate::Bound => pass.run::<true>(),
+        InverseEstimate::Sample => pass.run::<false>(),
+    }
+}
+
+/// What a pass needs.
+struct Pass<'a> {
+    system: Local<'a>,
+    basis: &'a Basis,
+    history: &'a History,
+    scaling: &'a Scaling,
+    keys: &'a RandomKeys,
+    which: ProbeSample,
+}
+
+impl Pass<'_> {
+    fn run<const BOUND: bool>(&self) -> NullspaceProbe {
+        let Self { system, basis, history, scaling, keys, which } = *self;
+        let seed = SEEDS[which as usize];
+        let mut states = start(system, scaling, keys, seed);
+        let mut immobile = Vec::new();
+        basis.blocks.iter().for_each(|block| enter(block, which, scaling, &mut states, &mut immobile));
+        let of_steps = if BOUND { sizes_of_inverse(history) } else { random_step_sides(history, keys, seed) };
+        let first = basis.peeled.len();
+        let plain = scaling.col.is_empty();
+        let mut sizes = vec![0.0; basis.rows()];
+        let mut out = NullspaceProbe { bounds: vec![0.0; basis.rows()], immobile, ..NullspaceProbe::default() };
+        for t in (0..basis.rows()).rev() {
+            let slave = basis.slave(t);
+            let terms = basis.row(system, t);
+            let Sums { moves, size, sample, bound } = sums::<BOUND>(terms, slave, &states, scaling);
+            let moves = if moves.abs() > NOISE * size { moves } else { 0.0 };
+            out.bounds[t] = bound;
+            if moves == 0.0 {
+                out.immobile.push(slave);
+            }
+            let state = &mut states[slave as usize];
+            state.u = moves;
+            let right = match t {
+                _ if t >= first => of_steps[t - first],
+                _ if BOUND => 1.0,
+                _ => signed(seed, keys.row(basis.peeled[t])),
+            };
+            let pivot = basis.pivot(t, &terms, scaling);
+            state.w = apart_from_zero(sample + right / if BOUND { pivot.abs() } else { pivot });
+            sizes[t] = state.w.abs();
+            let far = t >= first && is_far(basis.reach_of_step(t - first));
+            let moves = if plain { moves } else { ldexp(moves, -scaling.col(slave as usize)) };
+            out.judge(t, state.w.abs(), moves.abs(), far);
+        }
+        let of_inverse = if BOUND { &mut out.bound_of_inverse } else { &mut out.sample_of_inverse };
+        *of_inverse = sizes;
+        out
+    }
+}
+
+/// A DOF of a block moves if its number in a random vector of the null space is more than so many units in the last place times the
+/// condition, ...
+const ZERO_UNITS: f64 = 8.0;
+/// ... and more than this whatever the condition; more than the last is no rounding.
+const ZERO: [f64; 2] = [1e-13, 1e-8];
+
+/// A DOF, as far as the pass has come.
+#[derive(Clone, Copy)]
+pub struct State {
+    /// Its value for the random masters; what cancels is exactly zero.
+    pub u: f64,
+    /// Its value in scaled units for random right-hand sides; 0 for masters and prescribed DOFs only, and for slaves of which
+    /// nothing is known.
+    pub w: f64,
+}
+
+/// Masters at random, prescribed DOFs at zero.
+pub fn start(system: Local, scaling: &Scaling, keys: &RandomKeys, seed: u64) -> Vec<State> {
+    let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
+    let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
+    let mut states: Vec<State> = if scaling.col.is_empty() {
+        (0..system.dofs()).map(plain).collect()
+    } else {
+        (0..system.dofs()).map(master).collect()
+    };
+    system.prescribed().iter().for_each(|&(j, _)| states[j].u = 0.0);
+    states
+}
+
+/// The DOFs of a block move as a random vector of its null space says; those that stay are listed.
+pub fn enter(block: &Kept, which: ProbeSample, scaling: &Scaling, states: &mut [State], immobile: &mut Vec<u32>) {
+    let zero = (ZERO_UNITS * f64::EPSILON / block.nearness.sigma).clamp(ZERO[0], ZERO[1]);
+    let Vectors { moves, sample, .. } = &block.vectors;
+    for ((&j, &u), &w) in block.dofs.iter().zip(&moves[which as usize]).zip(sample) {
+        let moves = if u.abs() <= zero { 0.0 } else { u };
+        if moves == 0.0 {
+            immobile.push(j);
+        }
+        states[j as usize] = State { u: ldexp(moves, scaling.col(j as usize)), w: apart_from_zero(w) };
+    }
+}
+
+/// A slave's sample is told from a master's by not being zero.
+#[inline]
+pub fn apart_from_zero(sample: f64) -> f64 {
+    if sample == 0.0 { f64::MIN_POSITIVE } else { sample }
+}
+
+/// What the terms of a row come to.
+pub struct Sums {
+    /// `sum_k value_k u_k`.
+    pub moves: f64,
+    /// Its largest part.
+    pub size: f64,
+    /// `sum_k value_k w_k` in scaled columns.
+    pub sample: f64,
+    /// `max_k |value_k|`; infinite where a slave is among them.
+    pub bound: f64,
+}
+
+#[expect(clippy::inline_always, reason = "out of line it was a twentieth of the profile of an elimination")]
+#[inline(always)]
+pub fn sums<const SIZES: bool>(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
+    let plain = scaling.col.is_empty();
+    let own = scaling.col(slave as usize);
+    let (mut moves, mut size, mut sample, mut bound, mut of_slaves) = (0.0, 0.0_f64, 0.0, 0.0_f64, 0.0);
+    for (j, v) in terms.entries() {
+        let State { u, w } = states[j as usize];
+        let part = v * u;
+        moves += part;
+        size = size.max(part.abs());
+        let scaled = if plain { v } else { ldexp(v, scaling.col(j as usize) - own) };
+        sample += if SIZES { (w * scaled).abs() } else { w * scaled };
+        bound = bound.max(v.abs());
+        of_slaves += w.abs();
+    }
+    Sums { moves, size, sample, bound: if of_slaves == 0.0 { bound } else { f64::INFINITY } }
+}

@@ -1,0 +1,93 @@
+//! By what random numbers are drawn.
+
+use crate::common::random::signed;
+use crate::diagnosis::certificate::History;
+use crate::input::components::Labels;
+use crate::input::numbering::Local;
+use crate::presolve::eliminated::Eliminated;
+
+/// Of the random masters and right-hand sides.
+pub(super) const SEEDS: [u64; 2] = [0x9e37_79b9, 0x85eb_ca6b];
+
+/// By what random numbers are drawn: places within the component, so that they are the same whatever stands beside it, or, where
+/// nothing hangs on them, places in the whole.
+#[derive(Default)]
+pub(crate) struct RandomKeys {
+    rows: Vec<u32>,
+    dofs: Vec<u32>,
+}
+
+impl RandomKeys {
+    /// Places within components.
+    pub fn within_components(labels: &Labels, system: Local) -> Self {
+        let (mut next_row, mut next_dof) = (vec![0; labels.count], vec![0; labels.count]);
+        let mut rows = Vec::with_capacity(labels.of_row.len());
+        let mut dofs = vec![u32::MAX; system.dofs()];
+        let draw = |next: &mut u32| {
+            *next += 1;
+            *next - 1
+        };
+        for (i, &label) in labels.of_row.iter().enumerate() {
+            rows.push(draw(&mut next_row[label as usize]));
+            for &j in system.parts(i).0.iter().filter(|&&j| system.free()[j as usize]) {
+                if dofs[j as usize] == u32::MAX {
+                    dofs[j as usize] = draw(&mut next_dof[label as usize]);
+                }
+            }
+        }
+        Self { rows, dofs }
+    }
+
+    pub fn are_within_components(&self) -> bool {
+        !self.rows.is_empty()
+    }
+
+    #[inline]
+    pub fn row(&self, i: u32) -> u64 {
+        u64::from(self.rows.get(i as usize).copied().unwrap_or(i))
+    }
+
+    #[inline]
+    pub fn dof(&self, j: usize) -> u64 {
+        self.dofs.get(j).map_or(j as u64, |&key| u64::from(key))
+    }
+}
+
+/// `L^-1` times a random right-hand side, by step.
+pub fn random_step_sides(history: &History, keys: &RandomKeys, seed: u64) -> Vec<f64> {
+    let mut right: Vec<f64> = Vec::with_capacity(history.steps.len());
+    for &row in &history.steps {
+        let own = signed(seed, keys.row(history.rows[row as usize]));
+        right.push(after(own, &history.factors[row as usize], &right));
+    }
+    right
+}
+
+/// The sizes of the rows of `L^-1`, by step.
+pub fn sizes_of_inverse(history: &History) -> Vec<f64> {
+    let mut bounds: Vec<f64> = Vec::with_capacity(history.steps.len());
+    for &row in &history.steps {
+        let parts = history.factors[row as usize].iter().map(|&(step, factor)| factor.abs() * bounds[step as usize]);
+        bounds.push(parts.fold(1.0, |sum, part| sum + part));
+    }
+    bounds
+}
+
+/// A right-hand side after the steps that were subtracted from its row.
+fn after(own: f64, factors: &[(u32, f64)], steps: &[f64]) -> f64 {
+    own - factors.iter().map(|&(step, factor)| factor * steps[step as usize]).sum::<f64>()
+}
+
+/// A random right-hand side after elimination, for every row of the core: the one of which blocks give their samples.
+pub(crate) fn random_sides(eliminated: &Eliminated, keys: &RandomKeys) -> Vec<f64> {
+    let own = |row: u32| signed(SEEDS[0], keys.row(eliminated.names[row as usize]));
+    let mut steps: Vec<f64> = Vec::with_capacity(eliminated.steps.len());
+    for step in &eliminated.steps {
+        steps.push(after(own(step.row), &eliminated.factors[step.row as usize], &steps));
+    }
+    let mut all = vec![0.0; eliminated.rows.len()];
+    for &row in &eliminated.core {
+        all[row as usize] = after(own(row), &eliminated.factors[row as usize], &steps);
+    }
+    all
+}

@@ -1,0 +1,168 @@
+//! The result of one run of the stages, asked by row and by component, and the last step from it to an [`Analysis`].
+
+use std::sync::OnceLock;
+use std::time::Instant;
+
+use super::certificate::History;
+use super::classify::{Dependent, Kind};
+use super::confidence::Confidence;
+use super::generated::Generated;
+use super::nullspace_probe::{NullspaceProbe, RandomKeys};
+use super::{Analysis, PresolveStatistics, Timings};
+use crate::common::identity::Identity;
+use crate::factor::backend::Backend;
+use crate::factor::block::Block;
+use crate::input::components::{Labels, components};
+use crate::input::numbering::{Local, Numbering};
+use crate::input::scale::Scaling;
+use crate::presolve::basis::Basis;
+use crate::presolve::eliminated::Eliminated;
+use crate::presolve::peel::Peeled;
+use crate::{ConstraintSystem, Options};
+
+/// The result of one run of the stages.
+pub struct PassResult {
+    pub basis: Basis,
+    pub blocks: Vec<Block>,
+    pub history: History,
+    pub dependent: Vec<Dependent>,
+    /// Dependent rows of the elimination that mostly consist of multiples of other rows.
+    pub far_dependent: Vec<u32>,
+    pub keys: RandomKeys,
+    /// Estimates for the slaves and their rows of T.
+    pub probe: NullspaceProbe,
+    pub presolve: PresolveStatistics,
+    pub started: Instant,
+    pub presolved: Instant,
+    pub factored: Instant,
+}
+
+pub fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) -> PresolveStatistics {
+    PresolveStatistics {
+        rows_removed_by_column_singletons: peeled.basis.peeled.len(),
+        rows_removed_by_elimination: eliminated.steps.len(),
+        rows_found_dependent: eliminated.dead.len(),
+        core_rows: eliminated.core.len(),
+        core_dofs: blocks.iter().map(|block| block.dofs.len()).sum(),
+        blocks: blocks.len(),
+        largest_block: blocks.iter().map(|block| block.rows.len()).max().unwrap_or(0),
+    }
+}
+
+impl PassResult {
+    /// The user's rows on which presolve should not have decided.
+    pub fn doubtful_rows(&self) -> Vec<usize> {
+        let kept = self.probe.doubtful.iter().map(|doubtful| self.users_row(doubtful.row));
+        kept.chain(self.far_dependent.iter().map(|&row| self.history.rows[row as usize] as usize)).collect()
+    }
+
+    /// The user's row of row t of the basis, peeled or eliminated.
+    pub fn users_row(&self, t: usize) -> usize {
+        let first = self.basis.peeled.len();
+        match self.basis.peeled.get(t) {
+            Some(&row) => row as usize,
+            None => self.history.rows[self.history.steps[t - first] as usize] as usize,
+        }
+    }
+
+    /// Whether presolve lost digits in a component, or kept a row that is nearer to dependence than the tolerance.
+    pub fn lost_digits_by_component(&self, labels: &Labels, tolerance: f64) -> Vec<bool> {
+        let mut lost = vec![false; labels.count];
+        for doubtful in self.probe.doubtful.iter().filter(|doubtful| !doubtful.is_within(tolerance)) {
+            lost[labels.of_row[self.users_row(doubtful.row)] as usize] = true;
+        }
+        self.far_dependent
+            .iter()
+            .for_each(|&row| lost[labels.of_row[self.history.rows[row as usize] as usize] as usize] = true);
+        lost
+    }
+
+    /// The number of dependent equations of each component.
+    pub fn dependent_by_component(&self, labels: &Labels) -> Vec<u32> {
+        let mut counts = vec![0; labels.count];
+        self.dependent.iter().for_each(|d| counts[labels.of_row[d.row] as usize] += 1);
+        counts
+    }
+
+    /// The smallest singular value of the blocks, by component; 1 where there is no block.
+    pub fn sigma_by_component(&self, labels: &Labels) -> Vec<f64> {
+        let mut sigma = vec![1.0_f64; labels.count];
+        for block in &self.basis.blocks {
+            if let Some(&row) = block.rows.first() {
+                let label = labels.of_row[self.history.rows[row as usize] as usize] as usize;
+                sigma[label] = sigma[label].min(block.nearness.sigma);
+            }
+        }
+        sigma
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "each argument becomes one field")]
+    pub fn into_analysis(
+        self,
+        system: ConstraintSystem,
+        numbering: Numbering,
+        scaling: Scaling,
+        rhs: Vec<f64>,
+        options: Options,
+        generated: Generated,
+        confidence: Confidence,
+        unmet_equations: Vec<usize>,
+        backend: &dyn Backend,
+    ) -> Analysis {
+        let mut kinds = vec![Kind::Independent; self.history.exponents.len()];
+        self.dependent.iter().for_each(|d| kinds[d.row] = d.kind);
+        Analysis {
+            identity: Identity::new(),
+            system,
+            kinds,
+            confidence,
+            dependent: self.dependent,
+            generated: generated.values,
+            unmet_equations,
+            presolve: self.presolve,
+            timings: Timings {
+                presolve: self.presolved - self.started,
+                factor: self.factored - self.presolved,
+                classify: self.factored.elapsed(),
+            },
+            backend: (backend.name(), backend.version()),
+            options,
+            basis: self.basis,
+            bounds: self.probe.bounds,
+            blocks: self.blocks,
+            history: self.history,
+            scaling,
+            rhs,
+            numbering,
+            fixed: generated.dofs,
+            times: OnceLock::new(),
+            solved: OnceLock::new(),
+            ignored: Vec::new(),
+        }
+    }
+}
+
+/// Rows that are worth a thread.
+const ROWS_PER_GROUP: usize = 1 << 14;
+/// Maximal number of groups: each visits all DOFs once.
+const MOST_GROUPS: usize = 16;
+
+/// Splits rows into groups of whole components, one thread each. Groups share no free DOF.
+pub fn groups(local: Local, rows: Vec<u32>) -> Vec<Vec<u32>> {
+    let count = (rows.len() / ROWS_PER_GROUP).min(MOST_GROUPS);
+    if count < 2 {
+        return vec![rows];
+    }
+    let free = |i: u32| local.parts(i as usize).0.iter().copied().filter(|&j| local.free()[j as usize]);
+    let each = rows.len().div_ceil(count);
+    let mut groups: Vec<Vec<u32>> = vec![Vec::new()];
+    for part in components(&rows, local.dofs(), free) {
+        if groups.last().is_some_and(|group| group.len() >= each) {
+            groups.push(Vec::new());
+        }
+        groups.last_mut().into_iter().for_each(|group| group.extend(&part));
+    }
+    // Within a group the order is that of the rows, not of the components.
+    groups.iter_mut().for_each(|group| group.sort_unstable());
+    groups
+}

@@ -1,0 +1,139 @@
+//! Why there is no map, or none for new right-hand sides.
+
+use std::sync::Arc;
+
+use super::{Elimination, EliminationSource};
+use crate::backend::BackendError;
+use crate::change::{RefreshError, Refresher};
+use crate::common::argument::numbers;
+use crate::{AnalysisError, ArgumentError, ConstraintSystem, Kind, ReductionError, SystemError};
+
+/// Why constraints could not be put into the form that a finite-element code uses in every step.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EliminationError {
+    /// Equations that contradict others.
+    #[error("equations contradict others: {}; change their right-hand sides, or leave them out", some(.labels))]
+    Conflicting {
+        /// The equations, 0-based.
+        rows: Vec<usize>,
+        /// Their labels.
+        labels: Vec<String>,
+    },
+    /// It was made from a reduction, without equations.
+    #[error(
+        "this elimination was made from T, G and g alone: it has no equations; make it by `Elimination::new`, or set g by `set`"
+    )]
+    NoEquations,
+    /// The equations could not be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// They could not be solved for slaves.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// New right-hand sides were refused.
+    #[error(transparent)]
+    Refresh(#[from] RefreshError),
+    /// A list of the wrong length, or a number that is not finite.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+    /// Arrays that are no matrix of the DOFs.
+    #[error(transparent)]
+    Matrix(#[from] SystemError),
+    /// A block needs more memory than is allowed, or could not be factored.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+}
+
+/// The first few of many.
+fn some(labels: &[String]) -> String {
+    const MOST: usize = 5;
+    let first = labels[..labels.len().min(MOST)].join(", ");
+    if labels.len() > MOST { format!("{first} and {} more", labels.len() - MOST) } else { first }
+}
+
+impl Elimination {
+    /// New right-hand sides b (length m) and prescribed values (in the order of [`Elimination::prescribed`]). Slaves and T stay as they are,
+    /// to the last bit.
+    ///
+    /// ```
+    /// # use qless::{Elimination, Options, SystemBuilder};
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(0, 1.0), (1, -1.0), (2, -1.0)], 0.0);
+    /// builder.prescribe(2, 0.0);
+    /// let mut elimination = Elimination::new(&builder.build()?, &Options::default())?;
+    /// for step in 1..=3 {
+    ///     let t = f64::from(step);
+    ///     elimination.update(&[0.5 * t], &[t * t])?;
+    ///     let mut u = [0.0; 3];
+    ///     elimination.expand_into(&[0.0], &mut u)?;
+    ///     assert_eq!(u[0] - u[1], t * t + 0.5 * t);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`EliminationError::Refresh`], and [`EliminationError::Conflicting`] if equations contradict one another now; nothing has changed then.
+    pub fn update(&mut self, rhs: &[f64], prescribed: &[f64]) -> Result<(), EliminationError> {
+        let Self { reduction, equations, prescribed_values, .. } = self;
+        let EliminationSource { analysis, rhs: old, kinds, refresher, .. } =
+            equations.as_mut().ok_or(EliminationError::NoEquations)?;
+        let g = reduction.g.clone();
+        if refresher.get().is_none() {
+            // Nobody else can have set it: this is the only reference.
+            let _ = refresher.set(Refresher::new(Arc::clone(analysis)).map_err(EliminationError::Backend)?);
+        }
+        let Some(refresher) = refresher.get() else { return Ok(()) };
+        let refreshed = refresher.refresh(rhs, prescribed, reduction)?;
+        if let Err(error) = refuse_conflicts(&refreshed.kinds, analysis.system()) {
+            refresher.refresh(old, prescribed_values, reduction)?;
+            reduction.g = g;
+            return Err(error);
+        }
+        *kinds = refreshed.kinds;
+        old.copy_from_slice(rhs);
+        self.prescribe(prescribed);
+        Ok(())
+    }
+
+    /// [`Elimination::update`] by functions of the equation and of the prescribed DOF, at a time that they know.
+    ///
+    /// # Errors
+    /// As [`Elimination::update`].
+    pub fn update_with(
+        &mut self,
+        rhs: impl Fn(usize) -> f64,
+        prescribed: impl Fn(usize) -> f64,
+    ) -> Result<(), EliminationError> {
+        let rhs: Vec<f64> = (0..self.rhs().len()).map(rhs).collect();
+        let prescribed: Vec<f64> = self.prescribed().iter().map(|&dof| prescribed(dof)).collect();
+        self.update(&rhs, &prescribed)
+    }
+
+    /// A new g and new values of the prescribed DOFs; T and G stay.
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for wrong lengths or numbers that are not finite; everything is then as it was.
+    pub fn set(&mut self, g: &[f64], prescribed: &[f64]) -> Result<(), ArgumentError> {
+        numbers("g", g, self.reduction.g.len())?;
+        numbers("the list of prescribed values", prescribed, self.prescribed_values.len())?;
+        self.reduction.g.copy_from_slice(g);
+        self.prescribe(prescribed);
+        Ok(())
+    }
+
+    fn prescribe(&mut self, prescribed: &[f64]) {
+        self.prescribed_values.copy_from_slice(prescribed);
+        self.roles.refresh(&self.reduction, prescribed);
+    }
+}
+
+/// Equations that contradict others have no solution that a model could follow.
+pub(super) fn refuse_conflicts(kinds: &[Kind], system: &ConstraintSystem) -> Result<(), EliminationError> {
+    let rows: Vec<usize> = (0..kinds.len()).filter(|&i| kinds[i] == Kind::Conflicting).collect();
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let labels = rows.iter().map(|&row| system.equation_label(row)).collect();
+    Err(EliminationError::Conflicting { rows, labels })
+}

@@ -1,0 +1,258 @@
+//! `C P = Q [R1 R2]` on independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
+
+use crate::Csr;
+use crate::factor::backend::faer::Faer;
+use crate::factor::backend::{Backend, BackendError, Factor, SMALL};
+use crate::factor::block::Block;
+use crate::factor::block::tableau::Tableau;
+use crate::factor::lu;
+use crate::factor::lu::LuError;
+use crate::factor::solver::{NOISE, Solver};
+use crate::presolve::basis::{Kept, Solved};
+
+//PUB pub(crate) use slaves::{may_be_slaves, solve};
+
+/// A row of T all below this many units in the last place times the condition is zero: the DOF is fixed ...
+const ZERO_UNITS: f64 = 8.0;
+/// ... but a larger entry than this is kept, however bad the condition.
+const ZERO_LIMIT: f64 = 1e-8;
+
+/// Column pivoting bounds T in practice; slaves are exchanged where it does not.
+const GROWTH: f64 = 4.0;
+
+/// Solves the kept rows of a block for their slaves; a sparse factorization may allocate `memory` bytes.
+pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved, BackendError> {
+    let zero = (ZERO_UNITS * f64::EPSILON / kept.nearness.sigma).clamp(NOISE, ZERO_LIMIT);
+    let rows: Vec<usize> = kept.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
+    let (r, n) = (rows.len(), block.matrix.cols);
+    if r.saturating_mul(n) > SMALL
+        && let Some(Large { slaves, masters, columns, constant }) = relation_by_lu(block, &rows, &kept.order, memory)?
+    {
+        let relation = columns.transposed();
+        let relation = clean((0..r).map(|i| relation.row(i)), (masters.len(), &units(block, masters.len())), zero);
+        return Ok(solved(block, &slaves, &masters, (relation, without_rounding(constant))));
+    }
+    let (columns, rhs) = kept_columns(block, &rows);
+    let factor = Faer.factor(&columns, &rhs, 0.0)?;
+    let tableau = relate(block, &rows, &factor)?;
+    let relation = sparse(&tableau, &units(block, tableau.free.len()), zero);
+    Ok(solved(block, &tableau.basic, &tableau.free, relation))
+}
+
+/// Which DOFs of a block may be slaves so that they are those of [`solve`]: all where sparse LU looks for them.
+pub(crate) fn may_be_slaves(block: &Block, kept: &Kept, memory: usize) -> Result<Vec<bool>, BackendError> {
+    if kept.rows.len().saturating_mul(block.matrix.cols) > SMALL {
+        return Ok(vec![true; block.dofs.len()]);
+    }
+    let slaves = solve(block, kept, memory)?.slaves;
+    Ok(block.dofs.iter().map(|j| slaves.contains(j)).collect())
+}
+
+fn solved(block: &Block, slaves: &[u32], masters: &[u32], (relation, constant): (Csr, Vec<f64>)) -> Solved {
+    let dof = |k: &u32| block.dofs[*k as usize];
+    Solved {
+        slaves: slaves.iter().map(dof).collect(),
+        others: masters.iter().map(dof).chain(block.prescribed.iter().copied()).collect(),
+        relation,
+        constant,
+    }
+}
+
+/// The relation that a factor gives, refined.
+fn relate(block: &Block, kept: &[usize], factor: &Factor) -> Result<Tableau, BackendError> {
+    let mut tableau = relation_by_qr(block, factor);
+    tableau.limit(GROWTH);
+    // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
+    tableau.prefer(|candidate, holder| candidate < holder);
+    refine(block, kept, &mut tableau)?;
+    Ok(tableau)
+}
+
+/// The kept rows by columns, and `[C_p b]` of them, dense.
+fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
+    let (r, k) = (kept.len(), block.prescribed.len());
+    let mut rhs = vec![0.0; r * (k + 1)];
+    for (position, &i) in kept.iter().enumerate() {
+        block.fixed.row(i).for_each(|(c, v)| rhs[c * r + position] = v);
+        rhs[k * r + position] = block.rhs[i];
+    }
+    (block.select(kept).transposed(), rhs)
+}
+
+/// `u_s` over masters, prescribed DOFs and the constant.
+fn relation_by_qr(block: &Block, factor: &Factor) -> Tableau {
+    let (r, k) = (factor.rank, block.prescribed.len());
+    let masters = factor.all_coefficients();
+    let fixed: Vec<_> = (0..=k).map(|c| factor.solved(&factor.rhs[c * r..(c + 1) * r])).collect();
+    let width = masters.len() + k + 1;
+    let mut data = vec![0.0; r * width];
+    for i in 0..r {
+        let row = &mut data[i * width..(i + 1) * width];
+        masters.iter().chain(&fixed[..k]).enumerate().for_each(|(j, column)| row[j] = -column[i]);
+        row[width - 1] = fixed[k][i];
+    }
+    let position = |j: &usize| *j as u32;
+    Tableau {
+        basic: factor.order[..r].iter().map(position).collect(),
+        free: factor.order[r..].iter().map(position).collect(),
+        width,
+        data,
+    }
+}
+
+/// Splits the constant, without rounding, off.
+fn sparse(tableau: &Tableau, units: &[f64], zero: f64) -> (Csr, Vec<f64>) {
+    let width = tableau.width - 1;
+    let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
+    let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
+    (clean(rows, (tableau.free.len(), units), zero), without_rounding(constant))
+}
+
+/// What a coefficient of each column of the relation is measured by: masters are scaled, prescribed DOFs are in units of their own.
+fn units(block: &Block, masters: usize) -> Vec<f64> {
+    let mut units = vec![0.0_f64; block.prescribed.len()];
+    let entries = (0..block.fixed.rows()).flat_map(|i| block.fixed.row(i));
+    entries.for_each(|(c, v)| units[c] = units[c].max(v.abs()));
+    std::iter::repeat_n(1.0, masters).chain(units).collect()
+}
+
+/// Drops rounding, on the free and on the prescribed side.
+fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
+    rows: impl Iterator<Item = R>,
+    (masters, units): (usize, &[f64]),
+    zero: f64,
+) -> Csr {
+    let mut relation = Csr::empty(units.len());
+    for row in rows {
+        let mut largest = [0.0_f64; 2];
+        let size = |(j, v): (usize, f64)| v.abs() / units[j];
+        row.clone().for_each(|entry| {
+            let side = &mut largest[usize::from(entry.0 >= masters)];
+            *side = side.max(size(entry));
+        });
+        let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
+        relation.append(row.filter(|&entry| size(entry) > least[usize::from(entry.0 >= masters)]));
+    }
+    relation
+}
+
+fn without_rounding(mut constant: Vec<f64>) -> Vec<f64> {
+    let largest = constant.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    constant.iter_mut().filter(|v| v.abs() <= NOISE * largest).for_each(|v| *v = 0.0);
+    constant
+}
+
+/// Residuals up to this, relative to the parts of their equation, are left alone.
+const GOOD: f64 = 1e-14;
+
+pub(super) fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Result<(), BackendError> {
+    let (rest, worst) = residual(block, kept, tableau);
+    if worst <= GOOD {
+        return Ok(());
+    }
+    let factor = Faer.factor(&slave_columns(block, kept, tableau), &rest, 0.0)?;
+    let r = kept.len();
+    if factor.rank < r {
+        return Ok(());
+    }
+    let before = tableau.data.clone();
+    for c in 0..tableau.width {
+        let correction = factor.solved(&factor.rhs[c * r..(c + 1) * r]);
+        for (k, &i) in factor.order.iter().enumerate() {
+            tableau.data[i * tableau.width + c] -= correction[k];
+        }
+    }
+    if residual(block, kept, tableau).1 > worst {
+        tableau.data = before;
+    }
+    Ok(())
+}
+
+/// `C_S X - B` by columns, and the largest entry relative to the sum of its parts' sizes.
+fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64) {
+    let (r, width) = (kept.len(), tableau.width);
+    let mut slave = vec![usize::MAX; block.dofs.len()];
+    tableau.basic.iter().enumerate().for_each(|(i, &j)| slave[j as usize] = i);
+    let mut master = vec![usize::MAX; block.dofs.len()];
+    tableau.free.iter().enumerate().for_each(|(c, &j)| master[j as usize] = c);
+    let mut result = vec![0.0; r * width];
+    let mut worst = 0.0_f64;
+    let (mut sum, mut size) = (vec![0.0; width], vec![0.0; width]);
+    for (position, &i) in kept.iter().enumerate() {
+        sum.fill(0.0);
+        size.fill(0.0);
+        let mut add = |c: usize, part: f64| {
+            sum[c] += part;
+            size[c] += part.abs();
+        };
+        for (j, v) in block.matrix.row(i) {
+            match slave[j] {
+                usize::MAX => add(master[j], v),
+                row => tableau.row(row).iter().enumerate().for_each(|(c, x)| add(c, v * x)),
+            }
+        }
+        block.fixed.row(i).for_each(|(c, v)| add(tableau.free.len() + c, v));
+        add(width - 1, -block.rhs[i]);
+        for c in (0..width).filter(|&c| size[c] > 0.0) {
+            worst = worst.max(sum[c].abs() / size[c]);
+            result[c * r + position] = sum[c];
+        }
+    }
+    (result, worst)
+}
+
+/// The slaves' columns of the kept rows.
+fn slave_columns(block: &Block, kept: &[usize], tableau: &Tableau) -> Csr {
+    let all = block.select(kept).transposed();
+    let mut columns = Csr::empty(kept.len());
+    tableau.basic.iter().for_each(|&j| columns.append(all.row(j as usize)));
+    columns
+}
+
+/// A block's slaves by its masters.
+pub(super) struct Large {
+    /// DOFs of the block.
+    pub slaves: Vec<u32>,
+    pub masters: Vec<u32>,
+    /// A row for each master, then for each prescribed DOF; columns as `slaves`.
+    pub columns: Csr,
+    /// One number for each slave.
+    pub constant: Vec<f64>,
+}
+
+/// `kept` are independent rows, `order` is one that fills little. None where the factors do not find them independent.
+pub(super) fn relation_by_lu(
+    block: &Block,
+    kept: &[usize],
+    order: &[u32],
+    memory: usize,
+) -> Result<Option<Large>, BackendError> {
+    let rows = block.select(kept);
+    let order: Vec<usize> = order.iter().map(|&k| k as usize).collect();
+    let lu = match lu::factor(&rows, &order, |_| true, memory) {
+        Ok(lu) => lu,
+        Err(LuError::Dependent) => return Ok(None),
+        Err(error) => return Err(error.of_block("sparse LU", &rows, memory)),
+    };
+    let solver = Solver::new(&rows, lu);
+    let slaves = solver.slaves().to_vec();
+    let mut is_slave = vec![false; block.matrix.cols];
+    slaves.iter().for_each(|&j| is_slave[j as usize] = true);
+    let masters: Vec<u32> = (0..block.matrix.cols as u32).filter(|&j| !is_slave[j as usize]).collect();
+    let columns = solver.solve(&right_sides(block, kept, &rows, &masters));
+    let b: Vec<f64> = kept.iter().map(|&i| block.rhs[i]).collect();
+    let constant = solver.solve_dense(&b);
+    Ok(Some(Large { slaves, masters, columns, constant }))
+}
+
+/// `-[C_M C_p]` by columns.
+fn right_sides(block: &Block, kept: &[usize], rows: &Csr, masters: &[u32]) -> Csr {
+    let by_column = rows.transposed();
+    let mut right = Csr::empty(kept.len());
+    masters.iter().for_each(|&j| right.append(by_column.row(j as usize).map(|(i, v)| (i, -v))));
+    let mut fixed = Csr::empty(block.prescribed.len());
+    kept.iter().for_each(|&i| fixed.append(block.fixed.row(i).map(|(c, v)| (c, -v))));
+    let fixed = fixed.transposed();
+    (0..block.prescribed.len()).for_each(|c| right.append(fixed.row(c)));
+    right
+}

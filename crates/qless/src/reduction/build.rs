@@ -1,0 +1,312 @@
+//! From a diagnosis to a reduction: which parts become numbers and which stay factors.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+
+use rayon::prelude::*;
+
+use super::exchange_goals::{self, bound_growth, meet_preferences};
+use super::factored::{factor, predict};
+use super::relation::{self, ReductionInput};
+use super::residual_check::{self, Residuals};
+use super::{FactoredBlock, Form, Reduction, ReductionError, block, output, retry};
+use crate::factor::backend::BackendError;
+use crate::input::components::Labels;
+use crate::input::numbering::Local;
+use crate::input::preferences::{Preferences, Wish, Wishes};
+use crate::presolve::basis::{Basis, Solved};
+use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
+
+/// T is numbers where it has at most this many times the nonzeros of its equations, or of its factors, ...
+const MULTIPLE: usize = 4;
+/// ... or so few that nobody minds.
+const FEW: usize = 1 << 12;
+
+/// A residual above this is worth computing T again from the user's equations.
+const LOSS: f64 = 1e-13;
+
+impl Analysis {
+    /// `u_s = T u_q + G u_p + g`, all of T as numbers: [`Analysis::reduction_in`].
+    ///
+    /// # Errors
+    /// [`ReductionError`].
+    pub fn reduction(&self) -> Result<Reduction, ReductionError> {
+        self.reduction_in(Form::Explicit)
+    }
+
+    /// `u_s = T u_q + G u_p + g`.
+    ///
+    /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
+    ///
+    /// ```
+    /// use qless::{Form, Options, SystemBuilder, analyse};
+    /// // A chain: its T has as many nonzeros as its equations, and stays numbers.
+    /// let mut builder = SystemBuilder::new(4);
+    /// (0..3).for_each(|i| {
+    ///     builder.equation([(i, 1.0), (i + 1, -1.0)], 0.0);
+    /// });
+    /// let system = builder.build()?;
+    /// let reduction = analyse(&system, &Options::default())?.reduction_in(Form::Auto)?;
+    /// assert!(reduction.is_explicit());
+    /// let factored = analyse(&system, &Options::default())?.reduction_in(Form::Factored)?;
+    /// assert_eq!(factored.expand(&[2.0], &[])?, reduction.expand(&[2.0], &[])?);
+    /// assert_eq!(factored.apply_transposed(&[1.0, 1.0, 1.0])?, [3.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ReductionError`] where [`Analysis::residual`] would be above 1e-10, or a number beyond the range of doubles: what is
+    /// returned meets the independent equations.
+    pub fn reduction_in(&self, form: Form) -> Result<Reduction, ReductionError> {
+        let local = self.numbering.view(&self.system, &self.rhs);
+        if form == Form::Explicit {
+            let basis = self.solved()?;
+            let bounds = self.bounds_of(local, basis);
+            return self.built(local, &self.input(basis, &bounds), Vec::new());
+        }
+        let labels = Labels::of(local);
+        let mut as_numbers = vec![false; labels.count];
+        loop {
+            let parts = self.factored(local, &labels, (form, &as_numbers), &self.input(&self.basis, &self.bounds))?;
+            let blocks: Vec<FactoredBlock> = parts.into_iter().flatten().collect();
+            if blocks.is_empty() {
+                return self.reduction_in(Form::Explicit);
+            }
+            let basis = self.rest(local, &labels, &blocks)?;
+            let bounds = basis.bounds(local);
+            let held: HashMap<usize, usize> =
+                blocks.iter().flat_map(|block| block.slaves.iter().map(|&j| (j, block.equations[0]))).collect();
+            let failed = match self.built(local, &self.input(&basis, &bounds), blocks) {
+                Err(ReductionError::Residual { row, residual }) => {
+                    let label = labels.of_row[row];
+                    let is_held = held.values().any(|&first| labels.of_row[first] == label);
+                    is_held.then_some(row).ok_or(ReductionError::Residual { row, residual })?
+                }
+                Err(ReductionError::NotFinite { dof }) => {
+                    held.get(&dof).copied().ok_or(ReductionError::NotFinite { dof })?
+                }
+                done => return done,
+            };
+            // What factors cannot do numbers may, for this part alone: there slaves are chosen in another way.
+            as_numbers[labels.of_row[failed] as usize] = true;
+        }
+    }
+
+    /// How well a reduction meets the independent equations: for random u_q and u_p, the parts T, G and g each on their own,
+    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`, where s_j is the sum of the sizes of the parts that make
+    /// u_j, D the scaling of columns (1 unless units mix) and j runs over the DOFs connected with equation i.
+    ///
+    /// About 1e-16 times the condition of the kept equations, `1 / confidence.sigma_kept`. One pass over C and T.
+    ///
+    /// # Errors
+    /// [`ArgumentError`] if it is a reduction of other DOFs; of the same DOFs it may be anybody's ([`Reduction::from_parts`]).
+    pub fn residual(&self, reduction: &Reduction) -> Result<f64, ArgumentError> {
+        reduction.fits(&self.system)?;
+        let local = self.numbering.view(&self.system, &self.rhs);
+        Ok(residual_check::residuals(local, reduction, &self.independent(), &self.scaling, f64::INFINITY).worst)
+    }
+
+    fn input<'a>(&'a self, basis: &'a Basis, bounds: &'a [f64]) -> ReductionInput<'a> {
+        let mut fixed = vec![false; if self.fixed.is_empty() { 0 } else { self.numbering.dofs.len() }];
+        self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
+        ReductionInput {
+            basis,
+            bounds,
+            fixed,
+            wishes: Wishes::new(&self.options.preferences, &self.numbering, self.system.dofs()),
+            growth: self.options.growth,
+            scaling: &self.scaling,
+            independent: self.independent(),
+            memory: self.options.memory,
+        }
+    }
+
+    fn built(
+        &self,
+        local: Local,
+        input: &ReductionInput,
+        blocks: Vec<FactoredBlock>,
+    ) -> Result<Reduction, ReductionError> {
+        let reduction = build(&self.system, local, input, blocks)?;
+        Ok(Reduction { of: self.identity, ..reduction.compare(&self.options.preferences) })
+    }
+
+    fn bounds_of(&self, local: Local, basis: &Basis) -> Cow<'_, [f64]> {
+        if basis.blocks.is_empty() { Cow::Borrowed(&self.bounds) } else { Cow::Owned(basis.bounds(local)) }
+    }
+
+    /// The basis with the rows of all blocks.
+    pub(crate) fn solved(&self) -> Result<&Basis, BackendError> {
+        if self.basis.blocks.is_empty() {
+            return Ok(&self.basis);
+        }
+        if let Some(basis) = self.solved.get() {
+            return Ok(basis);
+        }
+        let solved = self.solve_blocks(|_| true)?;
+        let basis = self.basis.with_blocks(&solved, &self.scaling);
+        Ok(self.solved.get_or_init(|| basis))
+    }
+
+    fn solve_blocks(&self, which: impl Fn(usize) -> bool + Sync) -> Result<Vec<Solved>, BackendError> {
+        let wanted: Vec<usize> = (0..self.blocks.len()).filter(|&k| which(k)).collect();
+        let solve = |&k: &usize| block::solve(&self.blocks[k], &self.basis.blocks[k], self.options.memory);
+        wanted.par_iter().map(solve).collect()
+    }
+
+    /// The user's equation of row t of a diagnosis' basis.
+    fn row_of(&self, t: usize) -> usize {
+        let first = self.basis.peeled.len();
+        match self.basis.peeled.get(t) {
+            Some(&row) => row as usize,
+            None => self.history.rows[self.history.steps[t - first] as usize] as usize,
+        }
+    }
+
+    fn row_of_block(&self, k: usize) -> usize {
+        self.history.rows[self.blocks[k].rows[0] as usize] as usize
+    }
+
+    /// The parts that stay factors, by label.
+    fn factored(
+        &self,
+        local: Local,
+        labels: &Labels,
+        (form, as_numbers): (Form, &[bool]),
+        input: &ReductionInput,
+    ) -> Result<Vec<Option<FactoredBlock>>, BackendError> {
+        let predicted = predict(local, &self.basis, labels, |t| self.row_of(t), |k| self.row_of_block(k));
+        let wished = Self::wished(local, labels, &input.wishes);
+        let is_wanted = |label: usize| {
+            let part = predicted[label];
+            let large = part.predicted > (MULTIPLE * part.given).max(FEW);
+            part.needs_work && !wished[label] && !as_numbers[label] && (large || form == Form::Factored)
+        };
+        let mut equations = vec![Vec::new(); labels.count];
+        for (i, &label) in labels.of_row.iter().enumerate() {
+            if is_wanted(label as usize) && self.kinds[i] == Kind::Independent {
+                equations[label as usize].push(i);
+            }
+        }
+        let make = |(label, equations): (usize, &Vec<usize>)| {
+            if equations.is_empty() {
+                return Ok(None);
+            }
+            let block = factor(local, equations, input, predicted[label].predicted)?;
+            Ok(block.filter(|block| form == Form::Factored || block.predicted > (MULTIPLE * block.nnz()).max(FEW)))
+        };
+        equations.par_iter().enumerate().map(|(label, rows)| make((label, rows))).collect()
+    }
+
+    /// Parts in which the user has a say: there slaves are chosen by exchanges on numbers.
+    fn wished(local: Local, labels: &Labels, wishes: &Wishes) -> Vec<bool> {
+        let mut wished = vec![false; labels.count];
+        if wishes.any() {
+            for (i, &label) in labels.of_row.iter().enumerate() {
+                wished[label as usize] |= local.parts(i).0.iter().any(|&j| wishes.of(j) != Wish::None);
+            }
+        }
+        wished
+    }
+
+    /// The basis of the parts that become numbers, with empty rows for the slaves of the others.
+    fn rest(&self, local: Local, labels: &Labels, blocks: &[FactoredBlock]) -> Result<Basis, BackendError> {
+        let mut is_factored = vec![false; labels.count];
+        blocks.iter().for_each(|block| is_factored[labels.of_row[block.equations[0]] as usize] = true);
+        let is_number = |row: usize| !is_factored[labels.of_row[row] as usize];
+        let block = |k: usize| is_number(self.row_of_block(k));
+        let solved = self.solve_blocks(block)?;
+        let mut basis = self.basis.only(|t| is_number(self.row_of(t)), block).with_blocks(&solved, &self.scaling);
+        let mut constants = HashMap::new();
+        blocks.iter().for_each(|block| constants.extend(block.slaves.iter().copied().zip(block.constants())));
+        for (&j, l) in local.numbering.dofs.iter().zip(0..) {
+            constants.get(&(j as usize)).into_iter().for_each(|&constant| basis.place(l, constant));
+        }
+        Ok(basis)
+    }
+}
+
+/// Builds T, G and g; exchanges slaves and masters until the wishes are met and `max |T_ij|` is below the bound. What leaves has
+/// passed the gate.
+pub(crate) fn build(
+    system: &ConstraintSystem,
+    local: Local,
+    input: &ReductionInput,
+    factored: Vec<FactoredBlock>,
+) -> Result<Reduction, ReductionError> {
+    let limit = input.growth.max(exchange_goals::LEAST);
+    let mut relation = relation::assemble(local, input, limit);
+    let exchanged = meet_preferences(&mut relation, &input.wishes, limit);
+    let exchanges = bound_growth(&mut relation, limit, &input.wishes, exchanged);
+    let reduction = output::write(system, &relation);
+    let growth = factored.iter().map(|block| block.growth).fold(relation.growth, f64::max);
+    checked(Reduction { growth, exchanges, factored, ..reduction }, local, input)
+}
+
+/// The reduction, computed again component by component where it has lost digits and that brings some back, if it passes the gate.
+fn checked(mut reduction: Reduction, local: Local, input: &ReductionInput) -> Result<Reduction, ReductionError> {
+    let ReductionInput { scaling, ref independent, memory, .. } = *input;
+    let residuals = |reduction: &Reduction| residual_check::residuals(local, reduction, independent, scaling, LOSS);
+    let found = residuals(&reduction);
+    if found.above.is_empty() {
+        return Ok(reduction);
+    }
+    let labels = Labels::of(local);
+    let before = worst_by_part(&found, &labels);
+    let is_factored = |label: u32| reduction.factored.iter().any(|block| labels.of_row[block.equations[0]] == label);
+    let wanted: Vec<u32> = before.keys().copied().filter(|&label| !is_factored(label)).collect();
+    let mut rows = retry::compute(local, &reduction, (independent, &labels), scaling, &wanted, memory);
+    let mut tried = reduction.clone();
+    retry::replace(&mut tried, &rows);
+    let after = worst_by_part(&residuals(&tried), &labels);
+    drop(tried);
+    // What has become no better stays as it was, whatever the others have become.
+    let part = part_of_slaves(local, &reduction, &labels);
+    rows.iter_mut()
+        .zip(&part)
+        .filter(|(_, label)| after.get(label) >= before.get(label))
+        .for_each(|(row, _)| *row = None);
+    if rows.iter().any(Option::is_some) {
+        retry::replace(&mut reduction, &rows);
+        let growth = reduction.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
+    }
+    residual_check::pass(&residuals(&reduction), &reduction).map(|()| reduction)
+}
+
+/// The largest residual of each connected part that has one above what was asked for.
+fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
+    let mut worst = BTreeMap::new();
+    for &(row, residual) in &found.above {
+        let most: &mut f64 = worst.entry(labels.of_row[row]).or_default();
+        *most = most.max(residual);
+    }
+    worst
+}
+
+/// The connected part of each slave.
+fn part_of_slaves(local: Local, reduction: &Reduction, labels: &Labels) -> Vec<u32> {
+    let mut part = vec![0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+    for (i, &label) in labels.of_row.iter().enumerate() {
+        let free = local.row(i).filter(|&(j, _)| local.free()[j]);
+        free.for_each(|(j, _)| part[local.numbering.dofs[j] as usize] = label);
+    }
+    reduction.slaves.iter().map(|&j| part[j]).collect()
+}
+
+impl Reduction {
+    /// Compares the slaves with what was wanted.
+    pub(crate) fn compare(mut self, preferences: &Preferences) -> Self {
+        let listed = |numbers: &[usize], unmet: &dyn Fn(usize) -> bool| {
+            let mut all: Vec<usize> = numbers.iter().copied().filter(|&j| unmet(j)).collect();
+            all.sort_unstable();
+            all.dedup();
+            all
+        };
+        let is_slave = |j: usize| self.slaves.binary_search(&j).is_ok();
+        let masters = listed(&preferences.masters, &is_slave);
+        self.unmet_slaves = listed(&preferences.slaves, &|j| !is_slave(j));
+        self.unmet_masters = masters;
+        self
+    }
+}

@@ -1,0 +1,120 @@
+//! Growth `max |T_ij|`, kept below a bound by exchanging slaves and masters.
+//!
+//! Where `|T_sq| > bound`, master q becomes the slave and s a master. The determinant of the slaves' columns grows by
+//! `|T_sq| > 1` each time, so the exchanges end (Gu and Eisenstat 1996), and any bound above 1 can be reached, as far
+//! as no preference stands against it. At 1 itself coefficients that rounding puts above it would be exchanged for ever, so
+//! the bound is [`LEAST`] there.
+
+use std::collections::BTreeSet;
+
+use super::exchange::Exchange;
+use super::relation::Relation;
+use crate::input::preferences::{Wish, Wishes};
+
+/// A slave with this part of the steepest coefficient may take its place.
+const NEARLY: f64 = 0.5;
+
+/// The least bound that is enforced: further above 1 than rounding of T.
+pub(super) const LEAST: f64 = 1.0 + 1e-9;
+
+/// Returns the number of exchanges made, those before included.
+pub(super) fn bound_growth(relation: &mut Relation, limit: f64, wishes: &Wishes, exchanged: usize) -> usize {
+    if exchanged > 0 {
+        list_steep(relation, limit);
+    }
+    if relation.steep.is_empty() {
+        return exchanged;
+    }
+    let steep: BTreeSet<u32> = relation.steep.iter().copied().collect();
+    let count = flatten(&mut Exchange::new(relation), steep, limit, wishes);
+    list_steep(relation, limit);
+    exchanged + count
+}
+
+fn list_steep(relation: &mut Relation, limit: f64) {
+    let largest: Vec<f64> = (0..relation.rows()).map(|i| relation.largest(i)).collect();
+    relation.growth = largest.iter().copied().fold(0.0, f64::max);
+    relation.steep = (0..relation.rows() as u32).filter(|&i| largest[i as usize] > limit).collect();
+}
+
+fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, wishes: &Wishes) -> usize {
+    let mut count = 0;
+    while let Some(i) = queue.pop_last() {
+        while let Some(master) = excess(exchange, i, limit, wishes) {
+            let Some(row) = pivot_row(exchange, master, wishes) else { break };
+            queue.extend(exchange.swap(row, master));
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Of all slaves that follow a master nearly as steeply as the steepest, which settles most at once, the one with the
+/// shortest row, which fills least. By a coefficient of 1 two DOFs could change places for ever.
+fn pivot_row(exchange: &Exchange, master: u32, wishes: &Wishes) -> Option<u32> {
+    let mut rows = exchange.holding(master);
+    rows.retain(|&(k, _)| wishes.of(master) >= wishes.of(exchange.relation.slave[k as usize]));
+    let steepest = rows.iter().fold(0.0, |a: f64, (_, v)| a.max(v.abs()));
+    let least = (NEARLY * steepest).max(LEAST);
+    let fit = rows.iter().filter(|(_, v)| v.abs() >= least).map(|&(k, _)| k);
+    fit.min_by_key(|&k| exchange.relation.row(k as usize).len())
+}
+
+/// The master with the largest coefficient in row i that may become a slave, if that is above the bound.
+fn excess(exchange: &Exchange, i: u32, limit: f64, wishes: &Wishes) -> Option<u32> {
+    let own = wishes.of(exchange.relation.slave[i as usize]);
+    let mut best: Option<(u32, f64)> = None;
+    for (j, v) in exchange.relation.row(i as usize).entries() {
+        let larger = best.is_none_or(|(_, most)| v.abs() >= most);
+        if v.abs() > limit && larger && exchange.is_free(j) && wishes.of(j) >= own {
+            best = Some((j, v.abs()));
+        }
+    }
+    best.map(|(j, _)| j)
+}
+
+/// Entries below this, relative to the largest of their row, are too small to divide by.
+const SMALL: f64 = 1e-8;
+
+/// Meets the wishes as far as they can be met; returns the number of exchanges.
+pub(super) fn meet_preferences(relation: &mut Relation, wishes: &Wishes, limit: f64) -> usize {
+    if !wishes.any() {
+        return 0;
+    }
+    let unwanted = |r: &Relation| wishes.with(Wish::Master).filter(|&j| r.row_of[j as usize] != u32::MAX).collect();
+    let unmet: Vec<u32> = unwanted(relation);
+    let idle = |j: &u32| relation.row_of[*j as usize] == u32::MAX && relation.system.free()[*j as usize];
+    let wanted: Vec<u32> = wishes.with(Wish::Slave).filter(idle).collect();
+    if unmet.is_empty() && wanted.is_empty() {
+        return 0;
+    }
+    let mut exchange = Exchange::new(relation);
+    let freed = unmet.into_iter().filter(|&slave| release(&mut exchange, slave, wishes)).count();
+    freed + wanted.into_iter().filter(|&master| engage(&mut exchange, master, wishes, limit)).count()
+}
+
+/// Makes a slave a master.
+fn release(exchange: &mut Exchange, slave: u32, wishes: &Wishes) -> bool {
+    let row = exchange.relation.row_of[slave as usize];
+    let entries = exchange.relation.sorted(row as usize);
+    let free = || entries.iter().filter(|&&(j, _)| exchange.is_free(j));
+    let least = SMALL * free().fold(0.0, |a: f64, e| a.max(e.1.abs()));
+    let fit = free().filter(|&&(j, v)| wishes.of(j) > Wish::Master && v.abs() > least);
+    let best =
+        fit.max_by(|a, b| (wishes.of(a.0), a.1.abs()).partial_cmp(&(wishes.of(b.0), b.1.abs())).expect("finite"));
+    best.map(|&(j, _)| j).is_some_and(|master| {
+        exchange.swap(row, master);
+        true
+    })
+}
+
+/// Makes a master a slave in the row that follows it most steeply, unless that adds too much growth.
+fn engage(exchange: &mut Exchange, master: u32, wishes: &Wishes, limit: f64) -> bool {
+    let rows = exchange.holding(master).into_iter();
+    let fit =
+        rows.filter(|&(i, v)| wishes.of(exchange.relation.slave[i as usize]) < Wish::Slave && v.abs() * limit >= 1.0);
+    fit.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a }).is_some_and(|(row, _)| {
+        exchange.swap(row, master);
+        true
+    })
+}

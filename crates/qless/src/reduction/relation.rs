@@ -1,0 +1,221 @@
+//! Rows of `[T G g]` by substitution, from the last row of the [`Basis`] to the first.
+//!
+//! A slave whose equation names no other slave needs none: its row is the basis' own, which is not copied.
+
+use crate::input::numbering::Local;
+use crate::input::preferences::Wishes;
+use crate::input::scale::Scaling;
+use crate::presolve::basis::{Basis, Row};
+
+/// Entries below this, relative to the largest part that went into them, are rounding.
+const NOISE: f64 = 1e-14;
+
+/// What [`build`] needs to know of an analysis.
+pub(crate) struct ReductionInput<'a> {
+    pub basis: &'a Basis,
+    /// Bounds of the rows of T, infinite where slaves are to be replaced.
+    pub bounds: &'a [f64],
+    /// Local DOFs that move with no master; empty if there are none.
+    pub fixed: Vec<bool>,
+    pub wishes: Wishes,
+    /// The bound of growth.
+    pub growth: f64,
+    pub scaling: &'a Scaling,
+    /// By equation.
+    pub independent: Vec<bool>,
+    /// Bytes for sparse factors.
+    pub memory: usize,
+}
+
+/// `u_s = sum entries + constant` by rows over masters and prescribed DOFs, in local numbers; rows as in the basis.
+pub(crate) struct Relation<'a> {
+    pub system: Local<'a>,
+    basis: &'a Basis,
+    /// Row of each slave; `u32::MAX` for other DOFs.
+    pub row_of: Vec<u32>,
+    /// Slave of each row.
+    pub slave: Vec<u32>,
+    /// Place in [`Relation::own`] of each row that is not the basis'; [`OF_BASIS`] for the others, which are most.
+    place: Vec<u32>,
+    own: Vec<Own>,
+    dofs: Vec<u32>,
+    values: Vec<f64>,
+    pub constant: Vec<f64>,
+    /// `max |T_ij|` as assembled, ...
+    pub growth: f64,
+    /// ... and the rows that hold more than the limit.
+    pub steep: Vec<u32>,
+}
+
+const OF_BASIS: u32 = u32::MAX;
+
+/// Where the entries of a row are that is not the basis'.
+enum Own {
+    /// Part of [`Relation::dofs`] and [`Relation::values`].
+    Stored { start: usize, len: u32 },
+    /// Changed by an exchange; ascending.
+    Changed(Box<(Vec<u32>, Vec<f64>)>),
+}
+
+impl Relation<'_> {
+    pub fn rows(&self) -> usize {
+        self.slave.len()
+    }
+
+    /// Whether row i is an equation of the user's, solved for a DOF: its terms ascend by the user's numbers.
+    pub fn is_users(&self, i: usize) -> bool {
+        i < self.basis.peeled.len() && self.place[i] == OF_BASIS
+    }
+
+    /// The terms of row i.
+    #[expect(clippy::inline_always, reason = "out of line it was a twenty-fifth of that profile")]
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> Row<'_> {
+        if self.place[i] == OF_BASIS {
+            return self.basis.row(self.system, i);
+        }
+        self.own_row(i)
+    }
+
+    fn own_row(&self, i: usize) -> Row<'_> {
+        match self.own[self.place[i] as usize] {
+            Own::Stored { start, len } => {
+                let range = start..start + len as usize;
+                Row::new(&self.dofs[range.clone()], &self.values[range])
+            }
+            Own::Changed(ref row) => Row::new(&row.0, &row.1),
+        }
+    }
+
+    /// Number of terms of row i.
+    #[inline]
+    pub fn length(&self, i: usize) -> usize {
+        if self.place[i] == OF_BASIS { self.basis.length(self.system, i) } else { self.row(i).len() }
+    }
+
+    /// How many DOFs of row i are prescribed.
+    #[inline]
+    pub fn prescribed_in(&self, i: usize) -> usize {
+        let free = self.system.free();
+        if self.system.prescribed().is_empty() { 0 } else { self.row(i).dofs().filter(|&j| !free[j as usize]).count() }
+    }
+
+    /// The entries of row i, ascending.
+    pub fn sorted(&self, i: usize) -> Vec<(u32, f64)> {
+        let mut row: Vec<_> = self.row(i).entries().collect();
+        row.sort_unstable_by_key(|&(j, _)| j);
+        row
+    }
+
+    /// Largest coefficient of a master in row i.
+    #[inline]
+    pub fn largest(&self, i: usize) -> f64 {
+        let free = self.system.free();
+        self.row(i).entries().fold(0.0, |most, (j, v)| if v.abs() > most && free[j as usize] { v.abs() } else { most })
+    }
+
+    pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
+        self.set(i, Own::Changed(Box::new(row.iter().copied().unzip())));
+    }
+
+    fn set(&mut self, i: usize, own: Own) {
+        if self.place[i] == OF_BASIS {
+            self.place[i] = self.own.len() as u32;
+            self.own.push(own);
+        } else {
+            self.own[self.place[i] as usize] = own;
+        }
+    }
+}
+
+/// A row being summed.
+#[derive(Default)]
+struct Sum {
+    /// Place of each DOF among the parts, from 1; nothing before the first row is summed, which many systems do without.
+    place: Vec<u32>,
+    /// Value and size of the largest part, by place.
+    parts: Vec<(f64, f64)>,
+    dofs: Vec<u32>,
+}
+
+impl Sum {
+    fn add(&mut self, j: u32, part: f64) {
+        let place = &mut self.place[j as usize];
+        if *place == 0 {
+            self.dofs.push(j);
+            self.parts.push((0.0, 0.0));
+            *place = self.parts.len() as u32;
+        }
+        let (value, size) = &mut self.parts[*place as usize - 1];
+        *value += part;
+        *size = size.max(part.abs());
+    }
+}
+
+/// Rows of slaves that are fixed keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
+pub(super) fn assemble<'a>(system: Local<'a>, input: &ReductionInput<'a>, limit: f64) -> Relation<'a> {
+    let ReductionInput { basis, bounds, ref fixed, .. } = *input;
+    let rank = basis.rows();
+    let mut relation = Relation {
+        system,
+        basis,
+        row_of: vec![u32::MAX; system.dofs()],
+        slave: basis.slaves().to_vec(),
+        place: vec![OF_BASIS; rank],
+        own: Vec::new(),
+        dofs: Vec::new(),
+        values: Vec::new(),
+        constant: basis.constants().to_vec(),
+        growth: 0.0,
+        steep: Vec::new(),
+    };
+    let mut sum = Sum::default();
+    for t in (0..rank).rev() {
+        let slave = basis.slave(t);
+        let is_fixed = fixed.get(slave as usize).is_some_and(|&fixed| fixed);
+        if is_fixed || bounds[t].is_infinite() {
+            substitute(&mut relation, &mut sum, t, is_fixed);
+        }
+        relation.row_of[slave as usize] = t as u32;
+        if bounds[t] > relation.growth.min(limit) {
+            let largest = relation.largest(t);
+            relation.growth = relation.growth.max(largest);
+            if largest > limit {
+                relation.steep.push(t as u32);
+            }
+        }
+    }
+    relation
+}
+
+/// Replaces the slaves among the terms of row t by their own rows.
+fn substitute(relation: &mut Relation, sum: &mut Sum, t: usize, fixed: bool) {
+    if sum.place.is_empty() {
+        sum.place = vec![0; relation.system.dofs()];
+    }
+    let mut constant = relation.constant[t];
+    let mut size = constant.abs();
+    for (j, v) in relation.basis.row(relation.system, t).entries() {
+        match relation.row_of[j as usize] {
+            u32::MAX => sum.add(j, v),
+            row => {
+                let part = v * relation.constant[row as usize];
+                constant += part;
+                size = size.max(part.abs());
+                relation.row(row as usize).entries().for_each(|(l, t)| sum.add(l, v * t));
+            }
+        }
+    }
+    relation.constant[t] = if constant.abs() > NOISE * size { constant } else { 0.0 };
+    let start = relation.dofs.len();
+    sum.dofs.sort_unstable();
+    for j in sum.dofs.drain(..) {
+        let (value, size) = sum.parts[std::mem::take(&mut sum.place[j as usize]) as usize - 1];
+        if value.abs() > NOISE * size && !(fixed && relation.system.free()[j as usize]) {
+            relation.dofs.push(j);
+            relation.values.push(value);
+        }
+    }
+    sum.parts.clear();
+    relation.set(t, Own::Stored { start, len: (relation.dofs.len() - start) as u32 });
+}

@@ -1,0 +1,89 @@
+//! `meant`: the second reading of a system with near-dependences.
+
+use super::{Certificate, Omitted, Report, Term};
+use crate::common::argument::within;
+use crate::diagnosis::NearDependent;
+use crate::{Analysis, ArgumentError, ConstraintSystem, NearDependence};
+
+/// A [`NearDependence`], counted from 1 and with labels.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct NearDependenceFinding {
+    /// Rank as meant; [`Report::rank`] is the rank as typed.
+    pub rank: usize,
+    /// Decimals to which all of the equations agree with others.
+    pub digits: u32,
+    /// The equations that are then combinations of others, ascending.
+    pub equations: Vec<NearEquation>,
+}
+
+/// A [`NearDependent`].
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct NearEquation {
+    /// Its row, from 1.
+    pub row: usize,
+    /// Its label.
+    pub label: String,
+    /// Decimals at which it and its combination part.
+    pub digits: u32,
+    /// About the smallest relative change of one coefficient that makes it a combination.
+    pub distance: f64,
+    /// `because`, and `because_omitted` where it is left out.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub certificate: Certificate,
+}
+
+impl Report {
+    /// Adds the second reading of the system, with combinations of at most `terms` terms in total.
+    ///
+    /// ```
+    /// use qless::{Options, Report, SystemBuilder, analyse};
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.234_567_891), (1, -1.0)], 0.0);
+    /// builder.equation([(0, 1.234_568), (1, -1.0)], 0.0);
+    /// let system = builder.build()?;
+    /// let analysis = analyse(&system, &Options::default())?;
+    /// let near = analysis.near_dependence()?.expect("nearly the same");
+    /// let report = Report::new(&analysis, 0).with_near_dependence(&analysis, &near, Report::TERMS)?;
+    /// let finding = report.meant.as_ref().expect("added");
+    /// assert_eq!((report.rank, finding.rank, finding.equations[0].row), (2, 1, 2));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`] for an equation that the system does not have.
+    pub fn with_near_dependence(
+        mut self,
+        analysis: &Analysis,
+        near: &NearDependence,
+        terms: usize,
+    ) -> Result<Self, ArgumentError> {
+        let system = analysis.system();
+        let named = |equation: &NearDependent| {
+            let rows = equation.because.iter().map(|term| term.row);
+            rows.chain([equation.row]).try_for_each(|row| within("equation", row, system.equations()))
+        };
+        near.equations.iter().try_for_each(named)?;
+        let mut left = terms;
+        let equations = near.equations.iter().map(|equation| near_equation(system, equation, &mut left)).collect();
+        self.meant = Some(NearDependenceFinding { rank: near.rank, digits: near.digits(), equations });
+        Ok(self)
+    }
+}
+
+fn near_equation(system: &ConstraintSystem, equation: &NearDependent, left: &mut usize) -> NearEquation {
+    let because = &equation.because;
+    let certificate = if because.len() > *left {
+        Certificate { because: Vec::new(), omitted: Omitted::Terms(because.len()) }
+    } else {
+        *left -= because.len();
+        let label = |row| system.equation_label(row);
+        let terms = because.iter().map(|t| Term { row: t.row + 1, label: label(t.row), coefficient: t.coefficient });
+        Certificate { because: terms.collect(), omitted: Omitted::Nothing }
+    };
+    let NearDependent { row, digits, distance, .. } = *equation;
+    NearEquation { row: row + 1, label: system.equation_label(row), digits, distance, certificate }
+}
