@@ -108,7 +108,7 @@ pub enum Problem {
         /// What to do.
         advice: &'static str,
     },
-    /// What only a Nastran card can get wrong.
+    /// A fault that only some cards can have.
     #[error(transparent)]
-    Nastran(#[from] super::nastran::CardFault),
+    Card(#[from] super::card_fault::CardFault),
 }

@@ -15,6 +15,7 @@
 
 mod ansys;
 mod calculix;
+mod card_fault;
 mod cards;
 mod chunks;
 pub mod clean;
@@ -34,13 +35,13 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+pub use card_fault::CardFault;
 pub use cards::{Card, Cards};
 pub use detect::Seen;
 pub(crate) use detect::format_of;
 pub use error::{DeckError, Problem};
 pub use model::{Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
 pub use name::CardName;
-pub use nastran::CardFault;
 pub use solver::{Outcome, Solver, UnknownSolver};
 pub use source::Open;
 pub(crate) use source::Sources;

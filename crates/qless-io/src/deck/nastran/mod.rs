@@ -35,21 +35,46 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod cards;
-mod control;
-mod fault;
-mod model;
-mod syntax;
-mod writing;
+mod syntax {
+    pub mod card;
+    pub mod continuations;
+    pub mod copies;
+    pub mod fields;
+    pub mod lines;
+    pub mod number;
+}
 
-pub use fault::CardFault;
-pub(super) use model::positions::positions;
-pub(super) use writing::write::write;
+mod cards {
+    pub mod assembly;
+    pub mod bulk;
+    pub mod elements;
+    pub mod exclusive;
+    pub mod grids;
+    pub mod loads;
+    pub mod mystran;
+    pub mod points;
+    pub mod quick;
+    pub mod sets;
+    pub mod ties;
+    pub mod unread;
+}
+
+mod control {
+    pub mod selected;
+    pub mod subcases;
+}
+
+mod model;
+mod reader;
+mod write;
+
+pub(super) use model::positions;
+pub(super) use write::write;
 
 use super::{DeckError, Model, Sources};
 
 /// Reads a deck.
 pub(super) fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let content = syntax::reader::read(sources)?;
-    model::build::model(content, sources)
+    let content = reader::read(sources)?;
+    model::build(content, sources)
 }

@@ -100,7 +100,7 @@ impl Around<'_> {
         }
         let mean = Mean { reference, components, groups, dependent: Vec::new() };
         let rows = mean.rows(self.nodes);
-        if let Err(Problem::Nastran(CardFault::MeanUndetermined { .. })) = rows {
+        if let Err(Problem::Card(CardFault::MeanUndetermined { .. })) = rows {
             let text = "RBE3 is ignored, as the program does: its slaves do not determine the motion of the master, as where they are in line";
             return Ok(Made::Ignored(text.to_owned()));
         }

@@ -5,19 +5,18 @@
 //! | `ASET` and the like | G1, C1, G2, C2, ... |
 //! | `ASET1` and the like | C, G1, G2, ..., or C, G1, THRU, G2 |
 
-use super::spans::{Span, spans};
+use super::points::{PointSpan, spans};
 use crate::deck::kinematics::components::Components;
-use crate::deck::nastran::syntax::card::{Card, Refused};
-use crate::deck::nastran::syntax::place::Place;
+use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
 
 /// Components of points in a set.
 #[derive(Clone, Debug)]
-pub struct Members {
+pub struct ExclusiveMembers {
     /// Its letter: components are in one such set only.
     pub letter: char,
-    pub points: Vec<Span>,
+    pub points: Vec<PointSpan>,
     pub components: Components,
-    pub place: Place,
+    pub place: CardPlace,
 }
 
 /// Names of such cards, with the letter of their set.
@@ -45,9 +44,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// What a card puts into its set; none if it is no such card.
-pub fn read(card: &Card) -> Result<Option<Vec<Members>>, Refused> {
+pub fn read(card: &BulkCard) -> Result<Option<Vec<ExclusiveMembers>>, CardRefusal> {
     let Some(&(name, letter)) = CARDS.iter().find(|(name, _)| *name == card.name) else { return Ok(None) };
-    let members = |points, components| Members { letter, points, components, place: Place::of(card) };
+    let members = |points, components| ExclusiveMembers { letter, points, components, place: CardPlace::of(card) };
     if name.ends_with('1') {
         // Of all points there is nothing that could be told apart.
         let is_all = card.field(1).eq_ignore_ascii_case(b"ALL");
@@ -57,7 +56,7 @@ pub fn read(card: &Card) -> Result<Option<Vec<Members>>, Refused> {
     let mut found = Vec::new();
     for i in (0..card.len()).step_by(2).filter(|&i| !card.is_blank(i)) {
         let node = card.id(i, "a grid or scalar point")?;
-        found.push(members(vec![Span { first: node, last: node }], card.components(i + 1)?));
+        found.push(members(vec![PointSpan { first: node, last: node }], card.components(i + 1)?));
     }
     Ok(Some(found))
 }

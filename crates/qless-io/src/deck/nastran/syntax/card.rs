@@ -1,10 +1,12 @@
 //! A card of bulk data: its name and the data fields of its line and of the lines that continue it.
+//!
+//! Where a card stands.
 
-use super::content::At;
-use super::fields::{Fields, name_in, split};
+use super::fields::{LineFields, name_in, split};
+use super::lines::FileLine;
 use super::number::real;
 use crate::deck::kinematics::components::Components;
-use crate::deck::{CardName, Problem};
+use crate::deck::{CardName, DeckError, Model, Origin, Problem};
 use crate::fault::quote;
 use crate::number::whole;
 
@@ -13,8 +15,8 @@ pub const PER_LINE: usize = 8;
 
 /// A line of a card.
 #[derive(Clone, Copy, Debug)]
-struct Part {
-    at: At,
+struct CardLine {
+    at: FileLine,
     /// Its first data field.
     first: u32,
     /// Whether other cards stand between it and the line before, or it is in another file.
@@ -23,7 +25,7 @@ struct Part {
 
 /// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
 #[derive(Clone, Debug, Default)]
-pub struct Card {
+pub struct BulkCard {
     /// The name in capitals.
     pub name: &'static str,
     /// File and first line.
@@ -32,7 +34,7 @@ pub struct Card {
     text: Vec<u8>,
     /// Where each data field ends in `text`.
     ends: Vec<u32>,
-    lines: Vec<Part>,
+    lines: Vec<CardLine>,
     /// How the last line names its continuation.
     mark: Vec<u8>,
     /// Whether a line has data beyond its last field.
@@ -41,36 +43,36 @@ pub struct Card {
 
 /// Where and why a card was refused.
 #[derive(Debug)]
-pub struct Refused {
-    pub at: At,
+pub struct CardRefusal {
+    pub at: FileLine,
     pub field: Option<usize>,
     pub problem: Problem,
 }
 
 /// A card that was refused, as an error names it.
 #[derive(Debug)]
-pub struct Failed {
+pub struct NamedRefusal {
     pub card: String,
-    pub refused: Refused,
+    pub refused: CardRefusal,
 }
 
-impl Refused {
+impl CardRefusal {
     /// The same with the card's name.
-    pub fn of(self, card: &Card) -> Failed {
-        Failed { card: card.title().to_string(), refused: self }
+    pub fn of(self, card: &BulkCard) -> NamedRefusal {
+        NamedRefusal { card: card.title().to_string(), refused: self }
     }
 }
 
-impl Card {
+impl BulkCard {
     /// Starts anew at a line that has been cleaned of its comment.
-    pub fn begin(&mut self, name: &'static str, line: &[u8], at: At) -> Result<(), Refused> {
+    pub fn begin(&mut self, name: &'static str, line: &[u8], at: FileLine) -> Result<(), CardRefusal> {
         self.restart(name, at);
         self.take(&split(line).map_err(|problem| refused(at, problem))?, at, false);
         Ok(())
     }
 
     /// Goes on with a continuation line; `is_apart` where other cards stand between.
-    pub fn extend(&mut self, line: &[u8], at: At, is_apart: bool) -> Result<(), Refused> {
+    pub fn extend(&mut self, line: &[u8], at: FileLine, is_apart: bool) -> Result<(), CardRefusal> {
         let was_apart = self.lines.last().is_some_and(|last| last.is_apart);
         let fields = split(line).map_err(|problem| refused(at, problem))?;
         self.take(&fields, at, is_apart || was_apart || at.0 != self.file);
@@ -78,13 +80,13 @@ impl Card {
     }
 
     /// Becomes a card of the same name with these fields, all in one line.
-    pub fn become_copy(&mut self, fields: &[Vec<u8>], at: At) {
+    pub fn become_copy(&mut self, fields: &[Vec<u8>], at: FileLine) {
         self.restart(self.name, at);
-        self.lines.push(Part { at, first: 0, is_apart: false });
+        self.lines.push(CardLine { at, first: 0, is_apart: false });
         fields.iter().for_each(|field| self.push(field));
     }
 
-    fn restart(&mut self, name: &'static str, at: At) {
+    fn restart(&mut self, name: &'static str, at: FileLine) {
         self.text.clear();
         self.ends.clear();
         self.lines.clear();
@@ -94,14 +96,14 @@ impl Card {
         (self.file, self.line) = at;
     }
 
-    fn take(&mut self, fields: &Fields, at: At, is_apart: bool) {
+    fn take(&mut self, fields: &LineFields, at: FileLine, is_apart: bool) {
         // Half a line in large field before one in small field counts as a whole one.
         if fields.data().len() == PER_LINE {
             while !self.ends.len().is_multiple_of(PER_LINE) {
                 self.ends.push(self.text.len() as u32);
             }
         }
-        self.lines.push(Part { at, first: self.ends.len() as u32, is_apart });
+        self.lines.push(CardLine { at, first: self.ends.len() as u32, is_apart });
         fields.data().iter().chain(&fields.more).for_each(|field| self.push(field));
         self.goes_beyond |= !fields.more.is_empty();
         self.mark.clear();
@@ -156,12 +158,12 @@ impl Card {
     }
 
     /// The last line.
-    pub fn last(&self) -> At {
+    pub fn last(&self) -> FileLine {
         self.lines.last().map_or((self.file, self.line), |part| part.at)
     }
 
     /// Where the lines are that stand elsewhere.
-    pub fn apart(&self) -> impl Iterator<Item = At> {
+    pub fn apart(&self) -> impl Iterator<Item = FileLine> {
         self.lines.iter().filter(|part| part.is_apart).map(|part| part.at)
     }
 
@@ -175,12 +177,12 @@ impl Card {
     }
 
     /// A whole number from 1.
-    pub fn id(&self, i: usize, what: &'static str) -> Result<u32, Refused> {
+    pub fn id(&self, i: usize, what: &'static str) -> Result<u32, CardRefusal> {
         self.optional_id(i, what)?.ok_or_else(|| self.expected(i, what))
     }
 
     /// A whole number from 0; none where the field is blank.
-    pub fn optional_whole(&self, i: usize, what: &'static str) -> Result<Option<u32>, Refused> {
+    pub fn optional_whole(&self, i: usize, what: &'static str) -> Result<Option<u32>, CardRefusal> {
         let word = self.field(i);
         if word.is_empty() {
             return Ok(None);
@@ -189,7 +191,7 @@ impl Card {
         number.map(Some).ok_or_else(|| self.expected(i, what))
     }
 
-    pub fn optional_id(&self, i: usize, what: &'static str) -> Result<Option<u32>, Refused> {
+    pub fn optional_id(&self, i: usize, what: &'static str) -> Result<Option<u32>, CardRefusal> {
         match self.optional_whole(i, what)? {
             Some(0) => Err(self.expected(i, what)),
             other => Ok(other),
@@ -197,7 +199,7 @@ impl Card {
     }
 
     /// A real number; none where the field is blank.
-    pub fn real(&self, i: usize) -> Result<Option<f64>, Refused> {
+    pub fn real(&self, i: usize) -> Result<Option<f64>, CardRefusal> {
         let word = self.field(i);
         if word.is_empty() {
             return Ok(None);
@@ -211,31 +213,67 @@ impl Card {
     }
 
     /// Component numbers, blanks among them or not; the empty set where the field is blank or 0.
-    pub fn components(&self, i: usize) -> Result<Components, Refused> {
+    pub fn components(&self, i: usize) -> Result<Components, CardRefusal> {
         const EXPECTED: &str = "component numbers: digits from 1 to 6";
         let digits: Vec<u8> = self.field(i).iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
         Components::parse(&digits).ok_or_else(|| self.expected(i, EXPECTED))
     }
 
     /// Component numbers, at least one.
-    pub fn some_components(&self, i: usize) -> Result<Components, Refused> {
+    pub fn some_components(&self, i: usize) -> Result<Components, CardRefusal> {
         const EXPECTED: &str = "one or more component numbers from 1 to 6";
         Some(self.components(i)?).filter(|set| !set.is_empty()).ok_or_else(|| self.expected(i, EXPECTED))
     }
 
     /// Field `i` holds something else than `what`.
-    pub fn expected(&self, i: usize, what: &'static str) -> Refused {
+    pub fn expected(&self, i: usize, what: &'static str) -> CardRefusal {
         self.at(i, Problem::Expected { expected: what, found: quote(self.field(i)) })
     }
 
     /// A problem of field `i`, which counts from 2 in its line as the card's name is field 1.
-    pub fn at(&self, i: usize, problem: Problem) -> Refused {
+    pub fn at(&self, i: usize, problem: Problem) -> CardRefusal {
         let own = self.lines.iter().rfind(|part| part.first as usize <= i);
         let (at, first) = own.map_or(((self.file, self.line), 0), |part| (part.at, part.first as usize));
-        Refused { at, field: Some(i - first + 2), problem }
+        CardRefusal { at, field: Some(i - first + 2), problem }
     }
 }
 
-fn refused(at: At, problem: Problem) -> Refused {
-    Refused { at, field: None, problem }
+fn refused(at: FileLine, problem: Problem) -> CardRefusal {
+    CardRefusal { at, field: None, problem }
+}
+
+/// File and lines of a card, and its name with its number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CardPlace {
+    pub name: CardName,
+    pub file: u32,
+    pub line: u32,
+    pub lines: u32,
+}
+
+impl CardPlace {
+    pub fn of(card: &BulkCard) -> Self {
+        Self { name: card.title(), file: card.file, line: card.line, lines: card.span() }
+    }
+
+    /// The same in a model; cards of one name that follow each other in a file are one there.
+    pub fn origin(&self, model: &mut Model) -> Origin {
+        let card = match model.cards.last() {
+            Some(last) if last.name == self.name && last.file == self.file => model.cards.len() as u32 - 1,
+            _ => model.card(self.name.clone(), self.file, self.line),
+        };
+        Origin { card, line: self.line, lines: self.lines }
+    }
+
+    /// An error of the card.
+    pub fn error(&self, problem: Problem, model: &mut Model) -> DeckError {
+        let origin = self.origin(model);
+        model.error(origin, None, problem)
+    }
+
+    /// `deck.bdf:12`.
+    pub fn brief(&self, model: &Model) -> String {
+        let file = model.files[self.file as usize].file_name().unwrap_or_default().to_string_lossy();
+        format!("{file}:{}", self.line)
+    }
 }

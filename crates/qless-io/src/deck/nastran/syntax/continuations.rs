@@ -2,23 +2,22 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::card::{Card, Failed, Refused};
-use super::content::At;
+use super::card::{BulkCard, CardRefusal, NamedRefusal};
 use super::fields::{mark, name_in, split};
-use crate::deck::Solver;
-use crate::deck::nastran::fault::CardFault;
+use super::lines::FileLine;
+use crate::deck::{CardFault, Solver};
 
 /// Cards that go on elsewhere and lines that nobody has claimed yet, in the order of the deck.
 #[derive(Debug, Default)]
 pub struct Continuations {
-    claims: Vec<Claim>,
-    pieces: Vec<Piece>,
+    claims: Vec<ContinuationClaim>,
+    pieces: Vec<LoosePiece>,
 }
 
 /// A card that goes on in lines of a name; none where the card is not read.
 #[derive(Debug)]
-struct Claim {
-    card: Option<Card>,
+struct ContinuationClaim {
+    card: Option<BulkCard>,
     name: Vec<u8>,
     /// The piece right after a card that names none: its own, if no other card claims it.
     next: Option<usize>,
@@ -26,11 +25,11 @@ struct Claim {
 
 /// Lines that go on with some card.
 #[derive(Debug)]
-struct Piece {
+struct LoosePiece {
     name: Vec<u8>,
     /// How its last line names the next.
     mark: Vec<u8>,
-    lines: Vec<(At, Vec<u8>)>,
+    lines: Vec<(FileLine, Vec<u8>)>,
     /// Whether it may be that of the unread card before it.
     may_be_unread: bool,
     is_taken: bool,
@@ -38,7 +37,7 @@ struct Piece {
 
 /// What stands right before a continuation line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Before {
+pub enum LineBefore {
     Nothing,
     /// The card that is being read.
     Read,
@@ -50,19 +49,19 @@ pub enum Before {
 
 impl Continuations {
     /// A card that goes on in a line of this name.
-    pub fn claim(&mut self, name: Vec<u8>, card: Option<Card>) {
-        self.claims.push(Claim { card, name, next: None });
+    pub fn claim(&mut self, name: Vec<u8>, card: Option<BulkCard>) {
+        self.claims.push(ContinuationClaim { card, name, next: None });
     }
 
     /// A card that names no line, before one that begins with a name.
-    pub fn claim_next(&mut self, card: Card) {
-        self.claims.push(Claim { card: Some(card), name: Vec::new(), next: Some(self.pieces.len()) });
+    pub fn claim_next(&mut self, card: BulkCard) {
+        self.claims.push(ContinuationClaim { card: Some(card), name: Vec::new(), next: Some(self.pieces.len()) });
     }
 
     /// A line that does not go on with what stands before it.
-    pub fn start(&mut self, name: Vec<u8>, line: &[u8], at: At, may_be_unread: bool) {
+    pub fn start(&mut self, name: Vec<u8>, line: &[u8], at: FileLine, may_be_unread: bool) {
         let lines = vec![(at, line.to_vec())];
-        self.pieces.push(Piece { name, mark: name_in(mark(line)), lines, may_be_unread, is_taken: false });
+        self.pieces.push(LoosePiece { name, mark: name_in(mark(line)), lines, may_be_unread, is_taken: false });
     }
 
     /// Whether a line of this name goes on with the last piece.
@@ -71,7 +70,7 @@ impl Continuations {
     }
 
     /// Adds a line to the last piece.
-    pub fn extend(&mut self, line: &[u8], at: At) {
+    pub fn extend(&mut self, line: &[u8], at: FileLine) {
         if let Some(piece) = self.pieces.last_mut() {
             piece.mark = name_in(mark(line));
             piece.lines.push((at, line.to_vec()));
@@ -83,7 +82,7 @@ impl Continuations {
     /// # Errors
     /// A card whose continuation never comes, with the card; a line that no card claims. MYSTRAN reads continuations in the next line
     /// only: it does without one that is not there, and drops in silence one that stands elsewhere, which is an error here.
-    pub fn finish(mut self, solver: Solver) -> Result<Vec<Card>, Failed> {
+    pub fn finish(mut self, solver: Solver) -> Result<Vec<BulkCard>, NamedRefusal> {
         let mut by_name: BTreeMap<Vec<u8>, VecDeque<usize>> = BTreeMap::new();
         for (i, piece) in self.pieces.iter().enumerate() {
             by_name.entry(piece.name.clone()).or_default().push_back(i);
@@ -99,8 +98,8 @@ impl Continuations {
         }
         if let Some(orphan) = self.pieces.iter().find(|piece| !piece.is_taken && !piece.may_be_unread) {
             let problem = CardFault::Orphan { found: String::from_utf8_lossy(&orphan.name).into() }.into();
-            let refused = Refused { at: orphan.lines[0].0, field: None, problem };
-            return Err(Failed { card: "continuation".into(), refused });
+            let refused = CardRefusal { at: orphan.lines[0].0, field: None, problem };
+            return Err(NamedRefusal { card: "continuation".into(), refused });
         }
         cards.sort_by_key(|card| (card.file, card.line));
         Ok(cards)
@@ -109,10 +108,10 @@ impl Continuations {
     /// The card of a claim with all of its lines, which are taken.
     fn complete(
         &mut self,
-        claim: &Claim,
+        claim: &ContinuationClaim,
         by_name: &mut BTreeMap<Vec<u8>, VecDeque<usize>>,
         solver: Solver,
-    ) -> Result<Option<Card>, Failed> {
+    ) -> Result<Option<BulkCard>, NamedRefusal> {
         let (mut card, mut name) = (claim.card.clone(), claim.name.clone());
         if let Some(next) = claim.next.filter(|&next| !self.pieces[next].is_taken) {
             name = self.take(next, card.as_mut(), false)?;
@@ -124,7 +123,7 @@ impl Continuations {
             match (free, card.as_mut()) {
                 (Some(piece), Some(card)) if solver == Solver::Mystran => {
                     let (at, problem) = (self.pieces[piece].lines[0].0, CardFault::ContinuationDropped.into());
-                    return Err(Refused { at, field: None, problem }.of(card));
+                    return Err(CardRefusal { at, field: None, problem }.of(card));
                 }
                 (None, Some(_)) if solver == Solver::Mystran => break,
                 (Some(piece), card) => name = self.take(piece, card, true)?,
@@ -132,7 +131,7 @@ impl Continuations {
                 (None, Some(card)) => {
                     let expected = String::from_utf8_lossy(&name).into();
                     let problem = CardFault::NoContinuation { expected }.into();
-                    return Err(Refused { at: card.last(), field: None, problem }.of(card));
+                    return Err(CardRefusal { at: card.last(), field: None, problem }.of(card));
                 }
             }
         }
@@ -140,7 +139,7 @@ impl Continuations {
     }
 
     /// Adds a piece to a card, if that is read; returns the name of the next.
-    fn take(&mut self, piece: usize, card: Option<&mut Card>, is_apart: bool) -> Result<Vec<u8>, Failed> {
+    fn take(&mut self, piece: usize, card: Option<&mut BulkCard>, is_apart: bool) -> Result<Vec<u8>, NamedRefusal> {
         let piece = &mut self.pieces[piece];
         piece.is_taken = true;
         if let Some(card) = card {

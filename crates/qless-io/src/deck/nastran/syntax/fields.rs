@@ -12,8 +12,8 @@
 use std::borrow::Cow;
 
 use super::number::real;
-use crate::deck::Problem;
-use crate::deck::nastran::fault::CardFault;
+use crate::deck::{CardFault, Problem};
+use crate::fault::quote;
 
 const NAME: usize = 8;
 const END_OF_DATA: usize = 72;
@@ -21,7 +21,7 @@ const END: usize = 80;
 
 /// One line, split. Every field is trimmed.
 #[derive(Debug, PartialEq)]
-pub struct Fields<'a> {
+pub struct LineFields<'a> {
     /// The first field without its `*` or `+`; of a continuation, what follows that mark.
     pub name: &'a [u8],
     /// The data fields.
@@ -34,7 +34,7 @@ pub struct Fields<'a> {
     pub mark: &'a [u8],
 }
 
-impl<'a> Fields<'a> {
+impl<'a> LineFields<'a> {
     pub fn data(&self) -> &[&'a [u8]] {
         &self.data[..self.count]
     }
@@ -73,7 +73,7 @@ fn starts_late(line: &[u8]) -> bool {
 }
 
 /// The fields of a line that [`content`] has cleaned.
-pub fn split(line: &[u8]) -> Result<Fields<'_>, Problem> {
+pub fn split(line: &[u8]) -> Result<LineFields<'_>, Problem> {
     if is_free(line) { free(line) } else { Ok(fixed(line)) }
 }
 
@@ -82,21 +82,21 @@ fn is_free(line: &[u8]) -> bool {
     line[..line.len().min(2 * NAME)].contains(&b',')
 }
 
-fn fixed(line: &[u8]) -> Fields<'_> {
+fn fixed(line: &[u8]) -> LineFields<'_> {
     let (name, wide) = name(columns(line, 0, NAME));
     let (count, width) = if wide { (4, 16) } else { (8, 8) };
     let mut data = [&b""[..]; 8];
     for (k, field) in data[..count].iter_mut().enumerate() {
         *field = columns(line, NAME + k * width, NAME + (k + 1) * width);
     }
-    Fields { name, data, count, more: Vec::new(), mark: columns(line, END_OF_DATA, END) }
+    LineFields { name, data, count, more: Vec::new(), mark: columns(line, END_OF_DATA, END) }
 }
 
 fn columns(line: &[u8], from: usize, to: usize) -> &[u8] {
     line.get(from..to.min(line.len())).unwrap_or_default().trim_ascii()
 }
 
-fn free(line: &[u8]) -> Result<Fields<'_>, Problem> {
+fn free(line: &[u8]) -> Result<LineFields<'_>, Problem> {
     let mut words = line.split(|&byte| byte == b',').map(<[u8]>::trim_ascii);
     let (name, wide) = name(words.next().unwrap_or_default());
     let count = if wide { 4 } else { 8 };
@@ -105,7 +105,7 @@ fn free(line: &[u8]) -> Result<Fields<'_>, Problem> {
         *field = word;
     }
     let (more, mark) = beyond(&words.collect::<Vec<_>>(), count)?;
-    let fields = Fields { name, data, count, more, mark };
+    let fields = LineFields { name, data, count, more, mark };
     // In a copy an asterisk stands before an increment.
     Ok(if is_copy(name) { fields } else { without_early_mark(fields) })
 }
@@ -121,7 +121,7 @@ fn beyond<'a>(words: &[&'a [u8]], count: usize) -> Result<(Vec<&'a [u8]>, &'a [u
         _ => (words, &b""[..]),
     };
     match more.iter().find(|word| !word.is_empty() && (!is_data || is_name(word))) {
-        Some(found) => Err(CardFault::too_many_fields(count, found)),
+        Some(found) => Err(CardFault::TooManyFields { count, found: quote(found) }.into()),
         None => Ok((more.to_vec(), mark)),
     }
 }
@@ -156,7 +156,7 @@ fn is_mark(word: &[u8]) -> bool {
 }
 
 /// `MPC,1,2,3,1.0,+` ends early: a last field that is no number but starts with `+` is the mark.
-fn without_early_mark(mut fields: Fields<'_>) -> Fields<'_> {
+fn without_early_mark(mut fields: LineFields<'_>) -> LineFields<'_> {
     let Some(last) = fields.data.iter().rposition(|field| !field.is_empty()) else { return fields };
     let word = fields.data[last];
     if matches!(word[0], b'+' | b'*') && real(word).is_err() {

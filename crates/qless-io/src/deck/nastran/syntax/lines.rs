@@ -1,28 +1,32 @@
 //! The lines of a deck in the order in which they count, wherever `INCLUDE` puts them.
+//!
+//! The first word of a line.
 
-use super::content::At;
 use super::fields::content;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 
+/// A file and a line of it, from 1.
+pub type FileLine = (u32, u32);
+
 /// A line, mostly without its comment.
-pub struct Line<'a> {
+pub struct DeckLine<'a> {
     pub file: u32,
     /// From 1.
     pub number: u32,
     pub text: &'a [u8],
 }
 
-impl Line<'_> {
-    pub fn at(&self) -> At {
+impl DeckLine<'_> {
+    pub fn at(&self) -> FileLine {
         (self.file, self.number)
     }
 }
 
 /// An `INCLUDE` that was followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Include {
+pub struct IncludeLine {
     pub file: u32,
     /// Its first line, from 1.
     pub line: u32,
@@ -32,27 +36,27 @@ pub struct Include {
 }
 
 /// What is done with the lines.
-pub trait Visitor {
+pub trait LineVisitor {
     /// Takes a line as it stands, comments included, that no other continues; false leaves it to `line`.
-    fn quick(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+    fn quick(&mut self, line: &DeckLine, sources: &Sources) -> Result<bool, DeckError>;
 
     /// Takes a line that is no `INCLUDE`; false ends the reading.
-    fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+    fn line(&mut self, line: &DeckLine, sources: &Sources) -> Result<bool, DeckError>;
 
     /// Takes note of an include before the lines of its file.
-    fn included(&mut self, include: Include);
+    fn included(&mut self, include: IncludeLine);
 
     /// Decides about an included file that cannot be read: the error, or a way on without it.
     fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError>;
 }
 
 /// Visits all lines that are neither blank nor comments.
-pub fn walk(sources: &mut Sources, visitor: &mut impl Visitor) -> Result<(), DeckError> {
+pub fn walk(sources: &mut Sources, visitor: &mut impl LineVisitor) -> Result<(), DeckError> {
     file(sources, 0, 0, visitor).map(|_| ())
 }
 
 /// One file; false if the reading ends within it.
-fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl Visitor) -> Result<bool, DeckError> {
+fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl LineVisitor) -> Result<bool, DeckError> {
     let bytes = sources.text(number);
     let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let mut line = 0;
@@ -60,7 +64,7 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
         let (first, text) = (line + 1, next(&mut rest, &mut line));
         // A letter begins another card, but for `INCLUDE`, after which this one may go on.
         let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
-        if is_last && visitor.quick(&Line { file: number as u32, number: first as u32, text }, sources)? {
+        if is_last && visitor.quick(&DeckLine { file: number as u32, number: first as u32, text }, sources)? {
             continue;
         }
         if text.len() > LINE {
@@ -72,7 +76,7 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
             continue;
         }
         if !is_include(&text) {
-            let line = Line { file: number as u32, number: first as u32, text: &text };
+            let line = DeckLine { file: number as u32, number: first as u32, text: &text };
             if !visitor.line(&line, sources)? {
                 return Ok(false);
             }
@@ -84,7 +88,7 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
         match sources.include(&name, number, first, depth) {
             Ok(inner) => {
                 let (lines, inner_file) = ((line + 1 - first) as u32, inner as u32);
-                visitor.included(Include { file: number as u32, line: first as u32, lines, inner: inner_file });
+                visitor.included(IncludeLine { file: number as u32, line: first as u32, lines, inner: inner_file });
                 if !file(sources, inner, depth + 1, visitor)? {
                     return Ok(false);
                 }
@@ -138,4 +142,11 @@ fn open_quote(sources: &Sources, file: usize, line: usize, text: &[u8]) -> DeckE
 
 fn error(sources: &Sources, file: usize, line: usize, problem: Problem) -> DeckError {
     DeckError { path: sources.path(file).to_path_buf(), line, card: "deck".into(), field: None, problem }
+}
+
+/// The first word in capitals, and what follows it.
+pub fn keyword(text: &[u8]) -> (String, &[u8]) {
+    let text = text.trim_ascii();
+    let end = text.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(text.len());
+    (String::from_utf8_lossy(&text[..end]).to_ascii_uppercase(), &text[end..])
 }

@@ -1,4 +1,6 @@
 //! Text to numbers in Nastran's spelling: `12`, `7.0`, `1.5-3` for 1.5e-3, `1.D+2`.
+//!
+//! Numbers in eight columns, all of a field at once: 64 bits hold it, so that no loop waits for its end.
 
 use crate::{NumberFault, number};
 
@@ -20,6 +22,75 @@ fn plain(word: &[u8]) -> Result<f64, NumberFault> {
         return Err(NumberFault::NotANumber);
     }
     number::real(word)
+}
+
+/// A field of a card in small field.
+pub type SmallField = [u8; 8];
+
+pub const BLANK: SmallField = [b' '; 8];
+
+const ZEROS: u64 = u64::from_le_bytes([b'0'; 8]);
+const LOW: u64 = u64::from_le_bytes([0x7f; 8]);
+
+/// A whole number; `None` for anything else, a blank field included.
+pub fn small_whole(field: SmallField) -> Option<u32> {
+    let (text, length) = small_text(field);
+    small_digits(text, length)
+}
+
+/// `[-]digits[.digits]`, the nearest float; `None` for anything else, such as a number with an exponent.
+pub fn small_real(field: SmallField) -> Option<f64> {
+    const TENS: [f64; 8] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
+    let (mut text, mut length) = small_text(field);
+    let is_negative = text as u8 == b'-';
+    (text, length) = (text >> (8 * u32::from(is_negative)), length - u32::from(is_negative));
+    let point = small_point(text).min(length);
+    let decimals = length.saturating_sub(point + 1);
+    // What is behind the point moves over it.
+    let before = 1_u64.checked_shl(8 * point).map_or(u64::MAX, |bit| bit - 1);
+    let text = if point < length { (text & before) | (text >> 8 & !before) } else { text };
+    let whole = small_digits(text, length - u32::from(point < length))?;
+    // Both are exact.
+    let size = f64::from(whole) / TENS[decimals as usize];
+    Some(if is_negative { -size } else { size })
+}
+
+/// The field without the blanks around it, first character lowest, and its length.
+fn small_text(field: SmallField) -> (u64, u32) {
+    let bits = u64::from_le_bytes(field);
+    let filled = bits ^ u64::from_le_bytes(BLANK);
+    let (start, end) = (filled.trailing_zeros() / 8, 8 - filled.leading_zeros() / 8);
+    // Of a blank field nothing is left.
+    let length = end.saturating_sub(start);
+    let text = bits.checked_shr(8 * start).unwrap_or(0);
+    (text & (u64::MAX >> (8 * (8 - length)).min(63)), length)
+}
+
+/// Where the first point is; 8 if there is none.
+fn small_point(text: u64) -> u32 {
+    let other = text ^ u64::from_le_bytes([b'.'; 8]);
+    // The highest bit of a byte is set exactly where the byte is zero.
+    let zero = !(((other & LOW) + LOW) | other | LOW);
+    zero.trailing_zeros() / 8
+}
+
+/// The number of so many digits.
+fn small_digits(text: u64, count: u32) -> Option<u32> {
+    if count == 0 {
+        return None;
+    }
+    // Zeros in front make eight of them, the last digit highest.
+    let all = (text << (8 * (8 - count))) | ZEROS.checked_shr(8 * count).unwrap_or(0);
+    let high = 0xf0f0_f0f0_f0f0_f0f0;
+    // From '0' to '9': 3 in the upper half of each byte, also when 6 is added.
+    if (all & high) | (all.wrapping_add(0x0606_0606_0606_0606) & high) >> 4 != 0x3333_3333_3333_3333 {
+        return None;
+    }
+    // Pairs, then pairs of pairs, each by one product.
+    let pairs = (all - ZEROS).wrapping_mul(10).wrapping_add((all - ZEROS) >> 8);
+    let (odd, even) = (pairs & 0x0000_00ff_0000_00ff, pairs >> 16 & 0x0000_00ff_0000_00ff);
+    let sum = odd.wrapping_mul(0x000f_4240_0000_0064).wrapping_add(even.wrapping_mul(0x0000_2710_0000_0001));
+    Some((sum >> 32) as u32)
 }
 
 #[cfg(test)]
@@ -48,5 +119,61 @@ mod tests {
         }
         assert_eq!(real(b"1.+400"), Err(NumberFault::Overflow));
         assert_eq!(real(b"1.-400"), Err(NumberFault::Underflow));
+    }
+}
+
+#[cfg(test)]
+mod small_field_tests {
+    use super::*;
+    use crate::number;
+
+    /// In any columns of the field.
+    fn fields(text: &str) -> impl Iterator<Item = SmallField> {
+        let places = 0..=8 - text.len();
+        places.map(move |place| {
+            format!("{:place$}{text:<width$}", "", width = 8 - place).as_bytes().try_into().expect("eight")
+        })
+    }
+
+    #[test]
+    fn all_that_is_read_is_what_the_long_way_reads() {
+        let mut state = 1_u64;
+        let mut next = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % below
+        };
+        let mut read = [0; 2];
+        for _ in 0..200_000 {
+            let letters: &[u8] = [b"0123456789.-".as_slice(), b"0123456789", b"09.-+eE dD:/,\xb0\x80"][next(3)];
+            let text: String = (0..=next(8)).map(|_| char::from(letters[next(letters.len())] & 0x7f)).collect();
+            for field in fields(&text) {
+                let word = field.trim_ascii();
+                if let Some(value) = small_whole(field) {
+                    read[0] += 1;
+                    assert_eq!(number::whole(word), Some(value as usize), "{text}");
+                }
+                if let Some(value) = small_real(field) {
+                    read[1] += 1;
+                    assert_eq!(number::real(word).map(f64::to_bits), Ok(value.to_bits()), "{text}");
+                }
+                let plain = word.iter().all(u8::is_ascii_digit) && !word.is_empty();
+                assert_eq!(small_whole(field).is_some(), plain, "{text}");
+            }
+        }
+        assert!(read[0] > 50_000 && read[1] > 100_000, "{read:?}");
+    }
+
+    #[test]
+    fn plain_decimals_are_read() {
+        for text in
+            ["0", "-0.", ".5", "-.5", "1.", "12345678", "-1234567", "1.234567", "0.000001", "-1.23456", "1234567."]
+        {
+            for field in fields(text) {
+                assert_eq!(small_real(field).map(f64::to_bits), text.parse().ok().map(f64::to_bits), "{text}");
+            }
+        }
+        for text in ["", ".", "-", "-.", "1.2.3", "--1", "1-", "1.5-3", "1e3", "1 2", "+1", "inf", "0x1"] {
+            assert!(fields(text).all(|field| small_real(field).is_none()), "{text}");
+        }
     }
 }

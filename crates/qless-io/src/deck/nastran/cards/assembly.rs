@@ -1,36 +1,36 @@
 //! From lines of bulk data to cards: continuations, wherever they stand, and copies.
 
-use super::card::{Card, Failed, Refused};
-use super::continuations::{Before, Continuations, is_always_one_line, name_of};
-use super::copies::{self, Change};
-use super::fields::{is_copy, mark, name_in};
-use super::lines::Line;
-use crate::deck::nastran::cards::bulk::Bulk;
-use crate::deck::nastran::cards::quick::Quick;
-use crate::deck::nastran::fault::CardFault;
-use crate::deck::{Problem, Solver};
+use super::bulk::BulkData;
+use super::quick::QuickCard;
+use crate::deck::nastran::syntax::card::{BulkCard, CardRefusal, NamedRefusal};
+use crate::deck::nastran::syntax::continuations::{Continuations, LineBefore, is_always_one_line, name_of};
+use crate::deck::nastran::syntax::copies;
+use crate::deck::nastran::syntax::copies::CopyRule;
+use crate::deck::nastran::syntax::fields::{is_copy, mark, name_in};
+use crate::deck::nastran::syntax::lines::DeckLine;
+use crate::deck::{CardFault, Problem, Solver};
 use crate::fault::quote;
 
 /// The card being read, and all that was read before it.
-pub struct Assembly {
-    pub bulk: Bulk,
-    card: Card,
+pub struct CardAssembly {
+    pub bulk: BulkData,
+    card: BulkCard,
     /// What the last line belongs to.
-    before: Before,
+    before: LineBefore,
     /// How the last line names its continuation, if it is one of a card that is not read.
     mark: Vec<u8>,
     continuations: Continuations,
     /// How the last copies were made.
-    copies: Option<Change>,
+    copies: Option<CopyRule>,
     solver: Solver,
 }
 
-impl Assembly {
+impl CardAssembly {
     pub fn new(solver: Solver) -> Self {
         Self {
-            bulk: Bulk::of(solver),
-            card: Card::default(),
-            before: Before::Nothing,
+            bulk: BulkData::of(solver),
+            card: BulkCard::default(),
+            before: LineBefore::Nothing,
             mark: Vec::new(),
             continuations: Continuations::default(),
             copies: None,
@@ -44,53 +44,53 @@ impl Assembly {
     }
 
     /// Takes a card that was read the short way. No continuation follows it, and no copy.
-    pub fn quick(&mut self, card: &Quick, line: &Line) -> Result<(), Failed> {
+    pub fn quick(&mut self, card: &QuickCard, line: &DeckLine) -> Result<(), NamedRefusal> {
         self.end_card()?;
         self.bulk.quick(card, line);
         Ok(())
     }
 
     /// Begins a card; one without a name here is not read.
-    pub fn begin(&mut self, name: Option<&'static str>, line: &Line) -> Result<(), Failed> {
+    pub fn begin(&mut self, name: Option<&'static str>, line: &DeckLine) -> Result<(), NamedRefusal> {
         let Some(name) = name else {
             self.pass(line);
             return Ok(());
         };
-        self.before = Before::Read;
+        self.before = LineBefore::Read;
         self.card.begin(name, line.text, line.at()).map_err(|refused| self.failed(refused))
     }
 
     /// Passes over a line of a card that is not read.
-    fn pass(&mut self, line: &Line) {
-        self.before = Before::Unread;
+    fn pass(&mut self, line: &DeckLine) {
+        self.before = LineBefore::Unread;
         self.mark.clear();
         self.mark.extend_from_slice(mark(line.text));
     }
 
     /// Finds out what a continuation line goes on with.
-    pub fn go_on(&mut self, line: &Line) -> Result<(), Failed> {
+    pub fn go_on(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
         let name = if self.goes_by_name() { name_of(line.text) } else { Vec::new() };
         let own = match self.before {
-            Before::Read => self.card.continues_in(),
-            Before::Unread => name_in(&self.mark),
-            Before::Nothing | Before::Piece => Vec::new(),
+            LineBefore::Read => self.card.continues_in(),
+            LineBefore::Unread => name_in(&self.mark),
+            LineBefore::Nothing | LineBefore::Piece => Vec::new(),
         };
         let is_next = name.is_empty() || own == name;
         match self.before {
-            Before::Nothing if name.is_empty() => {
+            LineBefore::Nothing if name.is_empty() => {
                 Err(expected(line, "continuation", "a card before the line that continues it"))
             }
-            Before::Read if is_next && self.copies.is_some() => {
+            LineBefore::Read if is_next && self.copies.is_some() => {
                 Err(expected(line, "continuation", "a card of one line, as what `=` copies has to be"))
             }
-            Before::Read if is_next => {
+            LineBefore::Read if is_next => {
                 self.card.extend(line.text, line.at(), false).map_err(|refused| self.failed(refused))
             }
-            Before::Unread if is_next => {
+            LineBefore::Unread if is_next => {
                 self.pass(line);
                 Ok(())
             }
-            Before::Piece if self.continuations.goes_on(&name) => {
+            LineBefore::Piece if self.continuations.goes_on(&name) => {
                 self.continuations.extend(line.text, line.at());
                 Ok(())
             }
@@ -99,24 +99,30 @@ impl Assembly {
     }
 
     /// Keeps a line of a name that what stands before it does not go on with.
-    fn start_piece(&mut self, before: Before, name: Vec<u8>, names_none: bool, line: &Line) -> Result<(), Failed> {
-        if before == Before::Read && names_none && self.copies.is_none() {
+    fn start_piece(
+        &mut self,
+        before: LineBefore,
+        name: Vec<u8>,
+        names_none: bool,
+        line: &DeckLine,
+    ) -> Result<(), NamedRefusal> {
+        if before == LineBefore::Read && names_none && self.copies.is_none() {
             self.continuations.claim_next(std::mem::take(&mut self.card));
         } else {
             self.end_card()?;
         }
-        self.continuations.start(name, line.text, line.at(), before == Before::Unread && names_none);
-        self.before = Before::Piece;
+        self.continuations.start(name, line.text, line.at(), before == LineBefore::Unread && names_none);
+        self.before = LineBefore::Piece;
         Ok(())
     }
 
     /// Whether the line stands for copies of the card before it. Those of cards that are not read are passed over.
-    pub fn is_copied_by(&self, line: &Line) -> bool {
-        is_copy(line.text) && (self.before == Before::Read || self.solver == Solver::Mystran)
+    pub fn is_copied_by(&self, line: &DeckLine) -> bool {
+        is_copy(line.text) && (self.before == LineBefore::Read || self.solver == Solver::Mystran)
     }
 
     /// Makes copies of the card before the line.
-    pub fn copy(&mut self, line: &Line) -> Result<(), Failed> {
+    pub fn copy(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
         if self.solver == Solver::Mystran {
             self.pass_copy(line);
             return Ok(());
@@ -140,7 +146,7 @@ impl Assembly {
     }
 
     /// MYSTRAN makes no copies: it passes over the line, or takes an asterisk in free field for large field and stops.
-    fn pass_copy(&mut self, line: &Line) {
+    fn pass_copy(&mut self, line: &DeckLine) {
         if line.text.contains(&b',') && line.text.contains(&b'*') {
             self.bulk.notes.refuse(line.at(), "MYSTRAN stops at this line of copies; write the cards out".into());
         } else {
@@ -149,18 +155,18 @@ impl Assembly {
     }
 
     /// Ends the card that is being read, if there is one.
-    pub fn end_card(&mut self) -> Result<(), Failed> {
+    pub fn end_card(&mut self) -> Result<(), NamedRefusal> {
         // Copies were given when they were made.
         let is_given = self.copies.take().is_some();
-        match std::mem::replace(&mut self.before, Before::Nothing) {
-            Before::Read if !is_given => {
+        match std::mem::replace(&mut self.before, LineBefore::Nothing) {
+            LineBefore::Read if !is_given => {
                 let name = if self.goes_by_name() { self.card.continues_in() } else { Vec::new() };
                 if name.is_empty() || self.card.is_full_line() && is_always_one_line(self.card.name) {
                     return self.give();
                 }
                 self.continuations.claim(name, Some(std::mem::take(&mut self.card)));
             }
-            Before::Unread if self.goes_by_name() => {
+            LineBefore::Unread if self.goes_by_name() => {
                 let name = name_in(&self.mark);
                 if !name.is_empty() {
                     self.continuations.claim(name, None);
@@ -172,16 +178,16 @@ impl Assembly {
     }
 
     /// Hands the card on.
-    fn give(&mut self) -> Result<(), Failed> {
+    fn give(&mut self) -> Result<(), NamedRefusal> {
         if self.solver == Solver::Mystran && self.card.goes_beyond() {
             let problem = CardFault::FieldsDropped.into();
-            return Err(self.failed(Refused { at: (self.card.file, self.card.line), field: None, problem }));
+            return Err(self.failed(CardRefusal { at: (self.card.file, self.card.line), field: None, problem }));
         }
         self.bulk.card(&self.card).map_err(|refused| self.failed(refused))
     }
 
     /// All cards, those whose lines stand apart among them.
-    pub fn finish(mut self) -> Result<Bulk, Failed> {
+    pub fn finish(mut self) -> Result<BulkData, NamedRefusal> {
         self.end_card()?;
         let cards = std::mem::take(&mut self.continuations).finish(self.solver)?;
         for card in cards {
@@ -191,13 +197,13 @@ impl Assembly {
         Ok(self.bulk)
     }
 
-    fn failed(&self, refused: Refused) -> Failed {
+    fn failed(&self, refused: CardRefusal) -> NamedRefusal {
         refused.of(&self.card)
     }
 }
 
 /// Something else is expected than the line.
-fn expected(line: &Line, card: &str, expected: &'static str) -> Failed {
+fn expected(line: &DeckLine, card: &str, expected: &'static str) -> NamedRefusal {
     let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
-    Failed { card: card.into(), refused: Refused { at: line.at(), field: None, problem } }
+    NamedRefusal { card: card.into(), refused: CardRefusal { at: line.at(), field: None, problem } }
 }

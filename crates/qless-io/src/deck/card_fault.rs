@@ -1,8 +1,5 @@
 //! What can be wrong in a Nastran card beside what can be wrong in any deck, and what to do about it.
 
-use crate::deck::Problem;
-use crate::fault::quote;
-
 /// What is wrong in a Nastran card.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -124,25 +121,4 @@ pub enum CardFault {
     /// A constraint that couples a component to nothing.
     #[error("nothing is connected; name at least one grid point and component")]
     NothingConnected,
-}
-
-impl CardFault {
-    pub(super) fn too_many_fields(count: usize, found: &[u8]) -> Problem {
-        Self::TooManyFields { count, found: quote(found) }.into()
-    }
-}
-
-/// A coordinate system that nothing defines.
-pub(super) fn unknown_frame(frame: u32) -> Problem {
-    Problem::Undefined { what: "coordinate system", name: frame.to_string() }
-}
-
-/// A grid point that nothing defines.
-pub(super) fn unknown_grid(node: u32) -> Problem {
-    Problem::Undefined { what: "grid point", name: node.to_string() }
-}
-
-/// A set or coordinate system that rests on itself.
-pub(super) fn circle(what: &'static str, id: u32) -> Problem {
-    Problem::Circular { what, name: id.to_string() }
 }
