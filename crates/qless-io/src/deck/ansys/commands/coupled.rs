@@ -7,7 +7,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::numbering::{LoadStep, PastVersion, SearchBudget, StartsAt, delete, numbered, too_many_taken_away};
+use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered, too_many_taken_away};
 use crate::deck::ansys::model::nodes::AnsysNodes;
 use crate::deck::ansys::model::numbered::NumberedSets;
 use crate::deck::ansys::model::selection::NodeSelection;
@@ -28,11 +28,11 @@ pub struct CoupledSet {
     promised: Option<usize>,
     given: usize,
     /// The first load step that it is solved in.
-    from: LoadStep,
+    from: StepIndex,
 }
 
 impl StartsAt for CoupledSet {
-    fn from(&self) -> LoadStep {
+    fn from(&self) -> StepIndex {
         self.from
     }
 }
@@ -48,7 +48,7 @@ pub struct CoupledSets {
     pub past: Vec<PastVersion<CoupledSet>>,
     past_nodes: usize,
     /// Load steps solved so far.
-    pub now: LoadStep,
+    pub now: StepIndex,
     /// Sets that commands belong to which are not understood.
     unknown: FxHashSet<u32>,
     /// Why the command read last is left out.

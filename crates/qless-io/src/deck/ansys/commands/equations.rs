@@ -10,7 +10,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::numbering::{LoadStep, PastVersion, SearchBudget, StartsAt, delete, numbered, too_many_taken_away};
+use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered, too_many_taken_away};
 use crate::deck::ansys::model::numbered::NumberedSets;
 use crate::deck::ansys::model::terms::{OwnedTerms, TermStore};
 use crate::deck::ansys::syntax::archive::{ArchiveStatement, DofCoefficient};
@@ -34,13 +34,13 @@ pub struct CeEquation {
     promised: Option<u32>,
     given: u32,
     /// The first load step that it is solved in.
-    from: LoadStep,
+    from: StepIndex,
     /// One more than the index of the region that made it; 0 if none did.
     region: u32,
 }
 
 impl StartsAt for CeEquation {
-    fn from(&self) -> LoadStep {
+    fn from(&self) -> StepIndex {
         self.from
     }
 }
@@ -71,7 +71,7 @@ pub struct CeEquations {
     past_terms: usize,
     pub regions: Vec<NodeRegion>,
     /// Load steps solved so far.
-    pub now: LoadStep,
+    pub now: StepIndex,
     /// Equations that commands belong to which are not understood.
     unknown: FxHashSet<u32>,
     /// The highest number that any command names, understood or not.

@@ -19,20 +19,20 @@ impl Default for SearchBudget {
 }
 
 /// A load step, counted from 0.
-pub type LoadStep = u32;
+pub type StepIndex = u32;
 
 /// What held up to a load step.
 #[derive(Debug)]
 pub struct PastVersion<T> {
     pub number: u32,
-    pub last: LoadStep,
+    pub last: StepIndex,
     pub value: T,
 }
 
 /// What exists from a load step on.
 pub trait StartsAt {
     /// The first load step that it is solved in.
-    fn from(&self) -> LoadStep;
+    fn from(&self) -> StepIndex;
 }
 
 /// Takes away the sets `first, last, step` of a command from field 1 on, or `ALL` of them; those that held in a load step before `now`
@@ -41,7 +41,7 @@ pub fn delete<T: StartsAt>(
     command: &AnsysCommand,
     sets: &mut NumberedSets<T>,
     past: &mut Vec<PastVersion<T>>,
-    now: LoadStep,
+    now: StepIndex,
     left: &mut SearchBudget,
 ) -> Result<(), FieldFault> {
     let (first, last, step) = if command.is(1, "ALL") {

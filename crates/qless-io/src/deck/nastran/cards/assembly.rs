@@ -1,4 +1,4 @@
-//! From lines of bulk data to cards: continuations, wherever they stand, and copies.
+//! Assembles lines of bulk data into cards, with their continuations and copies.
 
 use super::bulk::BulkData;
 use super::quick::QuickCard;
@@ -11,16 +11,16 @@ use crate::deck::nastran::syntax::lines::DeckLine;
 use crate::deck::{CardFault, Problem, Solver};
 use crate::fault::quote;
 
-/// The card being read, and all that was read before it.
+/// The card that is being read, and the bulk data read so far.
 pub struct CardAssembly {
     pub bulk: BulkData,
     card: BulkCard,
-    /// What the last line belongs to.
+    /// Kind of the last line.
     before: LineBefore,
-    /// How the last line names its continuation, if it is one of a card that is not read.
+    /// Continuation mark of the last line, if its card is skipped.
     mark: Vec<u8>,
     continuations: Continuations,
-    /// How the last copies were made.
+    /// Rule of the last copies, if the last line made copies.
     copies: Option<CopyRule>,
     solver: Solver,
 }
@@ -38,19 +38,19 @@ impl CardAssembly {
         }
     }
 
-    /// Whether names of continuations matter. To OptiStruct the next line is the continuation, whatever its name.
+    /// Whether names of continuations matter. OptiStruct ignores them and takes the next line.
     fn goes_by_name(&self) -> bool {
         self.solver != Solver::Optistruct
     }
 
-    /// Takes a card that was read the short way. No continuation follows it, and no copy.
+    /// Takes a card that the fast path has read. No continuation and no copy follows it.
     pub fn quick(&mut self, card: &QuickCard, line: &DeckLine) -> Result<(), NamedRefusal> {
         self.end_card()?;
         self.bulk.quick(card, line);
         Ok(())
     }
 
-    /// Begins a card; one without a name here is not read.
+    /// Starts a card; `None` for a card that is skipped.
     pub fn begin(&mut self, name: Option<&'static str>, line: &DeckLine) -> Result<(), NamedRefusal> {
         let Some(name) = name else {
             self.pass(line);
@@ -60,14 +60,14 @@ impl CardAssembly {
         self.card.begin(name, line.text, line.at()).map_err(|refused| self.failed(refused))
     }
 
-    /// Passes over a line of a card that is not read.
+    /// Skips a line of a card that is not read.
     fn pass(&mut self, line: &DeckLine) {
         self.before = LineBefore::Unread;
         self.mark.clear();
         self.mark.extend_from_slice(mark(line.text));
     }
 
-    /// Finds out what a continuation line goes on with.
+    /// Takes a continuation line and finds its card.
     pub fn go_on(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
         let name = if self.goes_by_name() { name_of(line.text) } else { Vec::new() };
         let own = match self.before {
@@ -98,7 +98,7 @@ impl CardAssembly {
         }
     }
 
-    /// Keeps a line of a name that what stands before it does not go on with.
+    /// Keeps a continuation line that does not continue the line before it.
     fn start_piece(
         &mut self,
         before: LineBefore,
@@ -116,12 +116,12 @@ impl CardAssembly {
         Ok(())
     }
 
-    /// Whether the line stands for copies of the card before it. Those of cards that are not read are passed over.
+    /// Whether the line makes copies that must be handled; copies of skipped cards are skipped too.
     pub fn is_copied_by(&self, line: &DeckLine) -> bool {
         is_copy(line.text) && (self.before == LineBefore::Read || self.solver == Solver::Mystran)
     }
 
-    /// Makes copies of the card before the line.
+    /// Makes the copies of the previous card.
     pub fn copy(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
         if self.solver == Solver::Mystran {
             self.pass_copy(line);
@@ -145,7 +145,7 @@ impl CardAssembly {
         Ok(())
     }
 
-    /// MYSTRAN makes no copies: it passes over the line, or takes an asterisk in free field for large field and stops.
+    /// Notes that MYSTRAN makes no copies: it ignores the line, or mistakes an asterisk in free field for large field and stops.
     fn pass_copy(&mut self, line: &DeckLine) {
         if line.text.contains(&b',') && line.text.contains(&b'*') {
             self.bulk.notes.refuse(line.at(), "MYSTRAN stops at this line of copies; write the cards out".into());
@@ -154,9 +154,9 @@ impl CardAssembly {
         }
     }
 
-    /// Ends the card that is being read, if there is one.
+    /// Ends the card that is being read, if any.
     pub fn end_card(&mut self) -> Result<(), NamedRefusal> {
-        // Copies were given when they were made.
+        // Copies were handed on when they were made.
         let is_given = self.copies.take().is_some();
         match std::mem::replace(&mut self.before, LineBefore::Nothing) {
             LineBefore::Read if !is_given => {
@@ -177,7 +177,7 @@ impl CardAssembly {
         Ok(())
     }
 
-    /// Hands the card on.
+    /// Hands the card to the bulk data.
     fn give(&mut self) -> Result<(), NamedRefusal> {
         if self.solver == Solver::Mystran && self.card.goes_beyond() {
             let problem = CardFault::FieldsDropped.into();
@@ -186,7 +186,7 @@ impl CardAssembly {
         self.bulk.card(&self.card).map_err(|refused| self.failed(refused))
     }
 
-    /// All cards, those whose lines stand apart among them.
+    /// The complete bulk data, including cards with separated lines.
     pub fn finish(mut self) -> Result<BulkData, NamedRefusal> {
         self.end_card()?;
         let cards = std::mem::take(&mut self.continuations).finish(self.solver)?;
@@ -202,7 +202,7 @@ impl CardAssembly {
     }
 }
 
-/// Something else is expected than the line.
+/// The error that something else was expected in place of the line.
 fn expected(line: &DeckLine, card: &str, expected: &'static str) -> NamedRefusal {
     let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
     NamedRefusal { card: card.into(), refused: CardRefusal { at: line.at(), field: None, problem } }

@@ -1,4 +1,4 @@
-//! Bulk data: the cards that say what is constrained, in their order. All others are passed over.
+//! The content of bulk data: collects the cards that matter for constraints, in the order of the deck.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
@@ -24,39 +24,39 @@ use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
 use crate::deck::nastran::syntax::lines::{DeckLine, FileLine};
 use crate::deck::{CardFault, Solver};
 
-/// What the bulk data of a deck constrains.
+/// The cards of bulk data that matter for constraints.
 #[derive(Debug, Default)]
 pub struct BulkData {
-    /// Whether MYSTRAN reads the deck, to which some cards mean something else.
+    /// Whether the deck is for MYSTRAN, which reads some cards differently.
     pub is_mystran: bool,
     pub grids: Grids,
     pub scalars: Vec<PointSpan>,
     pub usual: Option<(GridDefaults, CardPlace)>,
     pub frames: FrameDefinitions,
-    /// The cards of `frames`.
+    /// Places of the cards of `frames`.
     pub frame_places: BTreeMap<u32, CardPlace>,
     pub ties: Ties,
-    /// Lines of cards that cannot be left out or replaced: with thermal expansion, or copied by others.
+    /// First lines of cards that must not be removed or replaced, because of thermal expansion or because others are copies of them.
     pub fixed: BTreeSet<FileLine>,
-    /// Lines of cards that do not stand right after the first ones, by the first.
+    /// Separated continuation lines of cards, by the first line of the card.
     pub apart: BTreeMap<FileLine, Vec<FileLine>>,
-    /// The cards of rigid elements, by number.
+    /// First lines of rigid elements, by element number.
     elements: FxHashMap<u32, FileLine>,
-    /// Components that may be in one set only.
+    /// Components in mutually exclusive sets.
     pub exclusive: Vec<ExclusiveMembers>,
     pub supports: Vec<(u32, PointSupport, CardPlace)>,
-    /// `SPCD`.
+    /// `SPCD` cards, with their load set.
     pub enforced: Vec<(u32, PointSupport, CardPlace)>,
     pub mpc_unions: SetUnions,
     pub spc_unions: SetUnions,
     pub combinations: LoadCombinations,
     pub loads: Vec<LoadedComponents>,
     pub notes: CardNotes,
-    /// Cards of which not even the name is known.
+    /// Names of unknown cards.
     pub unknown: UnknownNames,
 }
 
-/// The name of a card that has to be read, given in capitals; none for all others.
+/// The name if cards of this name (in capitals) must be read; `None` for cards that are skipped.
 pub fn known(name: &[u8]) -> Option<&'static str> {
     const READ: [&str; 30] = [
         "GRID", "GRDSET", "SPOINT", "EPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MPC",
@@ -70,12 +70,12 @@ pub fn known(name: &[u8]) -> Option<&'static str> {
 }
 
 impl BulkData {
-    /// Nothing as yet, of a deck that this solver reads.
+    /// Empty bulk data of a deck for this solver.
     pub fn of(solver: Solver) -> Self {
         Self { is_mystran: solver == Solver::Mystran, ..Self::default() }
     }
 
-    /// Takes a card that was read the short way.
+    /// Takes a card that the fast path has read.
     pub fn quick(&mut self, card: &QuickCard, line: &DeckLine) {
         match card {
             QuickCard::Grid(given) => self.grids.push(given, line.file, line.number),
@@ -128,12 +128,12 @@ impl BulkData {
         Ok(())
     }
 
-    /// To MYSTRAN a set may be 0.
+    /// The set of an `MPC` card; MYSTRAN accepts set 0.
     fn mpc_set(&self, card: &BulkCard) -> Result<u32, CardRefusal> {
         if self.is_mystran { card.optional_whole(0, SET).map(Option::unwrap_or_default) } else { set(card) }
     }
 
-    /// A card that is not understood. Those of `SUPORT` are in a set all the same.
+    /// Notes a card that is not understood. `SUPORT` puts its components into a set nevertheless.
     fn leave_out(&mut self, card: &BulkCard, unread: &UnreadCard) -> Result<(), CardRefusal> {
         self.exclusive.extend(exclusive::read(card)?.unwrap_or_default());
         if unread.constrains {
@@ -179,7 +179,7 @@ impl BulkData {
         Ok(())
     }
 
-    /// Elements have a number of their own.
+    /// Checks that no other element has the card's number.
     fn number(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         if self.is_mystran && mystran::has_no_number(card) {
             return Ok(());

@@ -1,6 +1,7 @@
-//! `RBE1`, `RBE2`, `RBE3`, `RBAR` and `RROD` as they stand on their cards; the others are in `joints`.
+//! Cards of rigid and interpolation elements: `RBE1`, `RBE2`, `RBE3`, `RBAR`, `RROD`, `RBAR1`, `RJOINT`, `RTRPLT`, `RTRPLT1`, and
+//! OptiStruct's `JOINTG`.
 //!
-//! `RBAR1`, `RJOINT`, `RTRPLT`, `RTRPLT1` and OptiStruct's `JOINTG` as they stand on their cards.
+//! Each function reads the fields of one kind of card; `model` turns the elements into equations.
 
 use super::points::{PointSpan, spans, spans_in};
 use crate::deck::kinematics::components::Components;
@@ -12,7 +13,7 @@ use crate::deck::{CardFault, Dof, Problem};
 
 pub const POINT: &str = "a grid point";
 
-/// An element, and its coefficient of thermal expansion.
+/// An element and its coefficient of thermal expansion.
 pub struct ElementCard<T> {
     pub element: T,
     pub alpha: f64,
@@ -25,13 +26,13 @@ pub enum NastranElement {
     Rigid(Rigid),
     Rod(Rod),
     Mean(WeightedMean),
-    /// A mean over the motions of the reference's own components alone.
+    /// A mean over the motions in the given components of the reference only.
     PartialMean(WeightedMean),
-    /// Points at one place.
+    /// A rigid coupling of points that must coincide.
     Joint(Rigid),
 }
 
-/// `RBE2`: all components of `dependent` follow one point.
+/// `RBE2`: `components` of all dependent points follow the centre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidStar {
     pub centre: u32,
@@ -39,7 +40,7 @@ pub struct RigidStar {
     pub dependent: Vec<PointSpan>,
 }
 
-/// `RBE3`: the reference follows the mean of lists of points.
+/// `RBE3`: the reference follows the weighted mean of groups of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeightedMean {
     reference: u32,
@@ -48,7 +49,7 @@ pub struct WeightedMean {
     dependent: Side,
 }
 
-/// Points of one weight.
+/// Points with a common weight.
 #[derive(Clone, Debug, PartialEq)]
 struct WeightGroup {
     weight: f64,
@@ -57,17 +58,17 @@ struct WeightGroup {
 }
 
 impl WeightedMean {
-    /// Leaves translations of the connected points alone.
+    /// Ignores the rotations of the connected points.
     pub fn drop_rotations(&mut self) {
         self.groups.iter_mut().for_each(|group| group.components = group.components.and(Components::TRANSLATIONS));
     }
 
-    /// Whether the reference has components that do not depend, and no `UM` list says which do.
+    /// Whether only some components of the reference are dependent, and the element has no `UM` list.
     pub fn is_partial(&self) -> bool {
         self.components != Components::ALL && self.dependent.is_empty()
     }
 
-    /// The element that this makes of the points that `expand` finds in the lists.
+    /// The element, with lists of points resolved by `expand`.
     pub fn mean(&self, expand: impl Fn(&[PointSpan]) -> Result<Vec<u32>, Problem>) -> Result<Mean, Problem> {
         let group = |group: &WeightGroup| {
             let nodes = expand(&group.points)?;
@@ -79,7 +80,7 @@ impl WeightedMean {
     }
 }
 
-/// `RBE2 id, GN, CM, GM1, GM2, ..., ALPHA`. MYSTRAN passes over GN among the others.
+/// `RBE2 id, GN, CM, GM1, GM2, ..., ALPHA`. MYSTRAN ignores GN among the dependent points.
 pub fn rbe2(card: &BulkCard, is_mystran: bool) -> Result<ElementCard<RigidStar>, CardRefusal> {
     let end = (3..card.len()).find(|&i| is_real(card, i)).unwrap_or(card.len());
     let centre = card.id(1, POINT)?;
@@ -164,7 +165,7 @@ fn groups(card: &BulkCard, fields: &[usize]) -> Result<Vec<WeightGroup>, CardRef
     Ok(groups)
 }
 
-/// Grid points with their components, and the field of a real number that ends them.
+/// Pairs of grid point and components, and the field of the real number that ends them, if any.
 fn pairs(card: &BulkCard, fields: &[usize]) -> Result<(Side, Option<usize>), CardRefusal> {
     let end = fields.iter().copied().find(|&i| is_real(card, i));
     let mut side = Side::new();
@@ -194,7 +195,7 @@ pub fn alpha(card: &BulkCard, i: usize) -> Result<f64, CardRefusal> {
     Ok(card.real(i)?.unwrap_or(0.0))
 }
 
-/// The element that a star makes of the points of its list.
+/// The rigid element of a star, given the resolved list of its points.
 pub fn star(star: &RigidStar, nodes: Vec<u32>) -> Result<Rigid, Problem> {
     if nodes.is_empty() {
         return Err(CardFault::NothingConnected.into());
@@ -209,7 +210,7 @@ pub fn rbar1(card: &BulkCard) -> Result<ElementCard<Rigid>, CardRefusal> {
     Ok(ElementCard { element, alpha: alpha(card, 4)? })
 }
 
-/// `RJOINT id, GA, GB, CB`: the same for points at one place.
+/// `RJOINT id, GA, GB, CB`: the same for two points that coincide.
 pub fn rjoint(card: &BulkCard) -> Result<Rigid, CardRefusal> {
     follow(card, [1, 2], all_or(card, 3)?)
 }
@@ -234,14 +235,14 @@ pub fn rtrplt1(card: &BulkCard) -> Result<ElementCard<Rigid>, CardRefusal> {
     Ok(ElementCard { element, alpha: alpha(card, 6)? })
 }
 
-/// What a `JOINTG` lets its second point do.
+/// An element of a `JOINTG` card, by its type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum JointElement {
-    /// Nothing by itself, wherever it is.
+    /// `RBEAM`: the second point follows the first rigidly.
     Beam(Rigid),
-    /// To turn; both points are at one place.
+    /// `BALL`: the second point may rotate; both points must coincide.
     Ball(Rigid),
-    /// Something that this reader does not follow.
+    /// A type that this reader does not support.
     Other,
 }
 
@@ -257,13 +258,13 @@ pub fn jointg(card: &BulkCard) -> Result<JointElement, CardRefusal> {
     }
 }
 
-/// Components of the second point follow the first.
+/// The rigid element by which components of the second point follow the first.
 fn follow(card: &BulkCard, [first, second]: [usize; 2], set: Components) -> Result<Rigid, CardRefusal> {
     let (first, second) = (card.id(first, POINT)?, card.id(second, POINT)?);
     Ok(Rigid { independent: vec![(first, Components::ALL)], dependent: vec![(second, set)] })
 }
 
-/// Components; all where the field is blank.
+/// The components in a field; all six if it is blank.
 fn all_or(card: &BulkCard, i: usize) -> Result<Components, CardRefusal> {
     if card.is_blank(i) { Ok(Components::ALL) } else { card.some_components(i) }
 }

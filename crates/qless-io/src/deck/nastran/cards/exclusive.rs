@@ -1,4 +1,5 @@
-//! `ASET`, `OMIT`, `BSET`, `CSET`, `QSET`, `SUPORT`: sets of components of which none may be in another, or dependent.
+//! Mutually exclusive sets: a component in `ASET`, `OMIT`, `BSET`, `CSET`, `QSET` or `SUPORT` may be in no other of these sets, and may
+//! not be dependent.
 //!
 //! | card | fields |
 //! | --- | --- |
@@ -9,17 +10,17 @@ use super::points::{PointSpan, spans};
 use crate::deck::kinematics::components::Components;
 use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
 
-/// Components of points in a set.
+/// Components of points that a card puts into an exclusive set.
 #[derive(Clone, Debug)]
 pub struct ExclusiveMembers {
-    /// Its letter: components are in one such set only.
+    /// Letter of the set.
     pub letter: char,
     pub points: Vec<PointSpan>,
     pub components: Components,
     pub place: CardPlace,
 }
 
-/// Names of such cards, with the letter of their set.
+/// Card names with the letter of their set.
 const CARDS: [(&str, char); 15] = [
     ("ASET", 'a'),
     ("ASET1", 'a'),
@@ -38,17 +39,17 @@ const CARDS: [(&str, char); 15] = [
     ("SUPORT", 'r'),
 ];
 
-/// The names of such cards.
+/// All card names.
 pub fn names() -> impl Iterator<Item = &'static str> {
     CARDS.iter().map(|(name, _)| *name)
 }
 
-/// What a card puts into its set; none if it is no such card.
+/// The components that a card puts into its set; `None` for other cards.
 pub fn read(card: &BulkCard) -> Result<Option<Vec<ExclusiveMembers>>, CardRefusal> {
     let Some(&(name, letter)) = CARDS.iter().find(|(name, _)| *name == card.name) else { return Ok(None) };
     let members = |points, components| ExclusiveMembers { letter, points, components, place: CardPlace::of(card) };
     if name.ends_with('1') {
-        // Of all points there is nothing that could be told apart.
+        // A set of all points cannot conflict with a particular point here, so it counts as empty.
         let is_all = card.field(1).eq_ignore_ascii_case(b"ALL");
         let points = if is_all { Vec::new() } else { spans(card, 1, card.len())? };
         return Ok(Some(vec![members(points, card.components(0)?)]));

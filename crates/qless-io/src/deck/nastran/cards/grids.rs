@@ -1,4 +1,4 @@
-//! Grid points by number, in little room: what most of them share is kept once.
+//! A compact table of grid points by number: data that many points share is stored once.
 
 use std::cmp::Ordering;
 
@@ -17,11 +17,11 @@ pub struct GridPoint {
     pub at: Vector,
     pub id: u32,
     line: u32,
-    /// Index of what it shares with others.
+    /// Index of its data in `Grids::shared`.
     shared: u32,
 }
 
-/// The file of a `GRID` card, and what it says beside the coordinates.
+/// Data of a `GRID` card that other points are likely to share: its file, and all fields except the coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 struct SharedGridData {
     file: u32,
@@ -34,21 +34,21 @@ pub struct Grids {
     all: Chunks<GridPoint>,
     shared: Vec<SharedGridData>,
     by_shared: FxHashMap<SharedGridData, u32>,
-    /// What the point added last shares, and its index.
+    /// Shared data of the point added last, and its index.
     recent: Option<(SharedGridData, u32)>,
-    /// Cards that say again what another says, after that one.
+    /// Pairs of equal cards for one point, in the order of the deck.
     pub repeated: Vec<[CardPlace; 2]>,
 }
 
 impl Grids {
-    /// Adds the point of a card at this place.
+    /// Adds the point of a card in this file and line.
     pub fn push(&mut self, given: &GridCard, file: u32, line: u32) {
         let shared = self.share(SharedGridData { file, usual: given.usual });
         self.all.push(GridPoint { at: given.at, id: given.id, line, shared });
     }
 
     fn share(&mut self, shared: SharedGridData) -> u32 {
-        // The point before is mostly alike.
+        // The previous point usually has the same data.
         if let Some((recent, index)) = self.recent
             && recent == shared
         {
@@ -62,7 +62,7 @@ impl Grids {
         index
     }
 
-    /// Puts the points in order, each once; the error is a number with two points that differ.
+    /// Sorts the points by number and removes duplicates. The error is a number that two different cards define.
     pub fn sort(&mut self) -> Result<(), Box<(u32, [CardPlace; 2])>> {
         if self.all.iter().is_sorted_by(|a, b| a.id < b.id) {
             return Ok(());
@@ -84,18 +84,18 @@ impl Grids {
         a.at == b.at && self.usual(a) == self.usual(b)
     }
 
-    /// The card of a point.
+    /// Place of the card of a point.
     pub fn place(&self, grid: &GridPoint) -> CardPlace {
         let file = self.shared[grid.shared as usize].file;
         CardPlace { name: CardName::numbered("GRID", grid.id), file, line: grid.line, lines: 1 }
     }
 
-    /// What the card says beside the coordinates.
+    /// The fields of the card other than the coordinates.
     pub fn usual(&self, grid: &GridPoint) -> GridDefaults {
         self.shared[grid.shared as usize].usual
     }
 
-    /// Whether what some point shares with others is such.
+    /// Whether any point has fields that satisfy the predicate.
     pub fn any(&self, is_such: impl Fn(GridDefaults) -> bool) -> bool {
         self.shared.iter().any(|shared| is_such(shared.usual))
     }
@@ -104,17 +104,17 @@ impl Grids {
         self.all.iter()
     }
 
-    /// Points from this number on.
+    /// The points with at least this number.
     pub fn from(&self, id: u32) -> impl Iterator<Item = &GridPoint> {
         self.all.iter_from(self.all.partition_point(|grid| grid.id < id))
     }
 
-    /// The point of a number, of points in order. Where none are missing, it is found at once.
+    /// The point with this number; the points must be sorted. If no numbers are missing, the first guess is right.
     pub fn get(&self, id: u32) -> Option<&GridPoint> {
         let first = self.all.iter().next()?.id;
         let mut end = self.all.len().min(id.checked_sub(first)? as usize + 1);
         let (mut beyond, mut step) = (end, 1);
-        // No point stands further on than if all numbers before it were there.
+        // The point's index is at most that without missing numbers: search backwards from there with doubling steps.
         loop {
             let grid = &self.all[end - 1];
             match grid.id.cmp(&id) {

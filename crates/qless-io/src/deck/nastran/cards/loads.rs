@@ -1,14 +1,16 @@
-//! `LOAD`, which combines load sets, and the components that `FORCE`, `MOMENT` and `SLOAD` load.
+//! Load cards: `LOAD` combines load sets; `FORCE`, `MOMENT` and `SLOAD` load components of points.
+//!
+//! Only the loaded components are kept, not the values of the loads.
 
 use std::collections::BTreeMap;
 
 use crate::deck::kinematics::components::Components;
 use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
 
-/// Load sets with their factors, by the number of the combination.
+/// Load sets and their factors, by the number of the combination.
 pub type LoadCombinations = BTreeMap<u32, Vec<(u32, f64)>>;
 
-/// Components of a point that carry a load.
+/// Components of a point that a card loads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadedComponents {
     pub set: u32,
@@ -29,7 +31,7 @@ pub fn combination(card: &BulkCard, combinations: &mut LoadCombinations) -> Resu
     Ok(())
 }
 
-/// The sets that `set` comes down to, itself with factor 1 among them.
+/// The load sets in `set` with their factors, including `set` itself with factor 1.
 pub fn parts(set: u32, combinations: &LoadCombinations) -> BTreeMap<u32, f64> {
     let mut parts = BTreeMap::from([(set, 1.0)]);
     for &(part, factor) in combinations.get(&set).into_iter().flatten() {
@@ -38,7 +40,7 @@ pub fn parts(set: u32, combinations: &LoadCombinations) -> BTreeMap<u32, f64> {
     parts
 }
 
-/// `FORCE set, G, CID, F, N1, N2, N3` and `MOMENT`. Along axes other than the basic ones any component may be loaded.
+/// `FORCE set, G, CID, F, N1, N2, N3` and `MOMENT`. If the axes are not the basic ones, all three components count as loaded.
 pub fn vector(card: &BulkCard, first: u8) -> Result<LoadedComponents, CardRefusal> {
     let basic = card.optional_whole(2, "a coordinate system")?.unwrap_or(0) == 0;
     let mut digits = Vec::new();

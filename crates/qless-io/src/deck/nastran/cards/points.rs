@@ -1,8 +1,7 @@
-//! `GRID id, CP, X1, X2, X3, CD, PS` and `GRDSET`, which says what the others leave blank.
+//! Cards of points: `GRID`, `GRDSET`, coordinate systems, and lists of points such as `3 5 10 THRU 20`.
 //!
-//! `CORD1R`, `CORD1C`, `CORD1S`, two frames a card, and `CORD2R`, `CORD2C`, `CORD2S`.
-//!
-//! Lists of grid points: `3 5 10 THRU 20`.
+//! `GRID id, CP, X1, X2, X3, CD, PS` defines a grid point; `GRDSET` gives defaults for its blank fields. `CORD1R`, `CORD1C` and
+//! `CORD1S` define up to two coordinate systems by grid points; `CORD2R`, `CORD2C` and `CORD2S` define one by coordinates.
 
 use std::collections::BTreeMap;
 
@@ -12,32 +11,32 @@ use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::nastran::syntax::card::{BulkCard, CardRefusal};
 
-/// A coordinate system that nothing defines.
+/// The problem of a coordinate system without a definition.
 pub fn unknown_frame(frame: u32) -> Problem {
     Problem::Undefined { what: "coordinate system", name: frame.to_string() }
 }
 
-/// A grid point that nothing defines.
+/// The problem of a grid point without a definition.
 pub fn unknown_grid(node: u32) -> Problem {
     Problem::Undefined { what: "grid point", name: node.to_string() }
 }
 
-/// Frame 0, the basic one.
+/// Number of the basic coordinate system.
 pub const BASIC: u32 = 0;
 
-/// How a card defines a frame: by its origin, a point on its third axis, and one in the plane of first and third.
+/// Three points that define a frame: its origin, a point on its third axis, and a point in the plane of first and third axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrameDefinition {
-    /// `CORD2x`: points in frame `reference`.
+    /// `CORD2x`: coordinates in frame `reference`.
     Points { kind: Kind, reference: u32, points: [Vector; 3] },
     /// `CORD1x`: grid points.
     Grids { kind: Kind, grids: [u32; 3] },
 }
 
-/// All definitions of a deck by identification.
+/// All frame definitions of a deck, by number.
 pub type FrameDefinitions = BTreeMap<u32, FrameDefinition>;
 
-/// What a `GRID` card says.
+/// The content of a `GRID` card.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridCard {
     pub id: u32,
@@ -46,14 +45,14 @@ pub struct GridCard {
     pub usual: GridDefaults,
 }
 
-/// What `GRDSET` can give; none where the card leaves it blank.
+/// The fields of `GRID` that `GRDSET` can fill in; `None` for a blank field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct GridDefaults {
-    /// CP.
+    /// CP: the frame of the coordinates.
     pub given_in: Option<u32>,
-    /// CD.
+    /// CD: the frame of the displacements.
     pub moves_in: Option<u32>,
-    /// PS, components held in every subcase.
+    /// PS: components prescribed to 0 in every subcase.
     pub held: Option<Components>,
 }
 
@@ -74,7 +73,7 @@ impl GridDefaults {
         Ok(Self { given_in: frame(card, 1)?, moves_in: frame(card, 5)?, held })
     }
 
-    /// This, with its blanks filled.
+    /// These fields, with blanks filled from `other`.
     pub fn or(self, other: Self) -> Self {
         Self {
             given_in: self.given_in.or(other.given_in),
@@ -84,7 +83,7 @@ impl GridDefaults {
     }
 }
 
-/// A coordinate system; -1, which makes a fluid point, counts as the basic one.
+/// The number of a coordinate system; -1, which makes a fluid point, counts as the basic one.
 fn frame(card: &BulkCard, i: usize) -> Result<Option<u32>, CardRefusal> {
     if card.field(i) == b"-1" { Ok(Some(BASIC)) } else { card.optional_whole(i, "a coordinate system") }
 }
@@ -117,20 +116,20 @@ pub fn through_points(card: &BulkCard, kind: Kind) -> Result<(u32, FrameDefiniti
     Ok((card.id(0, ID)?, FrameDefinition::Points { kind, reference, points }))
 }
 
-/// Numbers from `first` to `last`; those between, but not the two themselves, may be missing in the model.
+/// Point numbers from `first` to `last`. Numbers in between may be missing in the model, but not the two ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PointSpan {
     pub first: u32,
     pub last: u32,
 }
 
-/// The list in fields `from..to`; blank fields are passed over.
+/// The list of points in fields `from..to`; blank fields are skipped.
 pub fn spans(card: &BulkCard, from: usize, to: usize) -> Result<Vec<PointSpan>, CardRefusal> {
     let filled: Vec<usize> = (from..to).filter(|&i| !card.is_blank(i)).collect();
     spans_in(card, &filled)
 }
 
-/// The list in these fields, none of them blank.
+/// The list of points in these fields, none of which is blank.
 pub fn spans_in(card: &BulkCard, fields: &[usize]) -> Result<Vec<PointSpan>, CardRefusal> {
     const POINT: &str = "a grid or scalar point";
     let mut fields = fields.iter().copied().peekable();

@@ -1,6 +1,7 @@
-//! The short way for cards that a deck has millions of: `GRID` and `MPC` in small field, on one line, with plain numbers.
+//! The fast path for the most frequent cards: `GRID` and `MPC` in small field, on one line, with plain numbers.
 //!
-//! It reads what `Card` reads, or nothing: any other line goes the long way, which also says what is wrong with it.
+//! The result equals that of the general path through `BulkCard`. Every other line is left to the general path, which also reports
+//! errors.
 
 use super::points::{GridCard, GridDefaults};
 use super::sets::MpcTerm;
@@ -11,14 +12,15 @@ use crate::number;
 /// Columns of a field.
 const FIELD: usize = 8;
 
-/// A card that was read.
+/// A card read by the fast path.
 pub enum QuickCard {
     Grid(GridCard),
-    /// The set, and one or two terms.
+    /// Set number, and one or two terms.
     Mpc(u32, MpcTerm, Option<MpcTerm>),
 }
 
-/// Reads a line that no other continues. A comment or a tab, but beyond the fields that count, goes the long way.
+/// Reads a line that no other line continues. `None` leaves the line to the general path, for instance if a relevant field holds a
+/// comment or a tab.
 pub fn read(line: &[u8]) -> Option<QuickCard> {
     let is_grid = match line.first_chunk()? {
         b"GRID    " => true,
@@ -31,7 +33,7 @@ pub fn read(line: &[u8]) -> Option<QuickCard> {
     if !rest.is_empty() {
         fields.get_mut(whole.len())?[..rest.len()].copy_from_slice(rest);
     }
-    // A comma in the first fields means that columns do not count.
+    // A comma in the first fields means free field.
     if fields[0].contains(&b',') {
         return None;
     }
@@ -61,7 +63,7 @@ fn id_of(field: SmallField) -> Option<u32> {
     optional(field).ok()?.filter(|&id| id > 0)
 }
 
-/// A whole number, which eight columns keep below 2^32; none in a blank field. The error is anything else.
+/// A whole number, which fits 32 bits in eight columns; `None` for a blank field, and an error for any other text.
 fn optional(field: SmallField) -> Result<Option<u32>, ()> {
     if field == BLANK {
         return Ok(None);
@@ -69,12 +71,12 @@ fn optional(field: SmallField) -> Result<Option<u32>, ()> {
     small_whole(field).map(Some).ok_or(())
 }
 
-/// A real number, 0 where the field is blank.
+/// A real number; 0 for a blank field.
 fn real(field: SmallField) -> Option<f64> {
     if field == BLANK { Some(0.0) } else { small_real(field).or_else(|| number::short(word(&field))) }
 }
 
-/// The field without the blanks around it.
+/// The field without surrounding blanks.
 fn word(field: &SmallField) -> &[u8] {
     let filled = u64::from_le_bytes(*field) ^ u64::from_le_bytes(BLANK);
     let (start, end) = (filled.trailing_zeros() / 8, FIELD as u32 - filled.leading_zeros() / 8);
@@ -87,7 +89,7 @@ mod tests {
     use crate::deck::nastran::cards::sets::terms;
     use crate::deck::nastran::syntax::card::BulkCard;
 
-    /// What the long way reads.
+    /// The card as the general path reads it.
     fn card(line: &str) -> BulkCard {
         let mut card = BulkCard::default();
         let name = if line.starts_with("GRID") { "GRID" } else { "MPC" };

@@ -1,8 +1,7 @@
-//! `MPC set, G1, C1, A1, G2, C2, A2`, two terms a line: `sum A u = 0`, the first component dependent.
+//! Cards in sets: `MPC` equations, prescribed values, and unions of sets.
 //!
-//! `SPC`, `SPC1` and `SPCD`: points whose components have given values.
-//!
-//! `MPCADD` and `SPCADD`: sets as unions of sets.
+//! `MPC set, G1, C1, A1, G2, C2, A2, ...` is the equation `sum A_i u_i = 0`, two terms to a line, with the first component dependent.
+//! `SPC`, `SPC1` and `SPCD` prescribe components of points. `MPCADD` and `SPCADD` define a set as the union of other sets.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,15 +10,15 @@ use crate::deck::kinematics::components::Components;
 use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal, PER_LINE};
 use crate::deck::{CardFault, Problem};
 
-/// A set or coordinate system that rests on itself.
+/// The problem of a set or coordinate system that depends on itself.
 pub fn circle(what: &'static str, id: u32) -> Problem {
     Problem::Circular { what, name: id.to_string() }
 }
 
-/// A term: point, component (none for a scalar point), coefficient.
+/// A term: point, component (empty for a scalar point), coefficient.
 pub type MpcTerm = (u32, Components, f64);
 
-/// The terms of the equation; one with coefficient 0 keeps its place.
+/// The terms of the equation in the order of the card, including those with coefficient 0.
 pub fn terms(card: &BulkCard) -> Result<Vec<MpcTerm>, CardRefusal> {
     let mut terms = Vec::new();
     for line in (0..card.len()).step_by(PER_LINE) {
@@ -45,7 +44,7 @@ fn term(card: &BulkCard, at: usize) -> Result<MpcTerm, CardRefusal> {
     Ok((node, component, card.real(at + 2)?.unwrap_or(0.0)))
 }
 
-/// Components of some points, and their value.
+/// Points, their prescribed components, and the value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointSupport {
     pub points: Vec<PointSpan>,
@@ -67,7 +66,7 @@ pub fn spc(card: &BulkCard) -> Result<Vec<PointSupport>, CardRefusal> {
     Ok(supports)
 }
 
-/// `SPC1 set, C, G1, G2, ...` or `SPC1 set, C, G1, THRU, G2`, beyond which MYSTRAN reads nothing.
+/// `SPC1 set, C, G1, G2, ...` or `SPC1 set, C, G1, THRU, G2`. MYSTRAN ignores fields after such a range.
 pub fn spc1(card: &BulkCard, is_mystran: bool) -> Result<PointSupport, CardRefusal> {
     let is_range = card.field(3).eq_ignore_ascii_case(b"THRU");
     let end = if is_mystran && is_range { 5 } else { card.len() };
@@ -78,10 +77,10 @@ pub fn spc1(card: &BulkCard, is_mystran: bool) -> Result<PointSupport, CardRefus
     Ok(PointSupport { points, components: card.components(1)?, value: 0.0 })
 }
 
-/// The unions of a deck by number, each with its card.
+/// The unions of a deck by their set number: the united sets, and the card.
 pub type SetUnions = BTreeMap<u32, Vec<(Vec<u32>, CardPlace)>>;
 
-/// `MPCADD set, S1, S2, ...`.
+/// `MPCADD set, S1, S2, ...`, or `SPCADD`.
 pub fn read_union(card: &BulkCard, unions: &mut SetUnions) -> Result<(), CardRefusal> {
     const SET: &str = "the number of a set";
     let of = (1..card.len()).filter(|&i| !card.is_blank(i)).map(|i| card.id(i, SET)).collect::<Result<_, _>>()?;
@@ -89,13 +88,13 @@ pub fn read_union(card: &BulkCard, unions: &mut SetUnions) -> Result<(), CardRef
     Ok(())
 }
 
-/// The sets that `set` comes down to, and those unions it goes through. A union hides a set of its own number. The error
-/// has the card of a union that contains itself.
+/// The elementary sets in `set`, with unions resolved recursively. A union hides an elementary set of the same number. The error
+/// holds the card of a union that contains itself.
 pub fn members(set: u32, unions: &SetUnions) -> Result<BTreeSet<u32>, (CardPlace, Problem)> {
     let mut found = BTreeSet::new();
     let mut open = BTreeSet::new();
     let mut closed = BTreeSet::new();
-    // True on the way up, when all below it is done.
+    // The flag is true once all sets below have been visited.
     let mut stack = vec![(set, false)];
     while let Some((set, done)) = stack.pop() {
         if done {

@@ -1,4 +1,4 @@
-//! What ties components together, in the order of the deck: millions of `MPC` in little room, other elements between them.
+//! A compact table of `MPC` cards and rigid elements, in the order of the deck.
 
 use super::elements::NastranElement;
 use super::sets::MpcTerm;
@@ -6,7 +6,7 @@ use crate::deck::CardName;
 use crate::deck::chunks::Chunks;
 use crate::deck::nastran::syntax::card::CardPlace;
 
-/// A card that ties components.
+/// A card that couples components.
 #[derive(Clone, Copy, Debug)]
 pub enum TieCard<'a> {
     Mpc(&'a MpcCard),
@@ -20,7 +20,7 @@ pub struct MpcCard {
     pub file: u32,
     pub line: u32,
     lines: u32,
-    /// Where its terms begin and end.
+    /// Range of its terms in `Ties::terms`.
     start: u32,
     end: u32,
 }
@@ -31,17 +31,17 @@ impl MpcCard {
     }
 }
 
-/// All of them.
+/// All `MPC` cards and rigid elements of a deck.
 #[derive(Debug, Default)]
 pub struct Ties {
     mpcs: Chunks<MpcCard>,
     terms: Chunks<MpcTerm>,
-    /// Elements with the number of `MPC` cards before them.
+    /// Elements, each with the number of `MPC` cards before it.
     elements: Vec<(usize, NastranElement, CardPlace)>,
 }
 
 impl Ties {
-    /// Adds an `MPC` card at a file, a line, and so many lines.
+    /// Adds an `MPC` card; its place is file, first line, and number of lines.
     pub fn mpc(&mut self, set: u32, (file, line, lines): (u32, u32, u32), terms: impl IntoIterator<Item = MpcTerm>) {
         let start = self.terms.len() as u32;
         terms.into_iter().for_each(|term| self.terms.push(term));
@@ -52,7 +52,6 @@ impl Ties {
         self.elements.push((self.mpcs.len(), element, place));
     }
 
-    /// `MPC` cards.
     pub fn mpcs(&self) -> impl Iterator<Item = &MpcCard> {
         self.mpcs.iter()
     }
@@ -62,12 +61,12 @@ impl Ties {
         (card.start..card.end).map(|k| self.terms[k as usize])
     }
 
-    /// Number of `MPC` cards and of their terms.
+    /// Number of `MPC` cards, and of all their terms.
     pub fn counts(&self) -> (usize, usize) {
         (self.mpcs.len(), self.terms.len())
     }
 
-    /// All in order.
+    /// All cards in the order of the deck.
     pub fn iter(&self) -> impl Iterator<Item = TieCard<'_>> {
         let (mut mpcs, mut count, mut element) = (self.mpcs.iter(), 0, 0);
         std::iter::from_fn(move || match self.elements.get(element) {

@@ -1,9 +1,8 @@
-//! What a user should know of the cards read.
+//! Cards that this reader does not understand, and the notes for the user about them.
 //!
-//! Cards that constrain in ways this reader does not follow; a warning says what stays free.
-//!
-//! Cards of which not even the name is read: those whose names sound as if they constrain are left out, the usual ones of elements,
-//! materials, loads and so on are passed over, and the rest is named once each.
+//! [`UnreadCard`] lists known cards that constrain in unsupported ways. All other names go through [`UnknownNames`]: a name that sounds
+//! like a constraint leaves the model incomplete, common cards (elements, materials, loads, ...) are skipped, and any other name is
+//! reported once.
 
 use std::sync::LazyLock;
 
@@ -14,18 +13,18 @@ use crate::deck::nastran::syntax::card::BulkCard;
 use crate::deck::nastran::syntax::lines::FileLine;
 use crate::number::whole;
 
-/// What is said of a line.
+/// The kind of a note.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum NoteKind {
-    /// Something that the user should know.
+    /// Information for the user.
     Warning,
-    /// Something that constrains was left out.
+    /// A constraint was left out.
     LeftOut,
-    /// The solver refuses it.
+    /// The solver refuses the line.
     Refusal,
 }
 
-/// All that is said, in the order of the cards.
+/// Notes about lines of the deck, in the order of the cards.
 #[derive(Debug, Default)]
 pub struct CardNotes(Vec<(FileLine, NoteKind, String)>);
 
@@ -42,7 +41,7 @@ impl CardNotes {
         self.0.push((at, NoteKind::Refusal, text));
     }
 
-    /// Tells the model.
+    /// Adds all notes to the model.
     pub fn tell(self, model: &mut Model) {
         for ((file, line), kind, text) in self.0 {
             match kind {
@@ -54,26 +53,26 @@ impl CardNotes {
     }
 }
 
-/// Where the grid points stand that a card constrains, as data fields from 0.
+/// The data fields, from 0, that list the grid points of a card.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ListedPoints {
-    /// Every second field from this one, each before its components.
+    /// Every second field from this one; each point is followed by its components.
     Pairs(usize),
-    /// A first point, and then pairs.
+    /// A single point, and then pairs.
     Spline,
-    /// Not on the card.
+    /// No fields: the points are not on the card.
     Elsewhere,
 }
 
 use ListedPoints::{Elsewhere, Pairs, Spline};
 
-/// A card that is not understood.
+/// A kind of card that this reader does not understand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnreadCard {
     name: &'static str,
     what: &'static str,
     listed: ListedPoints,
-    /// Whether it constrains, so that without it the model is incomplete.
+    /// Whether the card constrains: then the model is incomplete without it.
     pub constrains: bool,
 }
 
@@ -81,7 +80,7 @@ const fn unread(name: &'static str, what: &'static str, listed: ListedPoints) ->
     UnreadCard { name, what, listed, constrains: true }
 }
 
-/// A card that only limits how things move, or says something of such a card.
+/// An entry for a card that imposes no equations.
 const fn harmless(name: &'static str, what: &'static str) -> UnreadCard {
     UnreadCard { name, what, listed: Elsewhere, constrains: false }
 }
@@ -139,12 +138,12 @@ const UNREAD: [UnreadCard; 50] = [
     unread("RELEASE", "releases components between superelements", Elsewhere),
 ];
 
-/// The names of such cards.
+/// The names of all these cards.
 pub fn names() -> impl Iterator<Item = &'static str> {
     UNREAD.iter().map(|entry| entry.name)
 }
 
-/// What is said of a `JOINTG` whose type is not understood.
+/// The warning for a `JOINTG` of an unsupported type.
 pub fn joint(card: &BulkCard) -> String {
     let kind = String::from_utf8_lossy(card.field(2)).into_owned();
     let points: Vec<String> = [3, 5].into_iter().filter_map(|i| whole(card.field(i))).map(|i| i.to_string()).collect();
@@ -156,12 +155,12 @@ pub fn joint(card: &BulkCard) -> String {
 }
 
 impl UnreadCard {
-    /// The entry of a card's name in capitals.
+    /// The entry for a card name in capitals.
     pub fn of(name: &str) -> Option<&'static Self> {
         UNREAD.iter().find(|entry| entry.name == name)
     }
 
-    /// One sentence: what the card is and which grid points it names.
+    /// The warning for a card: what the card is, and which grid points it names.
     pub fn warning(&self, card: &BulkCard) -> String {
         let points = self.points(card);
         let on = if points.is_empty() { String::new() } else { format!(" of grid points {}", few(&points)) };
@@ -178,7 +177,7 @@ impl UnreadCard {
     }
 }
 
-/// The first few of a list.
+/// The first few entries of a list, and the number of the others.
 fn few(points: &[String]) -> String {
     const SHOWN: usize = 12;
     let rest = points.len().saturating_sub(SHOWN);
@@ -186,14 +185,14 @@ fn few(points: &[String]) -> String {
     format!("{}{more}", points[..points.len().min(SHOWN)].join(", "))
 }
 
-/// How the names of cards that constrain begin.
+/// Prefixes of names that sound like constraints.
 const CONSTRAINS: [&str; 7] = ["RB", "RSP", "RJ", "RX", "RG", "MPC", "SPC"];
 
-/// Names that begin so, of cards that constrain nothing.
+/// Names with such a prefix whose cards constrain nothing.
 const HARMLESS: [&str; 9] =
     ["RGYRO", "RSPINR", "RSPINT", "RSPINT2", "SPCOFF", "SPCOFF1", "RBJSTIF", "RXPORT", "RGLOAD"];
 
-/// How the names of usual cards begin, as of families of elements, properties, materials, loads, tables and optimization.
+/// Prefixes of common cards: elements, properties, materials, loads, tables, optimization.
 const FAMILIES: [&str; 54] = [
     "CAERO", "CBAR", "CBEAM", "CBEND", "CBUSH", "CDAMP", "CELAS", "CFLUID", "CGAP", "CHBDY", "CHEX", "CMASS", "CONM",
     "CONV", "CPENT", "CPYR", "CQUAD", "CROD", "CSHEAR", "CTETRA", "CTRI", "CTUBE", "CVISC", "CRAC", "CHAC", "CSSCH",
@@ -202,7 +201,7 @@ const FAMILIES: [&str; 54] = [
     "SPLINE",
 ];
 
-/// Other usual cards.
+/// Names of other common cards.
 const USUAL: [&str; 132] = [
     "ACCEL", "ACCEL1", "ACMODL", "ACSRCE", "ADAPT", "ADUMMY", "AXIC", "AXIF", "AXSLOT", "BAROR", "BEAMOR", "BLSEG",
     "BOLT", "BFRIC", "BGPARM", "BSURF", "BSURFS", "BCPROP", "CONROD", "CDUM", "CORD3G", "CORD3R", "CONCT", "CYSUP",
@@ -218,7 +217,7 @@ const USUAL: [&str; 132] = [
     "SWLDPRM",
 ];
 
-/// Other usual cards, from T on, and those that superelements, heat and optimization have.
+/// Names of further common cards, among them those of superelements, heat transfer and optimization.
 const MORE: [&str; 66] = [
     "SEBULK", "SEDLINK", "SEDRSP2", "SEELT", "SEEXCLD", "SELABEL", "SELOAD", "SELOC", "SENQSET", "SETREE", "SPOINT",
     "SUPAX", "STOCHAS", "SURFINI", "SUBCOM", "SIMPLE", "STAT", "TF", "TIC", "TICD", "TICS", "TRIM", "TRIM2", "TSTEP",
@@ -228,16 +227,16 @@ const MORE: [&str; 66] = [
     "PLSURF", "FTGDEF", "FTGPARM", "FTGSEQ", "FTGEVNT", "FTGLOAD", "TOPT", "SWITCH",
 ];
 
-/// The names met that are not known.
+/// The unknown names met so far.
 #[derive(Debug, Default)]
 pub struct UnknownNames {
     said: FxHashSet<Vec<u8>>,
-    /// The last name met: cards of a kind mostly stand together.
+    /// The last name met, for speed: cards of one kind are usually consecutive.
     last: Vec<u8>,
 }
 
 impl UnknownNames {
-    /// Notes a card of this name in capitals, if something is to be said of it.
+    /// Notes a card of this name (in capitals) if the user should know of it.
     pub fn meet(&mut self, name: &[u8], at: FileLine, notes: &mut CardNotes) {
         if self.last == name && !self.said.contains(name) {
             return;
@@ -257,7 +256,7 @@ impl UnknownNames {
     }
 }
 
-/// Letters and digits, a letter first.
+/// Whether a word is a card name: letters and digits, starting with a letter.
 fn is_name(name: &[u8]) -> bool {
     name.first().is_some_and(u8::is_ascii_uppercase) && name.iter().all(u8::is_ascii_alphanumeric)
 }

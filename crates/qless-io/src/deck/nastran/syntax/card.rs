@@ -1,6 +1,4 @@
-//! A card of bulk data: its name and the data fields of its line and of the lines that continue it.
-//!
-//! Where a card stands.
+//! A card of bulk data: its name, its data fields over all of its lines, and its place in the deck.
 
 use super::fields::{LineFields, name_in, split};
 use super::lines::FileLine;
@@ -10,20 +8,20 @@ use crate::deck::{CardName, DeckError, Model, Origin, Problem};
 use crate::fault::quote;
 use crate::number::whole;
 
-/// Data fields of a line; fields of continuations count on from multiples of it.
+/// Data fields of a line; the fields of each continuation line start at a multiple of this.
 pub const PER_LINE: usize = 8;
 
 /// A line of a card.
 #[derive(Clone, Copy, Debug)]
 struct CardLine {
     at: FileLine,
-    /// Its first data field.
+    /// Index of its first data field.
     first: u32,
-    /// Whether other cards stand between it and the line before, or it is in another file.
+    /// Whether other cards separate it from the previous line, or it is in another file.
     is_apart: bool,
 }
 
-/// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
+/// A card of bulk data. The reader refills one value for every card, so allocations do not grow with the deck.
 #[derive(Clone, Debug, Default)]
 pub struct BulkCard {
     /// The name in capitals.
@@ -32,16 +30,16 @@ pub struct BulkCard {
     pub file: u32,
     pub line: u32,
     text: Vec<u8>,
-    /// Where each data field ends in `text`.
+    /// End of each data field in `text`.
     ends: Vec<u32>,
     lines: Vec<CardLine>,
-    /// How the last line names its continuation.
+    /// Continuation mark of the last line.
     mark: Vec<u8>,
-    /// Whether a line has data beyond its last field.
+    /// Whether a line in free field has data beyond its last field.
     goes_beyond: bool,
 }
 
-/// Where and why a card was refused.
+/// Place and reason of an error in a card.
 #[derive(Debug)]
 pub struct CardRefusal {
     pub at: FileLine,
@@ -49,7 +47,7 @@ pub struct CardRefusal {
     pub problem: Problem,
 }
 
-/// A card that was refused, as an error names it.
+/// An error in a card, with the name of the card.
 #[derive(Debug)]
 pub struct NamedRefusal {
     pub card: String,
@@ -57,21 +55,21 @@ pub struct NamedRefusal {
 }
 
 impl CardRefusal {
-    /// The same with the card's name.
+    /// Adds the name of the card.
     pub fn of(self, card: &BulkCard) -> NamedRefusal {
         NamedRefusal { card: card.title().to_string(), refused: self }
     }
 }
 
 impl BulkCard {
-    /// Starts anew at a line that has been cleaned of its comment.
+    /// Starts a new card from a line without its comment.
     pub fn begin(&mut self, name: &'static str, line: &[u8], at: FileLine) -> Result<(), CardRefusal> {
         self.restart(name, at);
         self.take(&split(line).map_err(|problem| refused(at, problem))?, at, false);
         Ok(())
     }
 
-    /// Goes on with a continuation line; `is_apart` where other cards stand between.
+    /// Appends a continuation line; `is_apart` if other cards separate it from the card.
     pub fn extend(&mut self, line: &[u8], at: FileLine, is_apart: bool) -> Result<(), CardRefusal> {
         let was_apart = self.lines.last().is_some_and(|last| last.is_apart);
         let fields = split(line).map_err(|problem| refused(at, problem))?;
@@ -97,7 +95,7 @@ impl BulkCard {
     }
 
     fn take(&mut self, fields: &LineFields, at: FileLine, is_apart: bool) {
-        // Half a line in large field before one in small field counts as a whole one.
+        // Half a line in large field, followed by a line in small field, counts as a full line.
         if fields.data().len() == PER_LINE {
             while !self.ends.len().is_multiple_of(PER_LINE) {
                 self.ends.push(self.text.len() as u32);
@@ -115,27 +113,27 @@ impl BulkCard {
         self.ends.push(self.text.len() as u32);
     }
 
-    /// The name of the line that continues the card, in capitals; empty if it names none.
+    /// The name of the card's continuation line, in capitals; empty without a name.
     pub fn continues_in(&self) -> Vec<u8> {
         name_in(&self.mark)
     }
 
-    /// Whether a line in free field has data beyond its last field, as those of a continuation.
+    /// Whether a line in free field has data beyond its last field.
     pub fn goes_beyond(&self) -> bool {
         self.goes_beyond
     }
 
-    /// Whether it has all fields of a line, which in large field takes two.
+    /// Whether the card fills a line; in large field this takes two lines.
     pub fn is_full_line(&self) -> bool {
         self.ends.len() >= PER_LINE
     }
 
-    /// Whether it has this one line.
+    /// Whether the card consists of one line.
     pub fn is_one_line(&self) -> bool {
         self.lines.len() == 1 && self.ends.len() <= PER_LINE
     }
 
-    /// Data field `i` from 0; blank beyond the last.
+    /// Data field `i`, from 0; blank beyond the last field.
     pub fn field(&self, i: usize) -> &[u8] {
         let Some(&end) = self.ends.get(i) else { return b"" };
         let start = if i == 0 { 0 } else { self.ends[i - 1] };
@@ -146,12 +144,12 @@ impl BulkCard {
         self.field(i).is_empty()
     }
 
-    /// Number of data fields up to the last that is filled.
+    /// Number of data fields up to the last one that is not blank.
     pub fn len(&self) -> usize {
         (0..self.ends.len()).rev().find(|&i| !self.is_blank(i)).map_or(0, |i| i + 1)
     }
 
-    /// Number of lines from the first to the last of those that stand together.
+    /// Number of consecutive lines from the first line of the card.
     pub fn span(&self) -> u32 {
         let together = self.lines.iter().take_while(|part| !part.is_apart);
         together.last().map_or(1, |part| (part.at.1 + 1).saturating_sub(self.line).max(1))
@@ -162,12 +160,12 @@ impl BulkCard {
         self.lines.last().map_or((self.file, self.line), |part| part.at)
     }
 
-    /// Where the lines are that stand elsewhere.
+    /// The lines of the card that other cards separate from its first lines.
     pub fn apart(&self) -> impl Iterator<Item = FileLine> {
         self.lines.iter().filter(|part| part.is_apart).map(|part| part.at)
     }
 
-    /// The card's name with its number, as `RBE2 12`.
+    /// The card's name and number, such as `RBE2 12`.
     pub fn title(&self) -> CardName {
         match whole(self.field(0)).map(|id| (id, u32::try_from(id))) {
             Some((_, Ok(id))) => CardName::numbered(self.name, id),
@@ -176,12 +174,12 @@ impl BulkCard {
         }
     }
 
-    /// A whole number from 1.
+    /// A whole number of at least 1.
     pub fn id(&self, i: usize, what: &'static str) -> Result<u32, CardRefusal> {
         self.optional_id(i, what)?.ok_or_else(|| self.expected(i, what))
     }
 
-    /// A whole number from 0; none where the field is blank.
+    /// A whole number of at least 0; `None` for a blank field.
     pub fn optional_whole(&self, i: usize, what: &'static str) -> Result<Option<u32>, CardRefusal> {
         let word = self.field(i);
         if word.is_empty() {
@@ -198,7 +196,7 @@ impl BulkCard {
         }
     }
 
-    /// A real number; none where the field is blank.
+    /// A real number; `None` for a blank field.
     pub fn real(&self, i: usize) -> Result<Option<f64>, CardRefusal> {
         let word = self.field(i);
         if word.is_empty() {
@@ -206,13 +204,13 @@ impl BulkCard {
         }
         let number = |fault| self.at(i, Problem::Number { found: quote(word), fault });
         match real(word) {
-            // Too small to be told from zero is zero, as in the solver.
+            // The solver, too, reads an underflow as zero.
             Err(crate::NumberFault::Underflow) => Ok(Some(0.0)),
             other => other.map(Some).map_err(number),
         }
     }
 
-    /// Component numbers, blanks among them or not; the empty set where the field is blank or 0.
+    /// Component numbers, with or without blanks between them; the empty set if the field is blank or 0.
     pub fn components(&self, i: usize) -> Result<Components, CardRefusal> {
         const EXPECTED: &str = "component numbers: digits from 1 to 6";
         let digits: Vec<u8> = self.field(i).iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
@@ -225,12 +223,12 @@ impl BulkCard {
         Some(self.components(i)?).filter(|set| !set.is_empty()).ok_or_else(|| self.expected(i, EXPECTED))
     }
 
-    /// Field `i` holds something else than `what`.
+    /// The error that field `i` does not hold `what`.
     pub fn expected(&self, i: usize, what: &'static str) -> CardRefusal {
         self.at(i, Problem::Expected { expected: what, found: quote(self.field(i)) })
     }
 
-    /// A problem of field `i`, which counts from 2 in its line as the card's name is field 1.
+    /// The error of a problem in field `i`. Messages count fields from 1, and the card's name is field 1.
     pub fn at(&self, i: usize, problem: Problem) -> CardRefusal {
         let own = self.lines.iter().rfind(|part| part.first as usize <= i);
         let (at, first) = own.map_or(((self.file, self.line), 0), |part| (part.at, part.first as usize));
@@ -242,7 +240,7 @@ fn refused(at: FileLine, problem: Problem) -> CardRefusal {
     CardRefusal { at, field: None, problem }
 }
 
-/// File and lines of a card, and its name with its number.
+/// Place of a card: file, lines, and the card's name with its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CardPlace {
     pub name: CardName,
@@ -256,7 +254,7 @@ impl CardPlace {
         Self { name: card.title(), file: card.file, line: card.line, lines: card.span() }
     }
 
-    /// The same in a model; cards of one name that follow each other in a file are one there.
+    /// The place as an origin in a model. Consecutive cards of one name in a file share one entry there.
     pub fn origin(&self, model: &mut Model) -> Origin {
         let card = match model.cards.last() {
             Some(last) if last.name == self.name && last.file == self.file => model.cards.len() as u32 - 1,
@@ -265,13 +263,13 @@ impl CardPlace {
         Origin { card, line: self.line, lines: self.lines }
     }
 
-    /// An error of the card.
+    /// The error of a problem in the whole card.
     pub fn error(&self, problem: Problem, model: &mut Model) -> DeckError {
         let origin = self.origin(model);
         model.error(origin, None, problem)
     }
 
-    /// `deck.bdf:12`.
+    /// File name and line, such as `deck.bdf:12`.
     pub fn brief(&self, model: &Model) -> String {
         let file = model.files[self.file as usize].file_name().unwrap_or_default().to_string_lossy();
         format!("{file}:{}", self.line)

@@ -1,11 +1,11 @@
-//! Copies of the card before: `=,*1,=,*(0.5),==` and `=(3)`, which makes three more in the same way.
+//! Copies of the previous card: `=,*1,=,*(0.5),==` makes one copy, and `=(3)` then makes three more by the same rule.
 //!
-//! | field | the copy has |
+//! | field | field of the copy |
 //! | --- | --- |
-//! | `=` | the field of the card before |
-//! | `==` | that, and so for all fields from here on |
-//! | `*x`, `*(x)` | that, and x added to it |
-//! | anything else | what stands here |
+//! | `=` | the field of the previous card |
+//! | `==` | the same, for this and all later fields |
+//! | `*x`, `*(x)` | the field of the previous card plus x |
+//! | anything else | this text |
 
 use super::card::{BulkCard, CardRefusal, PER_LINE};
 use super::fields::split;
@@ -14,14 +14,14 @@ use super::number::real;
 use crate::deck::Problem;
 use crate::fault::quote;
 
-/// Copies of one line at most.
+/// Limit on the copies of one line.
 const COPIES: usize = 10_000_000;
 
-/// How a copy differs from the card before it, field by field.
+/// The rule for each field of a copy.
 #[derive(Clone, Debug, Default)]
 pub struct CopyRule(Vec<Vec<u8>>);
 
-/// How many copies a line makes, and how; what it leaves blank is as in the line before.
+/// The number of copies that a line makes, and their rule. A line without fields uses the rule `before`.
 pub fn read(line: &[u8], before: Option<&CopyRule>, at: FileLine) -> Result<(usize, CopyRule), CardRefusal> {
     const EXPECTED: &str = "`=`, `=n` or `=(n)`, and for a first copy what changes in it";
     let refused = |problem| CardRefusal { at, field: None, problem };
@@ -40,7 +40,7 @@ pub fn read(line: &[u8], before: Option<&CopyRule>, at: FileLine) -> Result<(usi
 }
 
 impl CopyRule {
-    /// Makes the card its next copy.
+    /// Replaces the card by its next copy.
     pub fn apply(&self, card: &mut BulkCard, at: FileLine) -> Result<(), CardRefusal> {
         let mut fields = Vec::with_capacity(PER_LINE);
         let mut is_rest = false;
@@ -60,12 +60,12 @@ impl CopyRule {
     }
 }
 
-/// The text between brackets, if there are any.
+/// The text without its parentheses, if it has any.
 fn inner(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"(").and_then(|text| text.strip_suffix(b")")).unwrap_or(text).trim_ascii()
 }
 
-/// The sum of two numbers: whole if both are.
+/// The sum of two numbers; a whole number if both are whole.
 fn sum(a: &[u8], b: &[u8]) -> Option<Vec<u8>> {
     let whole = |text: &[u8]| std::str::from_utf8(text).ok()?.parse::<i64>().ok();
     if let (Some(a), Some(b)) = (whole(a), whole(b)) {

@@ -1,10 +1,11 @@
-//! Text to numbers in Nastran's spelling: `12`, `7.0`, `1.5-3` for 1.5e-3, `1.D+2`.
+//! Numbers in Nastran's spelling: `12`, `7.0`, `1.5-3` for 1.5e-3, `1.D+2`.
 //!
-//! Numbers in eight columns, all of a field at once: 64 bits hold it, so that no loop waits for its end.
+//! [`real`] reads a number of any length. [`small_whole`] and [`small_real`] read plain numbers in a field of eight columns; they treat
+//! the field as one 64-bit word, without a loop over its characters.
 
 use crate::{NumberFault, number};
 
-/// The float nearest to the text: a sign after the first digit starts the exponent.
+/// The float nearest to the text; a sign after the first character starts the exponent.
 pub(in crate::deck) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     let bare_exponent = word.iter().skip(1).position(|byte| matches!(byte, b'+' | b'-'));
     let Some(sign) = bare_exponent.map(|at| at + 1) else { return plain(word) };
@@ -14,7 +15,7 @@ pub(in crate::deck) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     plain(&[&word[..sign], b"e", &word[sign..]].concat())
 }
 
-/// `inf` and `nan` are words here, not numbers.
+/// The float of a text with an ordinary exponent; `inf` and `nan` are words here, not numbers.
 fn plain(word: &[u8]) -> Result<f64, NumberFault> {
     let digits = word.iter().any(u8::is_ascii_digit);
     let letters = word.iter().any(|byte| byte.is_ascii_alphabetic() && !b"eEdD".contains(byte));
@@ -24,7 +25,7 @@ fn plain(word: &[u8]) -> Result<f64, NumberFault> {
     number::real(word)
 }
 
-/// A field of a card in small field.
+/// A data field in small-field format: eight columns.
 pub type SmallField = [u8; 8];
 
 pub const BLANK: SmallField = [b' '; 8];
@@ -46,47 +47,47 @@ pub fn small_real(field: SmallField) -> Option<f64> {
     (text, length) = (text >> (8 * u32::from(is_negative)), length - u32::from(is_negative));
     let point = small_point(text).min(length);
     let decimals = length.saturating_sub(point + 1);
-    // What is behind the point moves over it.
+    // Remove the point: shift the characters behind it by one.
     let before = 1_u64.checked_shl(8 * point).map_or(u64::MAX, |bit| bit - 1);
     let text = if point < length { (text & before) | (text >> 8 & !before) } else { text };
     let whole = small_digits(text, length - u32::from(point < length))?;
-    // Both are exact.
+    // Numerator and denominator are exact, so the quotient is correctly rounded.
     let size = f64::from(whole) / TENS[decimals as usize];
     Some(if is_negative { -size } else { size })
 }
 
-/// The field without the blanks around it, first character lowest, and its length.
+/// The field without surrounding blanks as a word, with the first character in the lowest byte, and its length.
 fn small_text(field: SmallField) -> (u64, u32) {
     let bits = u64::from_le_bytes(field);
     let filled = bits ^ u64::from_le_bytes(BLANK);
     let (start, end) = (filled.trailing_zeros() / 8, 8 - filled.leading_zeros() / 8);
-    // Of a blank field nothing is left.
+    // A blank field has length 0.
     let length = end.saturating_sub(start);
     let text = bits.checked_shr(8 * start).unwrap_or(0);
     (text & (u64::MAX >> (8 * (8 - length)).min(63)), length)
 }
 
-/// Where the first point is; 8 if there is none.
+/// Index of the first decimal point; 8 without one.
 fn small_point(text: u64) -> u32 {
     let other = text ^ u64::from_le_bytes([b'.'; 8]);
-    // The highest bit of a byte is set exactly where the byte is zero.
+    // The highest bit of each byte of `zero` is set exactly if that byte of `other` is zero.
     let zero = !(((other & LOW) + LOW) | other | LOW);
     zero.trailing_zeros() / 8
 }
 
-/// The number of so many digits.
+/// The number that the first `count` characters spell; `None` unless all of them are digits.
 fn small_digits(text: u64, count: u32) -> Option<u32> {
     if count == 0 {
         return None;
     }
-    // Zeros in front make eight of them, the last digit highest.
+    // Pad with leading zeros to eight digits, the last digit in the highest byte.
     let all = (text << (8 * (8 - count))) | ZEROS.checked_shr(8 * count).unwrap_or(0);
     let high = 0xf0f0_f0f0_f0f0_f0f0;
-    // From '0' to '9': 3 in the upper half of each byte, also when 6 is added.
+    // A byte is a digit exactly if its upper half is 3, both before and after adding 6.
     if (all & high) | (all.wrapping_add(0x0606_0606_0606_0606) & high) >> 4 != 0x3333_3333_3333_3333 {
         return None;
     }
-    // Pairs, then pairs of pairs, each by one product.
+    // One multiplication combines digits into pairs; two more combine the pairs.
     let pairs = (all - ZEROS).wrapping_mul(10).wrapping_add((all - ZEROS) >> 8);
     let (odd, even) = (pairs & 0x0000_00ff_0000_00ff, pairs >> 16 & 0x0000_00ff_0000_00ff);
     let sum = odd.wrapping_mul(0x000f_4240_0000_0064).wrapping_add(even.wrapping_mul(0x0000_2710_0000_0001));
@@ -127,7 +128,7 @@ mod small_field_tests {
     use super::*;
     use crate::number;
 
-    /// In any columns of the field.
+    /// The text at every possible position in a field.
     fn fields(text: &str) -> impl Iterator<Item = SmallField> {
         let places = 0..=8 - text.len();
         places.map(move |place| {
