@@ -25,12 +25,39 @@
 //!
 //! `reader` goes through the text and hands each command to the one who reads it.
 
-mod commands;
-mod model;
+mod syntax {
+    pub mod archive;
+    pub mod command;
+    pub mod control;
+    pub mod expression;
+    pub mod field;
+    pub mod format;
+    pub mod known;
+    pub mod label;
+    pub mod parameters;
+}
+
+mod model {
+    pub mod events;
+    pub mod nodes;
+    pub mod numbered;
+    pub mod positions;
+    pub mod selection;
+    pub mod terms;
+}
+
+mod commands {
+    pub mod coupled;
+    pub mod elements;
+    pub mod equations;
+    pub mod numbering;
+    pub mod prescribed;
+    pub mod region;
+}
+
+mod build;
 mod reader;
-mod syntax;
 mod write;
 
-pub(super) use model::positions::{node_sets, positions};
-pub(super) use model::read;
+pub(super) use build::{node_sets, positions, read};
 pub(super) use write::write;

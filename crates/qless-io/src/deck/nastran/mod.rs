@@ -1,9 +1,8 @@
 //! Nastran decks, `.bdf`, `.dat`, `.nas`.
 //!
-//! The deck is read once: what constrains is kept, all other cards are passed over. Rigid elements hold in every load case;
-//! `MPC` and `SPC` cards do where case control selects their set. Equations are homogeneous and in the displacement axes of
-//! their grid points, as Nastran has them; the first term is the dependent component. The one component of a scalar point
-//! is 0.
+//! The deck is read once: cards that constrain are kept, all others are skipped. Rigid elements hold in every load case; `MPC` and
+//! `SPC` cards hold in the load cases for which case control selects their set. Equations are homogeneous and use the displacement
+//! axes of their grid points, as in Nastran; the first term is the dependent component. The one component of a scalar point is 0.
 //!
 //! | read | cards |
 //! | --- | --- |
@@ -15,15 +14,18 @@
 //!
 //! | folder | holds |
 //! | --- | --- |
-//! | `syntax` | bytes to cards: lines, fields, numbers, the parts of a deck |
-//! | `cards` | what each card of bulk data says |
-//! | `control` | which sets hold in which subcase |
-//! | `model` | points, equations, load cases |
-//! | `writing` | a deck with other constraints |
+//! | `syntax` | bytes to cards: numbers, lines, fields, continuations, copies |
+//! | `cards` | content of each card of bulk data, and the tables that hold it |
+//! | `control` | case control: the sets that hold in each subcase |
+//! | `reader` | the sections of a deck in their order |
+//! | `model` | points, equations and load cases |
+//! | `write` | a deck with changed constraints |
 //!
-//! Cards that constrain in other ways (such as `RSPLINE`, `CWELD`, superelements) are named as left out, so that the model is
-//! incomplete; sets that no subcase selects and selected sets that do not exist are named in warnings. Continuations are found by
-//! name wherever they are, but for OptiStruct, to which they are the next lines. Copies by `=` are made.
+//! Each folder imports only from those above it.
+//!
+//! Cards that constrain in other ways (such as `RSPLINE`, `CWELD`, superelements) are left out, with a message; the model is then
+//! incomplete. Warnings name sets that no subcase selects, and selected sets that do not exist. A continuation line is found by its
+//! name anywhere in the deck, except for OptiStruct, which takes the next line. Copies by `=` are carried out.
 //!
 //! ```
 //! # let place = tempfile::tempdir()?;
@@ -35,21 +37,46 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod cards;
-mod control;
-mod fault;
-mod model;
-mod syntax;
-mod writing;
+mod syntax {
+    pub mod card;
+    pub mod continuations;
+    pub mod copies;
+    pub mod fields;
+    pub mod lines;
+    pub mod number;
+}
 
-pub use fault::CardFault;
-pub(super) use model::positions::positions;
-pub(super) use writing::write::write;
+mod cards {
+    pub mod assembly;
+    pub mod bulk;
+    pub mod elements;
+    pub mod exclusive;
+    pub mod grids;
+    pub mod loads;
+    pub mod mystran;
+    pub mod points;
+    pub mod quick;
+    pub mod sets;
+    pub mod ties;
+    pub mod unread;
+}
+
+mod control {
+    pub mod selected;
+    pub mod subcases;
+}
+
+mod model;
+mod reader;
+mod write;
+
+pub(super) use model::positions;
+pub(super) use write::write;
 
 use super::{DeckError, Model, Sources};
 
 /// Reads a deck.
 pub(super) fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let content = syntax::reader::read(sources)?;
-    model::build::model(content, sources)
+    let content = reader::read(sources)?;
+    model::build(content, sources)
 }

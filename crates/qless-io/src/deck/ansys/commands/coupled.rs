@@ -7,17 +7,17 @@
 
 use rustc_hash::FxHashSet;
 
-use super::numbering::{Lives, Past, Searches, Step, delete, numbered, too_many_taken_away};
-use super::selection::Selection;
-use crate::deck::ansys::model::nodes::Nodes;
-use crate::deck::ansys::model::sets::Sets;
-use crate::deck::ansys::syntax::command::Command;
-use crate::deck::ansys::syntax::field::{Fault, component, expected, is_nothing, signed_node, whole};
+use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered, too_many_taken_away};
+use crate::deck::ansys::model::nodes::AnsysNodes;
+use crate::deck::ansys::model::numbered::NumberedSets;
+use crate::deck::ansys::model::selection::NodeSelection;
+use crate::deck::ansys::syntax::command::AnsysCommand;
+use crate::deck::ansys::syntax::field::{FieldFault, component, expected, is_nothing, signed_node, whole};
 use crate::deck::{Dof, Problem};
 
 /// One coupled set.
 #[derive(Clone, Debug, Default)]
-pub struct Coupled {
+pub struct CoupledSet {
     component: u8,
     nodes: Vec<u32>,
     known: FxHashSet<u32>,
@@ -28,11 +28,11 @@ pub struct Coupled {
     promised: Option<usize>,
     given: usize,
     /// The first load step that it is solved in.
-    from: Step,
+    from: StepIndex,
 }
 
-impl Lives for Coupled {
-    fn from(&self) -> Step {
+impl StartsAt for CoupledSet {
+    fn from(&self) -> StepIndex {
         self.from
     }
 }
@@ -43,22 +43,27 @@ const PAST_NODES: usize = 20_000_000;
 /// The coupled sets of a deck by their number.
 #[derive(Debug, Default)]
 pub struct CoupledSets {
-    pub sets: Sets<Coupled>,
+    pub sets: NumberedSets<CoupledSet>,
     /// Those of earlier load steps that are gone or have changed since.
-    pub past: Vec<Past<Coupled>>,
+    pub past: Vec<PastVersion<CoupledSet>>,
     past_nodes: usize,
     /// Load steps solved so far.
-    pub now: Step,
+    pub now: StepIndex,
     /// Sets that commands belong to which are not understood.
     unknown: FxHashSet<u32>,
     /// Why the command read last is left out.
     pub doubt: Option<String>,
-    left: Searches,
+    left: SearchBudget,
 }
 
 impl CoupledSets {
     /// `CP` in either spelling; returns the number of the set, none if the command is left out.
-    pub fn read(&mut self, command: &Command, nodes: &Nodes, selection: &Selection) -> Result<Option<u32>, Fault> {
+    pub fn read(
+        &mut self,
+        command: &AnsysCommand,
+        nodes: &AnsysNodes,
+        selection: &NodeSelection,
+    ) -> Result<Option<u32>, FieldFault> {
         if command.archive_tag().is_some() {
             return self.archive(command).map(Some);
         }
@@ -90,7 +95,7 @@ impl CoupledSets {
     }
 
     /// `CPDELE, NSET1, NSET2, NINC`.
-    pub fn delete(&mut self, command: &Command) -> Result<(), Fault> {
+    pub fn delete(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         if command.is(1, "ALL") {
             self.unknown.clear();
         }
@@ -98,7 +103,7 @@ impl CoupledSets {
     }
 
     /// A set that a command belongs to which is not understood is left out, with all that is said of it elsewhere.
-    pub fn leave_out(&mut self, command: &Command) {
+    pub fn leave_out(&mut self, command: &AnsysCommand) {
         let number = match command.archive_tag() {
             Some(_) => whole(command.field(3)),
             None if command.is(1, "NEXT") => None,
@@ -111,7 +116,7 @@ impl CoupledSets {
     }
 
     /// Keeps a set for the load steps up to now, before it changes.
-    fn keep(&mut self, number: u32) -> Result<(), Fault> {
+    fn keep(&mut self, number: u32) -> Result<(), FieldFault> {
         let now = self.now;
         let Some(set) = self.sets.get_mut(number).filter(|set| set.from < now) else { return Ok(()) };
         self.past_nodes += set.nodes.len() + 1;
@@ -120,7 +125,7 @@ impl CoupledSets {
             let what = "the number of nodes in coupled sets of earlier load steps";
             return Err((None, Problem::Limit { what, limit: PAST_NODES, advice }));
         }
-        self.past.push(Past { number, last: now - 1, value: set.clone() });
+        self.past.push(PastVersion { number, last: now - 1, value: set.clone() });
         set.from = now;
         Ok(())
     }
@@ -134,7 +139,7 @@ impl CoupledSets {
     }
 
     /// Every line repeats the head and adds nodes until all are there.
-    fn archive(&mut self, command: &Command) -> Result<u32, Fault> {
+    fn archive(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let promised = whole(command.field(2)).ok_or_else(|| expected(command, 2, "the number of nodes"))? as usize;
         let number = whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of the coupled set"))?;
         let mut left = self.left.0;
@@ -149,11 +154,11 @@ impl CoupledSets {
     }
 
     /// The set of this number, with the label in field `at`, which may be left out where the set is known.
-    fn open(&mut self, command: &Command, number: u32, at: usize) -> Result<&mut Coupled, Fault> {
+    fn open(&mut self, command: &AnsysCommand, number: u32, at: usize) -> Result<&mut CoupledSet, FieldFault> {
         let known = self.sets.get_mut(number).is_some();
         let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };
         self.keep(number)?;
-        let new = || Coupled { line: command.line, from: self.now, ..Coupled::default() };
+        let new = || CoupledSet { line: command.line, from: self.now, ..CoupledSet::default() };
         let set = self.sets.get_or_insert_with(number, new);
         set.last_line = command.line;
         set.component = component.unwrap_or(set.component);
@@ -161,7 +166,7 @@ impl CoupledSets {
     }
 }
 
-impl Coupled {
+impl CoupledSet {
     /// The equations of the set; the DOF that the first node keeps is the last term of each.
     pub fn equations(&self) -> impl Iterator<Item = [(Dof, f64); 2]> + '_ {
         let dof = |node: u32| Dof { node, component: self.component };
@@ -169,7 +174,7 @@ impl Coupled {
         self.nodes.iter().skip(1).map(move |&node| [(dof(node), 1.0), (dof(first), -1.0)])
     }
 
-    fn add(&mut self, command: &Command, from: usize, left: &mut usize) -> Result<(), Fault> {
+    fn add(&mut self, command: &AnsysCommand, from: usize, left: &mut usize) -> Result<(), FieldFault> {
         for at in (from..=command.fields.len()).filter(|&at| !is_nothing(command, at)) {
             let (node, takes_away) = signed_node(command, at)?;
             if takes_away {
@@ -197,7 +202,7 @@ impl Coupled {
 }
 
 /// A word where a node should stand: `ALL`, `P` or the name of a component.
-fn named(command: &Command, at: usize) -> Option<String> {
+fn named(command: &AnsysCommand, at: usize) -> Option<String> {
     let text = command.field(at);
     let starts = text.first().is_some_and(u8::is_ascii_alphabetic);
     starts.then(|| String::from_utf8_lossy(&text[..text.len().min(32)]).into_owned())

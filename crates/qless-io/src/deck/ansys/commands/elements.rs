@@ -2,7 +2,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::whole;
 
 const CONTACT: &str = "contact elements with KEYOPT(2) = 2 constrain by equations of their own: left out";
@@ -19,7 +19,7 @@ const EITHER: [u32; 15] = [7, 14, 21, 27, 37, 38, 39, 40, 50, 71, 94, 116, 124, 
 
 /// Types of contact elements met so far; an option of theirs ties by equations.
 #[derive(Debug, Default)]
-pub struct Elements {
+pub struct ElementTypes {
     contact: FxHashSet<u32>,
     /// Whether types by their number are those of plane models.
     plane: FxHashMap<u32, bool>,
@@ -27,21 +27,21 @@ pub struct Elements {
     pub in_block: bool,
 }
 
-impl Elements {
+impl ElementTypes {
     /// Whether the model is plane: it has elements of plane models and none of others.
     pub fn are_plane(&self) -> bool {
         !self.plane.is_empty() && self.plane.values().all(|is_plane| *is_plane)
     }
 
     /// `ET, ITYPE, Ename`: a warning for elements that constrain.
-    pub fn element_type(&mut self, command: &Command) -> Option<&'static str> {
+    pub fn element_type(&mut self, command: &AnsysCommand) -> Option<&'static str> {
         let name = command.field(2);
         let digits = name.iter().rposition(|byte| !byte.is_ascii_digit()).map_or(name, |at| &name[at + 1..]);
         self.add(whole(command.field(1))?, whole(digits)?)
     }
 
     /// `KEYOPT, ITYPE, KNUM, VALUE`: a warning for contact by equations.
-    pub fn option(&self, command: &Command) -> Option<&'static str> {
+    pub fn option(&self, command: &AnsysCommand) -> Option<&'static str> {
         let of_contact = whole(command.field(1)).is_some_and(|number| self.contact.contains(&number));
         (of_contact && command.is(2, "2") && command.is(3, "2")).then_some(CONTACT)
     }

@@ -10,20 +10,20 @@
 
 use rustc_hash::FxHashSet;
 
-use super::numbering::{Lives, Past, Searches, Step, delete, numbered, too_many_taken_away};
-use crate::deck::ansys::model::sets::Sets;
-use crate::deck::ansys::model::terms::{Owned, Term, Terms};
-use crate::deck::ansys::syntax::archive::Says;
-use crate::deck::ansys::syntax::command::Command;
-use crate::deck::ansys::syntax::field::{Fault, component, expected, is_nothing, real, signed_node, whole};
+use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered, too_many_taken_away};
+use crate::deck::ansys::model::numbered::NumberedSets;
+use crate::deck::ansys::model::terms::{OwnedTerms, TermStore};
+use crate::deck::ansys::syntax::archive::{ArchiveStatement, DofCoefficient};
+use crate::deck::ansys::syntax::command::AnsysCommand;
+use crate::deck::ansys::syntax::field::{FieldFault, component, expected, is_nothing, real, signed_node, whole};
 use crate::deck::{Dof, Problem};
 use crate::number;
 
 /// One equation.
 #[derive(Debug, Default)]
-pub struct Equation {
+pub struct CeEquation {
     /// DOFs and coefficients, none of them zero.
-    pub terms: Owned,
+    pub terms: OwnedTerms,
     /// The right-hand side.
     pub constant: f64,
     /// Where it begins.
@@ -34,20 +34,20 @@ pub struct Equation {
     promised: Option<u32>,
     given: u32,
     /// The first load step that it is solved in.
-    from: Step,
+    from: StepIndex,
     /// One more than the index of the region that made it; 0 if none did.
     region: u32,
 }
 
-impl Lives for Equation {
-    fn from(&self) -> Step {
+impl StartsAt for CeEquation {
+    fn from(&self) -> StepIndex {
         self.from
     }
 }
 
 /// What made equations of its own: `CERIG` or `RBE3`.
 #[derive(Clone, Copy, Debug)]
-pub struct Region {
+pub struct NodeRegion {
     /// The command.
     pub name: &'static str,
     /// The node that it is about.
@@ -63,15 +63,15 @@ const PAST_TERMS: usize = 20_000_000;
 
 /// The equations of a deck by their number.
 #[derive(Debug, Default)]
-pub struct Equations {
-    pub sets: Sets<Equation>,
-    pub terms: Terms,
+pub struct CeEquations {
+    pub sets: NumberedSets<CeEquation>,
+    pub terms: TermStore,
     /// Those of earlier load steps that are gone or have changed since.
-    pub past: Vec<Past<Equation>>,
+    pub past: Vec<PastVersion<CeEquation>>,
     past_terms: usize,
-    pub regions: Vec<Region>,
+    pub regions: Vec<NodeRegion>,
     /// Load steps solved so far.
-    pub now: Step,
+    pub now: StepIndex,
     /// Equations that commands belong to which are not understood.
     unknown: FxHashSet<u32>,
     /// The highest number that any command names, understood or not.
@@ -82,12 +82,12 @@ pub struct Equations {
     pub remark: Option<String>,
     /// Why what it constrains is not known for sure.
     pub doubt: Option<String>,
-    left: Searches,
+    left: SearchBudget,
 }
 
-impl Equations {
+impl CeEquations {
     /// `CE` in either spelling; returns the equation's number.
-    pub fn read(&mut self, command: &Command) -> Result<u32, Fault> {
+    pub fn read(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         if command.archive_tag().is_none() {
             return self.command(command);
         }
@@ -99,7 +99,7 @@ impl Equations {
     }
 
     /// `CECMOD, NEQN, CONST`: another constant.
-    pub fn change_constant(&mut self, command: &Command) -> Result<u32, Fault> {
+    pub fn change_constant(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let number = whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of an equation"))?;
         let constant = real(command, 2)?;
         self.keep(number)?;
@@ -112,7 +112,7 @@ impl Equations {
     }
 
     /// `CEDELE, NEQN1, NEQN2, NINC`.
-    pub fn delete(&mut self, command: &Command) -> Result<(), Fault> {
+    pub fn delete(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         if command.is(1, "ALL") {
             self.unknown.clear();
         } else if whole(command.field(1)).is_some_and(|number| self.is_made(number)) {
@@ -122,7 +122,7 @@ impl Equations {
     }
 
     /// An equation that a command belongs to which is not understood is left out, with all that is said of it elsewhere.
-    pub fn leave_out(&mut self, command: &Command) {
+    pub fn leave_out(&mut self, command: &AnsysCommand) {
         let archived = command.archive_tag().is_some();
         let number = match (archived, command.is(2, "NODE")) {
             (true, true) => Some(self.open),
@@ -142,7 +142,7 @@ impl Equations {
         name: &'static str,
         node: u32,
         line: u32,
-        rows: impl ExactSizeIterator<Item = Vec<Term>>,
+        rows: impl ExactSizeIterator<Item = Vec<DofCoefficient>>,
     ) -> Result<Option<usize>, Problem> {
         let advice = "number the equations from 1";
         let limit = Problem::Limit { what: "the number of equations", limit: u32::MAX as usize, advice };
@@ -150,10 +150,10 @@ impl Equations {
         let count = u32::try_from(rows.len()).map_err(|_| limit.clone())?;
         let Some(last) = count.checked_sub(1) else { return Ok(None) };
         let last = first.checked_add(last).ok_or(limit)?;
-        self.regions.push(Region { name, node, line, first, last });
+        self.regions.push(NodeRegion { name, node, line, first, last });
         let (region, from) = (self.regions.len() as u32, self.now);
         for (number, row) in (first..).zip(rows) {
-            let mut equation = Equation { line, last_line: line, from, region, ..Equation::default() };
+            let mut equation = CeEquation { line, last_line: line, from, region, ..CeEquation::default() };
             row.into_iter().for_each(|term| equation.add(term, &mut self.terms));
             self.unknown.remove(&number);
             self.sets.insert(number, equation);
@@ -174,7 +174,7 @@ impl Equations {
     }
 
     /// Keeps an equation for the load steps up to now, before it changes.
-    fn keep(&mut self, number: u32) -> Result<(), Fault> {
+    fn keep(&mut self, number: u32) -> Result<(), FieldFault> {
         let now = self.now;
         let Some(equation) = self.sets.get_mut(number).filter(|equation| equation.from < now) else { return Ok(()) };
         self.past_terms += self.terms.count(&equation.terms) + 1;
@@ -184,8 +184,8 @@ impl Equations {
             return Err((None, Problem::Limit { what, limit: PAST_TERMS, advice }));
         }
         let terms = self.terms.copy(&equation.terms);
-        let value = Equation { terms: std::mem::replace(&mut equation.terms, terms), ..*equation };
-        self.past.push(Past { number, last: now - 1, value });
+        let value = CeEquation { terms: std::mem::replace(&mut equation.terms, terms), ..*equation };
+        self.past.push(PastVersion { number, last: now - 1, value });
         equation.from = now;
         Ok(())
     }
@@ -199,7 +199,7 @@ impl Equations {
         })
     }
 
-    fn command(&mut self, command: &Command) -> Result<u32, Fault> {
+    fn command(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let number = numbered(command, 1, &self.sets)?;
         if self.unknown.contains(&number) {
             self.doubt = Some(format!("CE {number} has terms that are not understood: all of it is left out"));
@@ -209,7 +209,7 @@ impl Equations {
         self.remark_region(number);
         let is_new = self.sets.get_mut(number).is_none();
         let constant = if command.field(2).is_empty() { None } else { Some(real(command, 2)?) };
-        let equation = self.sets.get_or_insert_with(number, Equation::default);
+        let equation = self.sets.get_or_insert_with(number, CeEquation::default);
         if is_new {
             (equation.line, equation.from) = (command.line, self.now);
         }
@@ -231,7 +231,7 @@ impl Equations {
         Ok(number)
     }
 
-    fn define(&mut self, command: &Command) -> Result<u32, Fault> {
+    fn define(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let promised = number::whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of terms"))?;
         let number = whole(command.field(4)).ok_or_else(|| expected(command, 4, "the number of the equation"))?;
         // No deck has as many as are too many to be counted.
@@ -244,7 +244,8 @@ impl Equations {
     /// Begins an equation of an archive.
     fn open(&mut self, promised: u32, number: u32, constant: f64, line: u32) {
         let promised = Some(promised);
-        let equation = Equation { constant, line, last_line: line, promised, from: self.now, ..Equation::default() };
+        let equation =
+            CeEquation { constant, line, last_line: line, promised, from: self.now, ..CeEquation::default() };
         if self.sets.insert(number, equation).is_some() {
             self.remark = Some(format!("CE {number} is defined again: the later definition counts"));
         }
@@ -253,10 +254,10 @@ impl Equations {
     }
 
     /// Takes what a line of an archive says; false where it has to be read the long way.
-    pub fn quick(&mut self, says: &Says, line: u32) -> bool {
+    pub fn quick(&mut self, says: &ArchiveStatement, line: u32) -> bool {
         match says {
-            Says::Define(promised, number, constant) => self.open(*promised, *number, *constant, line),
-            Says::Terms(first, second) => {
+            ArchiveStatement::Define(promised, number, constant) => self.open(*promised, *number, *constant, line),
+            ArchiveStatement::Terms(first, second) => {
                 let Some(equation) = self.sets.last_mut(self.open) else { return false };
                 let given = equation.given + 1 + u32::from(second.is_some());
                 if equation.promised.is_some_and(|promised| given > promised) {
@@ -272,7 +273,7 @@ impl Equations {
         true
     }
 
-    fn nodes(&mut self, command: &Command) -> Result<u32, Fault> {
+    fn nodes(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         if self.unknown.contains(&self.open) {
             self.doubt = Some(format!("CE {} has terms that are not understood: all of it is left out", self.open));
             return Ok(self.open);
@@ -293,14 +294,20 @@ impl Equations {
     }
 }
 
-impl Equation {
+impl CeEquation {
     /// The index of the region that made it.
     pub fn region(&self) -> Option<usize> {
         self.region.checked_sub(1).map(|region| region as usize)
     }
 
     /// The term `node, label, coefficient` from field `at` on. Zero coefficients make none; a negative node takes its term away.
-    fn term(&mut self, command: &Command, at: usize, terms: &mut Terms, left: &mut usize) -> Result<(), Fault> {
+    fn term(
+        &mut self,
+        command: &AnsysCommand,
+        at: usize,
+        terms: &mut TermStore,
+        left: &mut usize,
+    ) -> Result<(), FieldFault> {
         if is_nothing(command, at) && command.field(at + 1).is_empty() && is_zero(command, at + 2) {
             return Ok(());
         }
@@ -316,7 +323,7 @@ impl Equation {
         Ok(())
     }
 
-    fn add(&mut self, term: Term, terms: &mut Terms) {
+    fn add(&mut self, term: DofCoefficient, terms: &mut TermStore) {
         self.given += 1;
         if term.1 != 0.0 {
             terms.push(&mut self.terms, term);
@@ -325,6 +332,6 @@ impl Equation {
 }
 
 /// Whether field `at` is empty or a zero; a malformed one is not.
-fn is_zero(command: &Command, at: usize) -> bool {
+fn is_zero(command: &AnsysCommand, at: usize) -> bool {
     real(command, at).is_ok_and(|value| value == 0.0)
 }

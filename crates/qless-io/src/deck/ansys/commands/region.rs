@@ -8,18 +8,17 @@
 //! In plane models UX, UY and ROTZ are all that there is. Equations are along the axes of the nodes, and hold for every small motion
 //! of the region as one body. The program numbers them from the highest on.
 
-use super::selection::Selection;
-use crate::deck::CardFault;
-use crate::deck::Problem;
-use crate::deck::ansys::model::nodes::Nodes;
-use crate::deck::ansys::model::terms::Term;
-use crate::deck::ansys::syntax::command::Command;
-use crate::deck::ansys::syntax::field::{Fault, expected, whole};
-use crate::deck::ansys::syntax::parameters::Parameters;
+use crate::deck::ansys::model::nodes::AnsysNodes;
+use crate::deck::ansys::model::selection::NodeSelection;
+use crate::deck::ansys::syntax::archive::DofCoefficient;
+use crate::deck::ansys::syntax::command::AnsysCommand;
+use crate::deck::ansys::syntax::field::{FieldFault, expected, whole};
+use crate::deck::ansys::syntax::parameters::ApdlParameters;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
 use crate::deck::kinematics::rigid::Rigid;
 use crate::deck::kinematics::row::Row;
+use crate::deck::{CardFault, Problem};
 
 /// Equations of a region at most: bounds the memory.
 const EQUATIONS: usize = 5_000_000;
@@ -30,9 +29,9 @@ const SLAVES: usize = 500_000;
 const ARM: f64 = 1e15;
 
 /// The equations that a command makes, or why there are none.
-pub enum Made {
+pub enum RegionOutcome {
     /// Those of a region about this node.
-    Rows(u32, Vec<Vec<Term>>),
+    Rows(u32, Vec<Vec<DofCoefficient>>),
     /// None in the program either.
     Ignored(String),
     /// What it constrains is not known.
@@ -40,16 +39,16 @@ pub enum Made {
 }
 
 /// What such a command is read with.
-pub struct Around<'a> {
-    pub nodes: &'a Nodes,
-    pub selection: &'a Selection,
-    pub parameters: &'a Parameters,
+pub struct RegionContext<'a> {
+    pub nodes: &'a AnsysNodes,
+    pub selection: &'a NodeSelection,
+    pub parameters: &'a ApdlParameters,
     pub is_plane: bool,
 }
 
-impl Around<'_> {
+impl RegionContext<'_> {
     /// `CERIG`.
-    pub fn rigid(&self, command: &Command) -> Result<Made, Fault> {
+    pub fn rigid(&self, command: &AnsysCommand) -> Result<RegionOutcome, FieldFault> {
         let Some(set) = self.labels(command, &[3, 4, 5, 6, 7])? else { return Err(no_label(command, 3)) };
         let master = node(command)?;
         let slaves = match whole(command.field(2)) {
@@ -61,7 +60,9 @@ impl Around<'_> {
         };
         let dependent: Vec<_> = slaves.into_iter().filter(|slave| *slave != master).map(|slave| (slave, set)).collect();
         if dependent.is_empty() {
-            return Ok(Made::Ignored("CERIG names no node but its master: no equations come of it".to_owned()));
+            return Ok(RegionOutcome::Ignored(
+                "CERIG names no node but its master: no equations come of it".to_owned(),
+            ));
         }
         if dependent.len().saturating_mul(set.len()) > EQUATIONS {
             let advice = "make several regions of it";
@@ -72,7 +73,7 @@ impl Around<'_> {
     }
 
     /// `RBE3`; slaves and weights are elements of arrays.
-    pub fn mean(&self, command: &Command) -> Result<Made, Fault> {
+    pub fn mean(&self, command: &AnsysCommand) -> Result<RegionOutcome, FieldFault> {
         let Some(components) = self.labels(command, &[2])? else { return Err(no_label(command, 2)) };
         let reference = node(command)?;
         let Some(slaves) = self.slaves(command.field(3)) else { return Ok(not_followed(command, 3)) };
@@ -96,13 +97,15 @@ impl Around<'_> {
         let groups: Vec<Group> =
             slaves.into_iter().enumerate().map(group).filter(|group| group.weight != 0.0).collect();
         if groups.iter().any(|group| !(group.weight > 0.0 && group.weight.is_finite())) {
-            return Ok(Made::LeftOut("RBE3 has weights below zero, or that are not known: left out".to_owned()));
+            return Ok(RegionOutcome::LeftOut(
+                "RBE3 has weights below zero, or that are not known: left out".to_owned(),
+            ));
         }
         let mean = Mean { reference, components, groups, dependent: Vec::new() };
         let rows = mean.rows(self.nodes);
-        if let Err(Problem::Nastran(CardFault::MeanUndetermined { .. })) = rows {
+        if let Err(Problem::Card(CardFault::MeanUndetermined { .. })) = rows {
             let text = "RBE3 is ignored, as the program does: its slaves do not determine the motion of the master, as where they are in line";
-            return Ok(Made::Ignored(text.to_owned()));
+            return Ok(RegionOutcome::Ignored(text.to_owned()));
         }
         Ok(made(reference, rows))
     }
@@ -120,7 +123,7 @@ impl Around<'_> {
     }
 
     /// The components of labels; `ALL` where the first is left out. None where there is no such label.
-    fn labels(&self, command: &Command, at: &[usize]) -> Result<Option<Components>, Fault> {
+    fn labels(&self, command: &AnsysCommand, at: &[usize]) -> Result<Option<Components>, FieldFault> {
         let mut digits = String::new();
         for (k, &at) in at.iter().enumerate() {
             digits += match command.field(at).to_ascii_uppercase().as_slice() {
@@ -143,31 +146,33 @@ impl Around<'_> {
 }
 
 /// The node in field 1.
-fn node(command: &Command) -> Result<u32, Fault> {
+fn node(command: &AnsysCommand) -> Result<u32, FieldFault> {
     whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of a node"))
 }
 
-fn made(node: u32, rows: Result<Vec<Row>, Problem>) -> Made {
+fn made(node: u32, rows: Result<Vec<Row>, Problem>) -> RegionOutcome {
     let rows = match rows {
         Ok(rows) => rows,
         Err(problem) => {
-            return Made::LeftOut(format!(
+            return RegionOutcome::LeftOut(format!(
                 "the equations of the region about node {node} are not known: {problem}: left out"
             ));
         }
     };
     let finite = |row: &Row| row.terms.iter().all(|(_, value)| value.abs() < ARM);
     if !rows.iter().all(finite) {
-        return Made::LeftOut(format!("nodes of the region about node {node} are too far apart for numbers: left out"));
+        return RegionOutcome::LeftOut(format!(
+            "nodes of the region about node {node} are too far apart for numbers: left out"
+        ));
     }
-    Made::Rows(node, rows.into_iter().map(|row| row.terms).collect())
+    RegionOutcome::Rows(node, rows.into_iter().map(|row| row.terms).collect())
 }
 
-fn no_label(command: &Command, at: usize) -> Fault {
+fn no_label(command: &AnsysCommand, at: usize) -> FieldFault {
     expected(command, at, "ALL, UXYZ, RXYZ, or one of UX, UY, UZ, ROTX, ROTY, ROTZ that the model has")
 }
 
-fn not_followed(command: &Command, at: usize) -> Made {
+fn not_followed(command: &AnsysCommand, at: usize) -> RegionOutcome {
     let text = String::from_utf8_lossy(&command.field(at)[..command.field(at).len().min(32)]).into_owned();
-    Made::LeftOut(format!("{} names {text}, which this reader does not follow: left out", command.title()))
+    RegionOutcome::LeftOut(format!("{} names {text}, which this reader does not follow: left out", command.title()))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::nodes::Nodes;
+use super::nodes::AnsysNodes;
 use crate::deck::{Dof, Load, LoadCase, Model, Origin, Prescribed, Problem};
 
 /// Values that all commands stand for at most: bounds the time.
@@ -13,7 +13,7 @@ const HELD: usize = 20_000_000;
 
 /// Which nodes a command means.
 #[derive(Clone, Debug)]
-pub enum Which {
+pub enum NodeChoice {
     /// First, last and step.
     Range(u32, u32, u32),
     /// Every node.
@@ -25,11 +25,11 @@ pub enum Which {
 }
 
 /// Which components of them, filled up with zeros; all if there are none.
-pub type Components = [u8; 6];
+pub type ComponentList = [u8; 6];
 
 /// What a command does.
 #[derive(Clone, Debug)]
-pub enum Action {
+pub enum EventAction {
     /// `D`: a value that replaces an earlier one, times a table where one is named.
     Prescribe(f64, Option<Box<str>>),
     /// `DDELE`.
@@ -44,14 +44,14 @@ pub enum Action {
 
 /// One command.
 #[derive(Clone, Debug)]
-pub struct Event {
-    pub action: Action,
-    pub which: Which,
-    pub components: Components,
+pub struct ValueEvent {
+    pub action: EventAction,
+    pub which: NodeChoice,
+    pub components: ComponentList,
     pub origin: Origin,
 }
 
-impl Event {
+impl ValueEvent {
     fn is_of_all(&self) -> bool {
         self.components[0] == 0
     }
@@ -64,27 +64,33 @@ impl Event {
 
 /// An equation of the model that is not in force in all load steps: from the first to the last of these.
 #[derive(Clone, Copy, Debug)]
-pub struct Life {
+pub struct EquationLife {
     pub equation: u32,
     pub first: u32,
     pub last: u32,
 }
 
 /// The load cases: one for each `SOLVE`, and one of what follows the last.
-pub fn cases(events: &[Event], nodes: &Nodes, lives: &[Life], model: &mut Model) -> Result<(), (Origin, Problem)> {
-    let are_solutions = events.iter().all(|event| matches!(event.action, Action::Solve));
-    let mut replay = if are_solutions { Replay::without_nodes(nodes) } else { Replay::new(nodes, model) };
+pub fn cases(
+    events: &[ValueEvent],
+    nodes: &AnsysNodes,
+    lives: &[EquationLife],
+    model: &mut Model,
+) -> Result<(), (Origin, Problem)> {
+    let are_solutions = events.iter().all(|event| matches!(event.action, EventAction::Solve));
+    let mut replay = if are_solutions { EventReplay::without_nodes(nodes) } else { EventReplay::new(nodes, model) };
     replay.lives = lives;
     for event in events {
         let course = match &event.action {
-            Action::Prescribe(_, Some(table)) => model.course(table),
+            EventAction::Prescribe(_, Some(table)) => model.course(table),
             _ => 0,
         };
         replay.event(event, course).map_err(|problem| (event.origin, problem))?;
     }
     let solved = replay.cases.len() as u32;
-    let changes = |life: &Life| life.first == solved || life.last.checked_add(1) == Some(solved);
-    let open = !matches!(events.last(), Some(Event { action: Action::Solve, .. })) || lives.iter().any(changes);
+    let changes = |life: &EquationLife| life.first == solved || life.last.checked_add(1) == Some(solved);
+    let open =
+        !matches!(events.last(), Some(ValueEvent { action: EventAction::Solve, .. })) || lives.iter().any(changes);
     if open {
         replay.solve();
     }
@@ -92,9 +98,9 @@ pub fn cases(events: &[Event], nodes: &Nodes, lives: &[Life], model: &mut Model)
     Ok(())
 }
 
-struct Replay<'a> {
-    groups: &'a Nodes,
-    lives: &'a [Life],
+struct EventReplay<'a> {
+    groups: &'a AnsysNodes,
+    lives: &'a [EquationLife],
     /// Numbers of all nodes, ascending.
     nodes: Vec<u32>,
     /// Components that occur in equations, ascending.
@@ -107,8 +113,8 @@ struct Replay<'a> {
     held: usize,
 }
 
-impl<'a> Replay<'a> {
-    fn new(groups: &'a Nodes, model: &Model) -> Self {
+impl<'a> EventReplay<'a> {
+    fn new(groups: &'a AnsysNodes, model: &Model) -> Self {
         let in_equations = model.dofs.iter().map(|dof| dof.node);
         let mut nodes: Vec<u32> = groups.numbers.iter().copied().chain(in_equations).collect();
         let mut occurs = [false; 256];
@@ -120,14 +126,14 @@ impl<'a> Replay<'a> {
     }
 
     /// Enough where no command names a node.
-    fn without_nodes(groups: &'a Nodes) -> Self {
+    fn without_nodes(groups: &'a AnsysNodes) -> Self {
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
         let (nodes, components, cases) = (Vec::new(), Vec::new(), Vec::new());
         Self { groups, lives: &[], nodes, components, prescribed, loads, cases, left: VALUES, held: 0 }
     }
 
-    fn event(&mut self, event: &Event, course: u32) -> Result<(), Problem> {
-        if matches!(event.action, Action::Solve) {
+    fn event(&mut self, event: &ValueEvent, course: u32) -> Result<(), Problem> {
+        if matches!(event.action, EventAction::Solve) {
             self.solve();
             return self.check_held();
         }
@@ -159,12 +165,12 @@ impl<'a> Replay<'a> {
         Err(Problem::Limit { what: "the number of values in all load steps", limit: HELD, advice })
     }
 
-    fn ranges(&self, which: &Which) -> Vec<(u32, u32, u32)> {
+    fn ranges(&self, which: &NodeChoice) -> Vec<(u32, u32, u32)> {
         match which {
-            Which::Range(first, last, step) => vec![(*first, *last, *step)],
-            Which::All => vec![(1, u32::MAX, 1)],
-            Which::Ranges(ranges) => ranges.to_vec(),
-            Which::Group(name) => {
+            NodeChoice::Range(first, last, step) => vec![(*first, *last, *step)],
+            NodeChoice::All => vec![(1, u32::MAX, 1)],
+            NodeChoice::Ranges(ranges) => ranges.to_vec(),
+            NodeChoice::Group(name) => {
                 let ranges = self.groups.groups.get(&**name).map_or(&[][..], Vec::as_slice);
                 ranges.iter().map(|&(first, last)| (first, last, 1)).collect()
             }
@@ -183,23 +189,23 @@ impl<'a> Replay<'a> {
         Ok(())
     }
 
-    fn node(&mut self, event: &Event, course: u32, node: u32, components: &[u8]) {
+    fn node(&mut self, event: &ValueEvent, course: u32, node: u32, components: &[u8]) {
         let origin = event.origin;
         let dofs = components.iter().map(|&component| Dof { node, component });
         match event.action {
-            Action::Prescribe(value, _) => {
+            EventAction::Prescribe(value, _) => {
                 self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, course, origin })));
             }
-            Action::Load => self.loads.extend(dofs.map(|dof| (dof, Load { dof, origin }))),
-            Action::Release => take(&mut self.prescribed, event, node, components),
-            Action::Unload => take(&mut self.loads, event, node, components),
-            Action::Solve => {}
+            EventAction::Load => self.loads.extend(dofs.map(|dof| (dof, Load { dof, origin }))),
+            EventAction::Release => take(&mut self.prescribed, event, node, components),
+            EventAction::Unload => take(&mut self.loads, event, node, components),
+            EventAction::Solve => {}
         }
     }
 
     fn solve(&mut self) {
         let now = self.cases.len() as u32;
-        let is_out = |life: &&Life| !(life.first..=life.last).contains(&now);
+        let is_out = |life: &&EquationLife| !(life.first..=life.last).contains(&now);
         let removed: Vec<u32> = self.lives.iter().filter(is_out).map(|life| life.equation).collect();
         self.held += self.prescribed.len() + self.loads.len() + removed.len() + 1;
         self.cases.push(LoadCase {
@@ -213,7 +219,7 @@ impl<'a> Replay<'a> {
 }
 
 /// Takes away what is said of components of a node, or all of it.
-fn take<T>(said: &mut BTreeMap<Dof, T>, event: &Event, node: u32, components: &[u8]) {
+fn take<T>(said: &mut BTreeMap<Dof, T>, event: &ValueEvent, node: u32, components: &[u8]) {
     let dofs: Vec<Dof> = if event.is_of_all() {
         said.range(Dof { node, component: 0 }..=Dof { node, component: u8::MAX }).map(|(dof, _)| *dof).collect()
     } else {

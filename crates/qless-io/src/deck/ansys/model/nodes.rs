@@ -2,12 +2,11 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::positions::Positions;
+use super::positions::NodePositions;
 use crate::deck::Problem;
-use crate::deck::ansys::commands::selection::Selected;
-use crate::deck::ansys::syntax::command::Command;
-use crate::deck::ansys::syntax::field::{Fault, expected, real, whole};
-use crate::deck::ansys::syntax::format::Format;
+use crate::deck::ansys::syntax::command::AnsysCommand;
+use crate::deck::ansys::syntax::field::{FieldFault, expected, real, whole};
+use crate::deck::ansys::syntax::format::BlockFormat;
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::row::Poses;
 use crate::fault::quote;
@@ -15,7 +14,7 @@ use crate::number;
 
 /// What a deck says of its nodes.
 #[derive(Debug, Default)]
-pub struct Nodes {
+pub struct AnsysNodes {
     /// Their numbers, in the order met.
     pub numbers: Vec<u32>,
     /// Those whose axes are rotated.
@@ -26,30 +25,30 @@ pub struct Nodes {
     pub unknown_groups: FxHashSet<String>,
     /// Whether commands may make nodes that this reader does not see.
     pub are_generated: bool,
-    pub positions: Positions,
-    block: Block,
+    pub positions: NodePositions,
+    block: DataBlock,
 }
 
 /// What the lines of data belong to.
 #[derive(Debug, Default)]
-enum Block {
+enum DataBlock {
     /// Nothing that matters here.
     #[default]
     Other,
     /// `NBLOCK`, before its format and after it.
-    Nodes(Option<Format>),
+    Nodes(Option<BlockFormat>),
     /// `CMBLOCK` of nodes: its name, members left, and the format.
-    Group(String, u32, Option<Format>),
+    Group(String, u32, Option<BlockFormat>),
 }
 
-impl Nodes {
+impl AnsysNodes {
     /// `NBLOCK, NUMFIELD, Solkey, NDMAX, NDSEL`.
     pub fn block(&mut self) {
-        self.block = Block::Nodes(None);
+        self.block = DataBlock::Nodes(None);
     }
 
     /// `CMBLOCK, Cname, Entity, NUMITEMS`.
-    pub fn group(&mut self, command: &Command) -> Result<(), Fault> {
+    pub fn group(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         if !command.field(2).to_ascii_uppercase().starts_with(b"NODE") {
             self.end();
             return Ok(());
@@ -59,50 +58,36 @@ impl Nodes {
         let name = name(command.field(1));
         self.unknown_groups.remove(&name);
         self.groups.insert(name.clone(), Vec::new());
-        self.block = Block::Group(name, items, None);
+        self.block = DataBlock::Group(name, items, None);
         Ok(())
-    }
-
-    /// `CM, Cname, NODE`: a group of the selected nodes, where these are followed.
-    pub fn selected_group(&mut self, command: &Command, selected: &Selected) {
-        let name = name(command.field(1));
-        if let Selected::Ranges(ranges) = selected
-            && ranges.iter().all(|&(first, last, step)| step == 1 || first == last)
-        {
-            self.unknown_groups.remove(&name);
-            self.groups.insert(name, ranges.iter().map(|&(first, last, _)| (first, last)).collect());
-            return;
-        }
-        self.groups.remove(&name);
-        self.unknown_groups.insert(name);
     }
 
     /// A command ends what data came before.
     pub fn end(&mut self) {
-        self.block = Block::Other;
+        self.block = DataBlock::Other;
     }
 
     /// A line of data, by the format that comes first.
-    pub fn data(&mut self, line: &[u8]) -> Result<(), Fault> {
+    pub fn data(&mut self, line: &[u8]) -> Result<(), FieldFault> {
         match std::mem::take(&mut self.block) {
-            Block::Other => {}
-            Block::Nodes(None) => self.block = Block::Nodes(Some(format(line)?)),
-            Block::Nodes(Some(format)) => {
+            DataBlock::Other => {}
+            DataBlock::Nodes(None) => self.block = DataBlock::Nodes(Some(format(line)?)),
+            DataBlock::Nodes(Some(format)) => {
                 if self.row(&format, line)? {
-                    self.block = Block::Nodes(Some(format));
+                    self.block = DataBlock::Nodes(Some(format));
                 }
             }
-            Block::Group(name, left, None) => self.block = Block::Group(name, left, Some(format(line)?)),
-            Block::Group(name, left, Some(format)) => {
+            DataBlock::Group(name, left, None) => self.block = DataBlock::Group(name, left, Some(format(line)?)),
+            DataBlock::Group(name, left, Some(format)) => {
                 let left = self.members(&name, left, &format, line)?;
-                self.block = Block::Group(name, left, Some(format));
+                self.block = DataBlock::Group(name, left, Some(format));
             }
         }
         Ok(())
     }
 
     /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`, or a line of an archive: `N, R5.3, LOC, NODE, SOLID, PARM, X, Y, Z`.
-    pub fn command(&mut self, command: &Command) -> Result<(), Fault> {
+    pub fn command(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         let archive = command.archive_tag().is_some();
         let text = command.field(if archive { 3 } else { 1 });
         if archive && text.starts_with(b"-") {
@@ -130,7 +115,7 @@ impl Nodes {
     }
 
     /// One node; false for the -1 that ends the block.
-    fn row(&mut self, format: &Format, line: &[u8]) -> Result<bool, Fault> {
+    fn row(&mut self, format: &BlockFormat, line: &[u8]) -> Result<bool, FieldFault> {
         let first = format.integers(line).next().unwrap_or_default();
         if first.starts_with(b"-") {
             return Ok(false);
@@ -157,7 +142,7 @@ impl Nodes {
     }
 
     /// The members on a line; a negative one ends the range that the member before it begins.
-    fn members(&mut self, name: &str, mut left: u32, format: &Format, line: &[u8]) -> Result<u32, Fault> {
+    fn members(&mut self, name: &str, mut left: u32, format: &BlockFormat, line: &[u8]) -> Result<u32, FieldFault> {
         let group = self.groups.entry(name.to_owned()).or_default();
         for (k, text) in format.integers(line).enumerate().filter(|(_, text)| !text.is_empty()) {
             if left == 0 {
@@ -176,7 +161,7 @@ impl Nodes {
     }
 }
 
-impl Poses for Nodes {
+impl Poses for AnsysNodes {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
         let problem = || Problem::Undefined { what: "the place of node", name: node.to_string() };
         self.positions.pose(node).ok_or_else(problem)
@@ -188,8 +173,8 @@ pub fn name(text: &[u8]) -> String {
     String::from_utf8_lossy(text).to_ascii_uppercase()
 }
 
-fn format(line: &[u8]) -> Result<Format, Fault> {
+fn format(line: &[u8]) -> Result<BlockFormat, FieldFault> {
     const EXPECTED: &str = "the format of the block, such as (3i9,6e21.13e3)";
     let fault = || (None, Problem::Expected { expected: EXPECTED, found: quote(line.trim_ascii()) });
-    Format::parse(line).ok_or_else(fault)
+    BlockFormat::parse(line).ok_or_else(fault)
 }

@@ -2,28 +2,12 @@
 
 use std::collections::HashMap;
 
-use crate::deck::Deck;
-use crate::deck::ansys::reader::Reader;
-use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::real;
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::vector::Vector;
 use crate::number;
-
-/// Positions along the model's axes; none where the deck cannot be read once more.
-pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
-    let reader = deck.again(|sources| Reader::with_positions(sources.path(0), &sources.text(0)));
-    reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
-}
-
-/// The nodes of the components that `CMBLOCK` defines, by name.
-pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
-    let reader = deck.again(|sources| Reader::with_positions(sources.path(0), &sources.text(0)));
-    let groups = reader.map(|reader| reader.nodes.groups).unwrap_or_default();
-    let nodes = |ranges: Vec<(u32, u32)>| ranges.into_iter().flat_map(|(first, last)| first..=last).collect();
-    groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
-}
 
 /// The axes after turns by these angles about z, the new x and the new y.
 fn turned([z, x, y]: [f64; 3]) -> [Vector; 3] {
@@ -51,7 +35,7 @@ fn cosine(degrees: f64) -> f64 {
 
 /// Positions as they are read.
 #[derive(Debug, Default)]
-pub struct Positions {
+pub struct NodePositions {
     /// None where nobody asks for them.
     pub kept: Option<HashMap<u32, [f64; 3]>>,
     /// Angles of the axes of nodes in degrees, of those that have any: about z, then the new x, then the new y.
@@ -62,14 +46,14 @@ pub struct Positions {
     are_local: bool,
 }
 
-impl Positions {
+impl NodePositions {
     /// Notes positions from now on.
     pub fn keep(&mut self) {
         self.kept = Some(HashMap::new());
     }
 
     /// `CSYS, KCN`, and commands that define a coordinate system, which is the active one from then on.
-    pub fn axes(&mut self, command: &Command) {
+    pub fn axes(&mut self, command: &AnsysCommand) {
         self.are_local = match &command.key {
             b"CSYS" => !command.field(1).iter().all(|&byte| byte == b'0'),
             b"LOCA" | b"CS  " | b"CLOC" | b"CSKP" => true,
@@ -110,7 +94,7 @@ impl Positions {
     }
 
     /// Coordinates in three fields from `first` on; those of archives are along the model's axes.
-    pub fn command(&mut self, node: u32, command: &Command, first: usize, in_archive: bool) {
+    pub fn command(&mut self, node: u32, command: &AnsysCommand, first: usize, in_archive: bool) {
         let Some(kept) = self.kept.as_mut() else { return };
         kept.remove(&node);
         if self.are_local && !in_archive {

@@ -1,36 +1,34 @@
 //! Terms of equations, those of all in one row: an equation takes no room of its own unless it goes on after others have begun.
 
 use crate::deck::Dof;
+use crate::deck::ansys::syntax::archive::DofCoefficient;
 use crate::deck::chunks::Chunks;
-
-/// A DOF and its coefficient.
-pub type Term = (Dof, f64);
 
 /// The row.
 #[derive(Debug, Default)]
-pub struct Terms {
-    row: Chunks<Term>,
+pub struct TermStore {
+    row: Chunks<DofCoefficient>,
     /// Terms that came when others stood behind the first ones of their equation.
-    more: Vec<Vec<Term>>,
+    more: Vec<Vec<DofCoefficient>>,
 }
 
 /// Which terms belong to an equation.
 #[derive(Debug, Default)]
-pub struct Owned {
+pub struct OwnedTerms {
     start: u32,
     count: u32,
     /// One more than the index of those that stand apart; 0 if there are none.
     more: u32,
 }
 
-impl Terms {
+impl TermStore {
     /// Number of terms in the row.
     pub fn len(&self) -> usize {
         self.row.len()
     }
 
     /// Adds a term.
-    pub fn push(&mut self, to: &mut Owned, term: Term) {
+    pub fn push(&mut self, to: &mut OwnedTerms, term: DofCoefficient) {
         let end = self.row.len() as u32;
         if to.count == 0 && to.more == 0 {
             to.start = end;
@@ -48,15 +46,15 @@ impl Terms {
     }
 
     /// The same terms once more.
-    pub fn copy(&mut self, of: &Owned) -> Owned {
-        let terms: Vec<Term> = self.of(of).collect();
-        let mut copy = Owned::default();
+    pub fn copy(&mut self, of: &OwnedTerms) -> OwnedTerms {
+        let terms: Vec<DofCoefficient> = self.of(of).collect();
+        let mut copy = OwnedTerms::default();
         terms.into_iter().for_each(|term| self.push(&mut copy, term));
         copy
     }
 
     /// Takes away the terms of a DOF.
-    pub fn remove(&mut self, of: &mut Owned, dof: Dof) {
+    pub fn remove(&mut self, of: &mut OwnedTerms, dof: Dof) {
         let start = of.start as usize;
         let mut kept = start;
         for k in start..start + of.count as usize {
@@ -72,12 +70,12 @@ impl Terms {
     }
 
     /// How many terms.
-    pub fn count(&self, of: &Owned) -> usize {
+    pub fn count(&self, of: &OwnedTerms) -> usize {
         of.count as usize + of.more.checked_sub(1).map_or(0, |more| self.more[more as usize].len())
     }
 
     /// The terms in the order in which they came.
-    pub fn of<'a>(&'a self, owned: &'a Owned) -> impl Iterator<Item = Term> + Clone + 'a {
+    pub fn of<'a>(&'a self, owned: &'a OwnedTerms) -> impl Iterator<Item = DofCoefficient> + Clone + 'a {
         let more = owned.more.checked_sub(1).map_or(&[][..], |more| &self.more[more as usize]);
         let row = (owned.start..owned.start + owned.count).map(|k| self.row[k as usize]);
         row.chain(more.iter().copied())
@@ -88,18 +86,18 @@ impl Terms {
 mod tests {
     use super::*;
 
-    fn term(node: u32) -> Term {
+    fn term(node: u32) -> DofCoefficient {
         (Dof { node, component: 1 }, f64::from(node))
     }
 
-    fn nodes(terms: &Terms, owned: &Owned) -> Vec<u32> {
+    fn nodes(terms: &TermStore, owned: &OwnedTerms) -> Vec<u32> {
         assert_eq!(terms.count(owned), terms.of(owned).count());
         terms.of(owned).map(|(dof, _)| dof.node).collect()
     }
 
     #[test]
     fn equations_go_on_after_others() {
-        let (mut terms, mut a, mut b) = (Terms::default(), Owned::default(), Owned::default());
+        let (mut terms, mut a, mut b) = (TermStore::default(), OwnedTerms::default(), OwnedTerms::default());
         for (node, is_first) in [(1, true), (2, true), (3, false), (4, true), (1, true), (5, false)] {
             terms.push(if is_first { &mut a } else { &mut b }, term(node));
         }

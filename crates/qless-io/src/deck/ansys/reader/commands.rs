@@ -1,17 +1,20 @@
 //! Each command goes to the one who reads it, unless a block passes it over.
+//!
+//! What commands that constrain make of the equations, coupled sets and values so far, and where they stand.
 
-use super::Reader;
-use crate::deck::DeckError;
-use crate::deck::ansys::commands::prescribed::{load, prescribe, release};
-use crate::deck::ansys::commands::selection::Selected;
-use crate::deck::ansys::model::events::{Action, Components, Which};
-use crate::deck::ansys::syntax::command::{Command, Key};
-use crate::deck::ansys::syntax::control::{Here, State};
-use crate::deck::ansys::syntax::field::Fault;
+use super::{AnsysReader, CommandOwner, CommandPlace};
+use crate::deck::ansys::commands::prescribed::{DofCommand, load, prescribe, release};
+use crate::deck::ansys::commands::region::{RegionContext, RegionOutcome};
+use crate::deck::ansys::model::events::{ComponentList, EventAction, NodeChoice, ValueEvent};
+use crate::deck::ansys::model::selection::SelectedNodes;
+use crate::deck::ansys::syntax::command::{AnsysCommand, CommandKey};
+use crate::deck::ansys::syntax::control::{Execution, TextPosition};
+use crate::deck::ansys::syntax::field::FieldFault;
+use crate::deck::{DeckError, Origin};
 
-impl Reader {
+impl AnsysReader {
     /// One command; `next` is the line below, where there is no other command on the line.
-    pub fn command(&mut self, command: Command, next: Option<Here>) -> Result<(), DeckError> {
+    pub fn command(&mut self, command: AnsysCommand, next: Option<TextPosition>) -> Result<(), DeckError> {
         let last = std::mem::take(&mut self.last);
         let repeats = command.name.is_empty();
         let from = self.places.as_ref().map_or(0, Vec::len);
@@ -32,7 +35,7 @@ impl Reader {
         places.for_each(|place| place.repeats = true);
     }
 
-    fn named(&mut self, mut command: Command, next: Option<Here>) -> Result<(), DeckError> {
+    fn named(&mut self, mut command: AnsysCommand, next: Option<TextPosition>) -> Result<(), DeckError> {
         self.nodes.end();
         self.elements.in_block = false;
         if self.ended || self.controls(&command, next)? {
@@ -40,7 +43,7 @@ impl Reader {
         }
         let (line, title) = (command.line, command.title());
         let constrains = self.constrains(command.key);
-        if constrains && self.control.state() == State::Unknown {
+        if constrains && self.control.state() == Execution::Unknown {
             let text = format!(
                 "{title} stands where nobody knows whether it is carried out, in *IF, *DO or *CREATE: left out"
             );
@@ -62,11 +65,11 @@ impl Reader {
     }
 
     /// Parameters and blocks of commands; true where nothing else is to be done.
-    fn controls(&mut self, command: &Command, next: Option<Here>) -> Result<bool, DeckError> {
+    fn controls(&mut self, command: &AnsysCommand, next: Option<TextPosition>) -> Result<bool, DeckError> {
         let state = self.control.state();
-        let unknown = state == State::Unknown;
+        let unknown = state == Execution::Unknown;
         if memchr::memchr(b'=', command.text).is_some()
-            && state != State::PassedOver
+            && state != Execution::PassedOver
             && self.parameters.assign(command.text, unknown)
         {
             return Ok(true);
@@ -80,17 +83,17 @@ impl Reader {
             return Ok(true);
         }
         let sets = sets_parameters(command.key);
-        if sets && state != State::PassedOver {
+        if sets && state != Execution::PassedOver {
             self.parameters.command(command, unknown);
         }
-        Ok(sets || state == State::PassedOver)
+        Ok(sets || state == Execution::PassedOver)
     }
 
     /// A command that takes values which are not known.
-    fn unresolved(&mut self, command: &Command, what: &str) {
+    fn unresolved(&mut self, command: &AnsysCommand, what: &str) {
         match &command.key {
             b"N   " => self.nodes.are_generated = true,
-            b"NSEL" => self.selection.nodes = Selected::Unknown,
+            b"NSEL" => self.selection.nodes = SelectedNodes::Unknown,
             _ if self.constrains(command.key) => {
                 let text =
                     format!("{} takes {what}, a value that this reader does not follow: left out", command.title());
@@ -101,7 +104,7 @@ impl Reader {
     }
 
     /// Leaves out a command that constrains, with the equation or set that it belongs to.
-    fn forget(&mut self, command: &Command, text: String) {
+    fn forget(&mut self, command: &AnsysCommand, text: String) {
         match &command.key {
             b"CE  " | b"CECM" => self.equations.leave_out(command),
             b"CP  " => self.coupled.leave_out(command),
@@ -112,7 +115,7 @@ impl Reader {
         self.leave_out(command.line, text);
     }
 
-    fn run(&mut self, command: &Command) -> Result<(), Fault> {
+    fn run(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         match &command.key {
             b"CE  " | b"CECM" | b"CEDE" | b"CP  " | b"CPDE" => self.equation(command)?,
             b"CERI" | b"RBE3" => self.region(command)?,
@@ -128,7 +131,7 @@ impl Reader {
                 let reading = load(command, &self.nodes, &self.selection, command.key == *b"F   ")?;
                 reading.into_iter().for_each(|reading| self.event(command, reading));
             }
-            b"SOLV" | b"LSWR" if self.control.state() == State::Unknown => {
+            b"SOLV" | b"LSWR" if self.control.state() == Execution::Unknown => {
                 let text = format!("{} stands where nobody knows whether it is carried out", command.title());
                 self.leave_out(command.line, text);
             }
@@ -138,24 +141,24 @@ impl Reader {
                 self.nodes.block();
             }
             b"CMBL" => self.nodes.group(command)?,
-            b"N   " if self.control.state() == State::Unknown => self.nodes.are_generated = true,
+            b"N   " if self.control.state() == Execution::Unknown => self.nodes.are_generated = true,
             b"N   " => self.nodes.command(command)?,
             _ => self.other(command),
         }
         Ok(())
     }
 
-    fn solve(&mut self, command: &Command) {
+    fn solve(&mut self, command: &AnsysCommand) {
         self.solved_at = self.solved_at.or(Some(command.line));
         self.equations.now += 1;
         self.coupled.now += 1;
-        self.push(command, Action::Solve, Which::All, Components::default());
+        self.push(command, EventAction::Solve, NodeChoice::All, ComponentList::default());
     }
 }
 
 /// Whether the fields of a command are read, so that parameters in them matter. Those of `RBE3` name arrays.
-fn is_read(key: Key) -> bool {
-    const READ: [&Key; 13] = [
+fn is_read(key: CommandKey) -> bool {
+    const READ: [&CommandKey; 13] = [
         b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CERI", b"D   ", b"DDEL", b"F   ", b"FDEL", b"N   ", b"NSEL",
         b"ET  ",
     ];
@@ -163,10 +166,100 @@ fn is_read(key: Key) -> bool {
 }
 
 /// Whether a command sets parameters.
-fn sets_parameters(key: Key) -> bool {
-    const SET: [&Key; 21] = [
+fn sets_parameters(key: CommandKey) -> bool {
+    const SET: [&CommandKey; 21] = [
         b"*SET", b"*DIM", b"*DEL", b"*GET", b"*VGE", b"*VFI", b"*VOP", b"*VFU", b"*VRE", b"*VIT", b"*VSC", b"*TRE",
         b"*ASK", b"*AFU", b"*MOP", b"*MFU", b"*MFO", b"*TOP", b"/INQ", b"*SRE", b"*VMA",
     ];
     SET.contains(&&key)
+}
+
+impl AnsysReader {
+    /// Notes that equations are made or changed at a line.
+    pub fn note(&mut self, line: u32) {
+        self.made.is_open = self.control.is_within();
+        self.made.line = self.made.line.max(line);
+    }
+
+    pub fn equation(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
+        let of = match &command.key {
+            b"CE  " => self.equations.read(command).map(CommandOwner::Equation)?,
+            b"CECM" => self.equations.change_constant(command).map(CommandOwner::Equation)?,
+            b"CP  " => self
+                .coupled
+                .read(command, &self.nodes, &self.selection)?
+                .map_or(CommandOwner::Other, CommandOwner::Coupled),
+            b"CEDE" => self.equations.delete(command).map(|()| CommandOwner::Other)?,
+            _ => self.coupled.delete(command).map(|()| CommandOwner::Other)?,
+        };
+        self.place(command, of);
+        let remark = self.equations.remark.take();
+        remark.into_iter().for_each(|text| self.warn(command.line, text));
+        let doubt = self.equations.doubt.take().or(self.coupled.doubt.take());
+        doubt.into_iter().for_each(|text| self.leave_out(command.line, text));
+        Ok(())
+    }
+
+    pub fn region(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
+        if self.nodes.positions.kept.is_none() {
+            self.needs_positions = true;
+            return Ok(());
+        }
+        let (nodes, selection, parameters) = (&self.nodes, &self.selection, &self.parameters);
+        let around = RegionContext { nodes, selection, parameters, is_plane: self.elements.are_plane() };
+        let (name, made) = match &command.key {
+            b"CERI" => ("CERIG", around.rigid(command)?),
+            _ => ("RBE3", around.mean(command)?),
+        };
+        let mut of = CommandOwner::Other;
+        match made {
+            RegionOutcome::Rows(node, rows) => {
+                let region = self.equations.region(name, node, command.line, rows.into_iter());
+                of = region.map_err(|problem| (None, problem))?.map_or(CommandOwner::Other, CommandOwner::Region);
+            }
+            RegionOutcome::Ignored(text) => self.warn(command.line, text),
+            RegionOutcome::LeftOut(text) => {
+                self.made.unread = true;
+                self.leave_out(command.line, text);
+            }
+        }
+        self.place(command, of);
+        Ok(())
+    }
+
+    fn place(&mut self, command: &AnsysCommand, of: CommandOwner) {
+        self.note(command.line);
+        if let Some(places) = &mut self.places {
+            let repeats = self.control.repeats();
+            places.push(CommandPlace { range: command.range.clone(), line: command.line, of, repeats });
+        }
+    }
+
+    pub fn event(&mut self, command: &AnsysCommand, reading: DofCommand) {
+        match reading {
+            DofCommand::Does(action, which, components) => self.push(command, action, which, components),
+            DofCommand::Roughly(action, which, components, text) => {
+                self.push(command, action, which, components);
+                self.warn(command.line, text);
+            }
+            DofCommand::LeftOut(why) => self.leave_out(command.line, format!("{why}: left out")),
+        }
+    }
+
+    pub fn push(&mut self, command: &AnsysCommand, action: EventAction, which: NodeChoice, components: ComponentList) {
+        let name = match action {
+            EventAction::Prescribe(..) => "D",
+            EventAction::Release => "DDELE",
+            EventAction::Load => "F",
+            EventAction::Unload => "FDELE",
+            EventAction::Solve => "SOLVE",
+        };
+        let card = self.model.cards.find(name).unwrap_or_else(|| self.model.card(name, 0, command.line));
+        self.events.push(ValueEvent {
+            action,
+            which,
+            components,
+            origin: Origin { card, line: command.line, lines: 1 },
+        });
+    }
 }

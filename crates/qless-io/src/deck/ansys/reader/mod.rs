@@ -1,42 +1,43 @@
 //! From commands to what they do: equations, coupled sets, nodes, and values in the order of the deck.
 
 mod commands;
-mod constraints;
+mod unread;
 
 use std::ops::Range;
 use std::path::Path;
 
 use super::commands::coupled::CoupledSets;
-use super::commands::elements::Elements;
-use super::commands::equations::Equations;
-use super::commands::selection::Selection;
-use super::commands::unread::Unread;
-use super::model::events::Event;
-use super::model::nodes::Nodes;
-use super::syntax::archive::{self, Quick};
-use super::syntax::command::{Line, parse};
-use super::syntax::control::{Control, Here, State};
-use super::syntax::field::Fault;
-use super::syntax::parameters::Parameters;
+use super::commands::elements::ElementTypes;
+use super::commands::equations::CeEquations;
+use super::model::events::ValueEvent;
+use super::model::nodes::AnsysNodes;
+use super::model::selection::NodeSelection;
+use super::syntax::archive;
+use super::syntax::archive::ArchiveLine;
+use super::syntax::command::{AnsysLine, parse};
+use super::syntax::control::{Execution, FlowControl, TextPosition};
+use super::syntax::field::FieldFault;
+use super::syntax::parameters::ApdlParameters;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Model, Problem};
+use unread::UnreadCommands;
 
 /// A command that belongs to an equation or a coupled set, for those who change the text.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct CommandPlace {
     /// Its bytes.
     pub range: Range<usize>,
     /// Its line, from 1.
     pub line: u32,
     /// What it belongs to.
-    pub of: Owner,
+    pub of: CommandOwner,
     /// Whether a loop carries it out, or a comma repeats its name, so that its text cannot go for one equation alone.
     pub repeats: bool,
 }
 
 /// An equation or a coupled set by its number, or the region of this index, which made equations of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Owner {
+pub enum CommandOwner {
     Equation(u32),
     Coupled(u32),
     Region(usize),
@@ -46,7 +47,7 @@ pub enum Owner {
 
 /// Where equations are made.
 #[derive(Debug, Default)]
-pub struct MadeAt {
+pub struct EquationsMade {
     /// The line after which all of them are, and no block is open.
     pub line: u32,
     /// Whether some are since in a block that is still open.
@@ -57,19 +58,19 @@ pub struct MadeAt {
 
 /// What the commands read so far say.
 #[derive(Debug, Default)]
-pub struct Reader {
+pub struct AnsysReader {
     pub model: Model,
-    pub equations: Equations,
+    pub equations: CeEquations,
     pub coupled: CoupledSets,
-    pub nodes: Nodes,
-    pub events: Vec<Event>,
+    pub nodes: AnsysNodes,
+    pub events: Vec<ValueEvent>,
     /// Where equations and coupled sets are said, in order, for those who ask.
-    pub places: Option<Vec<Place>>,
-    pub selection: Selection,
-    pub elements: Elements,
-    pub parameters: Parameters,
-    pub control: Control,
-    pub made: MadeAt,
+    pub places: Option<Vec<CommandPlace>>,
+    pub selection: NodeSelection,
+    pub elements: ElementTypes,
+    pub parameters: ApdlParameters,
+    pub control: FlowControl,
+    pub made: EquationsMade,
     /// Whether positions of nodes are needed that were not kept.
     pub needs_positions: bool,
     /// Whether the command before constrains, which `*REPEAT` would do again.
@@ -82,10 +83,10 @@ pub struct Reader {
     pub solved_at: Option<u32>,
     /// The tag of archives, if the deck is written as they are.
     pub archive: Option<&'static str>,
-    pub unread: Unread,
+    pub unread: UnreadCommands,
 }
 
-impl Reader {
+impl AnsysReader {
     /// Reads the text of a deck.
     pub fn read(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
         Self::with(path, text, |_| ())
@@ -153,7 +154,7 @@ impl Reader {
         if self.control.is_within() || self.places.is_some() || self.solved_at.is_some() {
             return None;
         }
-        let Quick { tag, length, says } = archive::read(text)?;
+        let ArchiveLine { tag, length, says } = archive::read(text)?;
         if !self.equations.quick(&says, line) {
             return None;
         }
@@ -174,15 +175,15 @@ impl Reader {
             return Err(self.error(line, "a line", (None, problem)));
         }
         match parse(text, start, line) {
-            Line::Data(_) if self.control.state() != State::CarriedOut => Ok(()),
-            Line::Data(text) if self.elements.in_block => {
+            AnsysLine::Data(_) if self.control.state() != Execution::CarriedOut => Ok(()),
+            AnsysLine::Data(text) if self.elements.in_block => {
                 let warning = self.elements.row(text);
                 warning.into_iter().for_each(|text| self.leave_out(line, text.to_owned()));
                 Ok(())
             }
-            Line::Data(text) => self.nodes.data(text).map_err(|fault| self.error(line, "a block", fault)),
-            Line::Commands(commands) => {
-                let below = Here { start: start + text.len() + 1, line: line + 1 };
+            AnsysLine::Data(text) => self.nodes.data(text).map_err(|fault| self.error(line, "a block", fault)),
+            AnsysLine::Commands(commands) => {
+                let below = TextPosition { start: start + text.len() + 1, line: line + 1 };
                 let next = (commands.len() == 1).then_some(below);
                 commands.into_iter().try_for_each(|command| match self.control.jump {
                     None => self.command(command, next),
@@ -193,7 +194,7 @@ impl Reader {
         }
     }
 
-    fn error(&self, line: u32, card: &str, (field, problem): Fault) -> DeckError {
+    fn error(&self, line: u32, card: &str, (field, problem): FieldFault) -> DeckError {
         DeckError { path: self.model.files[0].clone(), line: line as usize, card: card.to_owned(), field, problem }
     }
 }

@@ -9,64 +9,68 @@
 
 use super::label;
 use crate::deck::Dof;
-use crate::deck::ansys::model::terms::Term;
 use crate::number::leading;
 
 /// Bytes of such a line at most.
 const LINE: usize = 200;
 
+/// A DOF and its coefficient.
+pub type DofCoefficient = (Dof, f64);
+
 /// A line that was read.
 #[derive(Debug, PartialEq)]
-pub struct Quick {
+pub struct ArchiveLine {
     /// The tag of the archive.
     pub tag: &'static str,
     /// Its bytes, with the end of the line.
     pub length: usize,
-    pub says: Says,
+    pub says: ArchiveStatement,
 }
 
 /// What it says.
 #[derive(Debug, PartialEq)]
-pub enum Says {
+pub enum ArchiveStatement {
     /// Number of terms, number of the equation, constant.
     Define(u32, u32, f64),
     /// One or two terms.
-    Terms(Term, Option<Term>),
+    Terms(DofCoefficient, Option<DofCoefficient>),
 }
 
 /// Reads the line that the text begins with.
-pub fn read(text: &[u8]) -> Option<Quick> {
+pub fn read(text: &[u8]) -> Option<ArchiveLine> {
     let (tag, rest) = match text.first_chunk()? {
         b"CE,R5.0," => ("R5.0", &text[8..]),
         b"CE,UNBL," => ("UNBL", &text[8..]),
         _ => return None,
     };
     let (word, rest) = rest.split_first_chunk()?;
-    let mut rest = Rest(&rest[..rest.len().min(LINE)]);
+    let mut rest = ArchiveCursor(&rest[..rest.len().min(LINE)]);
     let says = match word {
-        b"DEFI," => {
-            Says::Define(rest.whole()?, rest.next()?.whole().filter(|&number| number > 0)?, rest.next()?.real()?)
-        }
+        b"DEFI," => ArchiveStatement::Define(
+            rest.whole()?,
+            rest.next()?.whole().filter(|&number| number > 0)?,
+            rest.next()?.real()?,
+        ),
         b"NODE," => {
             let first = rest.term()?;
             let second = match rest.next() {
                 Some(rest) => Some(rest.term()?),
                 None => None,
             };
-            Says::Terms(first, second)
+            ArchiveStatement::Terms(first, second)
         }
         _ => return None,
     };
     let rest = rest.end()?;
-    Some(Quick { tag, length: text.len().min(8 + 5 + LINE) - rest, says })
+    Some(ArchiveLine { tag, length: text.len().min(8 + 5 + LINE) - rest, says })
 }
 
 /// What is left of the line.
-struct Rest<'a>(&'a [u8]);
+struct ArchiveCursor<'a>(&'a [u8]);
 
-impl<'a> Rest<'a> {
+impl<'a> ArchiveCursor<'a> {
     /// `node, label, coefficient`.
-    fn term(&mut self) -> Option<Term> {
+    fn term(&mut self) -> Option<DofCoefficient> {
         let node = self.whole().filter(|&node| node > 0)?;
         let component = label::component(self.next()?.word())?;
         Some((Dof { node, component }, self.next()?.real()?))
@@ -133,13 +137,13 @@ mod tests {
     #[test]
     fn lines_of_archives() {
         let text = b"CE,R5.0,DEFI,       2,      12, -0.50000000    \r\nCE,R5.0,NODE";
-        let says = Says::Define(2, 12, -0.5);
-        assert_eq!(read(text), Some(Quick { tag: "R5.0", length: 49, says }));
+        let says = ArchiveStatement::Define(2, 12, -0.5);
+        assert_eq!(read(text), Some(ArchiveLine { tag: "R5.0", length: 49, says }));
         let text = b"CE,UNBL,NODE,      77,UX  ,  1.00000000    ,       9,ROTZ, -0.25000000E+01\n";
-        let says = Says::Terms((dof(77, 1), 1.0), Some((dof(9, 6), -2.5)));
-        assert_eq!(read(text), Some(Quick { tag: "UNBL", length: text.len(), says }));
-        let says = Says::Terms((dof(1, 11), 0.0), None);
-        assert_eq!(read(b"CE,R5.0,NODE,1,temp,0\nD"), Some(Quick { tag: "R5.0", length: 22, says }));
+        let says = ArchiveStatement::Terms((dof(77, 1), 1.0), Some((dof(9, 6), -2.5)));
+        assert_eq!(read(text), Some(ArchiveLine { tag: "UNBL", length: text.len(), says }));
+        let says = ArchiveStatement::Terms((dof(1, 11), 0.0), None);
+        assert_eq!(read(b"CE,R5.0,NODE,1,temp,0\nD"), Some(ArchiveLine { tag: "R5.0", length: 22, says }));
     }
 
     #[test]

@@ -4,13 +4,13 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 /// The first four characters of a command's name in capitals, blanks where it is shorter: they tell it apart.
-pub type Key = [u8; 4];
+pub type CommandKey = [u8; 4];
 
 /// One command.
 #[derive(Clone, Debug)]
-pub struct Command<'a> {
+pub struct AnsysCommand<'a> {
     /// Its name as it is told apart.
-    pub key: Key,
+    pub key: CommandKey,
     /// Its name as the deck has it.
     pub name: &'a [u8],
     /// All of it, without blanks around it.
@@ -24,17 +24,17 @@ pub struct Command<'a> {
 }
 
 /// What a line holds.
-pub enum Line<'a> {
+pub enum AnsysLine<'a> {
     /// Numbers, or the format of such lines: data of the command above.
     Data(&'a [u8]),
     /// Commands; none on a line that is blank or a comment.
-    Commands(Vec<Command<'a>>),
+    Commands(Vec<AnsysCommand<'a>>),
 }
 
 /// Commands whose text goes on to the end of the line.
-const WHOLE_LINE: [&Key; 5] = [b"/COM", b"/TIT", b"/STI", b"C***", b"/SYS"];
+const WHOLE_LINE: [&CommandKey; 5] = [b"/COM", b"/TIT", b"/STI", b"C***", b"/SYS"];
 
-impl<'a> Command<'a> {
+impl<'a> AnsysCommand<'a> {
     /// Field `at`, from 1; empty if it is missing.
     pub fn field(&self, at: usize) -> &[u8] {
         at.checked_sub(1).and_then(|k| self.fields.get(k)).map_or(&[][..], |field| field)
@@ -76,27 +76,27 @@ impl<'a> Command<'a> {
 }
 
 /// What a line of a file holds; `start` is where it begins.
-pub fn parse(text: &[u8], start: usize, line: u32) -> Line<'_> {
+pub fn parse(text: &[u8], start: usize, line: u32) -> AnsysLine<'_> {
     let head = text.trim_ascii_start();
     match head.first() {
-        Some(byte) if byte.is_ascii_digit() || b"+-.(".contains(byte) => return Line::Data(text),
-        None | Some(b'!') => return Line::Commands(Vec::new()),
+        Some(byte) if byte.is_ascii_digit() || b"+-.(".contains(byte) => return AnsysLine::Data(text),
+        None | Some(b'!') => return AnsysLine::Commands(Vec::new()),
         _ => {}
     }
     if WHOLE_LINE.contains(&&key(head)) {
-        return Line::Commands(Command::new(text, start, line).into_iter().collect());
+        return AnsysLine::Commands(AnsysCommand::new(text, start, line).into_iter().collect());
     }
     let end = memchr::memchr2(b'$', b'!', text);
     let mut commands = Vec::with_capacity(1);
     let mut from = 0;
     for end in end.map_or_else(|| vec![text.len()], |_| ends(text)) {
-        commands.extend(Command::new(&text[from..end], start + from, line));
+        commands.extend(AnsysCommand::new(&text[from..end], start + from, line));
         from = end + 1;
     }
-    Line::Commands(commands)
+    AnsysLine::Commands(commands)
 }
 
-fn key(name: &[u8]) -> Key {
+fn key(name: &[u8]) -> CommandKey {
     let mut key = *b"    ";
     for (to, byte) in key.iter_mut().zip(name) {
         *to = byte.to_ascii_uppercase();
@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     fn commands(text: &str) -> Vec<(String, Vec<String>, String)> {
-        let Line::Commands(commands) = parse(text.as_bytes(), 0, 1) else { return Vec::new() };
+        let AnsysLine::Commands(commands) = parse(text.as_bytes(), 0, 1) else { return Vec::new() };
         let words =
             |fields: &[Cow<[u8]>]| fields.iter().map(|field| String::from_utf8_lossy(field).into_owned()).collect();
         commands
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn numbers_and_formats_are_data() {
         for text in ["  1  2", "-1", "(3i9,6e21.13e3)", " .5", "+1"] {
-            assert!(matches!(parse(text.as_bytes(), 0, 1), Line::Data(_)), "{text}");
+            assert!(matches!(parse(text.as_bytes(), 0, 1), AnsysLine::Data(_)), "{text}");
         }
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! Operators of one rank are taken from left to right, as the program takes them. A word that stands for nothing known here makes
 //! no number: it is never guessed.
+//!
+//! Arrays of numbers, as `*DIM` makes them.
 
 /// Why there is no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +15,7 @@ pub enum NoValue {
 }
 
 /// What words stand for.
-pub trait Names {
+pub trait NameLookup {
     /// A parameter.
     fn scalar(&self, name: &str) -> Result<f64, NoValue>;
     /// An element of an array, or a function.
@@ -24,8 +26,8 @@ pub trait Names {
 const DEPTH: usize = 50;
 
 /// The value of an expression.
-pub fn value(text: &[u8], names: &impl Names) -> Result<f64, NoValue> {
-    let mut parser = Parser { rest: text, names, depth: 0 };
+pub fn value(text: &[u8], names: &impl NameLookup) -> Result<f64, NoValue> {
+    let mut parser = ExpressionParser { rest: text, names, depth: 0 };
     let value = parser.sum()?;
     parser.blanks();
     if !parser.rest.is_empty() {
@@ -34,13 +36,13 @@ pub fn value(text: &[u8], names: &impl Names) -> Result<f64, NoValue> {
     if value.is_finite() { Ok(value) } else { Err(NoValue::Unknown) }
 }
 
-struct Parser<'a, N> {
+struct ExpressionParser<'a, N> {
     rest: &'a [u8],
     names: &'a N,
     depth: usize,
 }
 
-impl<N: Names> Parser<'_, N> {
+impl<N: NameLookup> ExpressionParser<'_, N> {
     fn sum(&mut self) -> Result<f64, NoValue> {
         let negative = self.take(b"-");
         let _ = negative || self.take(b"+");
@@ -167,13 +169,45 @@ pub fn is_later(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
+/// Numbers by up to three indices from 1; the first runs fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ApdlArray {
+    pub sizes: [usize; 3],
+    /// Those that are not known are no numbers.
+    pub values: Vec<f64>,
+    /// False once an element was set of which nobody knows which.
+    pub is_known: bool,
+}
+
+impl ApdlArray {
+    /// All zero; `count` is the product of the sizes.
+    pub fn zeros(sizes: [usize; 3], count: usize) -> Self {
+        Self { sizes, values: vec![0.0; count], is_known: true }
+    }
+
+    /// The place of an element.
+    pub fn place(&self, indices: &[f64]) -> Result<usize, NoValue> {
+        let mut place = 0;
+        let mut stride = 1;
+        for (k, size) in self.sizes.iter().enumerate() {
+            let index = indices.get(k).map_or(1.0, |index| index.round());
+            if !(1.0..=*size as f64).contains(&index) {
+                return Err(NoValue::Unknown);
+            }
+            place += (index as usize - 1) * stride;
+            stride *= size;
+        }
+        Ok(place)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     struct Some3;
 
-    impl Names for Some3 {
+    impl NameLookup for Some3 {
         fn scalar(&self, name: &str) -> Result<f64, NoValue> {
             match name {
                 "A" => Ok(3.0),

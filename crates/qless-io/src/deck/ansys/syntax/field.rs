@@ -1,17 +1,16 @@
 //! Fields of a command as numbers, nodes and labels, and what is wrong with those that are none.
 
-use super::command::Command;
+use super::command::AnsysCommand;
 use super::label;
-use crate::NumberFault;
 use crate::deck::Problem;
 use crate::fault::quote;
-use crate::number;
+use crate::{NumberFault, number};
 
 /// A field at fault, from 1 after the command's name, and what is wrong.
-pub type Fault = (Option<usize>, Problem);
+pub type FieldFault = (Option<usize>, Problem);
 
 /// A fault of field `at`: something else was expected.
-pub fn expected(command: &Command, at: usize, expected: &'static str) -> Fault {
+pub fn expected(command: &AnsysCommand, at: usize, expected: &'static str) -> FieldFault {
     (Some(at), Problem::Expected { expected, found: quote(command.field(at)) })
 }
 
@@ -21,7 +20,7 @@ pub fn whole(text: &[u8]) -> Option<u32> {
 }
 
 /// A number in field `at`, 0 if it is empty; one too small to be told from 0 is 0, as in the program.
-pub fn real(command: &Command, at: usize) -> Result<f64, Fault> {
+pub fn real(command: &AnsysCommand, at: usize) -> Result<f64, FieldFault> {
     let text = command.field(at);
     match number::real(text) {
         _ if text.is_empty() => Ok(0.0),
@@ -31,13 +30,13 @@ pub fn real(command: &Command, at: usize) -> Result<f64, Fault> {
 }
 
 /// The component of the label in field `at`.
-pub fn component(command: &Command, at: usize) -> Result<u8, Fault> {
+pub fn component(command: &AnsysCommand, at: usize) -> Result<u8, FieldFault> {
     const EXPECTED: &str = "the label of a degree of freedom, such as UX, ROTZ or TEMP";
     label::component(command.field(at)).ok_or_else(|| expected(command, at, EXPECTED))
 }
 
 /// A node with its sign, which takes it away where it is negative.
-pub fn signed_node(command: &Command, at: usize) -> Result<(u32, bool), Fault> {
+pub fn signed_node(command: &AnsysCommand, at: usize) -> Result<(u32, bool), FieldFault> {
     let text = command.field(at);
     let digits = text.strip_prefix(b"-").unwrap_or(text);
     let node = whole(digits).ok_or_else(|| expected(command, at, "the number of a node"))?;
@@ -45,12 +44,12 @@ pub fn signed_node(command: &Command, at: usize) -> Result<(u32, bool), Fault> {
 }
 
 /// Whether field `at` holds nothing: it is empty or zero.
-pub fn is_nothing(command: &Command, at: usize) -> bool {
+pub fn is_nothing(command: &AnsysCommand, at: usize) -> bool {
     command.field(at).iter().all(|&byte| byte == b'0')
 }
 
 /// `first, last, step` from field `at` on; the last is the first and the step 1 where they are left out.
-pub fn range(command: &Command, first: u32, at: usize) -> Result<(u32, u32, u32), Fault> {
+pub fn range(command: &AnsysCommand, first: u32, at: usize) -> Result<(u32, u32, u32), FieldFault> {
     const EXPECTED: &str = "a whole number from 1";
     let or = |at: usize, default: u32| {
         if is_nothing(command, at) {

@@ -7,12 +7,12 @@ const WIDTH: usize = 1000;
 
 /// The widths of the whole numbers of a line, which come first, and of the floats after them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Format {
+pub struct BlockFormat {
     integers: Vec<usize>,
     floats: Vec<usize>,
 }
 
-impl Format {
+impl BlockFormat {
     /// Reads a format; `None` for what is no list of whole numbers and then floats.
     pub fn parse(text: &[u8]) -> Option<Self> {
         let text = text.trim_ascii().strip_prefix(b"(")?.strip_suffix(b")")?;
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn fields_by_their_width() {
-        let format = Format::parse(b" (1i3,2I2,3e6.1e3) ").expect("a format");
+        let format = BlockFormat::parse(b" (1i3,2I2,3e6.1e3) ").expect("a format");
         let line = b"  1 2 3 -1.5  2.0E";
         assert_eq!(format.integers(line).collect::<Vec<_>>(), [b"1", b"2", b"3"]);
         assert_eq!(format.floats(line).collect::<Vec<_>>(), [&b"-1.5"[..], b"2.0E"]);
@@ -92,7 +92,7 @@ mod tests {
             "(101i9)",
             "(99999999999999999999i9)",
         ] {
-            assert_eq!(Format::parse(text.as_bytes()), None, "{text}");
+            assert_eq!(BlockFormat::parse(text.as_bytes()), None, "{text}");
         }
     }
 }

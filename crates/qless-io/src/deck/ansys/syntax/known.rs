@@ -1,10 +1,10 @@
 //! Commands by what they mean for constraints: those that this reader does not follow, and those that do not matter.
 
-use super::command::Key;
+use super::command::CommandKey;
 
 /// What a command that is not read does to the constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
+pub enum CommandEffect {
     /// It makes or changes constraints.
     Constrains,
     /// It makes nodes.
@@ -47,16 +47,16 @@ const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC 
     C*** QRDO STEF THOP EMUN LCAT XVAR SLIS NUMB USER MPLI TBLI LABE TEMP RMOD CEWR RLIS PLOT EPLO NPLO GPLO MSTO CSLI ADDD RESV NOPR";
 
 /// The effect of a command that the reader does not read itself.
-pub fn effect(key: Key) -> Effect {
+pub fn effect(key: CommandKey) -> CommandEffect {
     let name = key.trim_ascii_end();
     let among = |list: &str| list.split_ascii_whitespace().any(|known| known.as_bytes() == name);
     match name.first() {
-        _ if among(CONSTRAIN) => Effect::Constrains,
-        _ if among(OTHERS) => Effect::BringsOthers,
-        _ if among(NODES) => Effect::MakesNodes,
-        Some(b'/' | b'*' | b':') => Effect::Nothing,
-        _ if among(NOTHING) => Effect::Nothing,
-        _ => Effect::Unknown,
+        _ if among(CONSTRAIN) => CommandEffect::Constrains,
+        _ if among(OTHERS) => CommandEffect::BringsOthers,
+        _ if among(NODES) => CommandEffect::MakesNodes,
+        Some(b'/' | b'*' | b':') => CommandEffect::Nothing,
+        _ if among(NOTHING) => CommandEffect::Nothing,
+        _ => CommandEffect::Unknown,
     }
 }
 
@@ -67,15 +67,15 @@ mod tests {
     #[test]
     fn commands_by_their_first_letters() {
         for (key, of) in [
-            (b"CEIN", Effect::Constrains),
-            (b"DL  ", Effect::Constrains),
-            (b"NGEN", Effect::MakesNodes),
-            (b"/INP", Effect::BringsOthers),
-            (b"*GO ", Effect::BringsOthers),
-            (b"*GET", Effect::Nothing),
-            (b"/PRE", Effect::Nothing),
-            (b"EBLO", Effect::Nothing),
-            (b"QXYZ", Effect::Unknown),
+            (b"CEIN", CommandEffect::Constrains),
+            (b"DL  ", CommandEffect::Constrains),
+            (b"NGEN", CommandEffect::MakesNodes),
+            (b"/INP", CommandEffect::BringsOthers),
+            (b"*GO ", CommandEffect::BringsOthers),
+            (b"*GET", CommandEffect::Nothing),
+            (b"/PRE", CommandEffect::Nothing),
+            (b"EBLO", CommandEffect::Nothing),
+            (b"QXYZ", CommandEffect::Unknown),
         ] {
             assert_eq!(effect(*key), of);
         }

@@ -4,16 +4,15 @@ use std::borrow::Cow;
 
 use rustc_hash::FxHashMap;
 
-use super::array::Array;
-use super::command::Command;
-use super::expression::{Names, NoValue, is_first, is_later, value};
+use super::command::AnsysCommand;
+use super::expression::{ApdlArray, NameLookup, NoValue, is_first, is_later, value};
 
 /// Elements of all arrays at most.
 const ELEMENTS: usize = 4_000_000;
 
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value {
+pub enum ParameterValue {
     Number(f64),
     /// Between quotes.
     Text(String),
@@ -21,24 +20,24 @@ pub enum Value {
     Unknown,
     /// A table, which is a function of time and place.
     Table,
-    Array(Array),
+    Array(ApdlArray),
 }
 
 /// The parameters set so far.
 #[derive(Clone, Debug, Default)]
-pub struct Parameters {
-    values: FxHashMap<String, Value>,
+pub struct ApdlParameters {
+    values: FxHashMap<String, ParameterValue>,
     elements: usize,
     degrees: bool,
 }
 
 /// `name` or `name(1,2,3)` in front of what is assigned.
-struct Target {
+struct AssignmentTarget {
     name: String,
     indices: Option<String>,
 }
 
-impl Parameters {
+impl ApdlParameters {
     /// Sets what `name = value` says; false where the text is no assignment. With `unknown` nobody knows whether it is carried out.
     pub fn assign(&mut self, text: &[u8], unknown: bool) -> bool {
         let Some((target, rest)) = target(text) else { return false };
@@ -48,7 +47,7 @@ impl Parameters {
     }
 
     /// `*SET, name, value, value, ...` and the others that set parameters.
-    pub fn command(&mut self, command: &Command, unknown: bool) {
+    pub fn command(&mut self, command: &AnsysCommand, unknown: bool) {
         let field = |at: usize| command.field(at).to_vec();
         let Some((target, _)) = target(command.field(1)) else { return };
         match &command.key {
@@ -57,11 +56,14 @@ impl Parameters {
                 self.set(&target, &given, unknown);
             }
             b"*DEL" => self.put(target.name, None),
-            b"*DIM" if unknown => self.put(target.name, Some(Value::Unknown)),
+            b"*DIM" if unknown => self.put(target.name, Some(ParameterValue::Unknown)),
             b"*DIM" => {
                 let sizes = [3, 4, 5].map(|at| self.number(&field(at)));
-                let value =
-                    if command.is(2, "TABL") || command.is(2, "TABLE") { Value::Table } else { self.array(sizes) };
+                let value = if command.is(2, "TABL") || command.is(2, "TABLE") {
+                    ParameterValue::Table
+                } else {
+                    self.array(sizes)
+                };
                 self.put(target.name, Some(value));
             }
             b"*AFU" => self.degrees = command.is(1, "DEG"),
@@ -71,12 +73,12 @@ impl Parameters {
 
     /// Sets a number.
     pub fn define(&mut self, name: &str, value: f64) {
-        self.put(name.to_owned(), Some(Value::Number(value)));
+        self.put(name.to_owned(), Some(ParameterValue::Number(value)));
     }
 
     /// Sets what is not known.
     pub fn forget(&mut self, name: &str) {
-        self.put(name.to_owned(), Some(Value::Unknown));
+        self.put(name.to_owned(), Some(ParameterValue::Unknown));
     }
 
     /// The number that a text stands for.
@@ -88,7 +90,7 @@ impl Parameters {
     }
 
     /// The fields with what they stand for; the first that depends on what is not followed is the error.
-    pub fn resolve(&self, command: &mut Command) -> Result<(), String> {
+    pub fn resolve(&self, command: &mut AnsysCommand) -> Result<(), String> {
         for field in &mut command.fields {
             if let Some(text) = self.meant(field)? {
                 *field = Cow::Owned(text);
@@ -100,7 +102,7 @@ impl Parameters {
     /// Elements of an array from that on which a text names, `NAME(3)`; none where they are not known.
     pub fn elements(&self, text: &[u8]) -> Option<&[f64]> {
         let (target, rest) = target(text)?;
-        let Value::Array(array) = self.values.get(&target.name)? else { return None };
+        let ParameterValue::Array(array) = self.values.get(&target.name)? else { return None };
         let first = match target.indices {
             Some(indices) => self.place(array, &indices).ok()?,
             None => 0,
@@ -118,10 +120,10 @@ impl Parameters {
         let is_name = text.first().is_some_and(|byte| is_first(*byte)) && text.iter().all(|byte| is_later(*byte));
         if is_name {
             return match self.values.get(&String::from_utf8_lossy(text).to_ascii_uppercase()) {
-                Some(Value::Number(value)) => Ok(Some(spelled(*value))),
-                Some(Value::Text(text)) => Ok(Some(text.clone().into_bytes())),
-                Some(Value::Unknown) => Err(unknown()),
-                Some(Value::Table | Value::Array(_)) | None => Ok(None),
+                Some(ParameterValue::Number(value)) => Ok(Some(spelled(*value))),
+                Some(ParameterValue::Text(text)) => Ok(Some(text.clone().into_bytes())),
+                Some(ParameterValue::Unknown) => Err(unknown()),
+                Some(ParameterValue::Table | ParameterValue::Array(_)) | None => Ok(None),
             };
         }
         let operates = text.iter().enumerate().any(|(at, byte)| b"+-*/(".contains(byte) && (at > 0 || *byte == b'('));
@@ -136,45 +138,46 @@ impl Parameters {
         }
     }
 
-    fn set(&mut self, target: &Target, given: &[Vec<u8>], unknown: bool) {
-        let values: Vec<Value> =
-            given.iter().map(|text| if unknown { Value::Unknown } else { self.read(text) }).collect();
+    fn set(&mut self, target: &AssignmentTarget, given: &[Vec<u8>], unknown: bool) {
+        let values: Vec<ParameterValue> =
+            given.iter().map(|text| if unknown { ParameterValue::Unknown } else { self.read(text) }).collect();
         let Some(indices) = &target.indices else {
             let first = given.first().filter(|text| !text.is_empty()).and_then(|_| values.into_iter().next());
             return self.put(target.name.clone(), first);
         };
         let place = match self.values.get(&target.name) {
-            Some(Value::Array(array)) => self.place(array, indices),
+            Some(ParameterValue::Array(array)) => self.place(array, indices),
             // What a table holds does not matter here.
-            Some(Value::Table) => return,
+            Some(ParameterValue::Table) => return,
             _ => return self.forget(&target.name),
         };
-        let Some(Value::Array(array)) = self.values.get_mut(&target.name) else { return };
+        let Some(ParameterValue::Array(array)) = self.values.get_mut(&target.name) else { return };
         let Ok(place) = place else {
             array.is_known = false;
             return;
         };
         for (to, value) in array.values[place..].iter_mut().zip(values) {
-            *to = if let Value::Number(value) = value { value } else { f64::NAN };
+            *to = if let ParameterValue::Number(value) = value { value } else { f64::NAN };
         }
     }
 
-    fn read(&self, text: &[u8]) -> Value {
+    fn read(&self, text: &[u8]) -> ParameterValue {
         let text = text.trim_ascii();
         if let Some(quoted) = text.strip_prefix(b"'") {
             let end = quoted.iter().position(|byte| *byte == b'\'').unwrap_or(quoted.len());
-            return Value::Text(String::from_utf8_lossy(&quoted[..end]).into_owned());
+            return ParameterValue::Text(String::from_utf8_lossy(&quoted[..end]).into_owned());
         }
         let name = String::from_utf8_lossy(text).to_ascii_uppercase();
         match (self.values.get(&name), self.number(text)) {
-            (Some(Value::Text(text)), _) => Value::Text(text.clone()),
-            (_, Ok(value)) => Value::Number(value),
-            _ => Value::Unknown,
+            (Some(ParameterValue::Text(text)), _) => ParameterValue::Text(text.clone()),
+            (_, Ok(value)) => ParameterValue::Number(value),
+            _ => ParameterValue::Unknown,
         }
     }
 
-    fn put(&mut self, name: String, value: Option<Value>) {
-        let size = |value: &Value| if let Value::Array(array) = value { array.values.len() } else { 0 };
+    fn put(&mut self, name: String, value: Option<ParameterValue>) {
+        let size =
+            |value: &ParameterValue| if let ParameterValue::Array(array) = value { array.values.len() } else { 0 };
         self.elements += value.as_ref().map_or(0, size);
         let before = match value {
             Some(value) => self.values.insert(name, value),
@@ -183,35 +186,35 @@ impl Parameters {
         self.elements -= before.as_ref().map_or(0, size);
     }
 
-    fn array(&self, sizes: [Result<f64, NoValue>; 3]) -> Value {
+    fn array(&self, sizes: [Result<f64, NoValue>; 3]) -> ParameterValue {
         let sizes = sizes.map(|size| size.map_or(1, |size| size.max(1.0) as usize));
         let count = sizes.iter().try_fold(1_usize, |count, size| count.checked_mul(*size));
         match count.filter(|count| count.saturating_add(self.elements) <= ELEMENTS) {
-            Some(count) => Value::Array(Array::zeros(sizes, count)),
-            None => Value::Unknown,
+            Some(count) => ParameterValue::Array(ApdlArray::zeros(sizes, count)),
+            None => ParameterValue::Unknown,
         }
     }
 
     /// Which element of an array indices mean.
-    fn place(&self, array: &Array, indices: &str) -> Result<usize, NoValue> {
+    fn place(&self, array: &ApdlArray, indices: &str) -> Result<usize, NoValue> {
         let given = split(indices.as_bytes());
         let indices: Vec<f64> = given.iter().map(|text| self.number(text)).collect::<Result<_, _>>()?;
         array.place(&indices)
     }
 }
 
-impl Names for Parameters {
+impl NameLookup for ApdlParameters {
     fn scalar(&self, name: &str) -> Result<f64, NoValue> {
         match self.values.get(name) {
-            Some(Value::Number(value)) => Ok(*value),
-            Some(Value::Array(array)) if array.is_known && !array.values[0].is_nan() => Ok(array.values[0]),
-            Some(Value::Array(_) | Value::Unknown | Value::Table) => Err(NoValue::Unknown),
-            Some(Value::Text(_)) | None => Err(NoValue::NotOne),
+            Some(ParameterValue::Number(value)) => Ok(*value),
+            Some(ParameterValue::Array(array)) if array.is_known && !array.values[0].is_nan() => Ok(array.values[0]),
+            Some(ParameterValue::Array(_) | ParameterValue::Unknown | ParameterValue::Table) => Err(NoValue::Unknown),
+            Some(ParameterValue::Text(_)) | None => Err(NoValue::NotOne),
         }
     }
 
     fn call(&self, name: &str, arguments: &[f64]) -> Result<f64, NoValue> {
-        if let Some(Value::Array(array)) = self.values.get(name) {
+        if let Some(ParameterValue::Array(array)) = self.values.get(name) {
             let value = array.values[array.place(arguments)?];
             return if array.is_known && !value.is_nan() { Ok(value) } else { Err(NoValue::Unknown) };
         }
@@ -232,14 +235,14 @@ impl Names for Parameters {
 }
 
 /// `name` or `name(...)`, and what follows.
-fn target(text: &[u8]) -> Option<(Target, &[u8])> {
+fn target(text: &[u8]) -> Option<(AssignmentTarget, &[u8])> {
     let text = text.trim_ascii_start();
     let end = text.iter().position(|byte| !is_later(*byte)).unwrap_or(text.len());
     let (name, rest) = text.split_at(end);
     name.first().filter(|byte| is_first(**byte))?;
     let name = String::from_utf8_lossy(name).to_ascii_uppercase();
     let Some(inside) = rest.trim_ascii_start().strip_prefix(b"(") else {
-        return Some((Target { name, indices: None }, rest));
+        return Some((AssignmentTarget { name, indices: None }, rest));
     };
     let mut depth = 1;
     let close = inside.iter().position(|byte| {
@@ -247,7 +250,7 @@ fn target(text: &[u8]) -> Option<(Target, &[u8])> {
         depth == 0
     })?;
     let indices = Some(String::from_utf8_lossy(&inside[..close]).into_owned());
-    Some((Target { name, indices }, &inside[close + 1..]))
+    Some((AssignmentTarget { name, indices }, &inside[close + 1..]))
 }
 
 /// What stands between commas that are in no parentheses.
@@ -269,15 +272,15 @@ fn spelled(value: f64) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::command::{Line, parse};
+    use super::super::command::{AnsysLine, parse};
     use super::*;
 
     /// The parameters that lines set, and the fields of the last one.
     fn fields(lines: &[&str]) -> Result<Vec<String>, String> {
-        let mut parameters = Parameters::default();
+        let mut parameters = ApdlParameters::default();
         let mut last = Ok(Vec::new());
         for line in lines {
-            let Line::Commands(mut commands) = parse(line.as_bytes(), 0, 1) else { continue };
+            let AnsysLine::Commands(mut commands) = parse(line.as_bytes(), 0, 1) else { continue };
             for command in &mut commands {
                 if parameters.assign(command.text, false) {
                     continue;
@@ -331,9 +334,9 @@ mod tests {
 
     #[test]
     fn elements_from_one_on() {
-        let mut parameters = Parameters::default();
+        let mut parameters = ApdlParameters::default();
         let dim = parse(b"*DIM,A,ARRAY,3", 0, 1);
-        let Line::Commands(commands) = dim else { panic!("commands") };
+        let AnsysLine::Commands(commands) = dim else { panic!("commands") };
         parameters.command(&commands[0], false);
         assert!(parameters.assign(b"A(1)=4,5,6", false));
         assert_eq!(parameters.elements(b"a(2)"), Some(&[5.0, 6.0][..]));

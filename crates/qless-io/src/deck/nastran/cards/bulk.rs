@@ -1,69 +1,62 @@
-//! Bulk data: the cards that say what is constrained, in their order. All others are passed over.
+//! The content of bulk data: collects the cards that matter for constraints, in the order of the deck.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
 use rustc_hash::FxHashMap;
 
-use super::coordinates;
-use super::elements::{Read, rbar, rbe1, rbe2, rbe3, rrod};
-use super::exclusive::{self, Members};
-use super::grid::{Given, Usual};
-use super::joints::{Joint, jointg, rbar1, rjoint, rtrplt, rtrplt1};
-use super::loads::{self, Combinations, Loaded};
-use super::mpc::terms;
-use super::mystran;
-use super::notes::Notes;
-use super::quick::Quick;
-use super::sets::{self, Unions};
-use super::spans::{Span, spans};
-use super::supports::{Support, spc, spc1};
-use super::unknown::Unknown;
-use super::unread::{self, Unread};
-use crate::deck::Solver;
+use super::elements::{
+    ElementCard, JointElement, NastranElement, jointg, rbar, rbar1, rbe1, rbe2, rbe3, rjoint, rrod, rtrplt, rtrplt1,
+};
+use super::exclusive::ExclusiveMembers;
+use super::grids::Grids;
+use super::loads::{LoadCombinations, LoadedComponents};
+use super::points::{
+    FrameDefinition, FrameDefinitions, GridCard, GridDefaults, PointSpan, spans, through_grids, through_points,
+};
+use super::quick::QuickCard;
+use super::sets::{PointSupport, SetUnions, read_union, spc, spc1, terms};
+use super::ties::Ties;
+use super::unread::{CardNotes, UnknownNames, UnreadCard};
+use super::{exclusive, loads, mystran, unread};
 use crate::deck::kinematics::axes::Kind;
-use crate::deck::nastran::fault::CardFault;
-use crate::deck::nastran::model::frames::{Definition, Definitions};
-use crate::deck::nastran::model::grids::Grids;
-use crate::deck::nastran::model::ties::{Element, Ties};
-use crate::deck::nastran::syntax::card::{Card, Refused};
-use crate::deck::nastran::syntax::content::At;
-use crate::deck::nastran::syntax::lines::Line;
-use crate::deck::nastran::syntax::place::Place;
+use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
+use crate::deck::nastran::syntax::lines::{DeckLine, FileLine};
+use crate::deck::{CardFault, Solver};
 
-/// What the bulk data of a deck constrains.
+/// The cards of bulk data that matter for constraints.
 #[derive(Debug, Default)]
-pub struct Bulk {
-    /// Whether MYSTRAN reads the deck, to which some cards mean something else.
+pub struct BulkData {
+    /// Whether the deck is for MYSTRAN, which reads some cards differently.
     pub is_mystran: bool,
     pub grids: Grids,
-    pub scalars: Vec<Span>,
-    pub usual: Option<(Usual, Place)>,
-    pub frames: Definitions,
-    /// The cards of `frames`.
-    pub frame_places: BTreeMap<u32, Place>,
+    pub scalars: Vec<PointSpan>,
+    pub usual: Option<(GridDefaults, CardPlace)>,
+    pub frames: FrameDefinitions,
+    /// Places of the cards of `frames`.
+    pub frame_places: BTreeMap<u32, CardPlace>,
     pub ties: Ties,
-    /// Lines of cards that cannot be left out or replaced: with thermal expansion, or copied by others.
-    pub fixed: BTreeSet<At>,
-    /// Lines of cards that do not stand right after the first ones, by the first.
-    pub apart: BTreeMap<At, Vec<At>>,
-    /// The cards of rigid elements, by number.
-    elements: FxHashMap<u32, At>,
-    /// Components that may be in one set only.
-    pub exclusive: Vec<Members>,
-    pub supports: Vec<(u32, Support, Place)>,
-    /// `SPCD`.
-    pub enforced: Vec<(u32, Support, Place)>,
-    pub mpc_unions: Unions,
-    pub spc_unions: Unions,
-    pub combinations: Combinations,
-    pub loads: Vec<Loaded>,
-    pub notes: Notes,
-    /// Cards of which not even the name is known.
-    pub unknown: Unknown,
+    /// First lines of cards that must not be removed or replaced, because of thermal expansion or because others are copies of them.
+    pub fixed: BTreeSet<FileLine>,
+    /// Separated continuation lines of cards, by the first line of the card.
+    pub apart: BTreeMap<FileLine, Vec<FileLine>>,
+    /// First lines of rigid elements, by element number.
+    elements: FxHashMap<u32, FileLine>,
+    /// Components in mutually exclusive sets.
+    pub exclusive: Vec<ExclusiveMembers>,
+    pub supports: Vec<(u32, PointSupport, CardPlace)>,
+    /// `SPCD` cards, with their load set.
+    pub enforced: Vec<(u32, PointSupport, CardPlace)>,
+    pub mpc_unions: SetUnions,
+    pub spc_unions: SetUnions,
+    pub combinations: LoadCombinations,
+    pub loads: Vec<LoadedComponents>,
+    pub notes: CardNotes,
+    /// Names of unknown cards.
+    pub unknown: UnknownNames,
 }
 
-/// The name of a card that has to be read, given in capitals; none for all others.
+/// The name if cards of this name (in capitals) must be read; `None` for cards that are skipped.
 pub fn known(name: &[u8]) -> Option<&'static str> {
     const READ: [&str; 30] = [
         "GRID", "GRDSET", "SPOINT", "EPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MPC",
@@ -76,24 +69,24 @@ pub fn known(name: &[u8]) -> Option<&'static str> {
     KNOWN.get(name).copied()
 }
 
-impl Bulk {
-    /// Nothing as yet, of a deck that this solver reads.
+impl BulkData {
+    /// Empty bulk data of a deck for this solver.
     pub fn of(solver: Solver) -> Self {
         Self { is_mystran: solver == Solver::Mystran, ..Self::default() }
     }
 
-    /// Takes a card that was read the short way.
-    pub fn quick(&mut self, card: &Quick, line: &Line) {
+    /// Takes a card that the fast path has read.
+    pub fn quick(&mut self, card: &QuickCard, line: &DeckLine) {
         match card {
-            Quick::Grid(given) => self.grids.push(given, line.file, line.number),
-            Quick::Mpc(set, first, second) => {
+            QuickCard::Grid(given) => self.grids.push(given, line.file, line.number),
+            QuickCard::Mpc(set, first, second) => {
                 self.ties.mpc(*set, (line.file, line.number, 1), std::iter::once(*first).chain(*second));
             }
         }
     }
 
     /// Takes a card.
-    pub fn card(&mut self, card: &Card) -> Result<(), Refused> {
+    pub fn card(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         if self.is_mystran {
             if mystran::passes_over(card.name) {
                 let text = format!("MYSTRAN passes over {}: it constrains nothing", card.title());
@@ -105,13 +98,13 @@ impl Bulk {
         self.read(card)
     }
 
-    fn read(&mut self, card: &Card) -> Result<(), Refused> {
+    fn read(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         match card.name {
-            "GRID" => self.grids.push(&Given::read(card)?, card.file, card.line),
+            "GRID" => self.grids.push(&GridCard::read(card)?, card.file, card.line),
             "GRDSET" => self.grdset(card)?,
             "SPOINT" | "EPOINT" => self.scalars.extend(spans(card, 0, card.len())?),
-            "MPCADD" => sets::read(card, &mut self.mpc_unions)?,
-            "SPCADD" => sets::read(card, &mut self.spc_unions)?,
+            "MPCADD" => read_union(card, &mut self.mpc_unions)?,
+            "SPCADD" => read_union(card, &mut self.spc_unions)?,
             "SPC" => self.supports.extend(in_set(card, spc(card)?)?),
             "SPC1" => self.supports.extend(in_set(card, vec![spc1(card, self.is_mystran)?])?),
             "SPCD" => self.enforced.extend(in_set(card, spc(card)?)?),
@@ -124,7 +117,7 @@ impl Bulk {
                 self.note_apart(card);
             }
             name if name.starts_with("CORD") => self.frame(card)?,
-            name => match Unread::of(name) {
+            name => match UnreadCard::of(name) {
                 Some(unread) => self.leave_out(card, unread)?,
                 None => match exclusive::read(card)? {
                     Some(members) => self.exclusive.extend(members),
@@ -135,13 +128,13 @@ impl Bulk {
         Ok(())
     }
 
-    /// To MYSTRAN a set may be 0.
-    fn mpc_set(&self, card: &Card) -> Result<u32, Refused> {
+    /// The set of an `MPC` card; MYSTRAN accepts set 0.
+    fn mpc_set(&self, card: &BulkCard) -> Result<u32, CardRefusal> {
         if self.is_mystran { card.optional_whole(0, SET).map(Option::unwrap_or_default) } else { set(card) }
     }
 
-    /// A card that is not understood. Those of `SUPORT` are in a set all the same.
-    fn leave_out(&mut self, card: &Card, unread: &Unread) -> Result<(), Refused> {
+    /// Notes a card that is not understood. `SUPORT` puts its components into a set nevertheless.
+    fn leave_out(&mut self, card: &BulkCard, unread: &UnreadCard) -> Result<(), CardRefusal> {
         self.exclusive.extend(exclusive::read(card)?.unwrap_or_default());
         if unread.constrains {
             self.notes.leave_out((card.file, card.line), unread.warning(card));
@@ -151,28 +144,28 @@ impl Bulk {
         Ok(())
     }
 
-    fn element(&mut self, card: &Card) -> Result<(), Refused> {
+    fn element(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         let (element, alpha) = match card.name {
-            "RBE1" => rbe1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
-            "RBE2" => rbe2(card, self.is_mystran).map(|read| (Element::Star(read.element), read.alpha))?,
+            "RBE1" => rbe1(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
+            "RBE2" => rbe2(card, self.is_mystran).map(|read| (NastranElement::Star(read.element), read.alpha))?,
             "RBE3" => {
-                let Read { element, alpha } = rbe3(card)?;
-                (if self.is_mystran { mystran::mean(element) } else { Element::Mean(element) }, alpha)
+                let ElementCard { element, alpha } = rbe3(card)?;
+                (if self.is_mystran { mystran::mean(element) } else { NastranElement::Mean(element) }, alpha)
             }
-            "RBAR" => rbar(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
-            "RBAR1" => rbar1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
-            "RTRPLT" => rtrplt(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
-            "RTRPLT1" => rtrplt1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
-            "RJOINT" => (Element::Joint(rjoint(card)?), 0.0),
+            "RBAR" => rbar(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
+            "RBAR1" => rbar1(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
+            "RTRPLT" => rtrplt(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
+            "RTRPLT1" => rtrplt1(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
+            "RJOINT" => (NastranElement::Joint(rjoint(card)?), 0.0),
             "JOINTG" => match jointg(card)? {
-                Joint::Beam(element) => (Element::Rigid(element), 0.0),
-                Joint::Ball(element) => (Element::Joint(element), 0.0),
-                Joint::Other => {
+                JointElement::Beam(element) => (NastranElement::Rigid(element), 0.0),
+                JointElement::Ball(element) => (NastranElement::Joint(element), 0.0),
+                JointElement::Other => {
                     self.notes.leave_out((card.file, card.line), unread::joint(card));
                     return Ok(());
                 }
             },
-            _ => rrod(card).map(|read| (Element::Rod(read.element), read.alpha))?,
+            _ => rrod(card).map(|read| (NastranElement::Rod(read.element), read.alpha))?,
         };
         let at = (card.file, card.line);
         if alpha != 0.0 {
@@ -182,12 +175,12 @@ impl Bulk {
         }
         self.number(card)?;
         self.note_apart(card);
-        self.ties.element(element, Place::of(card));
+        self.ties.element(element, CardPlace::of(card));
         Ok(())
     }
 
-    /// Elements have a number of their own.
-    fn number(&mut self, card: &Card) -> Result<(), Refused> {
+    /// Checks that no other element has the card's number.
+    fn number(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         if self.is_mystran && mystran::has_no_number(card) {
             return Ok(());
         }
@@ -202,45 +195,41 @@ impl Bulk {
         }
     }
 
-    fn note_apart(&mut self, card: &Card) {
-        let apart: Vec<At> = card.apart().collect();
+    fn note_apart(&mut self, card: &BulkCard) {
+        let apart: Vec<FileLine> = card.apart().collect();
         if !apart.is_empty() {
             self.apart.insert((card.file, card.line), apart);
         }
     }
 
-    fn grdset(&mut self, card: &Card) -> Result<(), Refused> {
-        let usual = Usual::read(card)?;
+    fn grdset(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
+        let usual = GridDefaults::read(card)?;
         if let Some((other, place)) = &self.usual
             && *other != usual
         {
             let other = format!("line {}", place.line).into();
             return Err(card.at(0, CardFault::DefinedTwice { what: "GRDSET", id: 1, other }.into()));
         }
-        self.usual = Some((usual, Place::of(card)));
+        self.usual = Some((usual, CardPlace::of(card)));
         Ok(())
     }
 
-    fn frame(&mut self, card: &Card) -> Result<(), Refused> {
+    fn frame(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         let kind = match card.name.as_bytes().last() {
             Some(b'C') => Kind::Cylindrical,
             Some(b'S') => Kind::Spherical,
             _ => Kind::Rectangular,
         };
-        let through_grids = card.name.starts_with("CORD1");
-        let found = if through_grids {
-            coordinates::through_grids(card, kind)?
-        } else {
-            vec![coordinates::through_points(card, kind)?]
-        };
+        let is_cord1 = card.name.starts_with("CORD1");
+        let found = if is_cord1 { through_grids(card, kind)? } else { vec![through_points(card, kind)?] };
         for (id, definition) in found {
             self.define(card, id, definition)?;
         }
         Ok(())
     }
 
-    fn define(&mut self, card: &Card, id: u32, definition: Definition) -> Result<(), Refused> {
-        let place = Place::of(card);
+    fn define(&mut self, card: &BulkCard, id: u32, definition: FrameDefinition) -> Result<(), CardRefusal> {
+        let place = CardPlace::of(card);
         if let (Some(known), Some(other)) = (self.frames.get(&id), self.frame_places.get(&id))
             && *known != definition
         {
@@ -255,11 +244,11 @@ impl Bulk {
 
 const SET: &str = "the number of a set";
 
-fn set(card: &Card) -> Result<u32, Refused> {
+fn set(card: &BulkCard) -> Result<u32, CardRefusal> {
     card.id(0, SET)
 }
 
-fn in_set(card: &Card, supports: Vec<Support>) -> Result<Vec<(u32, Support, Place)>, Refused> {
-    let (set, place) = (set(card)?, Place::of(card));
+fn in_set(card: &BulkCard, supports: Vec<PointSupport>) -> Result<Vec<(u32, PointSupport, CardPlace)>, CardRefusal> {
+    let (set, place) = (set(card)?, CardPlace::of(card));
     Ok(supports.into_iter().map(|support| (set, support, place.clone())).collect())
 }

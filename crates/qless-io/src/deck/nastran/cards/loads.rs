@@ -1,25 +1,26 @@
-//! `LOAD`, which combines load sets, and the components that `FORCE`, `MOMENT` and `SLOAD` load.
+//! Load cards: `LOAD` combines load sets; `FORCE`, `MOMENT` and `SLOAD` load components of points.
+//!
+//! Only the loaded components are kept, not the values of the loads.
 
 use std::collections::BTreeMap;
 
 use crate::deck::kinematics::components::Components;
-use crate::deck::nastran::syntax::card::{Card, Refused};
-use crate::deck::nastran::syntax::place::Place;
+use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
 
-/// Load sets with their factors, by the number of the combination.
-pub type Combinations = BTreeMap<u32, Vec<(u32, f64)>>;
+/// Load sets and their factors, by the number of the combination.
+pub type LoadCombinations = BTreeMap<u32, Vec<(u32, f64)>>;
 
-/// Components of a point that carry a load.
+/// Components of a point that a card loads.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Loaded {
+pub struct LoadedComponents {
     pub set: u32,
     pub node: u32,
     pub components: Components,
-    pub place: Place,
+    pub place: CardPlace,
 }
 
 /// `LOAD set, S, S1, L1, S2, L2, ...`.
-pub fn combination(card: &Card, combinations: &mut Combinations) -> Result<(), Refused> {
+pub fn combination(card: &BulkCard, combinations: &mut LoadCombinations) -> Result<(), CardRefusal> {
     let whole = card.real(1)?.unwrap_or(1.0);
     let parts = combinations.entry(card.id(0, "the number of the combination")?).or_default();
     for i in (2..card.len()).step_by(2) {
@@ -30,8 +31,8 @@ pub fn combination(card: &Card, combinations: &mut Combinations) -> Result<(), R
     Ok(())
 }
 
-/// The sets that `set` comes down to, itself with factor 1 among them.
-pub fn parts(set: u32, combinations: &Combinations) -> BTreeMap<u32, f64> {
+/// The load sets in `set` with their factors, including `set` itself with factor 1.
+pub fn parts(set: u32, combinations: &LoadCombinations) -> BTreeMap<u32, f64> {
     let mut parts = BTreeMap::from([(set, 1.0)]);
     for &(part, factor) in combinations.get(&set).into_iter().flatten() {
         *parts.entry(part).or_insert(0.0) += factor;
@@ -39,8 +40,8 @@ pub fn parts(set: u32, combinations: &Combinations) -> BTreeMap<u32, f64> {
     parts
 }
 
-/// `FORCE set, G, CID, F, N1, N2, N3` and `MOMENT`. Along axes other than the basic ones any component may be loaded.
-pub fn vector(card: &Card, first: u8) -> Result<Loaded, Refused> {
+/// `FORCE set, G, CID, F, N1, N2, N3` and `MOMENT`. If the axes are not the basic ones, all three components count as loaded.
+pub fn vector(card: &BulkCard, first: u8) -> Result<LoadedComponents, CardRefusal> {
     let basic = card.optional_whole(2, "a coordinate system")?.unwrap_or(0) == 0;
     let mut digits = Vec::new();
     for (k, component) in (first..first + 3).enumerate() {
@@ -52,12 +53,12 @@ pub fn vector(card: &Card, first: u8) -> Result<Loaded, Refused> {
 }
 
 /// `SLOAD set, S1, F1, S2, F2, S3, F3`.
-pub fn scalars(card: &Card) -> Result<Vec<Loaded>, Refused> {
+pub fn scalars(card: &BulkCard) -> Result<Vec<LoadedComponents>, CardRefusal> {
     let at = [1, 3, 5].into_iter().filter(|&i| !card.is_blank(i));
     at.map(|i| loaded(card, i, Components::default())).collect()
 }
 
-fn loaded(card: &Card, at: usize, components: Components) -> Result<Loaded, Refused> {
+fn loaded(card: &BulkCard, at: usize, components: Components) -> Result<LoadedComponents, CardRefusal> {
     let set = card.id(0, "the number of a load set")?;
-    Ok(Loaded { set, node: card.id(at, "a grid or scalar point")?, components, place: Place::of(card) })
+    Ok(LoadedComponents { set, node: card.id(at, "a grid or scalar point")?, components, place: CardPlace::of(card) })
 }

@@ -1,30 +1,30 @@
-//! What MYSTRAN makes of cards that others read: what it passes over, and at what it stops.
+//! How MYSTRAN differs from Nastran in reading cards: which cards it ignores, and at which it stops.
 
-use super::elements::{Averaged, filled, is_real, is_word};
-use super::notes::Notes;
-use crate::deck::nastran::model::ties::Element;
-use crate::deck::nastran::syntax::card::{Card, PER_LINE};
+use super::elements::{NastranElement, WeightedMean, filled, is_real, is_word};
+use super::unread::CardNotes;
+use crate::deck::nastran::syntax::card::{BulkCard, PER_LINE};
 use crate::number::whole;
 
-/// Whether it passes over cards of a name that constrain elsewhere.
+/// Whether MYSTRAN ignores cards of this name, which constrain in Nastran.
 pub fn passes_over(name: &str) -> bool {
     matches!(name, "RROD" | "RJOINT" | "RTRPLT" | "RTRPLT1")
 }
 
-/// Whether an element has a number that is none, which does not matter to MYSTRAN.
-pub fn has_no_number(card: &Card) -> bool {
+/// Whether the element number is blank, zero or negative, which MYSTRAN accepts.
+pub fn has_no_number(card: &BulkCard) -> bool {
     let word = card.field(0);
     word.is_empty() || whole(word.strip_prefix(b"-").unwrap_or(word)).is_some_and(|id| id == 0 || word[0] == b'-')
 }
 
-/// An `RBE3` as MYSTRAN reads it: of the connected points translations alone count, and the reference moves in its components alone.
-pub fn mean(mut element: Averaged) -> Element {
+/// An `RBE3` as MYSTRAN reads it: only translations of the connected points count, and the reference moves in its given components
+/// only.
+pub fn mean(mut element: WeightedMean) -> NastranElement {
     element.drop_rotations();
-    if element.is_partial() { Element::PartialMean(element) } else { Element::Mean(element) }
+    if element.is_partial() { NastranElement::PartialMean(element) } else { NastranElement::Mean(element) }
 }
 
-/// Notes why it stops at a card, or what of it is not read.
-pub fn judge(card: &Card, notes: &mut Notes) {
+/// Notes why MYSTRAN stops at a card, or which fields it ignores.
+pub fn judge(card: &BulkCard, notes: &mut CardNotes) {
     let at = (card.file, card.line);
     if let Some(why) = refusal(card) {
         notes.refuse(at, format!("{}: {why}", card.title()));
@@ -34,7 +34,7 @@ pub fn judge(card: &Card, notes: &mut Notes) {
     }
 }
 
-fn refusal(card: &Card) -> Option<&'static str> {
+fn refusal(card: &BulkCard) -> Option<&'static str> {
     let has = |word| filled(card, 2).into_iter().any(|i| is_word(card, i, word));
     match card.name {
         "RBAR" | "RBAR1" | "RBE1" => Some("MYSTRAN stops at this element; write it as RBE2"),
@@ -49,8 +49,8 @@ fn refusal(card: &Card) -> Option<&'static str> {
     }
 }
 
-/// Whether one of these fields of a line is filled, but no real number to MYSTRAN.
-fn has_whole(card: &Card, fields: [usize; 2]) -> bool {
+/// Whether one of these fields in any line of the card is filled without a decimal point.
+fn has_whole(card: &BulkCard, fields: [usize; 2]) -> bool {
     let all = (0..card.len()).step_by(PER_LINE).flat_map(|line| fields.map(|field| line + field));
     all.into_iter().any(|i| !card.is_blank(i) && !card.field(i).contains(&b'.'))
 }

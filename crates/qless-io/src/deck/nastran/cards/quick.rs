@@ -1,25 +1,27 @@
-//! The short way for cards that a deck has millions of: `GRID` and `MPC` in small field, on one line, with plain numbers.
+//! The fast path for the most frequent cards: `GRID` and `MPC` in small field, on one line, with plain numbers.
 //!
-//! It reads what `Card` reads, or nothing: any other line goes the long way, which also says what is wrong with it.
+//! The result equals that of the general path through `BulkCard`. Every other line is left to the general path, which also reports
+//! errors.
 
-use super::grid::{Given, Usual};
-use super::mpc::Term;
+use super::points::{GridCard, GridDefaults};
+use super::sets::MpcTerm;
 use crate::deck::kinematics::components::Components;
-use crate::deck::nastran::syntax::eight::{self, BLANK, Field};
+use crate::deck::nastran::syntax::number::{BLANK, SmallField, small_real, small_whole};
 use crate::number;
 
 /// Columns of a field.
 const FIELD: usize = 8;
 
-/// A card that was read.
-pub enum Quick {
-    Grid(Given),
-    /// The set, and one or two terms.
-    Mpc(u32, Term, Option<Term>),
+/// A card read by the fast path.
+pub enum QuickCard {
+    Grid(GridCard),
+    /// Set number, and one or two terms.
+    Mpc(u32, MpcTerm, Option<MpcTerm>),
 }
 
-/// Reads a line that no other continues. A comment or a tab, but beyond the fields that count, goes the long way.
-pub fn read(line: &[u8]) -> Option<Quick> {
+/// Reads a line that no other line continues. `None` leaves the line to the general path, for instance if a relevant field holds a
+/// comment or a tab.
+pub fn read(line: &[u8]) -> Option<QuickCard> {
     let is_grid = match line.first_chunk()? {
         b"GRID    " => true,
         b"MPC     " => false,
@@ -31,51 +33,51 @@ pub fn read(line: &[u8]) -> Option<Quick> {
     if !rest.is_empty() {
         fields.get_mut(whole.len())?[..rest.len()].copy_from_slice(rest);
     }
-    // A comma in the first fields means that columns do not count.
+    // A comma in the first fields means free field.
     if fields[0].contains(&b',') {
         return None;
     }
-    if is_grid { grid(&fields).map(Quick::Grid) } else { mpc(&fields) }
+    if is_grid { grid(&fields).map(QuickCard::Grid) } else { mpc(&fields) }
 }
 
-fn grid(fields: &[Field; 8]) -> Option<Given> {
+fn grid(fields: &[SmallField; 8]) -> Option<GridCard> {
     let [id, given_in, x, y, z, moves_in, held, _] = *fields;
     let held = if held == BLANK { None } else { Some(Components::parse(word(&held))?) };
-    let usual = Usual { given_in: optional(given_in).ok()?, moves_in: optional(moves_in).ok()?, held };
-    Some(Given { id: id_of(id)?, at: [real(x)?, real(y)?, real(z)?], usual })
+    let usual = GridDefaults { given_in: optional(given_in).ok()?, moves_in: optional(moves_in).ok()?, held };
+    Some(GridCard { id: id_of(id)?, at: [real(x)?, real(y)?, real(z)?], usual })
 }
 
-fn mpc(fields: &[Field; 8]) -> Option<Quick> {
+fn mpc(fields: &[SmallField; 8]) -> Option<QuickCard> {
     let [set, node, component, value, other @ .., _] = *fields;
     let first = term([node, component, value])?;
     let second = if other == [BLANK; 3] { None } else { Some(term(other)?) };
-    Some(Quick::Mpc(id_of(set)?, first, second))
+    Some(QuickCard::Mpc(id_of(set)?, first, second))
 }
 
-fn term([node, component, value]: [Field; 3]) -> Option<Term> {
+fn term([node, component, value]: [SmallField; 3]) -> Option<MpcTerm> {
     let component = Components::parse(word(&component)).filter(|set| set.len() <= 1)?;
     Some((id_of(node)?, component, real(value)?))
 }
 
-fn id_of(field: Field) -> Option<u32> {
+fn id_of(field: SmallField) -> Option<u32> {
     optional(field).ok()?.filter(|&id| id > 0)
 }
 
-/// A whole number, which eight columns keep below 2^32; none in a blank field. The error is anything else.
-fn optional(field: Field) -> Result<Option<u32>, ()> {
+/// A whole number, which fits 32 bits in eight columns; `None` for a blank field, and an error for any other text.
+fn optional(field: SmallField) -> Result<Option<u32>, ()> {
     if field == BLANK {
         return Ok(None);
     }
-    eight::whole(field).map(Some).ok_or(())
+    small_whole(field).map(Some).ok_or(())
 }
 
-/// A real number, 0 where the field is blank.
-fn real(field: Field) -> Option<f64> {
-    if field == BLANK { Some(0.0) } else { eight::real(field).or_else(|| number::short(word(&field))) }
+/// A real number; 0 for a blank field.
+fn real(field: SmallField) -> Option<f64> {
+    if field == BLANK { Some(0.0) } else { small_real(field).or_else(|| number::short(word(&field))) }
 }
 
-/// The field without the blanks around it.
-fn word(field: &Field) -> &[u8] {
+/// The field without surrounding blanks.
+fn word(field: &SmallField) -> &[u8] {
     let filled = u64::from_le_bytes(*field) ^ u64::from_le_bytes(BLANK);
     let (start, end) = (filled.trailing_zeros() / 8, FIELD as u32 - filled.leading_zeros() / 8);
     field.get(start as usize..end as usize).unwrap_or_default()
@@ -84,12 +86,12 @@ fn word(field: &Field) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deck::nastran::cards::mpc::terms;
-    use crate::deck::nastran::syntax::card::Card;
+    use crate::deck::nastran::cards::sets::terms;
+    use crate::deck::nastran::syntax::card::BulkCard;
 
-    /// What the long way reads.
-    fn card(line: &str) -> Card {
-        let mut card = Card::default();
+    /// The card as the general path reads it.
+    fn card(line: &str) -> BulkCard {
+        let mut card = BulkCard::default();
         let name = if line.starts_with("GRID") { "GRID" } else { "MPC" };
         card.begin(name, line.as_bytes(), (0, 1)).expect("a card");
         card
@@ -103,15 +105,15 @@ mod tests {
             "GRID    99999999",
             "GRID    7       0                        3.             0       0",
         ] {
-            let Some(Quick::Grid(given)) = read(line.as_bytes()) else { panic!("{line}") };
-            assert_eq!(given, Given::read(&card(line)).expect("a grid point"));
+            let Some(QuickCard::Grid(given)) = read(line.as_bytes()) else { panic!("{line}") };
+            assert_eq!(given, GridCard::read(&card(line)).expect("a grid point"));
         }
         for line in [
             "MPC     3       7       1       1.0     8               -.5",
             "MPC            3       7       6     1.0                        ignored",
             "MPC     1       2       0",
         ] {
-            let Some(Quick::Mpc(set, first, second)) = read(line.as_bytes()) else { panic!("{line}") };
+            let Some(QuickCard::Mpc(set, first, second)) = read(line.as_bytes()) else { panic!("{line}") };
             let card = card(line);
             assert_eq!(card.id(0, "a set").expect("a set"), set);
             assert_eq!(terms(&card).expect("terms"), std::iter::once(first).chain(second).collect::<Vec<_>>());

@@ -1,30 +1,100 @@
-//! `MPCADD` and `SPCADD`: sets as unions of sets.
+//! Cards in sets: `MPC` equations, prescribed values, and unions of sets.
+//!
+//! `MPC set, G1, C1, A1, G2, C2, A2, ...` is the equation `sum A_i u_i = 0`, two terms to a line, with the first component dependent.
+//! `SPC`, `SPC1` and `SPCD` prescribe components of points. `MPCADD` and `SPCADD` define a set as the union of other sets.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::deck::Problem;
-use crate::deck::nastran::fault::circle;
-use crate::deck::nastran::syntax::card::{Card, Refused};
-use crate::deck::nastran::syntax::place::Place;
+use super::points::{PointSpan, spans};
+use crate::deck::kinematics::components::Components;
+use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal, PER_LINE};
+use crate::deck::{CardFault, Problem};
 
-/// The unions of a deck by number, each with its card.
-pub type Unions = BTreeMap<u32, Vec<(Vec<u32>, Place)>>;
+/// The problem of a set or coordinate system that depends on itself.
+pub fn circle(what: &'static str, id: u32) -> Problem {
+    Problem::Circular { what, name: id.to_string() }
+}
 
-/// `MPCADD set, S1, S2, ...`.
-pub fn read(card: &Card, unions: &mut Unions) -> Result<(), Refused> {
+/// A term: point, component (empty for a scalar point), coefficient.
+pub type MpcTerm = (u32, Components, f64);
+
+/// The terms of the equation in the order of the card, including those with coefficient 0.
+pub fn terms(card: &BulkCard) -> Result<Vec<MpcTerm>, CardRefusal> {
+    let mut terms = Vec::new();
+    for line in (0..card.len()).step_by(PER_LINE) {
+        for at in [line + 1, line + 4] {
+            if (at..at + 3).any(|i| !card.is_blank(i)) {
+                terms.push(term(card, at)?);
+            }
+        }
+    }
+    if terms.is_empty() {
+        return Err(card.at(1, CardFault::NothingConnected.into()));
+    }
+    Ok(terms)
+}
+
+fn term(card: &BulkCard, at: usize) -> Result<MpcTerm, CardRefusal> {
+    const ONE: &str = "one component from 1 to 6, or 0 for a scalar point";
+    let node = card.id(at, "a grid or scalar point")?;
+    let component = card.components(at + 1)?;
+    if component.len() > 1 {
+        return Err(card.expected(at + 1, ONE));
+    }
+    Ok((node, component, card.real(at + 2)?.unwrap_or(0.0)))
+}
+
+/// Points, their prescribed components, and the value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointSupport {
+    pub points: Vec<PointSpan>,
+    pub components: Components,
+    pub value: f64,
+}
+
+/// `SPC set, G1, C1, D1, G2, C2, D2`; `SPCD` has the same fields.
+pub fn spc(card: &BulkCard) -> Result<Vec<PointSupport>, CardRefusal> {
+    let mut supports = Vec::new();
+    for at in [1, 4] {
+        if at > 1 && (at..at + 3).all(|i| card.is_blank(i)) {
+            continue;
+        }
+        let node = card.id(at, "a grid or scalar point")?;
+        let (components, value) = (card.components(at + 1)?, card.real(at + 2)?.unwrap_or(0.0));
+        supports.push(PointSupport { points: vec![PointSpan { first: node, last: node }], components, value });
+    }
+    Ok(supports)
+}
+
+/// `SPC1 set, C, G1, G2, ...` or `SPC1 set, C, G1, THRU, G2`. MYSTRAN ignores fields after such a range.
+pub fn spc1(card: &BulkCard, is_mystran: bool) -> Result<PointSupport, CardRefusal> {
+    let is_range = card.field(3).eq_ignore_ascii_case(b"THRU");
+    let end = if is_mystran && is_range { 5 } else { card.len() };
+    let points = spans(card, 2, end)?;
+    if points.is_empty() {
+        return Err(card.expected(2, "a grid or scalar point"));
+    }
+    Ok(PointSupport { points, components: card.components(1)?, value: 0.0 })
+}
+
+/// The unions of a deck by their set number: the united sets, and the card.
+pub type SetUnions = BTreeMap<u32, Vec<(Vec<u32>, CardPlace)>>;
+
+/// `MPCADD set, S1, S2, ...`, or `SPCADD`.
+pub fn read_union(card: &BulkCard, unions: &mut SetUnions) -> Result<(), CardRefusal> {
     const SET: &str = "the number of a set";
     let of = (1..card.len()).filter(|&i| !card.is_blank(i)).map(|i| card.id(i, SET)).collect::<Result<_, _>>()?;
-    unions.entry(card.id(0, SET)?).or_default().push((of, Place::of(card)));
+    unions.entry(card.id(0, SET)?).or_default().push((of, CardPlace::of(card)));
     Ok(())
 }
 
-/// The sets that `set` comes down to, and those unions it goes through. A union hides a set of its own number. The error
-/// has the card of a union that contains itself.
-pub fn members(set: u32, unions: &Unions) -> Result<BTreeSet<u32>, (Place, Problem)> {
+/// The elementary sets in `set`, with unions resolved recursively. A union hides an elementary set of the same number. The error
+/// holds the card of a union that contains itself.
+pub fn members(set: u32, unions: &SetUnions) -> Result<BTreeSet<u32>, (CardPlace, Problem)> {
     let mut found = BTreeSet::new();
     let mut open = BTreeSet::new();
     let mut closed = BTreeSet::new();
-    // True on the way up, when all below it is done.
+    // The flag is true once all sets below have been visited.
     let mut stack = vec![(set, false)];
     while let Some((set, done)) = stack.pop() {
         if done {
@@ -55,8 +125,8 @@ mod tests {
     use super::*;
     use crate::deck::CardName;
 
-    fn unions(parts: &[(u32, &[u32])]) -> Unions {
-        let place = |set| Place { name: CardName::numbered("SPCADD", set), file: 0, line: 1, lines: 1 };
+    fn unions(parts: &[(u32, &[u32])]) -> SetUnions {
+        let place = |set| CardPlace { name: CardName::numbered("SPCADD", set), file: 0, line: 1, lines: 1 };
         parts.iter().map(|&(set, of)| (set, vec![(of.to_vec(), place(set))])).collect()
     }
 

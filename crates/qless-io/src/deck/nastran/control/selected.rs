@@ -1,20 +1,22 @@
 //! Which sets hold in each load case, and a warning for those that hold in none or do not exist.
+//!
+//! `MPCADD` and `SPCADD` cards that solvers refuse: those that name a set twice, or another union.
+//!
+//! MYSTRAN has one MPC set and one SPC set for the whole run: a subcase goes on with what those before it select, and where two differ it
+//! stops (error 1830).
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::subcases::{Choice, Selection};
-use super::{one_for_the_run, unions};
-use crate::deck::nastran::cards::bulk::Bulk;
+use super::subcases::{CaseControl, CaseSelection, SetChoice};
+use crate::deck::nastran::cards::bulk::BulkData;
 use crate::deck::nastran::cards::loads::parts;
-use crate::deck::nastran::cards::sets::{Unions, members};
-use crate::deck::nastran::model::build::fail;
-use crate::deck::nastran::syntax::content::Content;
-use crate::deck::nastran::syntax::place::Place;
+use crate::deck::nastran::cards::sets::{SetUnions, members};
+use crate::deck::nastran::syntax::card::CardPlace;
 use crate::deck::{DeckError, Model};
 
 /// The sets of a load case, unions taken apart.
 #[derive(Clone, Debug, Default)]
-pub struct Sets {
+pub struct CaseSets {
     pub mpc: BTreeSet<u32>,
     pub spc: BTreeSet<u32>,
     /// Load sets with their factors.
@@ -23,15 +25,15 @@ pub struct Sets {
 
 /// The sets that the selections come down to.
 pub fn sets(
-    mut selections: Vec<(String, Selection)>,
-    bulk: &Bulk,
+    mut selections: Vec<(String, CaseSelection)>,
+    bulk: &BulkData,
     model: &mut Model,
-) -> Result<Vec<(String, Sets)>, DeckError> {
-    let defined = Defined::of(bulk);
+) -> Result<Vec<(String, CaseSets)>, DeckError> {
+    let defined = DefinedSets::of(bulk);
     if bulk.is_mystran {
-        one_for_the_run::carry_on(&mut selections, bulk, model);
+        carry_on(&mut selections, bulk, model);
     }
-    unions::refuse(&selections, bulk, model);
+    refuse_unions(&selections, bulk, model);
     let mut cases = Vec::with_capacity(selections.len());
     let mut missing = BTreeSet::new();
     for (name, selection) in selections {
@@ -40,7 +42,7 @@ pub fn sets(
         note_missing("MPC", selection.mpc, &mpc, &defined.mpc, &mut missing);
         note_missing("SPC", selection.spc, &spc, &defined.spc, &mut missing);
         let loads = selection.load.map(|choice| parts(choice.set, &bulk.combinations)).unwrap_or_default();
-        cases.push((name, Sets { mpc, spc, loads }));
+        cases.push((name, CaseSets { mpc, spc, loads }));
     }
     for (file, line, text) in missing {
         if bulk.is_mystran {
@@ -53,20 +55,20 @@ pub fn sets(
     Ok(cases)
 }
 
-fn members_of(choice: Option<Choice>, unions: &Unions, model: &mut Model) -> Result<BTreeSet<u32>, DeckError> {
+fn members_of(choice: Option<SetChoice>, unions: &SetUnions, model: &mut Model) -> Result<BTreeSet<u32>, DeckError> {
     let members = choice.map(|choice| members(choice.set, unions)).transpose();
-    Ok(members.map_err(|(place, problem)| fail(&place, problem, model))?.unwrap_or_default())
+    Ok(members.map_err(|(place, problem)| place.error(problem, model))?.unwrap_or_default())
 }
 
 fn note_missing(
     kind: &str,
-    choice: Option<Choice>,
+    choice: Option<SetChoice>,
     members: &BTreeSet<u32>,
-    defined: &Uses,
+    defined: &SetUses,
     missing: &mut BTreeSet<(u32, u32, String)>,
 ) {
     for set in members.iter().filter(|set| !defined.contains_key(set)) {
-        if let Some(Choice { file, line, set: chosen }) = choice {
+        if let Some(SetChoice { file, line, set: chosen }) = choice {
             let text = format!("{kind} = {chosen} selects set {set}, which no {kind} card defines");
             missing.insert((file, line, text));
         }
@@ -74,18 +76,18 @@ fn note_missing(
 }
 
 /// Sets with their first card and the number of cards.
-type Uses = BTreeMap<u32, (Place, usize)>;
+type SetUses = BTreeMap<u32, (CardPlace, usize)>;
 
 /// The sets that the bulk data define.
-struct Defined {
-    mpc: Uses,
-    spc: Uses,
-    enforced: Uses,
+struct DefinedSets {
+    mpc: SetUses,
+    spc: SetUses,
+    enforced: SetUses,
 }
 
-impl Defined {
-    fn of(bulk: &Bulk) -> Self {
-        let mut all = Self { mpc: Uses::new(), spc: Uses::new(), enforced: Uses::new() };
+impl DefinedSets {
+    fn of(bulk: &BulkData) -> Self {
+        let mut all = Self { mpc: SetUses::new(), spc: SetUses::new(), enforced: SetUses::new() };
         let mut cards = bulk.ties.mpcs().peekable();
         while let Some(card) = cards.next() {
             // Cards of a set mostly stand together.
@@ -97,20 +99,20 @@ impl Defined {
         all
     }
 
-    fn warn_of_unused(&self, cases: &[(String, Sets)], model: &mut Model) {
+    fn warn_of_unused(&self, cases: &[(String, CaseSets)], model: &mut Model) {
         warn_unused("MPC", &self.mpc, |set| cases.iter().any(|(_, sets)| sets.mpc.contains(&set)), model);
         warn_unused("SPC", &self.spc, |set| cases.iter().any(|(_, sets)| sets.spc.contains(&set)), model);
         warn_unused("SPCD", &self.enforced, |set| cases.iter().any(|(_, sets)| sets.loads.contains_key(&set)), model);
     }
 }
 
-fn count(uses: &mut Uses, set: u32, place: &Place, cards: usize) {
+fn count(uses: &mut SetUses, set: u32, place: &CardPlace, cards: usize) {
     uses.entry(set).or_insert_with(|| (place.clone(), 0)).1 += cards;
 }
 
-fn warn_unused(kind: &str, uses: &Uses, used: impl Fn(u32) -> bool, model: &mut Model) {
+fn warn_unused(kind: &str, uses: &SetUses, used: impl Fn(u32) -> bool, model: &mut Model) {
     const SHOWN: usize = 10;
-    let unused: Vec<(&u32, &(Place, usize))> = uses.iter().filter(|(set, _)| !used(**set)).collect();
+    let unused: Vec<(&u32, &(CardPlace, usize))> = uses.iter().filter(|(set, _)| !used(**set)).collect();
     let Some((_, (place, _))) = unused.first() else { return };
     let cards: usize = unused.iter().map(|(_, (_, cards))| cards).sum();
     let mut names: Vec<String> = unused.iter().take(SHOWN).map(|(set, _)| set.to_string()).collect();
@@ -122,22 +124,22 @@ fn warn_unused(kind: &str, uses: &Uses, used: impl Fn(u32) -> bool, model: &mut 
 }
 
 /// What the load cases select.
-pub fn selections(content: &Content, model: &mut Model) -> Vec<(String, Selection)> {
-    match &content.control {
+pub fn selections(control: Option<&CaseControl>, bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
+    match control {
         Some(control) => control.selections(),
-        None => without_control(&content.bulk, model),
+        None => without_control(bulk, model),
     }
 }
 
 /// Bulk data alone select nothing: the only set of a kind is taken, and that is said.
-fn without_control(bulk: &Bulk, model: &mut Model) -> Vec<(String, Selection)> {
-    let defined = Defined::of(bulk);
+fn without_control(bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
+    let defined = DefinedSets::of(bulk);
     let mpc = only("MPC", &defined.mpc, &bulk.mpc_unions, model);
     let spc = only("SPC", &defined.spc, &bulk.spc_unions, model);
-    vec![("model".into(), Selection { mpc, spc, load: None })]
+    vec![("model".into(), CaseSelection { mpc, spc, load: None })]
 }
 
-fn only(kind: &str, uses: &Uses, unions: &Unions, model: &mut Model) -> Option<Choice> {
+fn only(kind: &str, uses: &SetUses, unions: &SetUnions, model: &mut Model) -> Option<SetChoice> {
     // A union that takes in all sets is the one meant.
     let whole = |set: &&u32| members(**set, unions).is_ok_and(|members| uses.keys().all(|set| members.contains(set)));
     let meant = if uses.len() > 1 { unions.keys().find(whole) } else { uses.keys().next() };
@@ -145,5 +147,71 @@ fn only(kind: &str, uses: &Uses, unions: &Unions, model: &mut Model) -> Option<C
     let (place, _) = uses.values().next()?;
     let text = format!("the deck has no case control: {kind} set {set}, the only one, is taken");
     model.warn(place.file, place.line, text);
-    Some(Choice { set, file: place.file, line: place.line })
+    Some(SetChoice { set, file: place.file, line: place.line })
+}
+
+/// Says what is refused of unions that are selected; to MYSTRAN a set named twice is one in any.
+pub fn refuse_unions(selections: &[(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
+    let selected = |of: fn(&CaseSelection) -> Option<SetChoice>| {
+        selections.iter().filter_map(|(_, selection)| of(selection)).map(|choice| choice.set).collect()
+    };
+    refuse_unions_in(&bulk.mpc_unions, &selected(|selection| selection.mpc), bulk.is_mystran, model);
+    refuse_unions_in(&bulk.spc_unions, &selected(|selection| selection.spc), bulk.is_mystran, model);
+}
+
+fn refuse_unions_in(unions: &SetUnions, selected: &BTreeSet<u32>, is_mystran: bool, model: &mut Model) {
+    for (set, cards) in unions {
+        let is_selected = selected.contains(set);
+        for (of, place) in cards {
+            let mut seen = BTreeSet::new();
+            let twice = of.iter().find(|set| !seen.insert(**set)).filter(|_| is_selected || is_mystran);
+            let inner = of.iter().find(|set| unions.contains_key(set)).filter(|_| is_selected);
+            if let Some(twice) = twice {
+                let text = format!("{} names set {twice} twice, which the solver refuses: name it once", place.name);
+                model.refuse(place.file, place.line, text);
+            }
+            if let Some(inner) = inner {
+                let text = format!("{} names the union {inner}, which the solver refuses: name its sets", place.name);
+                model.refuse(place.file, place.line, text);
+            }
+        }
+    }
+}
+
+/// One kind of selection, for reading and writing.
+type SelectionField = (&'static str, fn(&mut CaseSelection) -> &mut Option<SetChoice>);
+
+const KINDS: [SelectionField; 2] = [("MPC", |selection| &mut selection.mpc), ("SPC", |selection| &mut selection.spc)];
+
+/// Gives each load case what MYSTRAN lets it have, and says where it stops.
+pub fn carry_on(selections: &mut [(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
+    for (kind, of) in KINDS {
+        let mut before = None;
+        for (at, (_, selection)) in selections.iter_mut().enumerate() {
+            let choice = of(selection);
+            *choice = choice.or(before);
+            if let Some(own) = *choice
+                && at > 0
+                && before.map(|before: SetChoice| before.set) != Some(own.set)
+            {
+                refuse_second_set(kind, own, before, model);
+            }
+            before = *choice;
+        }
+    }
+    if selections.iter().all(|(_, selection)| selection.mpc.is_none()) {
+        selections.iter_mut().for_each(|(_, selection)| selection.mpc = unnumbered(bulk));
+    }
+}
+
+fn refuse_second_set(kind: &str, own: SetChoice, before: Option<SetChoice>, model: &mut Model) {
+    let other = before.map_or_else(|| format!("no {kind} set"), |before| format!("{kind} = {}", before.set));
+    let text =
+        format!("{kind} = {}: MYSTRAN takes one {kind} set a run, and stops as a subcase before has {other}", own.set);
+    model.refuse(own.file, own.line, text);
+}
+
+/// Set 0 holds where no other is selected.
+fn unnumbered(bulk: &BulkData) -> Option<SetChoice> {
+    bulk.ties.mpcs().find(|card| card.set == 0).map(|card| SetChoice { set: 0, file: card.file, line: card.line })
 }

@@ -1,15 +1,13 @@
 //! Case control: which sets each subcase selects. `MPC = 3` above the first `SUBCASE` holds for all that say nothing else.
 
 use crate::deck::Problem;
-use crate::deck::nastran::syntax::content::At;
-use crate::deck::nastran::syntax::lines::Line;
-use crate::deck::nastran::syntax::word::keyword;
+use crate::deck::nastran::syntax::lines::{DeckLine, FileLine, keyword};
 use crate::fault::quote;
 use crate::number::whole;
 
 /// A selected set and where it is selected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Choice {
+pub struct SetChoice {
     pub set: u32,
     pub file: u32,
     pub line: u32,
@@ -17,13 +15,13 @@ pub struct Choice {
 
 /// The sets of a subcase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Selection {
-    pub mpc: Option<Choice>,
-    pub spc: Option<Choice>,
-    pub load: Option<Choice>,
+pub struct CaseSelection {
+    pub mpc: Option<SetChoice>,
+    pub spc: Option<SetChoice>,
+    pub load: Option<SetChoice>,
 }
 
-impl Selection {
+impl CaseSelection {
     /// This, with what it leaves open from `outer`.
     fn or(self, outer: Self) -> Self {
         Self { mpc: self.mpc.or(outer.mpc), spc: self.spc.or(outer.spc), load: self.load.or(outer.load) }
@@ -31,7 +29,7 @@ impl Selection {
 
     /// This, without set 0, which no card defines: it takes back what was selected above.
     fn in_force(self) -> Self {
-        let some = |choice: Option<Choice>| choice.filter(|choice| choice.set != 0);
+        let some = |choice: Option<SetChoice>| choice.filter(|choice| choice.set != 0);
         Self { mpc: some(self.mpc), spc: some(self.spc), load: some(self.load) }
     }
 
@@ -42,7 +40,7 @@ impl Selection {
 
 /// What holds the line being read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Level {
+enum ControlLevel {
     #[default]
     All,
     Subcase,
@@ -56,45 +54,45 @@ enum Level {
 struct Subcase {
     id: u32,
     holder: usize,
-    own: Selection,
-    steps: Vec<(u32, usize, Selection)>,
+    own: CaseSelection,
+    steps: Vec<(u32, usize, CaseSelection)>,
 }
 
 /// A subcase without steps, a step, or a deck without subcases: what holds at the same time.
 #[derive(Clone, Debug)]
-pub struct Leaf {
+pub struct SubcaseLeaf {
     name: String,
-    pub selection: Selection,
+    pub selection: CaseSelection,
     /// Its number among all that can hold a selection: 0 is what stands above the first subcase.
     pub holder: usize,
 }
 
 /// Case control as read so far.
 #[derive(Debug, Default)]
-pub struct Control {
-    all: Selection,
+pub struct CaseControl {
+    all: CaseSelection,
     subcases: Vec<Subcase>,
-    level: Level,
+    level: ControlLevel,
     /// Where each holder of selections after the first begins.
-    opened: Vec<At>,
+    opened: Vec<FileLine>,
     /// Every line that selects an MPC set, and what holds it.
-    pub mpc_choices: Vec<(usize, Choice)>,
-    multipliers: Option<At>,
+    pub mpc_choices: Vec<(usize, SetChoice)>,
+    multipliers: Option<FileLine>,
     /// Lines that select set 0.
-    pub zeros: Vec<Choice>,
+    pub zeros: Vec<SetChoice>,
 }
 
-impl Control {
+impl CaseControl {
     /// Takes a line.
-    pub fn line(&mut self, line: &Line) -> Result<(), Problem> {
+    pub fn line(&mut self, line: &DeckLine) -> Result<(), Problem> {
         let (word, rest) = keyword(line.text);
         match word.as_str() {
-            "SUBCASE" | "SYM" => self.open(Level::Subcase, rest, line.at()),
-            "STEP" if !self.subcases.is_empty() && self.level != Level::Combination => {
-                self.open(Level::Step, rest, line.at());
+            "SUBCASE" | "SYM" => self.open(ControlLevel::Subcase, rest, line.at()),
+            "STEP" if !self.subcases.is_empty() && self.level != ControlLevel::Combination => {
+                self.open(ControlLevel::Step, rest, line.at());
             }
             "RIGID" => self.rigid(rest, line.at()),
-            "SUBCOM" | "SYMCOM" | "REPCASE" => self.level = Level::Combination,
+            "SUBCOM" | "SYMCOM" | "REPCASE" => self.level = ControlLevel::Combination,
             "MPC" | "SPC" | "LOAD" => self.choose(&word, rest, line)?,
             _ => {}
         }
@@ -102,8 +100,8 @@ impl Control {
     }
 
     /// The subcases, or the whole deck where there are none; those with the same sets are one.
-    pub fn selections(&self) -> Vec<(String, Selection)> {
-        let name = |leaves: &[Leaf]| {
+    pub fn selections(&self) -> Vec<(String, CaseSelection)> {
+        let name = |leaves: &[SubcaseLeaf]| {
             let names: Vec<&str> = leaves.iter().map(|leaf| leaf.name.as_str()).collect();
             match (self.subcases.is_empty(), names.len()) {
                 (true, _) => "model".to_owned(),
@@ -115,8 +113,8 @@ impl Control {
     }
 
     /// What makes up each load case, at least one of each.
-    pub fn cases(&self) -> Vec<Vec<Leaf>> {
-        let mut found: Vec<Vec<Leaf>> = Vec::new();
+    pub fn cases(&self) -> Vec<Vec<SubcaseLeaf>> {
+        let mut found: Vec<Vec<SubcaseLeaf>> = Vec::new();
         for leaf in self.leaves() {
             match found.iter_mut().find(|leaves| leaves[0].selection.sets() == leaf.selection.sets()) {
                 Some(leaves) => leaves.push(leaf),
@@ -127,22 +125,23 @@ impl Control {
     }
 
     /// The line with which a holder begins; none for what stands above all.
-    pub fn opened(&self, holder: usize) -> Option<At> {
+    pub fn opened(&self, holder: usize) -> Option<FileLine> {
         holder.checked_sub(1).and_then(|i| self.opened.get(i).copied())
     }
 
     /// The MPC set selected above the first subcase.
-    pub fn above(&self) -> Option<Choice> {
+    pub fn above(&self) -> Option<SetChoice> {
         self.all.in_force().mpc
     }
 
     /// Where rigid elements are said to be kept by multipliers.
-    pub fn multipliers(&self) -> Option<At> {
+    pub fn multipliers(&self) -> Option<FileLine> {
         self.multipliers
     }
 
-    fn leaves(&self) -> Vec<Leaf> {
-        let leaf = |name, selection: Selection, holder| Leaf { name, selection: selection.in_force(), holder };
+    fn leaves(&self) -> Vec<SubcaseLeaf> {
+        let leaf =
+            |name, selection: CaseSelection, holder| SubcaseLeaf { name, selection: selection.in_force(), holder };
         if self.subcases.is_empty() {
             return vec![leaf("model".into(), self.all, 0)];
         }
@@ -152,7 +151,7 @@ impl Control {
             if steps.is_empty() {
                 found.push(leaf(id.to_string(), outer, *holder));
             }
-            let step = |&(step, holder, own): &(u32, usize, Selection)| {
+            let step = |&(step, holder, own): &(u32, usize, CaseSelection)| {
                 leaf(format!("{id} step {step}"), own.or(outer), holder)
             };
             found.extend(steps.iter().map(step));
@@ -160,34 +159,34 @@ impl Control {
         found
     }
 
-    fn open(&mut self, level: Level, rest: &[u8], at: At) {
+    fn open(&mut self, level: ControlLevel, rest: &[u8], at: FileLine) {
         self.opened.push(at);
-        let (number, holder, own) = (number(rest).unwrap_or(0), self.opened.len(), Selection::default());
+        let (number, holder, own) = (number(rest).unwrap_or(0), self.opened.len(), CaseSelection::default());
         match (level, self.subcases.last_mut()) {
-            (Level::Step, Some(subcase)) => subcase.steps.push((number, holder, own)),
+            (ControlLevel::Step, Some(subcase)) => subcase.steps.push((number, holder, own)),
             _ => self.subcases.push(Subcase { id: number, holder, own, steps: Vec::new() }),
         }
         self.level = level;
     }
 
     /// `RIGID = LAGRAN` and `STIFF` eliminate nothing; `LINEAR` and `LGELIM` do.
-    fn rigid(&mut self, rest: &[u8], at: At) {
+    fn rigid(&mut self, rest: &[u8], at: FileLine) {
         let rest = rest.trim_ascii();
         let word = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii().to_ascii_uppercase();
         let eliminates = !(word.starts_with(b"LAGR") || word.starts_with(b"STIFF"));
         self.multipliers = if eliminates { None } else { Some(at) };
     }
 
-    fn choose(&mut self, word: &str, rest: &[u8], line: &Line) -> Result<(), Problem> {
+    fn choose(&mut self, word: &str, rest: &[u8], line: &DeckLine) -> Result<(), Problem> {
         let Some(set) = only_number(rest) else {
             let expected = "the number of a set, as in `SPC = 3`";
             return Err(Problem::Expected { expected, found: quote(line.text.trim_ascii()) });
         };
-        let choice = Choice { set, file: line.file, line: line.number };
+        let choice = SetChoice { set, file: line.file, line: line.number };
         if set == 0 {
             self.zeros.push(choice);
         }
-        let holder = if self.level == Level::All { 0 } else { self.opened.len() };
+        let holder = if self.level == ControlLevel::All { 0 } else { self.opened.len() };
         let Some(selection) = self.current() else { return Ok(()) };
         match word {
             "MPC" => {
@@ -200,11 +199,11 @@ impl Control {
         Ok(())
     }
 
-    fn current(&mut self) -> Option<&mut Selection> {
+    fn current(&mut self) -> Option<&mut CaseSelection> {
         match (self.level, self.subcases.last_mut()) {
-            (Level::Combination, _) => None,
-            (Level::Step, Some(subcase)) => subcase.steps.last_mut().map(|(.., selection)| selection),
-            (Level::Subcase, Some(subcase)) => Some(&mut subcase.own),
+            (ControlLevel::Combination, _) => None,
+            (ControlLevel::Step, Some(subcase)) => subcase.steps.last_mut().map(|(.., selection)| selection),
+            (ControlLevel::Subcase, Some(subcase)) => Some(&mut subcase.own),
             _ => Some(&mut self.all),
         }
     }
@@ -234,17 +233,17 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Vec<(String, Option<u32>, Option<u32>)> {
-        let mut control = Control::default();
+        let mut control = CaseControl::default();
         for (text, number) in text.lines().zip(1..) {
-            control.line(&Line { file: 0, number, text: text.as_bytes() }).expect("case control");
+            control.line(&DeckLine { file: 0, number, text: text.as_bytes() }).expect("case control");
         }
-        let set = |choice: Option<Choice>| choice.map(|choice| choice.set);
+        let set = |choice: Option<SetChoice>| choice.map(|choice| choice.set);
         control.selections().into_iter().map(|(name, s)| (name, set(s.mpc), set(s.spc))).collect()
     }
 
     #[test]
     fn a_set_is_a_whole_number_and_nothing_else() {
-        let refused = |text: &[u8]| Control::default().line(&Line { file: 0, number: 1, text }).is_err();
+        let refused = |text: &[u8]| CaseControl::default().line(&DeckLine { file: 0, number: 1, text }).is_err();
         assert!([&b"MPC = 0PO"[..], b"SPC = 2x", b"SPC = 1.5"].into_iter().all(refused));
         assert!(![&b"MPC = 2 $ ties"[..], b"SPC 3", b"LOAD=4$"].into_iter().any(refused));
     }
@@ -273,8 +272,8 @@ mod tests {
     #[test]
     fn lagrange_multipliers_eliminate_nothing() {
         let multiplied = |text: &str| {
-            let mut control = Control::default();
-            control.line(&Line { file: 0, number: 3, text: text.as_bytes() }).expect("case control");
+            let mut control = CaseControl::default();
+            control.line(&DeckLine { file: 0, number: 3, text: text.as_bytes() }).expect("case control");
             control.multipliers()
         };
         for text in ["RIGID=LAGRAN", "  rigid = Lagrange", "RIGID STIFF"] {
@@ -287,7 +286,7 @@ mod tests {
 
     #[test]
     fn a_set_has_a_number() {
-        let line = Line { file: 0, number: 1, text: b"SPC = ALL" };
-        assert!(Control::default().line(&line).is_err());
+        let line = DeckLine { file: 0, number: 1, text: b"SPC = ALL" };
+        assert!(CaseControl::default().line(&line).is_err());
     }
 }

@@ -1,26 +1,25 @@
 //! The prescribed DOFs and loads of a load case.
 
-use super::build::{SetsOf, fail, warn_of_unknown};
-use super::points::{Point, Points, limited};
-use crate::deck::nastran::cards::bulk::Bulk;
-use crate::deck::nastran::cards::supports::Support;
-use crate::deck::nastran::control::selected::Sets;
-use crate::deck::nastran::syntax::place::Place;
+use super::points::{PointKind, Points, limited};
+use crate::deck::nastran::cards::bulk::BulkData;
+use crate::deck::nastran::cards::sets::PointSupport;
+use crate::deck::nastran::control::selected::CaseSets;
+use crate::deck::nastran::syntax::card::CardPlace;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem};
 
 /// The load case in which `sets` hold.
 pub fn case(
     name: &str,
-    sets: &Sets,
-    sets_of: &SetsOf,
-    bulk: &Bulk,
+    sets: &CaseSets,
+    sets_of: &[(u32, u32)],
+    bulk: &BulkData,
     points: &Points,
     model: &mut Model,
 ) -> Result<LoadCase, DeckError> {
     let mut given = held(points, model);
     for (_, support, place) in bulk.supports.iter().filter(|(set, ..)| sets.spc.contains(set)) {
         given.extend(prescribed(support, 1.0, place, (points, bulk), model)?);
-        limited(given.len()).map_err(|problem| fail(place, problem, model))?;
+        limited(given.len()).map_err(|problem| place.error(problem, model))?;
     }
     let (mut prescribed, mut clashes) = sorted_apart(given);
     enforce(enforced(sets, bulk, points, model)?, &mut prescribed, &mut clashes);
@@ -44,35 +43,35 @@ fn held(points: &Points, model: &mut Model) -> Vec<Prescribed> {
 }
 
 fn prescribed(
-    support: &Support,
+    support: &PointSupport,
     factor: f64,
-    place: &Place,
-    (points, bulk): (&Points, &Bulk),
+    place: &CardPlace,
+    (points, bulk): (&Points, &BulkData),
     model: &mut Model,
 ) -> Result<Vec<Prescribed>, DeckError> {
-    let nodes = points.expand(&support.points).map_err(|problem| fail(place, problem, model))?;
-    warn_of_unknown(nodes.iter().copied(), place, points, model);
+    let nodes = points.expand(&support.points).map_err(|problem| place.error(problem, model))?;
+    points.warn_of_unknown(nodes.iter().copied(), place, model);
     if bulk.is_mystran {
         refuse_unknown(support, place, points, model);
     }
     let mut given = Vec::with_capacity(nodes.len() * support.components.len());
     let (origin, value) = (place.origin(model), factor * support.value);
     for node in nodes {
-        if bulk.is_mystran && support.components.is_empty() && points.kind(node) == Point::Grid {
+        if bulk.is_mystran && support.components.is_empty() && points.kind(node) == PointKind::Grid {
             let text = format!("{} gives grid point {node} no component: MYSTRAN holds none", place.name);
             model.warn(place.file, place.line, text);
             continue;
         }
-        let dofs = points.dofs(node, support.components).map_err(|fault| fail(place, fault.into(), model))?;
+        let dofs = points.dofs(node, support.components).map_err(|fault| place.error(fault.into(), model))?;
         given.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
     }
     Ok(given)
 }
 
 /// MYSTRAN stops at points that are not there, the ends of a range among them.
-fn refuse_unknown(support: &Support, place: &Place, points: &Points, model: &mut Model) {
+fn refuse_unknown(support: &PointSupport, place: &CardPlace, points: &Points, model: &mut Model) {
     let mut ends = support.points.iter().flat_map(|span| [span.first, span.last]);
-    if let Some(node) = ends.find(|&node| points.kind(node) == Point::Unknown) {
+    if let Some(node) = ends.find(|&node| points.kind(node) == PointKind::Unknown) {
         let text = format!("{} holds point {node}, which is not there: MYSTRAN stops", place.name);
         model.refuse(place.file, place.line, text);
     }
@@ -97,7 +96,12 @@ fn sorted_apart(mut given: Vec<Prescribed>) -> (Vec<Prescribed>, Vec<Prescribed>
 }
 
 /// The values of `SPCD` cards in the load sets of the case; those of one DOF in several sets add up.
-fn enforced(sets: &Sets, bulk: &Bulk, points: &Points, model: &mut Model) -> Result<Vec<Prescribed>, DeckError> {
+fn enforced(
+    sets: &CaseSets,
+    bulk: &BulkData,
+    points: &Points,
+    model: &mut Model,
+) -> Result<Vec<Prescribed>, DeckError> {
     let mut all = Vec::new();
     for (set, support, place) in &bulk.enforced {
         if let Some(&factor) = sets.loads.get(set) {
@@ -129,7 +133,7 @@ fn enforce(enforced: Vec<Prescribed>, prescribed: &mut Vec<Prescribed>, clashes:
     prescribed.sort_by_key(|given| given.dof);
 }
 
-fn loads(sets: &Sets, bulk: &Bulk, points: &Points, model: &mut Model) -> Vec<Load> {
+fn loads(sets: &CaseSets, bulk: &BulkData, points: &Points, model: &mut Model) -> Vec<Load> {
     let mut loads = Vec::new();
     for loaded in bulk.loads.iter().filter(|loaded| sets.loads.contains_key(&loaded.set)) {
         let origin = loaded.place.origin(model);

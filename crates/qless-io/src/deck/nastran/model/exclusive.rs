@@ -3,17 +3,16 @@
 
 use std::collections::BTreeMap;
 
-use super::build::fail;
 use super::points::{Points, limited};
-use crate::deck::nastran::cards::exclusive::Members;
+use crate::deck::nastran::cards::exclusive::ExclusiveMembers;
 use crate::deck::{DeckError, Dof, LoadCase, Model, Origin};
 
 /// A component in a set, and the card that says so.
-type Claim = (char, Origin);
+type SetClaim = (char, Origin);
 
 /// Tells the model what no slave may be, and says which components are in two sets, which it refuses.
-pub fn claim(members: &[Members], points: &Points, model: &mut Model) -> Result<(), DeckError> {
-    let mut claims: BTreeMap<Dof, Claim> = BTreeMap::new();
+pub fn claim(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -> Result<(), DeckError> {
+    let mut claims: BTreeMap<Dof, SetClaim> = BTreeMap::new();
     for (dof, claim) in all(members, points, model)? {
         match claims.get(&dof) {
             Some(&first) if first.0 != claim.0 => refuse(dof, first.1, claim.1, model),
@@ -29,14 +28,14 @@ pub fn claim(members: &[Members], points: &Points, model: &mut Model) -> Result<
 }
 
 /// Every component that a card puts into a set.
-fn all(members: &[Members], points: &Points, model: &mut Model) -> Result<Vec<(Dof, Claim)>, DeckError> {
+fn all(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -> Result<Vec<(Dof, SetClaim)>, DeckError> {
     let mut found = Vec::new();
-    for Members { letter, points: lists, components, place } in members {
-        let nodes = points.expand(lists).map_err(|problem| fail(place, problem, model))?;
-        limited(found.len() + nodes.len()).map_err(|problem| fail(place, problem, model))?;
+    for ExclusiveMembers { letter, points: lists, components, place } in members {
+        let nodes = points.expand(lists).map_err(|problem| place.error(problem, model))?;
+        limited(found.len() + nodes.len()).map_err(|problem| place.error(problem, model))?;
         let origin = place.origin(model);
         for node in nodes {
-            let dofs = points.dofs(node, *components).map_err(|fault| fail(place, fault.into(), model))?;
+            let dofs = points.dofs(node, *components).map_err(|fault| place.error(fault.into(), model))?;
             found.extend(dofs.into_iter().map(|dof| (dof, (*letter, origin))));
         }
     }
@@ -44,7 +43,7 @@ fn all(members: &[Members], points: &Points, model: &mut Model) -> Result<Vec<(D
 }
 
 /// Components in such a set that are prescribed in some case, each once.
-fn prescribed(claims: &BTreeMap<Dof, Claim>, cases: &[LoadCase]) -> Vec<(Dof, Origin, Origin)> {
+fn prescribed(claims: &BTreeMap<Dof, SetClaim>, cases: &[LoadCase]) -> Vec<(Dof, Origin, Origin)> {
     let given = cases.iter().flat_map(|case| &case.prescribed);
     let mut found: BTreeMap<Dof, (Origin, Origin)> = BTreeMap::new();
     for given in given.filter(|_| !claims.is_empty()) {

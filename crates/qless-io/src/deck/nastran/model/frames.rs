@@ -3,27 +3,13 @@
 //! `CORD2x` names three points in another frame, `CORD1x` three grid points, which may lie in other frames themselves:
 //! a frame is found once all it rests on is. A definition that rests on itself is an error.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 use crate::deck::Problem;
 use crate::deck::kinematics::axes::{Frame, Kind};
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::nastran::fault::{circle, unknown_frame, unknown_grid};
-
-/// Frame 0, the basic one.
-pub const BASIC: u32 = 0;
-
-/// How a card defines a frame: by its origin, a point on its third axis, and one in the plane of first and third.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Definition {
-    /// `CORD2x`: points in frame `reference`.
-    Points { kind: Kind, reference: u32, points: [Vector; 3] },
-    /// `CORD1x`: grid points.
-    Grids { kind: Kind, grids: [u32; 3] },
-}
-
-/// All definitions of a deck by identification.
-pub type Definitions = BTreeMap<u32, Definition>;
+use crate::deck::nastran::cards::points::{BASIC, FrameDefinition, FrameDefinitions, unknown_frame, unknown_grid};
+use crate::deck::nastran::cards::sets::circle;
 
 /// Frames found so far, by identification.
 #[derive(Debug, Default)]
@@ -37,11 +23,11 @@ impl Frames {
 
     /// Finds every frame. `grid` says in which frame a grid point lies, and where. Errors name the frame at fault.
     pub fn resolve(
-        definitions: &Definitions,
+        definitions: &FrameDefinitions,
         grid: impl Fn(u32) -> Option<(u32, Vector)>,
     ) -> Result<Self, (u32, Problem)> {
         let mut search =
-            Search { definitions, grid, found: HashMap::from([(BASIC, Frame::BASIC)]), open: HashSet::new() };
+            FrameSearch { definitions, grid, found: HashMap::from([(BASIC, Frame::BASIC)]), open: HashSet::new() };
         for &id in definitions.keys() {
             search.find(id)?;
         }
@@ -49,14 +35,14 @@ impl Frames {
     }
 }
 
-struct Search<'a, G> {
-    definitions: &'a Definitions,
+struct FrameSearch<'a, G> {
+    definitions: &'a FrameDefinitions,
     grid: G,
     found: HashMap<u32, Frame>,
     open: HashSet<u32>,
 }
 
-impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
+impl<G: Fn(u32) -> Option<(u32, Vector)>> FrameSearch<'_, G> {
     /// Depth first with a stack of its own: a deck may nest frames as deep as it likes.
     fn find(&mut self, id: u32) -> Result<(), (u32, Problem)> {
         let mut stack = vec![id];
@@ -86,8 +72,8 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
             return Ok(None);
         }
         let references = match self.definition(id)? {
-            Definition::Points { reference, .. } => [*reference; 3],
-            Definition::Grids { grids, .. } => {
+            FrameDefinition::Points { reference, .. } => [*reference; 3],
+            FrameDefinition::Grids { grids, .. } => {
                 let mut frames = [BASIC; 3];
                 for (frame, &node) in frames.iter_mut().zip(grids) {
                     *frame = self.grid(node)?.0;
@@ -113,13 +99,13 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
         let basic = |frame: u32, point: Vector| self.found.get(&frame).map(|frame| frame.point(point));
         let mut at = [[0.0; 3]; 3];
         let kind = match self.definition(id)? {
-            Definition::Points { kind, reference, points } => {
+            FrameDefinition::Points { kind, reference, points } => {
                 for (at, &point) in at.iter_mut().zip(points) {
                     *at = basic(*reference, point).ok_or_else(|| unknown_frame(*reference))?;
                 }
                 kind
             }
-            Definition::Grids { kind, grids } => {
+            FrameDefinition::Grids { kind, grids } => {
                 for (at, &node) in at.iter_mut().zip(grids) {
                     let (frame, point) = self.grid(node)?;
                     *at = basic(frame, point).ok_or_else(|| unknown_frame(frame))?;
@@ -130,7 +116,7 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
         Ok((*kind, at))
     }
 
-    fn definition(&self, id: u32) -> Result<&Definition, Problem> {
+    fn definition(&self, id: u32) -> Result<&FrameDefinition, Problem> {
         self.definitions.get(&id).ok_or_else(|| unknown_frame(id))
     }
 
@@ -147,15 +133,15 @@ fn in_line() -> Problem {
 mod tests {
     use super::*;
 
-    fn on(reference: u32, origin: Vector) -> Definition {
+    fn on(reference: u32, origin: Vector) -> FrameDefinition {
         let [x, y, z] = origin;
         let points = [origin, [x, y, z + 1.0], [x + 1.0, y, z]];
-        Definition::Points { kind: Kind::Rectangular, reference, points }
+        FrameDefinition::Points { kind: Kind::Rectangular, reference, points }
     }
 
     #[test]
     fn frames_nest_in_any_order() {
-        let definitions = Definitions::from([(1, on(3, [1.0; 3])), (2, on(0, [1.0; 3])), (3, on(2, [1.0; 3]))]);
+        let definitions = FrameDefinitions::from([(1, on(3, [1.0; 3])), (2, on(0, [1.0; 3])), (3, on(2, [1.0; 3]))]);
         let frames = Frames::resolve(&definitions, |_| None).expect("frames");
         assert_eq!(frames.get(1).map(|frame| frame.origin), Some([3.0; 3]));
     }
@@ -165,8 +151,8 @@ mod tests {
         let grids = |node: u32| {
             Some((if node == 12 { 2 } else { 0 }, [[1.0; 3], [1.0, 1.0, 2.0], [2.0, 0.0, 0.0]][node as usize - 10]))
         };
-        let definitions = Definitions::from([
-            (1, Definition::Grids { kind: Kind::Cylindrical, grids: [10, 11, 12] }),
+        let definitions = FrameDefinitions::from([
+            (1, FrameDefinition::Grids { kind: Kind::Cylindrical, grids: [10, 11, 12] }),
             (2, on(0, [1.0; 3])),
         ]);
         let frames = Frames::resolve(&definitions, grids).expect("frames");
@@ -175,13 +161,13 @@ mod tests {
 
     #[test]
     fn cycles_and_gaps_are_errors() {
-        let cycle = Definitions::from([(1, on(2, [0.0; 3])), (2, on(1, [0.0; 3]))]);
+        let cycle = FrameDefinitions::from([(1, on(2, [0.0; 3])), (2, on(1, [0.0; 3]))]);
         assert_eq!(Frames::resolve(&cycle, |_| None).err(), Some((2, circle("coordinate system", 1))));
-        let itself = Definitions::from([(7, on(7, [0.0; 3]))]);
+        let itself = FrameDefinitions::from([(7, on(7, [0.0; 3]))]);
         assert_eq!(Frames::resolve(&itself, |_| None).err(), Some((7, circle("coordinate system", 7))));
-        let gap = Definitions::from([(1, on(9, [0.0; 3]))]);
+        let gap = FrameDefinitions::from([(1, on(9, [0.0; 3]))]);
         assert_eq!(Frames::resolve(&gap, |_| None).err(), Some((1, unknown_frame(9))));
-        let grids = Definitions::from([(1, Definition::Grids { kind: Kind::Rectangular, grids: [1, 2, 3] })]);
+        let grids = FrameDefinitions::from([(1, FrameDefinition::Grids { kind: Kind::Rectangular, grids: [1, 2, 3] })]);
         assert_eq!(Frames::resolve(&grids, |_| None).err(), Some((1, unknown_grid(1))));
         let through = |node| Some((1, [f64::from(node); 3]));
         assert_eq!(Frames::resolve(&grids, through).err(), Some((1, circle("coordinate system", 1))));
@@ -189,9 +175,9 @@ mod tests {
 
     #[test]
     fn nesting_has_no_limit() {
-        let definitions: Definitions = (1..=100_000).map(|id| (id, on(id % 100_000 + 1, [1.0; 3]))).collect();
+        let definitions: FrameDefinitions = (1..=100_000).map(|id| (id, on(id % 100_000 + 1, [1.0; 3]))).collect();
         assert!(Frames::resolve(&definitions, |_| None).is_err());
-        let definitions: Definitions = (1..=100_000).map(|id| (id, on((id + 1) % 100_001, [1.0; 3]))).collect();
+        let definitions: FrameDefinitions = (1..=100_000).map(|id| (id, on((id + 1) % 100_001, [1.0; 3]))).collect();
         let frames = Frames::resolve(&definitions, |_| None).expect("frames");
         assert_eq!(frames.get(1).map(|frame| frame.origin), Some([1e5; 3]));
     }

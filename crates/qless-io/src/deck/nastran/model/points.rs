@@ -1,16 +1,18 @@
 //! The points of a deck: what a number stands for, where it is, and along which axes its components count.
 
-use super::frames::{BASIC, Definitions, Frames};
-use super::grids::{Grid, Grids};
+use std::collections::BTreeSet;
+
+use super::frames::Frames;
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::nastran::cards::grid::Usual;
-use crate::deck::nastran::cards::spans::Span;
-use crate::deck::nastran::fault::{CardFault, unknown_frame, unknown_grid};
-use crate::deck::nastran::syntax::place::Place;
-use crate::deck::{Dof, Problem};
+use crate::deck::nastran::cards::grids::{GridPoint, Grids};
+use crate::deck::nastran::cards::points::{
+    BASIC, FrameDefinitions, GridDefaults, PointSpan, unknown_frame, unknown_grid,
+};
+use crate::deck::nastran::syntax::card::CardPlace;
+use crate::deck::{CardFault, Dof, Model, Problem};
 
 /// Grid and scalar points.
 #[derive(Debug, Default)]
@@ -18,17 +20,17 @@ pub struct Points {
     /// In order.
     grids: Grids,
     /// Scalar points: ascending, apart.
-    scalars: Vec<Span>,
-    usual: Usual,
+    scalars: Vec<PointSpan>,
+    usual: GridDefaults,
     frames: Frames,
 }
 
 /// The number of a grid point, and two cards that differ about it.
-pub type Twice = Box<(u32, [Place; 2])>;
+pub type DuplicateGrid = Box<(u32, [CardPlace; 2])>;
 
 /// What a number stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Point {
+pub enum PointKind {
     Grid,
     Scalar,
     Unknown,
@@ -36,7 +38,7 @@ pub enum Point {
 
 impl Points {
     /// The error is a grid point that is defined in two ways.
-    pub fn new(mut grids: Grids, mut scalars: Vec<Span>, usual: Usual) -> Result<Self, Twice> {
+    pub fn new(mut grids: Grids, mut scalars: Vec<PointSpan>, usual: GridDefaults) -> Result<Self, DuplicateGrid> {
         grids.sort()?;
         scalars.sort_unstable_by_key(|span| span.first);
         scalars.dedup_by(|next, span| {
@@ -48,31 +50,31 @@ impl Points {
     }
 
     /// Finds the coordinate systems. The error names the one at fault.
-    pub fn resolve(&mut self, definitions: &Definitions) -> Result<(), (u32, Problem)> {
+    pub fn resolve(&mut self, definitions: &FrameDefinitions) -> Result<(), (u32, Problem)> {
         let grid = |node| self.grids.get(node).map(|grid| (self.usual(grid).given_in.unwrap_or(BASIC), grid.at));
         self.frames = Frames::resolve(definitions, grid)?;
         Ok(())
     }
 
     /// Pairs of cards that say the same of a grid point.
-    pub fn repeated(&self) -> &[[Place; 2]] {
+    pub fn repeated(&self) -> &[[CardPlace; 2]] {
         &self.grids.repeated
     }
 
-    pub fn kind(&self, node: u32) -> Point {
+    pub fn kind(&self, node: u32) -> PointKind {
         let scalar = || {
             let after = self.scalars.partition_point(|span| span.first <= node);
             after > 0 && node <= self.scalars[after - 1].last
         };
         match self.grids.get(node) {
-            Some(_) => Point::Grid,
-            None if scalar() => Point::Scalar,
-            None => Point::Unknown,
+            Some(_) => PointKind::Grid,
+            None if scalar() => PointKind::Scalar,
+            None => PointKind::Unknown,
         }
     }
 
     /// The DOF that one component, or none, of a point of this kind means.
-    pub fn dof(node: u32, kind: Point, set: Components) -> Result<Dof, CardFault> {
+    pub fn dof(node: u32, kind: PointKind, set: Components) -> Result<Dof, CardFault> {
         let component = Self::meant(node, kind, set)?.iter().next();
         Ok(Dof { node, component: component.unwrap_or(0) })
     }
@@ -85,11 +87,11 @@ impl Points {
     }
 
     /// The components of a grid point; the empty set stands for the one of a scalar point.
-    fn meant(node: u32, kind: Point, set: Components) -> Result<Components, CardFault> {
+    fn meant(node: u32, kind: PointKind, set: Components) -> Result<Components, CardFault> {
         match kind {
-            Point::Grid if set.is_empty() => Err(CardFault::NoComponent { node }),
-            Point::Grid | Point::Unknown => Ok(set),
-            Point::Scalar => match set.without(Components::one(1)).iter().next() {
+            PointKind::Grid if set.is_empty() => Err(CardFault::NoComponent { node }),
+            PointKind::Grid | PointKind::Unknown => Ok(set),
+            PointKind::Scalar => match set.without(Components::one(1)).iter().next() {
                 Some(component) => Err(CardFault::ScalarComponent { node, component }),
                 None => Ok(Components::default()),
             },
@@ -97,7 +99,7 @@ impl Points {
     }
 
     /// The points that lists name: single ones as they are, of a range those that the deck has.
-    pub fn expand(&self, spans: &[Span]) -> Result<Vec<u32>, Problem> {
+    pub fn expand(&self, spans: &[PointSpan]) -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
         for span in spans {
             if span.first == span.last {
@@ -117,18 +119,28 @@ impl Points {
     }
 
     /// Grid points of which components are held in every subcase.
-    pub fn held(&self) -> impl Iterator<Item = (&Grid, Components)> {
-        let held = |usual: Usual| usual.or(self.usual).held.filter(|set| !set.is_empty());
+    pub fn held(&self) -> impl Iterator<Item = (&GridPoint, Components)> {
+        let held = |usual: GridDefaults| usual.or(self.usual).held.filter(|set| !set.is_empty());
         let of_any = self.grids.any(|usual| held(usual).is_some()).then(|| self.grids.iter());
         of_any.into_iter().flatten().filter_map(move |grid| held(self.grids.usual(grid)).map(|set| (grid, set)))
     }
 
+    /// Says which points of a card the deck does not define; scalar points may be those of elements.
+    pub fn warn_of_unknown(&self, nodes: impl Iterator<Item = u32>, place: &CardPlace, model: &mut Model) {
+        let unknown: BTreeSet<u32> = nodes.filter(|&node| self.kind(node) == PointKind::Unknown).collect();
+        if let Some(first) = unknown.first() {
+            let more = if unknown.len() > 1 { format!(" and {} more", unknown.len() - 1) } else { String::new() };
+            let text = format!("{}: no GRID or SPOINT defines point {first}{more}; taken as it stands", place.name);
+            model.warn(place.file, place.line, text);
+        }
+    }
+
     /// The card of a grid point.
-    pub fn place(&self, grid: &Grid) -> Place {
+    pub fn place(&self, grid: &GridPoint) -> CardPlace {
         self.grids.place(grid)
     }
 
-    fn usual(&self, grid: &Grid) -> Usual {
+    fn usual(&self, grid: &GridPoint) -> GridDefaults {
         self.grids.usual(grid).or(self.usual)
     }
 
@@ -138,7 +150,7 @@ impl Points {
     }
 
     /// The position of a grid point.
-    fn position(&self, grid: &Grid) -> Result<Vector, Problem> {
+    fn position(&self, grid: &GridPoint) -> Result<Vector, Problem> {
         let frame = self.usual(grid).given_in.unwrap_or(BASIC);
         Ok(self.frames.get(frame).ok_or_else(|| unknown_frame(frame))?.point(grid.at))
     }

@@ -1,76 +1,76 @@
-//! A card of bulk data: its name and the data fields of its line and of the lines that continue it.
+//! A card of bulk data: its name, its data fields over all of its lines, and its place in the deck.
 
-use super::content::At;
-use super::fields::{Fields, name_in, split};
+use super::fields::{LineFields, name_in, split};
+use super::lines::FileLine;
 use super::number::real;
 use crate::deck::kinematics::components::Components;
-use crate::deck::{CardName, Problem};
+use crate::deck::{CardName, DeckError, Model, Origin, Problem};
 use crate::fault::quote;
 use crate::number::whole;
 
-/// Data fields of a line; fields of continuations count on from multiples of it.
+/// Data fields of a line; the fields of each continuation line start at a multiple of this.
 pub const PER_LINE: usize = 8;
 
 /// A line of a card.
 #[derive(Clone, Copy, Debug)]
-struct Part {
-    at: At,
-    /// Its first data field.
+struct CardLine {
+    at: FileLine,
+    /// Index of its first data field.
     first: u32,
-    /// Whether other cards stand between it and the line before, or it is in another file.
+    /// Whether other cards separate it from the previous line, or it is in another file.
     is_apart: bool,
 }
 
-/// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
+/// A card of bulk data. The reader refills one value for every card, so allocations do not grow with the deck.
 #[derive(Clone, Debug, Default)]
-pub struct Card {
+pub struct BulkCard {
     /// The name in capitals.
     pub name: &'static str,
     /// File and first line.
     pub file: u32,
     pub line: u32,
     text: Vec<u8>,
-    /// Where each data field ends in `text`.
+    /// End of each data field in `text`.
     ends: Vec<u32>,
-    lines: Vec<Part>,
-    /// How the last line names its continuation.
+    lines: Vec<CardLine>,
+    /// Continuation mark of the last line.
     mark: Vec<u8>,
-    /// Whether a line has data beyond its last field.
+    /// Whether a line in free field has data beyond its last field.
     goes_beyond: bool,
 }
 
-/// Where and why a card was refused.
+/// Place and reason of an error in a card.
 #[derive(Debug)]
-pub struct Refused {
-    pub at: At,
+pub struct CardRefusal {
+    pub at: FileLine,
     pub field: Option<usize>,
     pub problem: Problem,
 }
 
-/// A card that was refused, as an error names it.
+/// An error in a card, with the name of the card.
 #[derive(Debug)]
-pub struct Failed {
+pub struct NamedRefusal {
     pub card: String,
-    pub refused: Refused,
+    pub refused: CardRefusal,
 }
 
-impl Refused {
-    /// The same with the card's name.
-    pub fn of(self, card: &Card) -> Failed {
-        Failed { card: card.title().to_string(), refused: self }
+impl CardRefusal {
+    /// Adds the name of the card.
+    pub fn of(self, card: &BulkCard) -> NamedRefusal {
+        NamedRefusal { card: card.title().to_string(), refused: self }
     }
 }
 
-impl Card {
-    /// Starts anew at a line that has been cleaned of its comment.
-    pub fn begin(&mut self, name: &'static str, line: &[u8], at: At) -> Result<(), Refused> {
+impl BulkCard {
+    /// Starts a new card from a line without its comment.
+    pub fn begin(&mut self, name: &'static str, line: &[u8], at: FileLine) -> Result<(), CardRefusal> {
         self.restart(name, at);
         self.take(&split(line).map_err(|problem| refused(at, problem))?, at, false);
         Ok(())
     }
 
-    /// Goes on with a continuation line; `is_apart` where other cards stand between.
-    pub fn extend(&mut self, line: &[u8], at: At, is_apart: bool) -> Result<(), Refused> {
+    /// Appends a continuation line; `is_apart` if other cards separate it from the card.
+    pub fn extend(&mut self, line: &[u8], at: FileLine, is_apart: bool) -> Result<(), CardRefusal> {
         let was_apart = self.lines.last().is_some_and(|last| last.is_apart);
         let fields = split(line).map_err(|problem| refused(at, problem))?;
         self.take(&fields, at, is_apart || was_apart || at.0 != self.file);
@@ -78,13 +78,13 @@ impl Card {
     }
 
     /// Becomes a card of the same name with these fields, all in one line.
-    pub fn become_copy(&mut self, fields: &[Vec<u8>], at: At) {
+    pub fn become_copy(&mut self, fields: &[Vec<u8>], at: FileLine) {
         self.restart(self.name, at);
-        self.lines.push(Part { at, first: 0, is_apart: false });
+        self.lines.push(CardLine { at, first: 0, is_apart: false });
         fields.iter().for_each(|field| self.push(field));
     }
 
-    fn restart(&mut self, name: &'static str, at: At) {
+    fn restart(&mut self, name: &'static str, at: FileLine) {
         self.text.clear();
         self.ends.clear();
         self.lines.clear();
@@ -94,14 +94,14 @@ impl Card {
         (self.file, self.line) = at;
     }
 
-    fn take(&mut self, fields: &Fields, at: At, is_apart: bool) {
-        // Half a line in large field before one in small field counts as a whole one.
+    fn take(&mut self, fields: &LineFields, at: FileLine, is_apart: bool) {
+        // Half a line in large field, followed by a line in small field, counts as a full line.
         if fields.data().len() == PER_LINE {
             while !self.ends.len().is_multiple_of(PER_LINE) {
                 self.ends.push(self.text.len() as u32);
             }
         }
-        self.lines.push(Part { at, first: self.ends.len() as u32, is_apart });
+        self.lines.push(CardLine { at, first: self.ends.len() as u32, is_apart });
         fields.data().iter().chain(&fields.more).for_each(|field| self.push(field));
         self.goes_beyond |= !fields.more.is_empty();
         self.mark.clear();
@@ -113,27 +113,27 @@ impl Card {
         self.ends.push(self.text.len() as u32);
     }
 
-    /// The name of the line that continues the card, in capitals; empty if it names none.
+    /// The name of the card's continuation line, in capitals; empty without a name.
     pub fn continues_in(&self) -> Vec<u8> {
         name_in(&self.mark)
     }
 
-    /// Whether a line in free field has data beyond its last field, as those of a continuation.
+    /// Whether a line in free field has data beyond its last field.
     pub fn goes_beyond(&self) -> bool {
         self.goes_beyond
     }
 
-    /// Whether it has all fields of a line, which in large field takes two.
+    /// Whether the card fills a line; in large field this takes two lines.
     pub fn is_full_line(&self) -> bool {
         self.ends.len() >= PER_LINE
     }
 
-    /// Whether it has this one line.
+    /// Whether the card consists of one line.
     pub fn is_one_line(&self) -> bool {
         self.lines.len() == 1 && self.ends.len() <= PER_LINE
     }
 
-    /// Data field `i` from 0; blank beyond the last.
+    /// Data field `i`, from 0; blank beyond the last field.
     pub fn field(&self, i: usize) -> &[u8] {
         let Some(&end) = self.ends.get(i) else { return b"" };
         let start = if i == 0 { 0 } else { self.ends[i - 1] };
@@ -144,28 +144,28 @@ impl Card {
         self.field(i).is_empty()
     }
 
-    /// Number of data fields up to the last that is filled.
+    /// Number of data fields up to the last one that is not blank.
     pub fn len(&self) -> usize {
         (0..self.ends.len()).rev().find(|&i| !self.is_blank(i)).map_or(0, |i| i + 1)
     }
 
-    /// Number of lines from the first to the last of those that stand together.
+    /// Number of consecutive lines from the first line of the card.
     pub fn span(&self) -> u32 {
         let together = self.lines.iter().take_while(|part| !part.is_apart);
         together.last().map_or(1, |part| (part.at.1 + 1).saturating_sub(self.line).max(1))
     }
 
     /// The last line.
-    pub fn last(&self) -> At {
+    pub fn last(&self) -> FileLine {
         self.lines.last().map_or((self.file, self.line), |part| part.at)
     }
 
-    /// Where the lines are that stand elsewhere.
-    pub fn apart(&self) -> impl Iterator<Item = At> {
+    /// The lines of the card that other cards separate from its first lines.
+    pub fn apart(&self) -> impl Iterator<Item = FileLine> {
         self.lines.iter().filter(|part| part.is_apart).map(|part| part.at)
     }
 
-    /// The card's name with its number, as `RBE2 12`.
+    /// The card's name and number, such as `RBE2 12`.
     pub fn title(&self) -> CardName {
         match whole(self.field(0)).map(|id| (id, u32::try_from(id))) {
             Some((_, Ok(id))) => CardName::numbered(self.name, id),
@@ -174,13 +174,13 @@ impl Card {
         }
     }
 
-    /// A whole number from 1.
-    pub fn id(&self, i: usize, what: &'static str) -> Result<u32, Refused> {
+    /// A whole number of at least 1.
+    pub fn id(&self, i: usize, what: &'static str) -> Result<u32, CardRefusal> {
         self.optional_id(i, what)?.ok_or_else(|| self.expected(i, what))
     }
 
-    /// A whole number from 0; none where the field is blank.
-    pub fn optional_whole(&self, i: usize, what: &'static str) -> Result<Option<u32>, Refused> {
+    /// A whole number of at least 0; `None` for a blank field.
+    pub fn optional_whole(&self, i: usize, what: &'static str) -> Result<Option<u32>, CardRefusal> {
         let word = self.field(i);
         if word.is_empty() {
             return Ok(None);
@@ -189,53 +189,89 @@ impl Card {
         number.map(Some).ok_or_else(|| self.expected(i, what))
     }
 
-    pub fn optional_id(&self, i: usize, what: &'static str) -> Result<Option<u32>, Refused> {
+    pub fn optional_id(&self, i: usize, what: &'static str) -> Result<Option<u32>, CardRefusal> {
         match self.optional_whole(i, what)? {
             Some(0) => Err(self.expected(i, what)),
             other => Ok(other),
         }
     }
 
-    /// A real number; none where the field is blank.
-    pub fn real(&self, i: usize) -> Result<Option<f64>, Refused> {
+    /// A real number; `None` for a blank field.
+    pub fn real(&self, i: usize) -> Result<Option<f64>, CardRefusal> {
         let word = self.field(i);
         if word.is_empty() {
             return Ok(None);
         }
         let number = |fault| self.at(i, Problem::Number { found: quote(word), fault });
         match real(word) {
-            // Too small to be told from zero is zero, as in the solver.
+            // The solver, too, reads an underflow as zero.
             Err(crate::NumberFault::Underflow) => Ok(Some(0.0)),
             other => other.map(Some).map_err(number),
         }
     }
 
-    /// Component numbers, blanks among them or not; the empty set where the field is blank or 0.
-    pub fn components(&self, i: usize) -> Result<Components, Refused> {
+    /// Component numbers, with or without blanks between them; the empty set if the field is blank or 0.
+    pub fn components(&self, i: usize) -> Result<Components, CardRefusal> {
         const EXPECTED: &str = "component numbers: digits from 1 to 6";
         let digits: Vec<u8> = self.field(i).iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
         Components::parse(&digits).ok_or_else(|| self.expected(i, EXPECTED))
     }
 
     /// Component numbers, at least one.
-    pub fn some_components(&self, i: usize) -> Result<Components, Refused> {
+    pub fn some_components(&self, i: usize) -> Result<Components, CardRefusal> {
         const EXPECTED: &str = "one or more component numbers from 1 to 6";
         Some(self.components(i)?).filter(|set| !set.is_empty()).ok_or_else(|| self.expected(i, EXPECTED))
     }
 
-    /// Field `i` holds something else than `what`.
-    pub fn expected(&self, i: usize, what: &'static str) -> Refused {
+    /// The error that field `i` does not hold `what`.
+    pub fn expected(&self, i: usize, what: &'static str) -> CardRefusal {
         self.at(i, Problem::Expected { expected: what, found: quote(self.field(i)) })
     }
 
-    /// A problem of field `i`, which counts from 2 in its line as the card's name is field 1.
-    pub fn at(&self, i: usize, problem: Problem) -> Refused {
+    /// The error of a problem in field `i`. Messages count fields from 1, and the card's name is field 1.
+    pub fn at(&self, i: usize, problem: Problem) -> CardRefusal {
         let own = self.lines.iter().rfind(|part| part.first as usize <= i);
         let (at, first) = own.map_or(((self.file, self.line), 0), |part| (part.at, part.first as usize));
-        Refused { at, field: Some(i - first + 2), problem }
+        CardRefusal { at, field: Some(i - first + 2), problem }
     }
 }
 
-fn refused(at: At, problem: Problem) -> Refused {
-    Refused { at, field: None, problem }
+fn refused(at: FileLine, problem: Problem) -> CardRefusal {
+    CardRefusal { at, field: None, problem }
+}
+
+/// Place of a card: file, lines, and the card's name with its number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CardPlace {
+    pub name: CardName,
+    pub file: u32,
+    pub line: u32,
+    pub lines: u32,
+}
+
+impl CardPlace {
+    pub fn of(card: &BulkCard) -> Self {
+        Self { name: card.title(), file: card.file, line: card.line, lines: card.span() }
+    }
+
+    /// The place as an origin in a model. Consecutive cards of one name in a file share one entry there.
+    pub fn origin(&self, model: &mut Model) -> Origin {
+        let card = match model.cards.last() {
+            Some(last) if last.name == self.name && last.file == self.file => model.cards.len() as u32 - 1,
+            _ => model.card(self.name.clone(), self.file, self.line),
+        };
+        Origin { card, line: self.line, lines: self.lines }
+    }
+
+    /// The error of a problem in the whole card.
+    pub fn error(&self, problem: Problem, model: &mut Model) -> DeckError {
+        let origin = self.origin(model);
+        model.error(origin, None, problem)
+    }
+
+    /// File name and line, such as `deck.bdf:12`.
+    pub fn brief(&self, model: &Model) -> String {
+        let file = model.files[self.file as usize].file_name().unwrap_or_default().to_string_lossy();
+        format!("{file}:{}", self.line)
+    }
 }

@@ -1,95 +1,96 @@
-//! Continuations that are not the next line: a card that goes on as `+A` and the line that begins with `+A`, wherever they stand.
+//! Joins cards with continuation lines that are not next to them.
+//!
+//! A card that ends with the mark `+A` continues in the line that begins with `+A`, wherever that line is in the deck.
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::card::{Card, Failed, Refused};
-use super::content::At;
+use super::card::{BulkCard, CardRefusal, NamedRefusal};
 use super::fields::{mark, name_in, split};
-use crate::deck::Solver;
-use crate::deck::nastran::fault::CardFault;
+use super::lines::FileLine;
+use crate::deck::{CardFault, Solver};
 
-/// Cards that go on elsewhere and lines that nobody has claimed yet, in the order of the deck.
+/// Cards that wait for continuation lines, and continuation lines that wait for their card, both in the order of the deck.
 #[derive(Debug, Default)]
 pub struct Continuations {
-    claims: Vec<Claim>,
-    pieces: Vec<Piece>,
+    claims: Vec<ContinuationClaim>,
+    pieces: Vec<LoosePiece>,
 }
 
-/// A card that goes on in lines of a name; none where the card is not read.
+/// A card that continues in a line of a given name.
 #[derive(Debug)]
-struct Claim {
-    card: Option<Card>,
+struct ContinuationClaim {
+    card: Option<BulkCard>,
     name: Vec<u8>,
-    /// The piece right after a card that names none: its own, if no other card claims it.
+    /// For a card without a mark: index of the piece right after it, which belongs to it unless another card names that piece.
     next: Option<usize>,
 }
 
-/// Lines that go on with some card.
+/// Consecutive continuation lines of a card that is not yet known.
 #[derive(Debug)]
-struct Piece {
+struct LoosePiece {
     name: Vec<u8>,
-    /// How its last line names the next.
+    /// Name of the line that continues the last line.
     mark: Vec<u8>,
-    lines: Vec<(At, Vec<u8>)>,
-    /// Whether it may be that of the unread card before it.
+    lines: Vec<(FileLine, Vec<u8>)>,
+    /// Whether the lines may belong to the skipped card before them.
     may_be_unread: bool,
     is_taken: bool,
 }
 
-/// What stands right before a continuation line.
+/// The kind of line before a continuation line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Before {
+pub enum LineBefore {
     Nothing,
-    /// The card that is being read.
+    /// A line of the card that is being read.
     Read,
-    /// A card that is not read.
+    /// A line of a card that is skipped.
     Unread,
-    /// The last piece.
+    /// A continuation line of the last piece.
     Piece,
 }
 
 impl Continuations {
-    /// A card that goes on in a line of this name.
-    pub fn claim(&mut self, name: Vec<u8>, card: Option<Card>) {
-        self.claims.push(Claim { card, name, next: None });
+    /// Adds a card that continues in a line of this name; `None` for a card that is skipped.
+    pub fn claim(&mut self, name: Vec<u8>, card: Option<BulkCard>) {
+        self.claims.push(ContinuationClaim { card, name, next: None });
     }
 
-    /// A card that names no line, before one that begins with a name.
-    pub fn claim_next(&mut self, card: Card) {
-        self.claims.push(Claim { card: Some(card), name: Vec::new(), next: Some(self.pieces.len()) });
+    /// Adds a card without a mark that is followed by a named continuation line.
+    pub fn claim_next(&mut self, card: BulkCard) {
+        self.claims.push(ContinuationClaim { card: Some(card), name: Vec::new(), next: Some(self.pieces.len()) });
     }
 
-    /// A line that does not go on with what stands before it.
-    pub fn start(&mut self, name: Vec<u8>, line: &[u8], at: At, may_be_unread: bool) {
+    /// Starts a new piece with a line that does not continue the line before it.
+    pub fn start(&mut self, name: Vec<u8>, line: &[u8], at: FileLine, may_be_unread: bool) {
         let lines = vec![(at, line.to_vec())];
-        self.pieces.push(Piece { name, mark: name_in(mark(line)), lines, may_be_unread, is_taken: false });
+        self.pieces.push(LoosePiece { name, mark: name_in(mark(line)), lines, may_be_unread, is_taken: false });
     }
 
-    /// Whether a line of this name goes on with the last piece.
+    /// Whether a line of this name continues the last piece.
     pub fn goes_on(&self, name: &[u8]) -> bool {
         self.pieces.last().is_some_and(|piece| name.is_empty() || piece.mark == name)
     }
 
-    /// Adds a line to the last piece.
-    pub fn extend(&mut self, line: &[u8], at: At) {
+    /// Appends a line to the last piece.
+    pub fn extend(&mut self, line: &[u8], at: FileLine) {
         if let Some(piece) = self.pieces.last_mut() {
             piece.mark = name_in(mark(line));
             piece.lines.push((at, line.to_vec()));
         }
     }
 
-    /// The cards, each with all of its lines, in the order of the deck.
+    /// The waiting cards, each with all of its lines, in the order of the deck.
     ///
     /// # Errors
-    /// A card whose continuation never comes, with the card; a line that no card claims. MYSTRAN reads continuations in the next line
-    /// only: it does without one that is not there, and drops in silence one that stands elsewhere, which is an error here.
-    pub fn finish(mut self, solver: Solver) -> Result<Vec<Card>, Failed> {
+    /// A card without its continuation line, and a continuation line without its card. MYSTRAN looks for a continuation in the next line
+    /// only: it accepts a card whose continuation is missing, and silently drops a continuation elsewhere, which is an error here.
+    pub fn finish(mut self, solver: Solver) -> Result<Vec<BulkCard>, NamedRefusal> {
         let mut by_name: BTreeMap<Vec<u8>, VecDeque<usize>> = BTreeMap::new();
         for (i, piece) in self.pieces.iter().enumerate() {
             by_name.entry(piece.name.clone()).or_default().push_back(i);
         }
         let mut cards = Vec::with_capacity(self.claims.len());
-        // Those that name their lines come first: what they leave is that of the card before it.
+        // Cards that name their lines come first; a piece that no card names belongs to the card before it.
         let claims = std::mem::take(&mut self.claims);
         for claim in claims.iter().filter(|claim| claim.next.is_none()) {
             cards.extend(self.complete(claim, &mut by_name, solver)?);
@@ -99,20 +100,20 @@ impl Continuations {
         }
         if let Some(orphan) = self.pieces.iter().find(|piece| !piece.is_taken && !piece.may_be_unread) {
             let problem = CardFault::Orphan { found: String::from_utf8_lossy(&orphan.name).into() }.into();
-            let refused = Refused { at: orphan.lines[0].0, field: None, problem };
-            return Err(Failed { card: "continuation".into(), refused });
+            let refused = CardRefusal { at: orphan.lines[0].0, field: None, problem };
+            return Err(NamedRefusal { card: "continuation".into(), refused });
         }
         cards.sort_by_key(|card| (card.file, card.line));
         Ok(cards)
     }
 
-    /// The card of a claim with all of its lines, which are taken.
+    /// Completes the card of a claim and marks its lines as taken.
     fn complete(
         &mut self,
-        claim: &Claim,
+        claim: &ContinuationClaim,
         by_name: &mut BTreeMap<Vec<u8>, VecDeque<usize>>,
         solver: Solver,
-    ) -> Result<Option<Card>, Failed> {
+    ) -> Result<Option<BulkCard>, NamedRefusal> {
         let (mut card, mut name) = (claim.card.clone(), claim.name.clone());
         if let Some(next) = claim.next.filter(|&next| !self.pieces[next].is_taken) {
             name = self.take(next, card.as_mut(), false)?;
@@ -124,7 +125,7 @@ impl Continuations {
             match (free, card.as_mut()) {
                 (Some(piece), Some(card)) if solver == Solver::Mystran => {
                     let (at, problem) = (self.pieces[piece].lines[0].0, CardFault::ContinuationDropped.into());
-                    return Err(Refused { at, field: None, problem }.of(card));
+                    return Err(CardRefusal { at, field: None, problem }.of(card));
                 }
                 (None, Some(_)) if solver == Solver::Mystran => break,
                 (Some(piece), card) => name = self.take(piece, card, true)?,
@@ -132,15 +133,15 @@ impl Continuations {
                 (None, Some(card)) => {
                     let expected = String::from_utf8_lossy(&name).into();
                     let problem = CardFault::NoContinuation { expected }.into();
-                    return Err(Refused { at: card.last(), field: None, problem }.of(card));
+                    return Err(CardRefusal { at: card.last(), field: None, problem }.of(card));
                 }
             }
         }
         Ok(card)
     }
 
-    /// Adds a piece to a card, if that is read; returns the name of the next.
-    fn take(&mut self, piece: usize, card: Option<&mut Card>, is_apart: bool) -> Result<Vec<u8>, Failed> {
+    /// Appends a piece to a card unless the card is skipped; returns the name of the next piece.
+    fn take(&mut self, piece: usize, card: Option<&mut BulkCard>, is_apart: bool) -> Result<Vec<u8>, NamedRefusal> {
         let piece = &mut self.pieces[piece];
         piece.is_taken = true;
         if let Some(card) = card {
@@ -152,12 +153,12 @@ impl Continuations {
     }
 }
 
-/// The name that a continuation line begins with, in capitals; none where it begins with a bare `+`, `*` or blanks.
+/// The name at the start of a continuation line, in capitals; empty after a bare `+`, `*` or blanks.
 pub fn name_of(line: &[u8]) -> Vec<u8> {
     split(line).map(|fields| fields.name.to_ascii_uppercase()).unwrap_or_default()
 }
 
-/// Whether all that a card of this name says is in one line of small field, so that what stands in its last field is a remark.
+/// Whether a card of this name always fits one line in small field, so that a text in its last field is a remark, not a mark.
 pub fn is_always_one_line(name: &str) -> bool {
     matches!(name, "GRID" | "GRDSET" | "SPC" | "SPCD" | "FORCE" | "MOMENT" | "SLOAD") || name.starts_with("CORD1")
 }

@@ -1,30 +1,30 @@
-//! Copies of the card before: `=,*1,=,*(0.5),==` and `=(3)`, which makes three more in the same way.
+//! Copies of the previous card: `=,*1,=,*(0.5),==` makes one copy, and `=(3)` then makes three more by the same rule.
 //!
-//! | field | the copy has |
+//! | field | field of the copy |
 //! | --- | --- |
-//! | `=` | the field of the card before |
-//! | `==` | that, and so for all fields from here on |
-//! | `*x`, `*(x)` | that, and x added to it |
-//! | anything else | what stands here |
+//! | `=` | the field of the previous card |
+//! | `==` | the same, for this and all later fields |
+//! | `*x`, `*(x)` | the field of the previous card plus x |
+//! | anything else | this text |
 
-use super::card::{Card, PER_LINE, Refused};
-use super::content::At;
+use super::card::{BulkCard, CardRefusal, PER_LINE};
 use super::fields::split;
+use super::lines::FileLine;
 use super::number::real;
 use crate::deck::Problem;
 use crate::fault::quote;
 
-/// Copies of one line at most.
+/// Limit on the copies of one line.
 const COPIES: usize = 10_000_000;
 
-/// How a copy differs from the card before it, field by field.
+/// The rule for each field of a copy.
 #[derive(Clone, Debug, Default)]
-pub struct Change(Vec<Vec<u8>>);
+pub struct CopyRule(Vec<Vec<u8>>);
 
-/// How many copies a line makes, and how; what it leaves blank is as in the line before.
-pub fn read(line: &[u8], before: Option<&Change>, at: At) -> Result<(usize, Change), Refused> {
+/// The number of copies that a line makes, and their rule. A line without fields uses the rule `before`.
+pub fn read(line: &[u8], before: Option<&CopyRule>, at: FileLine) -> Result<(usize, CopyRule), CardRefusal> {
     const EXPECTED: &str = "`=`, `=n` or `=(n)`, and for a first copy what changes in it";
-    let refused = |problem| Refused { at, field: None, problem };
+    let refused = |problem| CardRefusal { at, field: None, problem };
     let fields = split(line).map_err(refused)?;
     let expected = || refused(Problem::Expected { expected: EXPECTED, found: quote(line.trim_ascii()) });
     let number = inner(fields.name.strip_prefix(b"=").unwrap_or_default());
@@ -35,13 +35,13 @@ pub fn read(line: &[u8], before: Option<&Change>, at: At) -> Result<(usize, Chan
         return Err(refused(Problem::Limit { what: "the number of copies", limit: COPIES, advice }));
     }
     let own: Vec<Vec<u8>> = fields.data().iter().map(|field| field.to_vec()).collect();
-    let change = if own.iter().all(Vec::is_empty) { before.cloned().ok_or_else(expected)? } else { Change(own) };
+    let change = if own.iter().all(Vec::is_empty) { before.cloned().ok_or_else(expected)? } else { CopyRule(own) };
     Ok((count, change))
 }
 
-impl Change {
-    /// Makes the card its next copy.
-    pub fn apply(&self, card: &mut Card, at: At) -> Result<(), Refused> {
+impl CopyRule {
+    /// Replaces the card by its next copy.
+    pub fn apply(&self, card: &mut BulkCard, at: FileLine) -> Result<(), CardRefusal> {
         let mut fields = Vec::with_capacity(PER_LINE);
         let mut is_rest = false;
         for i in 0..PER_LINE {
@@ -50,9 +50,8 @@ impl Change {
             let before = card.field(i);
             fields.push(match own.strip_prefix(b"*") {
                 _ if is_rest || own == b"=" => before.to_vec(),
-                Some(step) => {
-                    sum(before, inner(step)).ok_or_else(|| Refused { at, ..card.expected(i, "a number to add to") })?
-                }
+                Some(step) => sum(before, inner(step))
+                    .ok_or_else(|| CardRefusal { at, ..card.expected(i, "a number to add to") })?,
                 None => own.to_vec(),
             });
         }
@@ -61,12 +60,12 @@ impl Change {
     }
 }
 
-/// The text between brackets, if there are any.
+/// The text without its parentheses, if it has any.
 fn inner(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"(").and_then(|text| text.strip_suffix(b")")).unwrap_or(text).trim_ascii()
 }
 
-/// The sum of two numbers: whole if both are.
+/// The sum of two numbers; a whole number if both are whole.
 fn sum(a: &[u8], b: &[u8]) -> Option<Vec<u8>> {
     let whole = |text: &[u8]| std::str::from_utf8(text).ok()?.parse::<i64>().ok();
     if let (Some(a), Some(b)) = (whole(a), whole(b)) {
@@ -81,7 +80,7 @@ mod tests {
 
     #[test]
     fn copies_count_on() {
-        let mut card = Card::default();
+        let mut card = BulkCard::default();
         card.begin("GRID", b"GRID,101,17,1.0,10.5,,17,3456", (0, 1)).expect("a card");
         let (one, change) = read(b"=,*1,=,*(0.25),*-1.,==", None, (0, 2)).expect("a copy");
         let (three, again) = read(b"=(3)", Some(&change), (0, 3)).expect("copies");
@@ -98,7 +97,7 @@ mod tests {
         assert!(read(b"=(3)", None, (0, 2)).is_err(), "nothing says how");
         assert!(read(b"=x,*1", None, (0, 2)).is_err());
         assert!(read(b"=(99999999),*1", None, (0, 2)).is_err());
-        let mut card = Card::default();
+        let mut card = BulkCard::default();
         card.begin("GRID", b"GRID,1,,1.", (0, 1)).expect("a card");
         let (_, change) = read(b"=,*1,*1", None, (0, 2)).expect("a copy");
         assert!(change.apply(&mut card, (0, 2)).is_err(), "a blank has no sum");

@@ -1,4 +1,6 @@
-//! One line of bulk data as fields: `name | 8 data fields of 8 columns | mark`, or 4 of 16 after a `*`, or by commas.
+//! Splits a line of bulk data into fields.
+//!
+//! A line is `name | 8 data fields of 8 columns | mark`, or 4 data fields of 16 columns, or fields between commas.
 //!
 //! | form  | when                       | name    | data                  | continuation mark |
 //! | ----- | -------------------------- | ------- | --------------------- | ----------------- |
@@ -6,43 +8,43 @@
 //! | large | the first field has a `*`  | 1 to 8  | 4 fields of 16        | 73 to 80          |
 //! | free  | a comma among the first 16 | first   | 8, or 4 with a `*`    | the field after   |
 //!
-//! In free field data may go on after the last field where a mark would stand, as if in the next line.
-//! A tab stands for blanks up to the next multiple of 8. What follows a `$` is a comment.
+//! In free field, data may continue after the last field, as if they were in the next line. A tab fills up with blanks to the next
+//! multiple of 8 columns. A comment starts with `$`.
 
 use std::borrow::Cow;
 
 use super::number::real;
-use crate::deck::Problem;
-use crate::deck::nastran::fault::CardFault;
+use crate::deck::{CardFault, Problem};
+use crate::fault::quote;
 
 const NAME: usize = 8;
 const END_OF_DATA: usize = 72;
 const END: usize = 80;
 
-/// One line, split. Every field is trimmed.
+/// The fields of one line, each without surrounding blanks.
 #[derive(Debug, PartialEq)]
-pub struct Fields<'a> {
-    /// The first field without its `*` or `+`; of a continuation, what follows that mark.
+pub struct LineFields<'a> {
+    /// The first field without its `*` or `+`; in a continuation line, the continuation name after that mark.
     pub name: &'a [u8],
     /// The data fields.
     data: [&'a [u8]; 8],
-    /// How many of them the line has: 8, or 4 in large field.
+    /// Number of data fields of the line: 8, or 4 in large field.
     count: usize,
-    /// In free field, data fields beyond these: those of continuations that the line itself goes on with.
+    /// Further data fields in free field, which would otherwise be in continuation lines.
     pub more: Vec<&'a [u8]>,
-    /// The field after the data, where a card names its continuation.
+    /// The continuation mark: the field after the data, in which a card names its continuation line.
     pub mark: &'a [u8],
 }
 
-impl<'a> Fields<'a> {
+impl<'a> LineFields<'a> {
     pub fn data(&self) -> &[&'a [u8]] {
         &self.data[..self.count]
     }
 }
 
-/// The line without its comment, tabs expanded where columns count.
+/// The line without its comment; tabs are expanded unless the line is in free field.
 pub fn content(line: &[u8]) -> Cow<'_, [u8]> {
-    // Few lines have either.
+    // Most lines have neither a comment nor a tab.
     let Some(first) = memchr::memchr2(b'$', b'\t', line) else { return Cow::Borrowed(line.trim_ascii_end()) };
     let end = memchr::memchr(b'$', &line[first..]).map_or(line.len(), |end| first + end);
     let line = line[..end].trim_ascii_end();
@@ -61,42 +63,42 @@ fn expand_tabs(line: &[u8]) -> Vec<u8> {
     wide
 }
 
-/// True if the line goes on with the card before it: its first field is blank, or starts with `+` or `*`.
+/// Whether the line continues a card: its first field is blank, or starts with `+` or `*`.
 pub fn continues(line: &[u8]) -> bool {
     matches!(line.first(), Some(b' ' | b'+' | b'*' | b',' | b'\t')) && !starts_late(line)
 }
 
-/// A card that was indented: blanks, then a name within the first field.
+/// Whether the line is an indented card: blanks, then a name within the first field.
 fn starts_late(line: &[u8]) -> bool {
     let first = &line[..line.len().min(NAME)];
     line[0] == b' ' && first.iter().find(|&&byte| byte != b' ').is_some_and(u8::is_ascii_alphabetic)
 }
 
-/// The fields of a line that [`content`] has cleaned.
-pub fn split(line: &[u8]) -> Result<Fields<'_>, Problem> {
+/// The fields of a line that [`content`] has stripped of its comment.
+pub fn split(line: &[u8]) -> Result<LineFields<'_>, Problem> {
     if is_free(line) { free(line) } else { Ok(fixed(line)) }
 }
 
-/// In columns, no comma can stand in the name or the first data field; one further on is part of a text.
+/// Whether the line is in free field: a comma in its name or first data field. Later commas may be part of a text.
 fn is_free(line: &[u8]) -> bool {
     line[..line.len().min(2 * NAME)].contains(&b',')
 }
 
-fn fixed(line: &[u8]) -> Fields<'_> {
+fn fixed(line: &[u8]) -> LineFields<'_> {
     let (name, wide) = name(columns(line, 0, NAME));
     let (count, width) = if wide { (4, 16) } else { (8, 8) };
     let mut data = [&b""[..]; 8];
     for (k, field) in data[..count].iter_mut().enumerate() {
         *field = columns(line, NAME + k * width, NAME + (k + 1) * width);
     }
-    Fields { name, data, count, more: Vec::new(), mark: columns(line, END_OF_DATA, END) }
+    LineFields { name, data, count, more: Vec::new(), mark: columns(line, END_OF_DATA, END) }
 }
 
 fn columns(line: &[u8], from: usize, to: usize) -> &[u8] {
     line.get(from..to.min(line.len())).unwrap_or_default().trim_ascii()
 }
 
-fn free(line: &[u8]) -> Result<Fields<'_>, Problem> {
+fn free(line: &[u8]) -> Result<LineFields<'_>, Problem> {
     let mut words = line.split(|&byte| byte == b',').map(<[u8]>::trim_ascii);
     let (name, wide) = name(words.next().unwrap_or_default());
     let count = if wide { 4 } else { 8 };
@@ -105,38 +107,38 @@ fn free(line: &[u8]) -> Result<Fields<'_>, Problem> {
         *field = word;
     }
     let (more, mark) = beyond(&words.collect::<Vec<_>>(), count)?;
-    let fields = Fields { name, data, count, more, mark };
-    // In a copy an asterisk stands before an increment.
+    let fields = LineFields { name, data, count, more, mark };
+    // In a line of copies, an asterisk marks an increment, not a continuation.
     Ok(if is_copy(name) { fields } else { without_early_mark(fields) })
 }
 
-/// What stands after the data fields: the mark, or more data up to a mark.
+/// Splits the words after the data fields into further data and the continuation mark.
 fn beyond<'a>(words: &[&'a [u8]], count: usize) -> Result<(Vec<&'a [u8]>, &'a [u8]), Problem> {
     let filled = words.iter().rposition(|word| !word.is_empty()).map_or(0, |last| last + 1);
     let words = &words[..filled];
-    // A blank could be the place of a mark or a blank datum, and what follows a mark its name in the next line.
+    // Words count as data only if the first is clearly a datum: a blank may be an empty mark, and a mark ends the data.
     let is_data = words.first().is_some_and(|word| !word.is_empty() && !is_mark(word));
     let (more, mark) = match words.split_last() {
         Some((mark, more)) if more.is_empty() && is_mark(mark) || is_name(mark) => (more, *mark),
         _ => (words, &b""[..]),
     };
     match more.iter().find(|word| !word.is_empty() && (!is_data || is_name(word))) {
-        Some(found) => Err(CardFault::too_many_fields(count, found)),
+        Some(found) => Err(CardFault::TooManyFields { count, found: quote(found) }.into()),
         None => Ok((more.to_vec(), mark)),
     }
 }
 
-/// A mark among data.
+/// Whether a word among data can only be a mark.
 fn is_name(word: &[u8]) -> bool {
     is_mark(word) && real(word).is_err()
 }
 
-/// Whether the line with this first field is a copy of the card before it.
+/// Whether a line with this first field copies the card before it.
 pub fn is_copy(name: &[u8]) -> bool {
     name.first() == Some(&b'=')
 }
 
-/// How the line names its continuation, without splitting all of it.
+/// The continuation mark of a line, without splitting the whole line.
 pub fn mark(line: &[u8]) -> &[u8] {
     if !is_free(line) {
         return columns(line, END_OF_DATA, END);
@@ -145,7 +147,7 @@ pub fn mark(line: &[u8]) -> &[u8] {
     last.map(<[u8]>::trim_ascii).filter(|word| is_mark(word) && real(word).is_err()).unwrap_or_default()
 }
 
-/// The name that a mark gives a continuation: what follows its `+` or `*`, in capitals; empty if it gives none.
+/// The continuation name in a mark, in capitals: the text after its `+` or `*`; empty without a name.
 pub fn name_in(mark: &[u8]) -> Vec<u8> {
     let name = mark.strip_prefix(b"+").or(mark.strip_prefix(b"*")).unwrap_or_default();
     name.trim_ascii().to_ascii_uppercase()
@@ -155,8 +157,8 @@ fn is_mark(word: &[u8]) -> bool {
     matches!(word.first(), None | Some(b'+' | b'*'))
 }
 
-/// `MPC,1,2,3,1.0,+` ends early: a last field that is no number but starts with `+` is the mark.
-fn without_early_mark(mut fields: Fields<'_>) -> Fields<'_> {
+/// Moves an early mark, as in `MPC,1,2,3,1.0,+`, out of the data: a last field that starts with `+` or `*` and is no number.
+fn without_early_mark(mut fields: LineFields<'_>) -> LineFields<'_> {
     let Some(last) = fields.data.iter().rposition(|field| !field.is_empty()) else { return fields };
     let word = fields.data[last];
     if matches!(word[0], b'+' | b'*') && real(word).is_err() {
@@ -166,7 +168,7 @@ fn without_early_mark(mut fields: Fields<'_>) -> Fields<'_> {
     fields
 }
 
-/// The name and whether the line is in large field.
+/// The name in the first field, and whether the line is in large field.
 fn name(first: &[u8]) -> (&[u8], bool) {
     if let Some(rest) = first.strip_prefix(b"*") {
         return (rest.trim_ascii(), true);

@@ -1,66 +1,68 @@
-//! The lines of a deck in the order in which they count, wherever `INCLUDE` puts them.
+//! The lines of a deck in reading order, with `INCLUDE` files in place.
 
-use super::content::At;
 use super::fields::content;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 
-/// A line, mostly without its comment.
-pub struct Line<'a> {
+/// File index, and line number from 1.
+pub type FileLine = (u32, u32);
+
+/// A line of a deck, without its comment unless [`LineVisitor::quick`] receives it.
+pub struct DeckLine<'a> {
     pub file: u32,
-    /// From 1.
+    /// Line number, from 1.
     pub number: u32,
     pub text: &'a [u8],
 }
 
-impl Line<'_> {
-    pub fn at(&self) -> At {
+impl DeckLine<'_> {
+    pub fn at(&self) -> FileLine {
         (self.file, self.number)
     }
 }
 
-/// An `INCLUDE` that was followed.
+/// An `INCLUDE` statement whose file was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Include {
+pub struct IncludeLine {
     pub file: u32,
-    /// Its first line, from 1.
+    /// First line of the statement, from 1.
     pub line: u32,
     pub lines: u32,
-    /// The file that it includes.
+    /// Index of the included file.
     pub inner: u32,
 }
 
-/// What is done with the lines.
-pub trait Visitor {
-    /// Takes a line as it stands, comments included, that no other continues; false leaves it to `line`.
-    fn quick(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+/// Receives the lines of a deck one by one.
+pub trait LineVisitor {
+    /// Takes a raw line, comment included, that no other line continues. Returns false to have it passed to `line`.
+    fn quick(&mut self, line: &DeckLine, sources: &Sources) -> Result<bool, DeckError>;
 
-    /// Takes a line that is no `INCLUDE`; false ends the reading.
-    fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+    /// Takes a line that is not an `INCLUDE`. Returns false to end the reading.
+    fn line(&mut self, line: &DeckLine, sources: &Sources) -> Result<bool, DeckError>;
 
-    /// Takes note of an include before the lines of its file.
-    fn included(&mut self, include: Include);
+    /// Takes an `INCLUDE` before the lines of its file.
+    fn included(&mut self, include: IncludeLine);
 
-    /// Decides about an included file that cannot be read: the error, or a way on without it.
+    /// Decides about an included file that cannot be read: returns the error to stop, or `Ok` to continue without the file.
     fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError>;
 }
 
-/// Visits all lines that are neither blank nor comments.
-pub fn walk(sources: &mut Sources, visitor: &mut impl Visitor) -> Result<(), DeckError> {
+/// Visits all lines of a deck except blank lines and comments.
+pub fn walk(sources: &mut Sources, visitor: &mut impl LineVisitor) -> Result<(), DeckError> {
     file(sources, 0, 0, visitor).map(|_| ())
 }
 
-/// One file; false if the reading ends within it.
-fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl Visitor) -> Result<bool, DeckError> {
+/// Visits one file. Returns false if the visitor ended the reading.
+fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl LineVisitor) -> Result<bool, DeckError> {
     let bytes = sources.text(number);
     let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let mut line = 0;
     while !rest.is_empty() {
         let (first, text) = (line + 1, next(&mut rest, &mut line));
-        // A letter begins another card, but for `INCLUDE`, after which this one may go on.
+        // A letter starts another card, except in `INCLUDE`: the included file may continue this card.
         let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
-        if is_last && visitor.quick(&Line { file: number as u32, number: first as u32, text }, sources)? {
+        if is_last && visitor.quick(&DeckLine { file: number as u32, number: first as u32, text }, sources)? {
             continue;
         }
         if text.len() > LINE {
@@ -72,19 +74,19 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
             continue;
         }
         if !is_include(&text) {
-            let line = Line { file: number as u32, number: first as u32, text: &text };
+            let line = DeckLine { file: number as u32, number: first as u32, text: &text };
             if !visitor.line(&line, sources)? {
                 return Ok(false);
             }
             continue;
         }
         let name = file_name(&text, &mut rest, &mut line).ok_or_else(|| open_quote(sources, number, first, &text))?;
-        // Decks come from systems where a backslash stands between folders.
+        // Decks written on Windows separate folders by backslashes.
         let name = if cfg!(windows) { name } else { name.replace('\\', "/") };
         match sources.include(&name, number, first, depth) {
             Ok(inner) => {
                 let (lines, inner_file) = ((line + 1 - first) as u32, inner as u32);
-                visitor.included(Include { file: number as u32, line: first as u32, lines, inner: inner_file });
+                visitor.included(IncludeLine { file: number as u32, line: first as u32, lines, inner: inner_file });
                 if !file(sources, inner, depth + 1, visitor)? {
                     return Ok(false);
                 }
@@ -95,7 +97,7 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
     Ok(true)
 }
 
-/// The next line, without its end.
+/// Takes the next line off `rest`, without its line ending.
 fn next<'a>(rest: &mut &'a [u8], line: &mut usize) -> &'a [u8] {
     let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
     let text = &rest[..end];
@@ -112,7 +114,7 @@ fn is_include(text: &[u8]) -> bool {
         && matches!(text[WORD.len()], b' ' | b'\t' | b'\'' | b'"' | b'=')
 }
 
-/// The name after `INCLUDE`: one word, or what stands between quotes, which may go on in further lines.
+/// The file name after `INCLUDE`: one word, or a quoted text that may extend over several lines.
 fn file_name(text: &[u8], rest: &mut &[u8], line: &mut usize) -> Option<String> {
     let word = text.trim_ascii_start()[b"INCLUDE".len()..].trim_ascii();
     let word = word.strip_prefix(b"=").unwrap_or(word).trim_ascii();
@@ -138,4 +140,11 @@ fn open_quote(sources: &Sources, file: usize, line: usize, text: &[u8]) -> DeckE
 
 fn error(sources: &Sources, file: usize, line: usize, problem: Problem) -> DeckError {
     DeckError { path: sources.path(file).to_path_buf(), line, card: "deck".into(), field: None, problem }
+}
+
+/// The first word of a line in capitals, and the rest of the line.
+pub fn keyword(text: &[u8]) -> (String, &[u8]) {
+    let text = text.trim_ascii();
+    let end = text.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(text.len());
+    (String::from_utf8_lossy(&text[..end]).to_ascii_uppercase(), &text[end..])
 }

@@ -5,15 +5,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::write::Group;
 use crate::deck::clean::{CleanError, Removed, Written};
 use crate::deck::nastran::cards::sets::members;
 use crate::deck::nastran::control::selected::selections;
-use crate::deck::nastran::syntax::content::Content;
+use crate::deck::nastran::reader::NastranContent;
 use crate::deck::{Deck, Model};
 
+/// Load cases, as indices into those of the model, and the equations that hold in them in the place of those that go.
+pub type EquationGroup = (Vec<usize>, Vec<Written>);
+
 /// Sets of the new cards, and what load cases select.
-pub struct Targets<'a> {
+pub struct MpcTargets<'a> {
     /// The set of each group that writes equations.
     pub cards: Vec<(u32, &'a [Written])>,
     /// New unions.
@@ -24,9 +26,14 @@ pub struct Targets<'a> {
     pub dead: BTreeSet<u32>,
 }
 
-impl<'a> Targets<'a> {
-    pub fn of(content: &Content, deck: &Deck, removed: &[Removed], groups: &'a [Group]) -> Result<Self, CleanError> {
-        let before = Selected::of(content);
+impl<'a> MpcTargets<'a> {
+    pub fn of(
+        content: &NastranContent,
+        deck: &Deck,
+        removed: &[Removed],
+        groups: &'a [EquationGroup],
+    ) -> Result<Self, CleanError> {
+        let before = SelectedSets::of(content);
         let written = || groups.iter().filter(|(_, written)| !written.is_empty());
         let refused = |why| CleanError::Place { path: deck.model.files[0].clone(), line: 1, why };
         if written().any(|(_, written)| written.iter().any(|written| written.rhs != 0.0)) {
@@ -37,7 +44,7 @@ impl<'a> Targets<'a> {
             unused = unused.saturating_add(1);
             unused
         };
-        let sets: Vec<(&Group, u32, bool)> = written()
+        let sets: Vec<(&EquationGroup, u32, bool)> = written()
             .map(|group| before.own_set(&group.0).map_or_else(|| (group, next(), true), |set| (group, set, false)))
             .collect();
         if content.control.is_none() && sets.iter().any(|&(_, set, is_new)| is_new && set > 1) {
@@ -73,15 +80,15 @@ impl<'a> Targets<'a> {
 }
 
 /// What load cases select.
-struct Selected {
+struct SelectedSets {
     sets: Vec<Option<u32>>,
     members: Vec<BTreeSet<u32>>,
 }
 
-impl Selected {
-    fn of(content: &Content) -> Self {
+impl SelectedSets {
+    fn of(content: &NastranContent) -> Self {
         let mut unused = Model::new(Vec::new());
-        let chosen = selections(content, &mut unused);
+        let chosen = selections(content.control.as_ref(), &content.bulk, &mut unused);
         let sets: Vec<Option<u32>> = chosen.iter().map(|(_, choice)| choice.mpc.map(|choice| choice.set)).collect();
         // The unions could be read, so they have no circle.
         let of = |set: &Option<u32>| set.map(|set| members(set, &content.bulk.mpc_unions).unwrap_or_default());
@@ -103,7 +110,7 @@ impl Selected {
 }
 
 /// Sets of which some card stays.
-fn kept(content: &Content, deck: &Deck, removed: &[Removed]) -> impl Iterator<Item = u32> {
+fn kept(content: &NastranContent, deck: &Deck, removed: &[Removed]) -> impl Iterator<Item = u32> {
     let place = |removed: &Removed| {
         let origin = deck.model.nth(removed.equation).origin;
         (deck.model.cards.nth(origin.card).file, origin.line)
@@ -113,7 +120,7 @@ fn kept(content: &Content, deck: &Deck, removed: &[Removed]) -> impl Iterator<It
 }
 
 /// Sets that had cards and keep none, and unions of such sets alone.
-fn dead(content: &Content, kept: &BTreeSet<u32>) -> BTreeSet<u32> {
+fn dead(content: &NastranContent, kept: &BTreeSet<u32>) -> BTreeSet<u32> {
     let mut dead: BTreeSet<u32> =
         content.bulk.ties.mpcs().map(|card| card.set).filter(|set| !kept.contains(set)).collect();
     let unions = &content.bulk.mpc_unions;
@@ -127,7 +134,7 @@ fn dead(content: &Content, kept: &BTreeSet<u32>) -> BTreeSet<u32> {
 }
 
 /// The largest number of an MPC set, defined or selected; 0 where there is none.
-fn last_set(content: &Content) -> u32 {
+fn last_set(content: &NastranContent) -> u32 {
     let own = content.bulk.ties.mpcs().map(|card| card.set);
     let unions = content.bulk.mpc_unions.iter();
     let named = unions.flat_map(|(&set, cards)| cards.iter().flat_map(|(of, _)| of.iter().copied()).chain([set]));

@@ -1,42 +1,51 @@
 //! What the commands say as a model: equations by their number, then coupled sets, and the load cases.
 
-pub mod events;
-pub mod nodes;
-pub mod positions;
-pub mod sets;
-pub mod terms;
+use std::collections::HashMap;
 
-use events::{Life, cases};
-use terms::Term;
-
-use super::commands::coupled::Coupled;
-use super::commands::equations::{Equation, Equations, Region};
-use super::commands::numbering::Lives;
-use super::reader::{Owner, Reader};
-use crate::deck::{CardName, DeckError, Dof, Model, Origin, Problem, Sources};
+use super::commands::coupled::CoupledSet;
+use super::commands::equations::{CeEquation, CeEquations, NodeRegion};
+use super::commands::numbering::StartsAt;
+use super::model::events::{EquationLife, cases};
+use super::reader::{AnsysReader, CommandOwner};
+use super::syntax::archive::DofCoefficient;
+use crate::deck::{CardName, Deck, DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// Reads a deck.
 ///
 /// # Errors
 /// [`DeckError`].
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let mut reader = Reader::read(sources.path(0), &sources.text(0))?;
+    let mut reader = AnsysReader::read(sources.path(0), &sources.text(0))?;
     fill(&mut reader)?;
     Ok(reader.model)
 }
 
+/// Positions along the model's axes; none where the deck cannot be read once more.
+pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
+    let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
+    reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
+}
+
+/// The nodes of the components that `CMBLOCK` defines, by name.
+pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
+    let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
+    let groups = reader.map(|reader| reader.nodes.groups).unwrap_or_default();
+    let nodes = |ranges: Vec<(u32, u32)>| ranges.into_iter().flat_map(|(first, last)| first..=last).collect();
+    groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
+}
+
 /// Fills the model of a reader and says what each of its equations comes from, if the reader keeps places.
-pub fn fill(reader: &mut Reader) -> Result<Vec<Owner>, DeckError> {
+pub fn fill(reader: &mut AnsysReader) -> Result<Vec<CommandOwner>, DeckError> {
     check_complete(reader)?;
     let (owners, lives) = push_equations(reader);
-    let Reader { model, nodes, events, .. } = reader;
+    let AnsysReader { model, nodes, events, .. } = reader;
     cases(events, nodes, &lives, model).map_err(|(origin, problem)| model.error(origin, None, problem))?;
     check_nodes(reader)?;
     warn_of_rotated(reader);
     Ok(owners)
 }
 
-fn check_complete(reader: &Reader) -> Result<(), DeckError> {
+fn check_complete(reader: &AnsysReader) -> Result<(), DeckError> {
     let equation = reader.equations.incomplete().map(|(number, line, problem)| (format!("CE {number}"), line, problem));
     let set = || reader.coupled.incomplete().map(|(number, line, problem)| (format!("CP {number}"), line, problem));
     let Some((card, line, problem)) = equation.or_else(set) else { return Ok(()) };
@@ -44,13 +53,17 @@ fn check_complete(reader: &Reader) -> Result<(), DeckError> {
 }
 
 /// Where equations come from, and those that are not in force in all load steps.
-type Pushed = (Vec<Owner>, Vec<Life>);
+type PushedEquations = (Vec<CommandOwner>, Vec<EquationLife>);
 
 /// Equations by number, coupled sets by number, then what held in earlier load steps.
-fn push_equations(reader: &mut Reader) -> Pushed {
-    let Reader { model, equations, coupled, places, .. } = reader;
-    let mut push =
-        Push { model, regions: vec![None; equations.regions.len()], owns: places.is_some(), pushed: Pushed::default() };
+fn push_equations(reader: &mut AnsysReader) -> PushedEquations {
+    let AnsysReader { model, equations, coupled, places, .. } = reader;
+    let mut push = EquationPusher {
+        model,
+        regions: vec![None; equations.regions.len()],
+        owns: places.is_some(),
+        pushed: PushedEquations::default(),
+    };
     push.model.reserve(equations.sets.len(), equations.terms.len());
     for (number, equation) in equations.sets.iter() {
         push.equation(equations, number, equation, u32::MAX);
@@ -68,17 +81,17 @@ fn push_equations(reader: &mut Reader) -> Pushed {
     push.pushed
 }
 
-struct Push<'a> {
+struct EquationPusher<'a> {
     model: &'a mut Model,
     /// The card of each region, once it has one.
     regions: Vec<Option<u32>>,
     /// Whether anybody asks for owners.
     owns: bool,
-    pushed: Pushed,
+    pushed: PushedEquations,
 }
 
-impl Push<'_> {
-    fn equation(&mut self, of: &Equations, number: u32, equation: &Equation, last: u32) {
+impl EquationPusher<'_> {
+    fn equation(&mut self, of: &CeEquations, number: u32, equation: &CeEquation, last: u32) {
         let model = &mut *self.model;
         if of.terms.count(&equation.terms) == 0 && equation.constant == 0.0 {
             model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
@@ -91,32 +104,32 @@ impl Push<'_> {
         }
         let (card, owner) = match equation.region() {
             Some(at) => {
-                let Region { name, node, line, .. } = of.regions[at];
+                let NodeRegion { name, node, line, .. } = of.regions[at];
                 let new = || model.card(CardName::numbered(name, node), 0, line);
-                (*self.regions[at].get_or_insert_with(new), Owner::Region(at))
+                (*self.regions[at].get_or_insert_with(new), CommandOwner::Region(at))
             }
-            None => (model.card(CardName::numbered("CE", number), 0, equation.line), Owner::Equation(number)),
+            None => (model.card(CardName::numbered("CE", number), 0, equation.line), CommandOwner::Equation(number)),
         };
         let origin = origin(card, equation.line, equation.last_line);
         model.push(terms, equation.constant, origin);
         self.own(owner, equation.from(), last);
     }
 
-    fn set(&mut self, number: u32, set: &Coupled, last: u32) {
+    fn set(&mut self, number: u32, set: &CoupledSet, last: u32) {
         let card = self.model.card(CardName::numbered("CP", number), 0, set.line);
         for equation in set.equations() {
             self.model.push(equation, 0.0, origin(card, set.line, set.last_line));
-            self.own(Owner::Coupled(number), set.from(), last);
+            self.own(CommandOwner::Coupled(number), set.from(), last);
         }
     }
 
     /// Notes where the equation pushed last comes from, and when it holds.
-    fn own(&mut self, owner: Owner, first: u32, last: u32) {
+    fn own(&mut self, owner: CommandOwner, first: u32, last: u32) {
         if self.owns {
             self.pushed.0.push(owner);
         }
         if first > 0 || last < u32::MAX {
-            self.pushed.1.push(Life { equation: self.model.equations() as u32 - 1, first, last });
+            self.pushed.1.push(EquationLife { equation: self.model.equations() as u32 - 1, first, last });
         }
     }
 }
@@ -125,7 +138,7 @@ fn origin(card: u32, line: u32, last: u32) -> Origin {
     Origin { card, line, lines: last.saturating_sub(line) + 1 }
 }
 
-fn names_twice(terms: impl Iterator<Item = Term> + Clone) -> bool {
+fn names_twice(terms: impl Iterator<Item = DofCoefficient> + Clone) -> bool {
     let mut first = terms.clone().map(|(dof, _)| dof);
     if let (Some(first), Some(second), None) = (first.next(), first.next(), first.next()) {
         return first == second;
@@ -136,7 +149,7 @@ fn names_twice(terms: impl Iterator<Item = Term> + Clone) -> bool {
 }
 
 /// A node that no command defines: the first equation that names it is at fault.
-fn check_nodes(reader: &Reader) -> Result<(), DeckError> {
+fn check_nodes(reader: &AnsysReader) -> Result<(), DeckError> {
     let (model, nodes) = (&reader.model, &reader.nodes);
     if nodes.numbers.is_empty() || nodes.are_generated {
         return Ok(());
@@ -159,7 +172,7 @@ fn check_nodes(reader: &Reader) -> Result<(), DeckError> {
 }
 
 /// Components are along the axes of their node; said where these are not those of the model.
-fn warn_of_rotated(reader: &mut Reader) {
+fn warn_of_rotated(reader: &mut AnsysReader) {
     let mut rotated = std::mem::take(&mut reader.nodes.rotated);
     if rotated.is_empty() {
         return;

@@ -7,7 +7,7 @@ use crate::deck::chunks::Chunks;
 
 /// Things by their number.
 #[derive(Debug)]
-pub struct Sets<T> {
+pub struct NumberedSets<T> {
     /// Ascending; nothing where one was taken away, but for the last.
     row: Chunks<(u32, Option<T>)>,
     /// How many were taken away in `row`.
@@ -16,13 +16,13 @@ pub struct Sets<T> {
     apart: BTreeMap<u32, T>,
 }
 
-impl<T> Default for Sets<T> {
+impl<T> Default for NumberedSets<T> {
     fn default() -> Self {
         Self { row: Chunks::default(), gone: 0, apart: BTreeMap::new() }
     }
 }
 
-impl<T> Sets<T> {
+impl<T> NumberedSets<T> {
     pub fn len(&self) -> usize {
         self.row.len() - self.gone + self.apart.len()
     }
@@ -131,7 +131,7 @@ mod tests {
     /// The same steps with a map, which cannot be wrong.
     #[test]
     fn sets_do_what_a_map_does() {
-        let (mut sets, mut map) = (Sets::default(), BTreeMap::new());
+        let (mut sets, mut map) = (NumberedSets::default(), BTreeMap::new());
         let mut state = 7_u32;
         let mut next = |below: u32| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

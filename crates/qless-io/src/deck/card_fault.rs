@@ -1,23 +1,20 @@
-//! What can be wrong in a Nastran card beside what can be wrong in any deck, and what to do about it.
+//! Faults that only some cards can have: fields of Nastran cards, and rigid elements that their points do not determine.
 
-use crate::deck::Problem;
-use crate::fault::quote;
-
-/// What is wrong in a Nastran card.
+/// What is wrong in a card, beside what can be wrong in any deck, and what to do about it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CardFault {
-    /// A line in free field with data beyond the place of its mark.
+    /// A line in free field has data beyond the field of its continuation mark.
     #[error(
         "{found} stands after the {count} data fields of the line and the place of a mark; go on in a continuation line"
     )]
     TooManyFields {
         /// Data fields a line has.
         count: usize,
-        /// The text beyond, quoted.
+        /// The surplus text, quoted.
         found: String,
     },
-    /// A component above 1 of a scalar point.
+    /// A scalar point is given a component above 1.
     #[error("{node} is a scalar point, which has no component {component}; write 0 or leave the field blank")]
     ScalarComponent {
         /// The point.
@@ -25,66 +22,66 @@ pub enum CardFault {
         /// The component.
         component: u8,
     },
-    /// No component where a grid point needs one.
+    /// A grid point is given no component.
     #[error("{node} is a grid point, of which a component has to be given; write digits from 1 to 6")]
     NoComponent {
         /// The grid point.
         node: u32,
     },
-    /// A card that goes on in a line that is not there.
+    /// The line that should continue a card is missing.
     #[error("the card goes on as `+{expected}`, but no line left begins with that; add the line or remove the mark")]
     NoContinuation {
-        /// The name that the card gives its continuation.
+        /// The continuation name in the card.
         expected: Box<str>,
     },
-    /// A continuation that no card names.
+    /// No card names this continuation line.
     #[error("the line goes on with a card as `+{found}`, but no card names it; put it right after its card")]
     Orphan {
-        /// The name that the line begins with.
+        /// The continuation name at the start of the line.
         found: Box<str>,
     },
-    /// A continuation that the solver does not find.
+    /// The solver does not find this continuation line.
     #[error("MYSTRAN drops this continuation in silence, as it is not the line after its card; put it there")]
     ContinuationDropped,
-    /// Data beyond the last field of a line, which the solver does not read.
+    /// A line has data beyond its last field, which the solver does not read.
     #[error("MYSTRAN drops what stands after the 8 data fields of a line in silence; go on in a continuation line")]
     FieldsDropped,
-    /// Two elements of one number.
+    /// Two elements have the same number.
     #[error("element {id} is that of {other} already; give it another number")]
     ElementTwice {
-        /// The number.
+        /// The element number.
         id: u32,
-        /// File and line of the other.
+        /// File and line of the other card.
         other: Box<str>,
     },
-    /// A joint whose ends are apart.
+    /// The two ends of a joint are at different places.
     #[error("grid points {a} and {b} of the joint have to be at the same place; correct one of them")]
     JointApart {
         /// One end.
         a: u32,
-        /// The other.
+        /// The other end.
         b: u32,
     },
-    /// Two definitions of one thing.
+    /// One object has two different definitions.
     #[error("{what} {id} is defined otherwise in {other}; keep one of the two")]
     DefinedTwice {
         /// "grid point", "coordinate system", "GRDSET".
         what: &'static str,
         /// Its number.
         id: u32,
-        /// File and line of the other.
+        /// File and line of the other card.
         other: Box<str>,
     },
-    /// Not six independent components.
+    /// A rigid body is given more or fewer than six independent components.
     #[error("{found} independent components are given; a rigid body has 6, give exactly that many")]
     IndependentCount {
-        /// How many were found.
+        /// Number of independent components found.
         found: usize,
     },
-    /// Six components that leave a motion free.
+    /// Six independent components leave some rigid motion free.
     #[error("the 6 independent components do not fix the body: some motion moves none of them; choose others")]
     IndependentSingular,
-    /// A component that is dependent and independent.
+    /// A component is both dependent and independent.
     #[error("{node}:{component} is both dependent and independent; remove it from one list")]
     OnBothSides {
         /// The grid point.
@@ -92,7 +89,7 @@ pub enum CardFault {
         /// The component.
         component: u8,
     },
-    /// A rod whose dependent component is at right angles.
+    /// The dependent component of a rod is at right angles to the rod.
     #[error("{node}:{component} is at right angles to the rod and cannot depend on it; choose another component")]
     AcrossRod {
         /// The grid point.
@@ -100,7 +97,7 @@ pub enum CardFault {
         /// The component.
         component: u8,
     },
-    /// A mean that does not determine a component of its reference.
+    /// A weighted mean does not determine a component of its reference point.
     #[error(
         "the connected components do not determine {node}:{component}; connect more of them, or remove it from REFC"
     )]
@@ -110,7 +107,7 @@ pub enum CardFault {
         /// The component.
         component: u8,
     },
-    /// An UM list of the wrong length.
+    /// The UM list of an element has the wrong length.
     #[error("UM names {found} components, but REFC has {expected}; name as many")]
     UmCount {
         /// Components after UM.
@@ -118,31 +115,10 @@ pub enum CardFault {
         /// Components of REFC.
         expected: usize,
     },
-    /// The UM components cannot be solved for.
+    /// The element's equations cannot be solved for the UM components.
     #[error("the element cannot be solved for the components after UM; choose others that it connects")]
     UmSingular,
-    /// A constraint that couples a component to nothing.
+    /// An element connects no components.
     #[error("nothing is connected; name at least one grid point and component")]
     NothingConnected,
-}
-
-impl CardFault {
-    pub(super) fn too_many_fields(count: usize, found: &[u8]) -> Problem {
-        Self::TooManyFields { count, found: quote(found) }.into()
-    }
-}
-
-/// A coordinate system that nothing defines.
-pub(super) fn unknown_frame(frame: u32) -> Problem {
-    Problem::Undefined { what: "coordinate system", name: frame.to_string() }
-}
-
-/// A grid point that nothing defines.
-pub(super) fn unknown_grid(node: u32) -> Problem {
-    Problem::Undefined { what: "grid point", name: node.to_string() }
-}
-
-/// A set or coordinate system that rests on itself.
-pub(super) fn circle(what: &'static str, id: u32) -> Problem {
-    Problem::Circular { what, name: id.to_string() }
 }

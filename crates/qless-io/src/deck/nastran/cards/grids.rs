@@ -1,54 +1,54 @@
-//! Grid points by number, in little room: what most of them share is kept once.
+//! A compact table of grid points by number: data that many points share is stored once.
 
 use std::cmp::Ordering;
 
 use rustc_hash::FxHashMap;
 
+use super::points::{GridCard, GridDefaults};
 use crate::deck::CardName;
 use crate::deck::chunks::Chunks;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::nastran::cards::grid::{Given, Usual};
-use crate::deck::nastran::syntax::place::Place;
+use crate::deck::nastran::syntax::card::CardPlace;
 
 /// A grid point.
 #[derive(Clone, Copy, Debug)]
-pub struct Grid {
+pub struct GridPoint {
     /// Coordinates in the system CP.
     pub at: Vector,
     pub id: u32,
     line: u32,
-    /// Index of what it shares with others.
+    /// Index of its data in `Grids::shared`.
     shared: u32,
 }
 
-/// The file of a `GRID` card, and what it says beside the coordinates.
+/// Data of a `GRID` card that other points are likely to share: its file, and all fields except the coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-struct Shared {
+struct SharedGridData {
     file: u32,
-    usual: Usual,
+    usual: GridDefaults,
 }
 
 /// The grid points of a deck.
 #[derive(Debug, Default)]
 pub struct Grids {
-    all: Chunks<Grid>,
-    shared: Vec<Shared>,
-    by_shared: FxHashMap<Shared, u32>,
-    /// What the point added last shares, and its index.
-    recent: Option<(Shared, u32)>,
-    /// Cards that say again what another says, after that one.
-    pub repeated: Vec<[Place; 2]>,
+    all: Chunks<GridPoint>,
+    shared: Vec<SharedGridData>,
+    by_shared: FxHashMap<SharedGridData, u32>,
+    /// Shared data of the point added last, and its index.
+    recent: Option<(SharedGridData, u32)>,
+    /// Pairs of equal cards for one point, in the order of the deck.
+    pub repeated: Vec<[CardPlace; 2]>,
 }
 
 impl Grids {
-    /// Adds the point of a card at this place.
-    pub fn push(&mut self, given: &Given, file: u32, line: u32) {
-        let shared = self.share(Shared { file, usual: given.usual });
-        self.all.push(Grid { at: given.at, id: given.id, line, shared });
+    /// Adds the point of a card in this file and line.
+    pub fn push(&mut self, given: &GridCard, file: u32, line: u32) {
+        let shared = self.share(SharedGridData { file, usual: given.usual });
+        self.all.push(GridPoint { at: given.at, id: given.id, line, shared });
     }
 
-    fn share(&mut self, shared: Shared) -> u32 {
-        // The point before is mostly alike.
+    fn share(&mut self, shared: SharedGridData) -> u32 {
+        // The previous point usually has the same data.
         if let Some((recent, index)) = self.recent
             && recent == shared
         {
@@ -62,14 +62,14 @@ impl Grids {
         index
     }
 
-    /// Puts the points in order, each once; the error is a number with two points that differ.
-    pub fn sort(&mut self) -> Result<(), Box<(u32, [Place; 2])>> {
+    /// Sorts the points by number and removes duplicates. The error is a number that two different cards define.
+    pub fn sort(&mut self) -> Result<(), Box<(u32, [CardPlace; 2])>> {
         if self.all.iter().is_sorted_by(|a, b| a.id < b.id) {
             return Ok(());
         }
-        let mut all: Vec<Grid> = std::mem::take(&mut self.all).into_items().collect();
+        let mut all: Vec<GridPoint> = std::mem::take(&mut self.all).into_items().collect();
         all.sort_by_key(|grid| grid.id);
-        let differs = |pair: &&[Grid]| pair[0].id == pair[1].id && !self.are_same(&pair[0], &pair[1]);
+        let differs = |pair: &&[GridPoint]| pair[0].id == pair[1].id && !self.are_same(&pair[0], &pair[1]);
         if let Some([first, second]) = all.windows(2).find(differs) {
             return Err(Box::new((first.id, [self.place(first), self.place(second)])));
         }
@@ -80,41 +80,41 @@ impl Grids {
         Ok(())
     }
 
-    fn are_same(&self, a: &Grid, b: &Grid) -> bool {
+    fn are_same(&self, a: &GridPoint, b: &GridPoint) -> bool {
         a.at == b.at && self.usual(a) == self.usual(b)
     }
 
-    /// The card of a point.
-    pub fn place(&self, grid: &Grid) -> Place {
+    /// Place of the card of a point.
+    pub fn place(&self, grid: &GridPoint) -> CardPlace {
         let file = self.shared[grid.shared as usize].file;
-        Place { name: CardName::numbered("GRID", grid.id), file, line: grid.line, lines: 1 }
+        CardPlace { name: CardName::numbered("GRID", grid.id), file, line: grid.line, lines: 1 }
     }
 
-    /// What the card says beside the coordinates.
-    pub fn usual(&self, grid: &Grid) -> Usual {
+    /// The fields of the card other than the coordinates.
+    pub fn usual(&self, grid: &GridPoint) -> GridDefaults {
         self.shared[grid.shared as usize].usual
     }
 
-    /// Whether what some point shares with others is such.
-    pub fn any(&self, is_such: impl Fn(Usual) -> bool) -> bool {
+    /// Whether any point has fields that satisfy the predicate.
+    pub fn any(&self, is_such: impl Fn(GridDefaults) -> bool) -> bool {
         self.shared.iter().any(|shared| is_such(shared.usual))
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &Grid> {
+    pub fn iter(&self) -> impl Iterator<Item = &GridPoint> {
         self.all.iter()
     }
 
-    /// Points from this number on.
-    pub fn from(&self, id: u32) -> impl Iterator<Item = &Grid> {
+    /// The points with at least this number.
+    pub fn from(&self, id: u32) -> impl Iterator<Item = &GridPoint> {
         self.all.iter_from(self.all.partition_point(|grid| grid.id < id))
     }
 
-    /// The point of a number, of points in order. Where none are missing, it is found at once.
-    pub fn get(&self, id: u32) -> Option<&Grid> {
+    /// The point with this number; the points must be sorted. If no numbers are missing, the first guess is right.
+    pub fn get(&self, id: u32) -> Option<&GridPoint> {
         let first = self.all.iter().next()?.id;
         let mut end = self.all.len().min(id.checked_sub(first)? as usize + 1);
         let (mut beyond, mut step) = (end, 1);
-        // No point stands further on than if all numbers before it were there.
+        // The point's index is at most that without missing numbers: search backwards from there with doubling steps.
         loop {
             let grid = &self.all[end - 1];
             match grid.id.cmp(&id) {
@@ -137,7 +137,7 @@ mod tests {
         let mut grids = Grids::default();
         let numbers: Vec<u32> = (1..200).filter(|n| n % 7 != 0).chain([500, 900, 901, 902, 4_000_000_000]).collect();
         for &id in numbers.iter().rev() {
-            grids.push(&Given { id, at: [f64::from(id); 3], usual: Usual::default() }, 0, id);
+            grids.push(&GridCard { id, at: [f64::from(id); 3], usual: GridDefaults::default() }, 0, id);
         }
         assert!(grids.sort().is_ok());
         for id in (0..1000).chain([3_999_999_999, 4_000_000_000, u32::MAX]) {
@@ -148,17 +148,17 @@ mod tests {
 
     #[test]
     fn points_alike_are_one_and_others_clash() {
-        let usual = |held: &[u8]| Usual {
+        let usual = |held: &[u8]| GridDefaults {
             held: crate::deck::kinematics::components::Components::parse(held),
-            ..Usual::default()
+            ..GridDefaults::default()
         };
         let mut grids = Grids::default();
         for (held, file) in [(b"12", 0), (b"12", 1)] {
-            grids.push(&Given { id: 3, at: [1.0; 3], usual: usual(held) }, file, 1 + file);
+            grids.push(&GridCard { id: 3, at: [1.0; 3], usual: usual(held) }, file, 1 + file);
         }
         assert!(grids.sort().is_ok());
         assert_eq!(grids.iter().count(), 1);
-        grids.push(&Given { id: 3, at: [1.0; 3], usual: usual(b"1") }, 1, 9);
+        grids.push(&GridCard { id: 3, at: [1.0; 3], usual: usual(b"1") }, 1, 9);
         let clash = grids.sort().expect_err("a clash");
         assert_eq!((clash.0, clash.1.map(|place| (place.file, place.line))), (3, [(0, 1), (1, 9)]));
     }

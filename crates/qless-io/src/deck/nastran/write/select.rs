@@ -1,15 +1,18 @@
 //! Changes to case control and to `MPCADD` cards, so that each subcase selects what it has to.
 
-use super::target::Targets;
-use super::write::Change;
-use crate::deck::nastran::control::subcases::{Choice, Control, Leaf};
-use crate::deck::nastran::syntax::content::Content;
+use super::target::MpcTargets;
+use crate::deck::nastran::control::subcases::{CaseControl, SetChoice, SubcaseLeaf};
+use crate::deck::nastran::reader::NastranContent;
+use crate::deck::nastran::syntax::lines::FileLine;
+
+/// Where, how many lines go, and the text in their place.
+pub type TextChange = (FileLine, u32, String);
 
 /// Fields of a set number in a line of a union.
 const FIELD: usize = 8;
 
 /// All of these changes.
-pub fn changes(content: &Content, targets: &Targets) -> Vec<Change> {
+pub fn changes(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange> {
     let mut changes = unions(content, targets);
     let Some(control) = &content.control else { return changes };
     if let (Some(set), Some(at)) = (targets.common(), content.landmarks.control) {
@@ -26,7 +29,8 @@ pub fn changes(content: &Content, targets: &Targets) -> Vec<Change> {
             changes.extend(select(leaf, set, control));
         }
     }
-    let dead = |(holder, choice): &&(usize, Choice)| targets.dead.contains(&choice.set) && !replaced.contains(holder);
+    let dead =
+        |(holder, choice): &&(usize, SetChoice)| targets.dead.contains(&choice.set) && !replaced.contains(holder);
     let above = control.above().filter(|above| !targets.dead.contains(&above.set));
     let is_used = above.is_some_and(|above| goes_by(above, control));
     if control.mpc_choices.iter().any(|choice| dead(&choice)) {
@@ -42,15 +46,15 @@ pub fn changes(content: &Content, targets: &Targets) -> Vec<Change> {
 }
 
 /// Whether a subcase has what is selected above them all.
-fn goes_by(above: Choice, control: &Control) -> bool {
+fn goes_by(above: SetChoice, control: &CaseControl) -> bool {
     control.cases().iter().flatten().any(|leaf| leaf.selection.mpc == Some(above))
 }
 
 /// Lets a subcase or a step select a set, in the place of what it selects itself.
-fn select(leaf: &Leaf, set: u32, control: &Control) -> Vec<Change> {
+fn select(leaf: &SubcaseLeaf, set: u32, control: &CaseControl) -> Vec<TextChange> {
     const WHY: &str = "$ qless: selects the equations written below\n";
     let own = control.mpc_choices.iter().filter(|(holder, _)| *holder == leaf.holder);
-    let mut changes: Vec<Change> = own.map(|(_, choice)| gone(choice, "another set is selected")).collect();
+    let mut changes: Vec<TextChange> = own.map(|(_, choice)| gone(choice, "another set is selected")).collect();
     match (changes.last_mut(), control.opened(leaf.holder)) {
         (Some((.., text)), _) => text.extend([WHY, "MPC = ", &set.to_string(), "\n"]),
         (None, Some((file, line))) => changes.push(((file, line + 1), 0, format!("{WHY}MPC = {set}\n"))),
@@ -60,12 +64,12 @@ fn select(leaf: &Leaf, set: u32, control: &Control) -> Vec<Change> {
     changes
 }
 
-fn gone(choice: &Choice, why: &str) -> Change {
+fn gone(choice: &SetChoice, why: &str) -> TextChange {
     ((choice.file, choice.line), 1, format!("$ qless: MPC = {} removed, as {why}\n", choice.set))
 }
 
 /// Unions without the sets that have no cards left.
-fn unions(content: &Content, targets: &Targets) -> Vec<Change> {
+fn unions(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange> {
     let mut changes = Vec::new();
     for (&set, cards) in &content.bulk.mpc_unions {
         for (of, place) in cards.iter().filter(|(of, _)| of.iter().any(|set| targets.dead.contains(set))) {

@@ -2,18 +2,18 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::selection::Selected;
-use crate::deck::ansys::reader::Reader;
-use crate::deck::ansys::syntax::command::{Command, Key};
-use crate::deck::ansys::syntax::known::{Effect, effect};
+use super::AnsysReader;
+use crate::deck::ansys::model::selection::SelectedNodes;
+use crate::deck::ansys::syntax::command::{AnsysCommand, CommandKey};
+use crate::deck::ansys::syntax::known::{CommandEffect, effect};
 
 /// Warnings at most; the rest is counted.
 const WARNINGS: usize = 1000;
 
 /// What is remembered of commands that are not read.
 #[derive(Debug, Default)]
-pub struct Unread {
-    effects: FxHashMap<Key, Effect>,
+pub struct UnreadCommands {
+    effects: FxHashMap<CommandKey, CommandEffect>,
     said: FxHashSet<Vec<u8>>,
     /// Warnings beyond those that are kept.
     pub unsaid: usize,
@@ -21,9 +21,9 @@ pub struct Unread {
     pub leaves_out: bool,
 }
 
-impl Reader {
+impl AnsysReader {
     /// Commands that say what others mean, and those that are not read.
-    pub fn other(&mut self, command: &Command) {
+    pub fn other(&mut self, command: &AnsysCommand) {
         match &command.key {
             b"*IF " => {
                 let text = "*IF leads to another line, which is not followed: what it constrains is left out";
@@ -37,8 +37,8 @@ impl Reader {
             }
             b"/EOF" | b"/EXI" => self.ended = true,
             b"NSEL" => self.selection.nodes_by(command),
-            b"ALLS" if selects_nodes(command) => self.selection.nodes = Selected::All,
-            b"NSLE" | b"NSLK" | b"NSLL" | b"NSLA" | b"NSLV" => self.selection.nodes = Selected::Unknown,
+            b"ALLS" if selects_nodes(command) => self.selection.nodes = SelectedNodes::All,
+            b"NSLE" | b"NSLK" | b"NSLL" | b"NSLA" | b"NSLV" => self.selection.nodes = SelectedNodes::Unknown,
             b"CMSE" => self.selection.components_by(command, &self.nodes),
             b"NROT" | b"NANG" | b"NMOD" | b"NORA" => self.nodes.positions.turn(),
             b"LSSO" if self.solved_at.is_some() => {}
@@ -56,28 +56,28 @@ impl Reader {
                 warning.into_iter().for_each(|text| self.leave_out(command.line, text.to_owned()));
             }
             b"ETBL" => self.elements.in_block = true,
-            b"CM  " if command.is(2, "NODE") => self.nodes.selected_group(command, &self.selection.nodes),
+            b"CM  " if command.is(2, "NODE") => self.selection.name_group(command, &mut self.nodes),
             _ => self.unread(command),
         }
     }
 
     /// A command that is not read: what is known of it, said once where it is unknown.
-    fn unread(&mut self, command: &Command) {
+    fn unread(&mut self, command: &AnsysCommand) {
         self.nodes.positions.axes(command);
         let title = command.title();
         match self.effect(command.key) {
-            Effect::Nothing => {}
-            Effect::MakesNodes => self.nodes.are_generated = true,
-            Effect::Constrains => {
+            CommandEffect::Nothing => {}
+            CommandEffect::MakesNodes => self.nodes.are_generated = true,
+            CommandEffect::Constrains => {
                 self.made.unread = true;
                 self.leave_out(command.line, format!("{title} constrains, but is not understood: left out"));
             }
-            Effect::BringsOthers if command.key == *b"*REP" && !self.constrained => {}
-            Effect::BringsOthers => {
+            CommandEffect::BringsOthers if command.key == *b"*REP" && !self.constrained => {}
+            CommandEffect::BringsOthers => {
                 (self.nodes.are_generated, self.made.unread) = (true, true);
                 self.leave_out(command.line, format!("{title} is not followed: what it constrains is left out"));
             }
-            Effect::Unknown => {
+            CommandEffect::Unknown => {
                 self.nodes.are_generated = true;
                 let text = format!("{title} is not known to this reader: if it constrains, that is left out");
                 self.warn_once(command.line, title.as_bytes(), text);
@@ -86,12 +86,12 @@ impl Reader {
     }
 
     /// Whether a command constrains, or changes what does.
-    pub fn constrains(&mut self, key: Key) -> bool {
+    pub fn constrains(&mut self, key: CommandKey) -> bool {
         let read = [b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"D   ", b"DDEL", b"CERI", b"RBE3"];
-        read.contains(&&key) || self.effect(key) == Effect::Constrains
+        read.contains(&&key) || self.effect(key) == CommandEffect::Constrains
     }
 
-    fn effect(&mut self, key: Key) -> Effect {
+    fn effect(&mut self, key: CommandKey) -> CommandEffect {
         *self.unread.effects.entry(key).or_insert_with(|| effect(key))
     }
 
@@ -121,7 +121,7 @@ impl Reader {
 }
 
 /// `ALLSEL, LabT, Entity`: whether all nodes are selected after it.
-fn selects_nodes(command: &Command) -> bool {
+fn selects_nodes(command: &AnsysCommand) -> bool {
     let among =
         |at: usize, words: &[&str]| command.field(at).is_empty() || words.iter().any(|word| command.is(at, word));
     among(1, &["ALL"]) && among(2, &["ALL", "NODE"])

@@ -7,8 +7,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::deck::ansys::model::nodes::{Nodes, name};
-use crate::deck::ansys::syntax::command::Command;
+use super::nodes::{AnsysNodes, name};
+use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{is_nothing, whole};
 
 /// Ranges of a selection at most; what takes more is not followed.
@@ -17,59 +17,73 @@ const RANGES: usize = 1000;
 const MEMBERS: usize = 5_000_000;
 
 /// First, last and step.
-pub type Range = (u32, u32, u32);
+pub type NodeRange = (u32, u32, u32);
 
 /// Which nodes are selected.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Selected {
+pub enum SelectedNodes {
     All,
-    Ranges(Vec<Range>),
+    Ranges(Vec<NodeRange>),
     Unknown,
 }
 
 /// Which nodes and DOFs are.
 #[derive(Clone, Debug)]
-pub struct Selection {
-    pub nodes: Selected,
+pub struct NodeSelection {
+    pub nodes: SelectedNodes,
     /// Whether all DOFs are.
     pub dofs: bool,
 }
 
-impl Default for Selection {
+impl Default for NodeSelection {
     fn default() -> Self {
-        Self { nodes: Selected::All, dofs: true }
+        Self { nodes: SelectedNodes::All, dofs: true }
     }
 }
 
-impl Selection {
+impl NodeSelection {
     /// `NSEL`.
-    pub fn nodes_by(&mut self, command: &Command) {
+    pub fn nodes_by(&mut self, command: &AnsysCommand) {
         let by_number = command.is(2, "NODE") && command.field(3).is_empty();
         let first = whole(command.field(4));
         let or = |at: usize, default| if is_nothing(command, at) { Some(default) } else { whole(command.field(at)) };
         let range = first.filter(|_| by_number).and_then(|first| Some((first, or(5, first)?.max(first), or(6, 1)?)));
         match command.field(1).to_ascii_uppercase().as_slice() {
-            b"ALL" => self.nodes = Selected::All,
-            b"NONE" => self.nodes = Selected::Ranges(Vec::new()),
+            b"ALL" => self.nodes = SelectedNodes::All,
+            b"NONE" => self.nodes = SelectedNodes::Ranges(Vec::new()),
             b"STAT" => {}
             kind => self.select(kind, range.map(|range| vec![range])),
         }
     }
 
     /// `CMSEL`.
-    pub fn components_by(&mut self, command: &Command, nodes: &Nodes) {
+    pub fn components_by(&mut self, command: &AnsysCommand, nodes: &AnsysNodes) {
         let group = nodes.groups.get(&name(command.field(2)));
         let ranges = group.filter(|group| group.len() <= RANGES);
         let ranges = ranges.map(|group| group.iter().map(|&(first, last)| (first, last, 1)).collect());
         self.select(&command.field(1).to_ascii_uppercase(), ranges);
     }
 
+    /// `CM, Cname, NODE`: a group of the selected nodes, where these are followed.
+    pub fn name_group(&self, command: &AnsysCommand, nodes: &mut AnsysNodes) {
+        let name = name(command.field(1));
+        if let SelectedNodes::Ranges(ranges) = &self.nodes
+            && ranges.iter().all(|&(first, last, step)| step == 1 || first == last)
+        {
+            nodes.unknown_groups.remove(&name);
+            nodes.groups.insert(name, ranges.iter().map(|&(first, last, _)| (first, last)).collect());
+            return;
+        }
+        nodes.groups.remove(&name);
+        nodes.unknown_groups.insert(name);
+    }
+
     /// Nodes that a word means, ascending: `ALL`, or the name of a group. None where they are not known.
-    pub fn members(&self, word: &str, nodes: &Nodes) -> Option<BTreeSet<u32>> {
+    pub fn members(&self, word: &str, nodes: &AnsysNodes) -> Option<BTreeSet<u32>> {
         let ranges = match (word.to_ascii_uppercase().as_str(), &self.nodes) {
-            ("ALL", Selected::All) => vec![(1, u32::MAX, 1)],
-            ("ALL", Selected::Ranges(ranges)) => ranges.clone(),
-            ("ALL", Selected::Unknown) => return None,
+            ("ALL", SelectedNodes::All) => vec![(1, u32::MAX, 1)],
+            ("ALL", SelectedNodes::Ranges(ranges)) => ranges.clone(),
+            ("ALL", SelectedNodes::Unknown) => return None,
             (group, _) => nodes.groups.get(group)?.iter().map(|&(first, last)| (first, last, 1)).collect(),
         };
         if nodes.are_generated || nodes.numbers.is_empty() || nodes.numbers.len() > MEMBERS {
@@ -83,16 +97,16 @@ impl Selection {
         Some(nodes.numbers.iter().copied().filter(is_in).collect())
     }
 
-    fn select(&mut self, kind: &[u8], ranges: Option<Vec<Range>>) {
-        let before = std::mem::replace(&mut self.nodes, Selected::Unknown);
+    fn select(&mut self, kind: &[u8], ranges: Option<Vec<NodeRange>>) {
+        let before = std::mem::replace(&mut self.nodes, SelectedNodes::Unknown);
         self.nodes = match (kind, before, ranges) {
-            (b"S" | b"", _, Some(new)) | (b"R", Selected::All, Some(new)) => Selected::Ranges(new),
-            (b"A", Selected::All, _) => Selected::All,
-            (b"A", Selected::Ranges(mut old), Some(new)) if old.len() + new.len() <= RANGES => {
+            (b"S" | b"", _, Some(new)) | (b"R", SelectedNodes::All, Some(new)) => SelectedNodes::Ranges(new),
+            (b"A", SelectedNodes::All, _) => SelectedNodes::All,
+            (b"A", SelectedNodes::Ranges(mut old), Some(new)) if old.len() + new.len() <= RANGES => {
                 old.extend(new);
-                Selected::Ranges(old)
+                SelectedNodes::Ranges(old)
             }
-            _ => Selected::Unknown,
+            _ => SelectedNodes::Unknown,
         };
     }
 }

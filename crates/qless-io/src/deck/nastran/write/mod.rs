@@ -1,25 +1,28 @@
 //! A deck with other constraints: cards become comments, new equations are `MPC` cards in the set that is selected.
 
+mod select;
+mod target;
+mod wide;
+
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::select;
-use super::target::Targets;
-use super::wide::mpc;
-use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
-use crate::deck::nastran::syntax::content::{At, Content};
-use crate::deck::nastran::syntax::reader::read;
+use target::MpcTargets;
+use wide::mpc;
+
+use super::reader::{NastranContent, read};
+use super::syntax::lines::FileLine;
+use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};
 use crate::deck::{Deck, Model};
+use select::TextChange;
+use target::EquationGroup;
 
 /// Terms of a certificate that a comment names at most.
 const NAMED: usize = 8;
 
-/// Load cases, as indices into those of the model, and the equations that hold in them in the place of those that go.
-pub type Group = (Vec<usize>, Vec<Written>);
-
 /// The main file with the plan carried out. Included files that must change are written into it.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let cases = deck.model.cases.len();
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<EquationGroup> = Vec::new();
     for written in &plan.written {
         let holds_in: Vec<usize> = (0..cases).filter(|&case| written.cases.contain(case)).collect();
         match groups.iter_mut().find(|(cases, _)| *cases == holds_in) {
@@ -32,26 +35,23 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
 
 /// The main file without the cards of the equations that go, and with those of each group in its load cases alone. A card goes in all
 /// load cases: what of it has to stay in some of them is among what is written there.
-pub fn write_groups(deck: &Deck, removed: &[Removed], groups: &[Group]) -> Result<Vec<u8>, CleanError> {
+pub fn write_groups(deck: &Deck, removed: &[Removed], groups: &[EquationGroup]) -> Result<Vec<u8>, CleanError> {
     let content = deck.again(read)?;
     let is_written = groups.iter().any(|(_, written)| !written.is_empty());
     let mut changes = comments(&deck.model, &content, removed, is_written);
-    let targets = Targets::of(&content, deck, removed, groups)?;
+    let targets = MpcTargets::of(&content, deck, removed, groups)?;
     changes.extend(select::changes(&content, &targets));
     if is_written {
         let at = place_of_new(&content);
         once(&content, at, deck)?;
         changes.push((at, 0, new_text(&targets, content.control.is_some())));
     }
-    Ok(Writer { deck, content: &content, changes: &changes }.file(0, false))
+    Ok(NastranWriter { deck, content: &content, changes: &changes }.file(0, false))
 }
 
-/// Where, how many lines go, and the text in their place.
-pub type Change = (At, u32, String);
-
 /// A comment for each card that goes; one of several equations is told for all of the card.
-fn comments(model: &Model, content: &Content, removed: &[Removed], is_written: bool) -> Vec<Change> {
-    let mut texts: BTreeMap<At, (u32, String)> = BTreeMap::new();
+fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_written: bool) -> Vec<TextChange> {
+    let mut texts: BTreeMap<FileLine, (u32, String)> = BTreeMap::new();
     for removed in removed {
         let origin = model.nth(removed.equation).origin;
         let file = model.cards.nth(origin.card).file;
@@ -60,8 +60,9 @@ fn comments(model: &Model, content: &Content, removed: &[Removed], is_written: b
             text.1 = comment(model, removed, is_written);
         }
     }
-    let apart = |at: &At| content.bulk.apart.get(at).into_iter().flatten().map(|&at| (at, 1, CONTINUED.to_owned()));
-    let continuations: Vec<Change> = texts.keys().flat_map(apart).collect();
+    let apart =
+        |at: &FileLine| content.bulk.apart.get(at).into_iter().flatten().map(|&at| (at, 1, CONTINUED.to_owned()));
+    let continuations: Vec<TextChange> = texts.keys().flat_map(apart).collect();
     texts.into_iter().map(|(at, (lines, text))| (at, lines, text)).chain(continuations).collect()
 }
 
@@ -95,7 +96,7 @@ fn now(is_written: bool) -> &'static str {
 }
 
 /// New cards are written wherever their file is included.
-fn once(content: &Content, (file, line): At, deck: &Deck) -> Result<(), CleanError> {
+fn once(content: &NastranContent, (file, line): FileLine, deck: &Deck) -> Result<(), CleanError> {
     match content.landmarks.includes.iter().filter(|include| include.inner == file).count() {
         0 | 1 => Ok(()),
         _ => Err(CleanError::Place {
@@ -107,11 +108,11 @@ fn once(content: &Content, (file, line): At, deck: &Deck) -> Result<(), CleanErr
 }
 
 /// After `BEGIN BULK`; in bulk data alone, at the end.
-fn place_of_new(content: &Content) -> At {
+fn place_of_new(content: &NastranContent) -> FileLine {
     content.landmarks.bulk.or(content.landmarks.end).unwrap_or((0, u32::MAX))
 }
 
-fn new_text(targets: &Targets, has_control: bool) -> String {
+fn new_text(targets: &MpcTargets, has_control: bool) -> String {
     let mut text = String::from(
         "$ qless: independent equations; each first component occurs first once and is not prescribed\n\
          $ qless: numbers of more than 16 columns are rounded to the nearest that Nastran reads\n",
@@ -128,13 +129,13 @@ fn new_text(targets: &Targets, has_control: bool) -> String {
     text
 }
 
-struct Writer<'a> {
+struct NastranWriter<'a> {
     deck: &'a Deck,
-    content: &'a Content,
-    changes: &'a [Change],
+    content: &'a NastranContent,
+    changes: &'a [TextChange],
 }
 
-impl Writer<'_> {
+impl NastranWriter<'_> {
     /// A file with its changes; within another file, with all that it includes.
     fn file(&self, file: u32, is_within: bool) -> Vec<u8> {
         let mut edits = Edits::default();
@@ -168,7 +169,7 @@ impl Writer<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deck::clean::Cases;
+    use crate::deck::clean::{Cases, Written};
     use crate::deck::{Dof, Format, parse};
 
     fn deck(text: &str) -> Deck {
@@ -196,7 +197,7 @@ mod tests {
     const BULK: &str = "BEGIN BULK\nGRID,1\nGRID,2\nGRID,3\nGRID,4\nMPC,1,1,1,1.,2,1,-1.\nMPC,2,1,1,1.,3,1,-1.\nMPC,2,3,1,1.,4,1,-1.\n\
                         MPCADD,9,1,2\nENDDATA\n";
 
-    fn written(control: &str, gone: &[usize], groups: &[Group]) -> (String, Vec<Vec<[u32; 2]>>) {
+    fn written(control: &str, gone: &[usize], groups: &[EquationGroup]) -> (String, Vec<Vec<[u32; 2]>>) {
         let deck_before = deck(&format!("SOL 101\nCEND\n{control}{BULK}"));
         let text = write_groups(&deck_before, &removed(gone), groups).unwrap_or_else(|error| panic!("{error}"));
         let text = String::from_utf8(text).expect("text");

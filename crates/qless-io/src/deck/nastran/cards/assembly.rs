@@ -1,0 +1,209 @@
+//! Assembles lines of bulk data into cards, with their continuations and copies.
+
+use super::bulk::BulkData;
+use super::quick::QuickCard;
+use crate::deck::nastran::syntax::card::{BulkCard, CardRefusal, NamedRefusal};
+use crate::deck::nastran::syntax::continuations::{Continuations, LineBefore, is_always_one_line, name_of};
+use crate::deck::nastran::syntax::copies;
+use crate::deck::nastran::syntax::copies::CopyRule;
+use crate::deck::nastran::syntax::fields::{is_copy, mark, name_in};
+use crate::deck::nastran::syntax::lines::DeckLine;
+use crate::deck::{CardFault, Problem, Solver};
+use crate::fault::quote;
+
+/// The card that is being read, and the bulk data read so far.
+pub struct CardAssembly {
+    pub bulk: BulkData,
+    card: BulkCard,
+    /// Kind of the last line.
+    before: LineBefore,
+    /// Continuation mark of the last line, if its card is skipped.
+    mark: Vec<u8>,
+    continuations: Continuations,
+    /// Rule of the last copies, if the last line made copies.
+    copies: Option<CopyRule>,
+    solver: Solver,
+}
+
+impl CardAssembly {
+    pub fn new(solver: Solver) -> Self {
+        Self {
+            bulk: BulkData::of(solver),
+            card: BulkCard::default(),
+            before: LineBefore::Nothing,
+            mark: Vec::new(),
+            continuations: Continuations::default(),
+            copies: None,
+            solver,
+        }
+    }
+
+    /// Whether names of continuations matter. OptiStruct ignores them and takes the next line.
+    fn goes_by_name(&self) -> bool {
+        self.solver != Solver::Optistruct
+    }
+
+    /// Takes a card that the fast path has read. No continuation and no copy follows it.
+    pub fn quick(&mut self, card: &QuickCard, line: &DeckLine) -> Result<(), NamedRefusal> {
+        self.end_card()?;
+        self.bulk.quick(card, line);
+        Ok(())
+    }
+
+    /// Starts a card; `None` for a card that is skipped.
+    pub fn begin(&mut self, name: Option<&'static str>, line: &DeckLine) -> Result<(), NamedRefusal> {
+        let Some(name) = name else {
+            self.pass(line);
+            return Ok(());
+        };
+        self.before = LineBefore::Read;
+        self.card.begin(name, line.text, line.at()).map_err(|refused| self.failed(refused))
+    }
+
+    /// Skips a line of a card that is not read.
+    fn pass(&mut self, line: &DeckLine) {
+        self.before = LineBefore::Unread;
+        self.mark.clear();
+        self.mark.extend_from_slice(mark(line.text));
+    }
+
+    /// Takes a continuation line and finds its card.
+    pub fn go_on(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
+        let name = if self.goes_by_name() { name_of(line.text) } else { Vec::new() };
+        let own = match self.before {
+            LineBefore::Read => self.card.continues_in(),
+            LineBefore::Unread => name_in(&self.mark),
+            LineBefore::Nothing | LineBefore::Piece => Vec::new(),
+        };
+        let is_next = name.is_empty() || own == name;
+        match self.before {
+            LineBefore::Nothing if name.is_empty() => {
+                Err(expected(line, "continuation", "a card before the line that continues it"))
+            }
+            LineBefore::Read if is_next && self.copies.is_some() => {
+                Err(expected(line, "continuation", "a card of one line, as what `=` copies has to be"))
+            }
+            LineBefore::Read if is_next => {
+                self.card.extend(line.text, line.at(), false).map_err(|refused| self.failed(refused))
+            }
+            LineBefore::Unread if is_next => {
+                self.pass(line);
+                Ok(())
+            }
+            LineBefore::Piece if self.continuations.goes_on(&name) => {
+                self.continuations.extend(line.text, line.at());
+                Ok(())
+            }
+            before => self.start_piece(before, name, own.is_empty(), line),
+        }
+    }
+
+    /// Keeps a continuation line that does not continue the line before it.
+    fn start_piece(
+        &mut self,
+        before: LineBefore,
+        name: Vec<u8>,
+        names_none: bool,
+        line: &DeckLine,
+    ) -> Result<(), NamedRefusal> {
+        if before == LineBefore::Read && names_none && self.copies.is_none() {
+            self.continuations.claim_next(std::mem::take(&mut self.card));
+        } else {
+            self.end_card()?;
+        }
+        self.continuations.start(name, line.text, line.at(), before == LineBefore::Unread && names_none);
+        self.before = LineBefore::Piece;
+        Ok(())
+    }
+
+    /// Whether the line makes copies that must be handled; copies of skipped cards are skipped too.
+    pub fn is_copied_by(&self, line: &DeckLine) -> bool {
+        is_copy(line.text) && (self.before == LineBefore::Read || self.solver == Solver::Mystran)
+    }
+
+    /// Makes the copies of the previous card.
+    pub fn copy(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
+        if self.solver == Solver::Mystran {
+            self.pass_copy(line);
+            return Ok(());
+        }
+        if !self.card.is_one_line() || !self.card.continues_in().is_empty() {
+            return Err(expected(line, "=", "a card of one line before its copies"));
+        }
+        if self.copies.is_none() {
+            self.bulk.fixed.insert((self.card.file, self.card.line));
+            self.give()?;
+        }
+        let read = copies::read(line.text, self.copies.as_ref(), line.at());
+        let (count, change) = read.map_err(|refused| self.failed(refused))?;
+        self.bulk.fixed.insert(line.at());
+        for _ in 0..count {
+            change.apply(&mut self.card, line.at()).map_err(|refused| self.failed(refused))?;
+            self.give()?;
+        }
+        self.copies = Some(change);
+        Ok(())
+    }
+
+    /// Notes that MYSTRAN makes no copies: it ignores the line, or mistakes an asterisk in free field for large field and stops.
+    fn pass_copy(&mut self, line: &DeckLine) {
+        if line.text.contains(&b',') && line.text.contains(&b'*') {
+            self.bulk.notes.refuse(line.at(), "MYSTRAN stops at this line of copies; write the cards out".into());
+        } else {
+            self.bulk.notes.warn(line.at(), "MYSTRAN passes over this line of copies: write the cards out".into());
+        }
+    }
+
+    /// Ends the card that is being read, if any.
+    pub fn end_card(&mut self) -> Result<(), NamedRefusal> {
+        // Copies were handed on when they were made.
+        let is_given = self.copies.take().is_some();
+        match std::mem::replace(&mut self.before, LineBefore::Nothing) {
+            LineBefore::Read if !is_given => {
+                let name = if self.goes_by_name() { self.card.continues_in() } else { Vec::new() };
+                if name.is_empty() || self.card.is_full_line() && is_always_one_line(self.card.name) {
+                    return self.give();
+                }
+                self.continuations.claim(name, Some(std::mem::take(&mut self.card)));
+            }
+            LineBefore::Unread if self.goes_by_name() => {
+                let name = name_in(&self.mark);
+                if !name.is_empty() {
+                    self.continuations.claim(name, None);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Hands the card to the bulk data.
+    fn give(&mut self) -> Result<(), NamedRefusal> {
+        if self.solver == Solver::Mystran && self.card.goes_beyond() {
+            let problem = CardFault::FieldsDropped.into();
+            return Err(self.failed(CardRefusal { at: (self.card.file, self.card.line), field: None, problem }));
+        }
+        self.bulk.card(&self.card).map_err(|refused| self.failed(refused))
+    }
+
+    /// The complete bulk data, including cards with separated lines.
+    pub fn finish(mut self) -> Result<BulkData, NamedRefusal> {
+        self.end_card()?;
+        let cards = std::mem::take(&mut self.continuations).finish(self.solver)?;
+        for card in cards {
+            self.card = card;
+            self.give()?;
+        }
+        Ok(self.bulk)
+    }
+
+    fn failed(&self, refused: CardRefusal) -> NamedRefusal {
+        refused.of(&self.card)
+    }
+}
+
+/// The error that something else was expected in place of the line.
+fn expected(line: &DeckLine, card: &str, expected: &'static str) -> NamedRefusal {
+    let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
+    NamedRefusal { card: card.into(), refused: CardRefusal { at: line.at(), field: None, problem } }
+}

@@ -1,0 +1,151 @@
+//! Cards of points: `GRID`, `GRDSET`, coordinate systems, and lists of points such as `3 5 10 THRU 20`.
+//!
+//! `GRID id, CP, X1, X2, X3, CD, PS` defines a grid point; `GRDSET` gives defaults for its blank fields. `CORD1R`, `CORD1C` and
+//! `CORD1S` define up to two coordinate systems by grid points; `CORD2R`, `CORD2C` and `CORD2S` define one by coordinates.
+
+use std::collections::BTreeMap;
+
+use crate::deck::Problem;
+use crate::deck::kinematics::axes::Kind;
+use crate::deck::kinematics::components::Components;
+use crate::deck::kinematics::vector::Vector;
+use crate::deck::nastran::syntax::card::{BulkCard, CardRefusal};
+
+/// The problem of a coordinate system without a definition.
+pub fn unknown_frame(frame: u32) -> Problem {
+    Problem::Undefined { what: "coordinate system", name: frame.to_string() }
+}
+
+/// The problem of a grid point without a definition.
+pub fn unknown_grid(node: u32) -> Problem {
+    Problem::Undefined { what: "grid point", name: node.to_string() }
+}
+
+/// Number of the basic coordinate system.
+pub const BASIC: u32 = 0;
+
+/// Three points that define a frame: its origin, a point on its third axis, and a point in the plane of first and third axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FrameDefinition {
+    /// `CORD2x`: coordinates in frame `reference`.
+    Points { kind: Kind, reference: u32, points: [Vector; 3] },
+    /// `CORD1x`: grid points.
+    Grids { kind: Kind, grids: [u32; 3] },
+}
+
+/// All frame definitions of a deck, by number.
+pub type FrameDefinitions = BTreeMap<u32, FrameDefinition>;
+
+/// The content of a `GRID` card.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridCard {
+    pub id: u32,
+    /// Coordinates in the system CP.
+    pub at: Vector,
+    pub usual: GridDefaults,
+}
+
+/// The fields of `GRID` that `GRDSET` can fill in; `None` for a blank field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct GridDefaults {
+    /// CP: the frame of the coordinates.
+    pub given_in: Option<u32>,
+    /// CD: the frame of the displacements.
+    pub moves_in: Option<u32>,
+    /// PS: components prescribed to 0 in every subcase.
+    pub held: Option<Components>,
+}
+
+impl GridCard {
+    pub fn read(card: &BulkCard) -> Result<Self, CardRefusal> {
+        let mut at = [0.0; 3];
+        for (i, x) in at.iter_mut().enumerate() {
+            *x = card.real(2 + i)?.unwrap_or(0.0);
+        }
+        let id = card.id(0, "the number of the grid point")?;
+        Ok(Self { id, at, usual: GridDefaults::read(card)? })
+    }
+}
+
+impl GridDefaults {
+    pub fn read(card: &BulkCard) -> Result<Self, CardRefusal> {
+        let held = if card.is_blank(6) { None } else { Some(card.components(6)?) };
+        Ok(Self { given_in: frame(card, 1)?, moves_in: frame(card, 5)?, held })
+    }
+
+    /// These fields, with blanks filled from `other`.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            given_in: self.given_in.or(other.given_in),
+            moves_in: self.moves_in.or(other.moves_in),
+            held: self.held.or(other.held),
+        }
+    }
+}
+
+/// The number of a coordinate system; -1, which makes a fluid point, counts as the basic one.
+fn frame(card: &BulkCard, i: usize) -> Result<Option<u32>, CardRefusal> {
+    if card.field(i) == b"-1" { Ok(Some(BASIC)) } else { card.optional_whole(i, "a coordinate system") }
+}
+
+const ID: &str = "the number of the coordinate system";
+
+/// `CORD1x id, G1, G2, G3`, once or twice.
+pub fn through_grids(card: &BulkCard, kind: Kind) -> Result<Vec<(u32, FrameDefinition)>, CardRefusal> {
+    let mut found = Vec::new();
+    for start in [0, 4] {
+        if start > 0 && (start..start + 4).all(|i| card.is_blank(i)) {
+            continue;
+        }
+        let mut grids = [0; 3];
+        for (i, node) in grids.iter_mut().enumerate() {
+            *node = card.id(start + 1 + i, "a grid point")?;
+        }
+        found.push((card.id(start, ID)?, FrameDefinition::Grids { kind, grids }));
+    }
+    Ok(found)
+}
+
+/// `CORD2x id, reference, A1, A2, A3, B1, B2, B3, C1, C2, C3`.
+pub fn through_points(card: &BulkCard, kind: Kind) -> Result<(u32, FrameDefinition), CardRefusal> {
+    let reference = card.optional_whole(1, "a coordinate system")?.unwrap_or(BASIC);
+    let mut points = [[0.0; 3]; 3];
+    for (i, x) in points.as_flattened_mut().iter_mut().enumerate() {
+        *x = card.real(2 + i)?.unwrap_or(0.0);
+    }
+    Ok((card.id(0, ID)?, FrameDefinition::Points { kind, reference, points }))
+}
+
+/// Point numbers from `first` to `last`. Numbers in between may be missing in the model, but not the two ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PointSpan {
+    pub first: u32,
+    pub last: u32,
+}
+
+/// The list of points in fields `from..to`; blank fields are skipped.
+pub fn spans(card: &BulkCard, from: usize, to: usize) -> Result<Vec<PointSpan>, CardRefusal> {
+    let filled: Vec<usize> = (from..to).filter(|&i| !card.is_blank(i)).collect();
+    spans_in(card, &filled)
+}
+
+/// The list of points in these fields, none of which is blank.
+pub fn spans_in(card: &BulkCard, fields: &[usize]) -> Result<Vec<PointSpan>, CardRefusal> {
+    const POINT: &str = "a grid or scalar point";
+    let mut fields = fields.iter().copied().peekable();
+    let mut spans = Vec::new();
+    while let Some(i) = fields.next() {
+        let first = card.id(i, POINT)?;
+        if fields.next_if(|&i| card.field(i).eq_ignore_ascii_case(b"THRU")).is_none() {
+            spans.push(PointSpan { first, last: first });
+            continue;
+        }
+        let end = fields.next().unwrap_or(i + 2);
+        let last = card.id(end, "the last point of the list after THRU")?;
+        if last < first {
+            return Err(card.expected(end, "a number after THRU that is not below the one before it"));
+        }
+        spans.push(PointSpan { first, last });
+    }
+    Ok(spans)
+}
