@@ -1,25 +1,22 @@
-//! Read, analyse, and keep the time: the start of check and reduce.
+//! Reads and analyses a model: the common part of check, reduce and clean. It returns data; `report` renders them.
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{
-    Analysis, ArgumentError, ConstraintSystem, Form, Kind, NearDependence, Options, Reduction, Report, analyse,
-};
+use qless::{Analysis, ConstraintSystem, Kind, NearDependence, Options, Report, analyse};
 use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
-use qless_io::{Content, Opened, read_case};
+use qless_io::{FileContent, Opened, read_case};
 
 use crate::args::{Deny, Format, ModelArgs};
-use crate::deck_input::{Choice, DeckInput};
+use crate::deck_input::{DeckInput, LoadCaseChoice};
 use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::text::{self, Outcome};
-use crate::wishes::Wishes;
-use crate::{html, json, memory, stdout, vtu};
+use crate::preferences::PreferenceLists;
+use crate::terminal::Progress;
+use crate::{exit_code, memory};
 
-/// A model and what was found.
+/// A model and its analysis.
 pub struct Diagnosis<'a> {
     pub args: &'a ModelArgs,
     pub options: Options,
@@ -28,55 +25,47 @@ pub struct Diagnosis<'a> {
     /// The deck that the system comes from, if it comes from one.
     pub deck: Option<DeckInput>,
     /// The rank of the numbers as typed, if it was asked for.
-    exact: Option<ExactRank>,
-    /// What may be meant instead of what is typed, where the rank is in doubt.
+    pub exact: Option<ExactRank>,
+    /// The second reading of the input if the rank is in doubt: nearly dependent equations taken as dependent.
     pub meant: Option<NearDependence>,
-    start: Instant,
-    read: Duration,
+    pub start: Instant,
+    pub read: Duration,
 }
 
-/// A reduction, how it was asked for, and the time that it took.
-#[derive(Clone, Copy)]
-pub struct Reduced<'a> {
-    pub reduction: &'a Reduction,
-    pub form: Form,
-    pub time: Duration,
-}
-
-/// How a model is to be looked at.
+/// What the analysis shall do: options, preferences, load cases.
 pub struct Question<'a> {
     pub options: Options,
-    pub wishes: Wishes<'a>,
+    pub preferences: PreferenceLists<'a>,
     /// Load cases of a deck; other models have none.
-    pub choice: Choice,
+    pub choice: LoadCaseChoice,
 }
 
 /// Reads the model and analyses it.
 pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
     let start = Instant::now();
-    let Question { mut options, wishes, choice } = question;
+    let Question { mut options, preferences, choice } = question;
     let refused = |error, system: Option<&ConstraintSystem>| Failure::of_analysis(error, &args.input, system);
-    // Known before the work, so said before the work.
+    // Refuse before the work begins.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
     memory::threads::start(args.threads()).map_err(Failure::of_threads)?;
     progress.stage("reading");
     let input = Input::read(args, &choice)?;
     let read = start.elapsed();
     progress.stage("analysing");
-    // What the model leaves.
+    // The memory that the model leaves.
     options.memory = memory::left().map_or(options.memory, |left| left.min(options.memory));
     let terms = if matches!(args.format, Format::Json | Format::Html) { Report::TERMS } else { 0 };
     let (system, analysis, deck) = input.analyse(&choice, terms, &|system, place| {
-        analyse(system, &wishes.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
+        analyse(system, &preferences.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
     })?;
-    if let Some(deck) = deck.as_ref().filter(|_| !wishes.is_empty()) {
-        // Equations by their number in the deck, whatever a load case removes.
+    if let Some(deck) = deck.as_ref().filter(|_| !preferences.is_empty()) {
+        // Rows are numbered as in the deck, even if a load case removes some equations.
         let all = LoadCase::default();
         let model = deck.deck.model();
         let whole = model.system(&all).map_err(|error| Failure::of_deck(&deck.deck, &error))?;
-        options = wishes.resolve(&options, &whole, Some((&deck.deck, &all)))?;
+        options = preferences.resolve(&options, &whole, Some((&deck.deck, &all)))?;
     }
-    // A large right-hand side over a small coefficient.
+    // The value overflows if a large right-hand side is divided by a small coefficient.
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
         return Err(Failure::of_overflow(&args.input, dof, &system.dof_label(dof)));
     }
@@ -86,36 +75,36 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
 /// Analyses a system, which may be that of a load case of a deck.
 type Run<'a> = &'a dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, Failure>;
 
-/// What was read.
+/// The input.
 enum Input {
     Case(ConstraintSystem),
     Deck(Box<deck::Deck>),
 }
 
 impl Input {
-    fn read(args: &ModelArgs, choice: &Choice) -> Result<Self, Failure> {
+    fn read(args: &ModelArgs, choice: &LoadCaseChoice) -> Result<Self, Failure> {
         let (input, rhs, prescribed) = (&args.input, args.rhs.as_deref(), args.prescribed.as_deref());
-        let of_decks = args.solver.is_some() || matches!(choice, Choice::Named(_));
+        let of_decks = args.solver.is_some() || matches!(choice, LoadCaseChoice::Named(_));
         let no_deck = || Failure::Input(format!("{}: --solver and --case go with a deck", input.display()));
         if input.is_dir() {
             return if of_decks { Err(no_deck()) } else { Ok(Self::Case(read_case(input, rhs, prescribed)?)) };
         }
         let opened = Opened::read(input, args.solver)?;
         match opened.content() {
-            Content::Matrix if of_decks => Err(no_deck()),
-            Content::Matrix => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
-            Content::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(Failure::Input(format!(
+            FileContent::Matrix if of_decks => Err(no_deck()),
+            FileContent::Matrix => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
+            FileContent::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(Failure::Input(format!(
                 "{}: --rhs and --prescribed go with a .mtx file; a deck has its own",
                 input.display()
             ))),
-            Content::Deck(_) => Ok(Self::Deck(Box::new(opened.into_deck(args.solver)?))),
+            FileContent::Deck(_) => Ok(Self::Deck(Box::new(opened.into_deck(args.solver)?))),
         }
     }
 
     /// Analyses the system; of a deck every load case that was chosen, and keeps the worst.
     fn analyse(
         self,
-        choice: &Choice,
+        choice: &LoadCaseChoice,
         terms: usize,
         run: Run,
     ) -> Result<(ConstraintSystem, Analysis, Option<DeckInput>), Failure> {
@@ -155,14 +144,14 @@ impl Diagnosis<'_> {
         Ok(())
     }
 
-    /// Adds the reading in which equations that nearly repeat others are meant to, where the rank is in doubt and memory allows it.
+    /// If the rank is in doubt and memory allows it: adds the reading in which nearly dependent equations count as dependent.
     pub fn take_meaning(&mut self) {
         if self.analysis.confidence().ambiguous {
             self.meant = self.analysis.near_dependence().unwrap_or_default();
         }
     }
 
-    /// Whether the exit code is 1.
+    /// Whether equations conflict, or are redundant under `--deny redundant`.
     pub fn is_refused(&self) -> bool {
         let denied = |kind| match kind {
             Kind::Independent => false,
@@ -172,70 +161,14 @@ impl Diagnosis<'_> {
         self.analysis.dependent().iter().any(|dependent| denied(dependent.kind))
     }
 
-    /// Whether something that constrains was left out, and that is not allowed.
+    /// Whether constraints were left out without `--allow-incomplete`.
     pub fn is_incomplete(&self) -> bool {
         let is_left_out = |deck: &DeckInput| deck.deck.model().left_out().next().is_some();
         !self.args.allow_incomplete && self.deck.as_ref().is_some_and(is_left_out)
     }
 
-    /// What a shell sees: a conflict is one whatever was left out.
+    /// The exit code.
     pub fn code(&self) -> ExitCode {
-        match (self.is_refused(), self.is_incomplete()) {
-            (true, _) => ExitCode::from(1),
-            (false, true) => ExitCode::from(4),
-            (false, false) => ExitCode::SUCCESS,
-        }
-    }
-
-    /// Prints the report.
-    pub fn print(&self, reduced: Option<Reduced>, outcome: &Outcome, progress: Progress) -> Result<(), Failure> {
-        progress.stage("explaining");
-        let bytes = self.render(reduced, outcome)?;
-        drop(progress);
-        if self.args.format == Format::Text {
-            self.deck.iter().for_each(DeckInput::warn);
-        }
-        stdout::write(|out| out.write_all(&bytes))
-    }
-
-    /// The report in the form that was asked for.
-    pub fn render(&self, reduced: Option<Reduced>, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
-        let terms = if self.args.format == Format::Text { 0 } else { Report::TERMS };
-        let misfit = |error| Failure::Resource(format!("the report cannot be made: {error}"));
-        let report = self.report(reduced, terms).map_err(misfit)?;
-        match self.args.format {
-            Format::Text => Ok(text::render(self, &report, outcome).into_bytes()),
-            Format::Json => {
-                let mut bytes = Vec::new();
-                let deck = self.deck.as_ref().map(|deck| deck.report(&self.analysis));
-                json::write(&mut bytes, &report, deck).map_err(|error| Failure::of_stdout(&error))?;
-                Ok(bytes)
-            }
-            Format::Vtu => vtu::render(self, reduced.map(|reduced| reduced.reduction)),
-            Format::Html => html::render(self, &report)
-                .map(String::into_bytes)
-                .map_err(|error| Failure::Resource(format!("the page cannot be made: {error}"))),
-        }
-    }
-
-    fn report(&self, reduced: Option<Reduced>, terms: usize) -> Result<Report, ArgumentError> {
-        let mut report = Report::new(&self.analysis, terms);
-        if let Some(deck) = &self.deck {
-            report = report.with_left_out(deck.left_out());
-        }
-        if let Some(exact) = &self.exact {
-            report = report.with_exact(&self.analysis, exact)?;
-        }
-        if let Some(meant) = &self.meant {
-            report = report.with_near_dependence(&self.analysis, meant, terms)?;
-        }
-        let (report, time) = match reduced {
-            Some(Reduced { reduction, form, time }) => {
-                let residual = self.analysis.residual(reduction)?;
-                (report.with_reduction(reduction, residual).with_form(form), time)
-            }
-            None => (report, Duration::ZERO),
-        };
-        Ok(report.with_timings(self.read, time, self.start.elapsed()))
+        exit_code::of_diagnosis(self.is_refused(), self.is_incomplete())
     }
 }

@@ -29,11 +29,8 @@
 //! ```
 
 mod constraint;
-pub mod enforce;
 mod equations;
-pub mod equilibrium;
 mod geometry;
-pub mod newton;
 mod nonlinear;
 pub mod scalar;
 mod set;
@@ -43,7 +40,7 @@ pub use constraint::{Constraint, Store, StoreError};
 pub use nonlinear::Nonlinear;
 pub use set::{
     ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, LineariseError,
-    Quantities, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights,
+    Quantities, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights, shorten_rotation,
 };
 
 /// Tests the example of the README.

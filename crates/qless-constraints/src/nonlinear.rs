@@ -39,7 +39,7 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
 
     /// The prescribed angle in radians, if c determines it only up to multiples of 2 pi.
     ///
-    /// Steps of time must change this angle by less than pi, so that c can be followed; [`crate::equilibrium::drive`] sees to it.
+    /// Steps of time must change this angle by less than pi, so that c can be followed; `qless_solve::equilibrium::drive` sees to it.
     fn angle(&self) -> Option<f64> {
         None
     }

@@ -86,7 +86,7 @@ impl Diagnosis<'_> {
             report = report.with_exact(&self.analysis, exact)?;
         }
         if let Some(meant) = &self.meant {
-            report = report.with_meant(&self.analysis, meant, terms)?;
+            report = report.with_near_dependence(&self.analysis, meant, terms)?;
         }
         let (report, time) = match reduced {
             Some(Reduced { reduction, form, time }) => {

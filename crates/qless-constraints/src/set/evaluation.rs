@@ -35,13 +35,18 @@ impl PartialEq for Quantities {
 
 impl Quantities {
     /// The configuration of the last evaluation.
-    pub(crate) fn u(&self) -> &[f64] {
+    pub fn u(&self) -> &[f64] {
         &self.u
     }
 
     /// Constraint values, length m.
     pub fn c(&self) -> &[f64] {
         &self.c
+    }
+
+    /// Sets c to zero, so that [`ConstraintSet::linearised`](crate::ConstraintSet::linearised) gives `G du = 0`.
+    pub fn clear_values(&mut self) {
+        self.c.fill(0.0);
     }
 
     /// Jacobian, m x n.

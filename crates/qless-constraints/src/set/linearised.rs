@@ -80,7 +80,7 @@ impl ConstraintSet {
     }
 
     /// The same with scaled columns, `G_rj s_j`, for the unknowns y in `du_j = s_j y_j`.
-    pub(crate) fn linearised_in(
+    pub fn linearised_in(
         &self,
         units: &[f64],
         quantities: &Quantities,

@@ -13,7 +13,7 @@ mod error;
 mod evaluation;
 mod linearised;
 mod register;
-pub(crate) mod rotations;
+mod rotations;
 mod rounding;
 mod time;
 
@@ -37,6 +37,7 @@ pub use error::{AddError, EditError, LineariseError, ReplaceError, TimeError};
 pub use evaluation::{Quantities, Weights};
 pub use linearised::Vanishing;
 pub use register::{ConstraintId, ConstraintIds};
+pub use rotations::shorten_rotation;
 pub use rounding::Rounding;
 
 /// Validated constraints on n DOFs.

@@ -55,12 +55,12 @@ impl ConstraintSet {
     /// [`ArgumentError`] if `u` does not have length n.
     pub fn shorten_rotations(&self, u: &mut [f64]) -> Result<usize, ArgumentError> {
         long("u", u.len(), self.dofs)?;
-        Ok(self.rotation_vectors().iter().filter(|vector| shorten(u, **vector)).count())
+        Ok(self.rotation_vectors().iter().filter(|vector| shorten_rotation(u, **vector)).count())
     }
 }
 
 /// Replaces a vector longer than pi. Returns whether it was.
-pub(crate) fn shorten(u: &mut [f64], vector: [usize; 3]) -> bool {
+pub fn shorten_rotation(u: &mut [f64], vector: [usize; 3]) -> bool {
     let length = vector.iter().fold(0.0, |sum: f64, &dof| sum.hypot(u[dof]));
     let long = length > PI && length.is_finite();
     if long {

@@ -94,7 +94,7 @@ fn of_batch(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
 
 impl ConstraintSet {
     /// The magnitude of each DOF in the unit of the model: the largest of `|u_j|` and the coordinates of its nodes; at least 1 rad for rotations.
-    pub(crate) fn extents(&self, u: &[f64]) -> Vec<f64> {
+    pub fn extents(&self, u: &[f64]) -> Vec<f64> {
         let at =
             self.reference_coordinates.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
         let mut sizes: Vec<f64> = u.iter().zip(at).map(|(u, at)| u.abs().max(at)).collect();
@@ -108,7 +108,7 @@ impl ConstraintSet {
     }
 
     /// Whether a DOF is a displacement of a node, because it adds to a coordinate.
-    pub(crate) fn is_displacement(&self, dof: usize) -> bool {
+    pub fn is_displacement(&self, dof: usize) -> bool {
         self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
     }
 }

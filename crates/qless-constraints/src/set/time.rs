@@ -54,7 +54,7 @@ impl ConstraintSet {
     }
 
     /// The angles prescribed at the time of the set that their equations determine only up to multiples of 2 pi, with the row of each.
-    pub(crate) fn angles(&self) -> Vec<(usize, f64)> {
+    pub fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
         for (b, batch) in self.nonlinear.batches.iter().enumerate() {
             let first = self.linear.rows() + self.nonlinear.offsets.first(b);

@@ -1,10 +1,10 @@
-//! Why a deck was refused: file, line, card, field, what was found and what to do.
+//! Errors in decks: file, line, card, field, what was found and what to do.
 
 use std::path::PathBuf;
 
 use crate::NumberFault;
 
-/// A fault in a deck. Lines and fields count from 1.
+/// An error in a deck. Lines and fields count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{}{}: {card}{}: {problem}",
@@ -20,7 +20,7 @@ pub struct DeckError {
     pub line: usize,
     /// The card that the line belongs to, such as `*EQUATION` or `RBE2 12`.
     pub card: String,
-    /// The field of the line, where one is at fault.
+    /// The field of the line, if a single one is wrong.
     pub field: Option<usize>,
     /// What is wrong, and what to do.
     pub problem: Problem,
@@ -30,12 +30,12 @@ pub struct DeckError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// Something else was expected.
+    /// Another value was expected.
     #[error("expected {expected}, found {found}; correct it")]
     Expected {
-        /// What the format asks for here.
+        /// What the format requires.
         expected: &'static str,
-        /// What stands there, quoted.
+        /// The text found, quoted.
         found: String,
     },
     /// A number that cannot be used.
@@ -46,7 +46,7 @@ pub enum Problem {
         /// What is wrong with it.
         fault: NumberFault,
     },
-    /// A card ends before all that it promises is there.
+    /// A card ends too early.
     #[error("{promised} {what} are promised, but the card ends after {found}; complete it or correct the number")]
     TooFew {
         /// What is counted.
@@ -64,7 +64,7 @@ pub enum Problem {
         /// Its name or number.
         name: String,
     },
-    /// Something that is defined by itself.
+    /// A definition that refers to itself.
     #[error("{what} {name} is defined by itself; break the circle")]
     Circular {
         /// "set", "coordinate system" and the like.
@@ -78,7 +78,7 @@ pub enum Problem {
         /// The parameter.
         name: &'static str,
     },
-    /// Geometry that defines nothing, such as a plane through three nodes on a line.
+    /// Degenerate geometry, such as a plane through three nodes on a line.
     #[error("{what}; correct the coordinates or the nodes")]
     Degenerate {
         /// What is degenerate.
@@ -92,18 +92,18 @@ pub enum Problem {
         /// The system's reason.
         reason: String,
     },
-    /// An included file that is too large, or never ends.
+    /// An included file that is too large or never ends.
     #[error("the included file {reason}")]
     IncludeTooLarge {
         /// The name in the deck, how much was read, and the limit.
         reason: String,
     },
-    /// More than this reader takes.
+    /// A limit of this reader.
     #[error("{what} exceeds the limit of {limit}; {advice}")]
     Limit {
         /// What is too large.
         what: &'static str,
-        /// The most that is taken.
+        /// The limit.
         limit: usize,
         /// What to do.
         advice: &'static str,

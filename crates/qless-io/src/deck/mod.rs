@@ -1,17 +1,24 @@
-//! Finite-element decks: their constraints as equations `C u = b`, and decks written back with an independent set.
+//! Finite-element decks: reads their constraints as equations `C u = b`, and writes decks with an independent set of
+//! equations.
 //!
-//! | format | module | usual endings |
-//! | --- | --- | --- |
-//! | CalculiX, Abaqus | `calculix` | `.inp` |
-//! | Nastran | `nastran` | `.bdf`, `.dat`, `.nas`, `.fem` |
-//! | ANSYS | `ansys` | `.cdb` |
+//! | module, lowest layer first | content |
+//! | --- | --- |
+//! | `format`, `error` | formats and solvers; errors in decks |
+//! | `source`, `detect` | a deck and its included files; detection of the format |
+//! | `cards`, `model` | constraints of a deck, whatever its format |
+//! | `kinematics` | equations of rigid bodies and weighted means |
+//! | `faults`, `solver` | faults of equations; the reactions of solvers |
+//! | `plan` | changes that make the equations independent |
+//! | `calculix`, `nastran`, `ansys` | readers and writers of `.inp`; `.bdf`, `.dat`, `.nas`, `.fem`; `.cdb` |
+//! | [`clean`] | writes a cleaned deck, and proves that it constrains the same |
 //!
-//! The first cards of a deck decide which it is; where they leave that open, the solver asked for, or else the ending, does. Text
-//! may be packed by gzip or be UTF-16 with a byte order mark, and its lines may end in LF, CRLF or CR; `-` is standard input.
+//! The first cards of a deck decide its format; if they do not, the solver asked for does, or else the ending. Text
+//! may be packed by gzip, or be UTF-16 with a byte order mark. Lines may end in LF, CRLF or CR. The path `-` is
+//! standard input.
 //!
-//! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
-//! every equation; [`Model::system`] gives `C u = b` for a load case. [`clean`] decides what must
-//! change so that a solver takes it.
+//! A reader turns a deck and its included files into a [`Model`], which knows the card and the line of every equation.
+//! [`Model::system`] gives `C u = b` for a load case. [`clean`] plans the changes after which a solver accepts the
+//! deck.
 
 mod ansys;
 mod calculix;
@@ -19,74 +26,35 @@ mod card_fault;
 mod cards;
 mod chunks;
 pub mod clean;
-mod columns;
 mod detect;
 mod error;
+mod faults;
+mod format;
 mod kinematics;
 mod model;
-mod name;
 mod nastran;
-mod node_names;
+mod plan;
 mod solver;
 mod source;
-mod system;
 
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
 pub use card_fault::CardFault;
-pub use cards::{Card, Cards};
-pub use detect::Seen;
+pub use cards::{Card, CardName, Cards};
+pub use detect::UnrecognizedText;
 pub(crate) use detect::format_of;
 pub use error::{DeckError, Problem};
-pub use model::{Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
-pub use name::CardName;
-pub use solver::{Outcome, Solver, UnknownSolver};
+pub use format::{Format, Solver, UnknownSolver};
+pub use model::{DeckEquation, Dof, Load, LoadCase, Model, Origin, Prescribed, Warning};
+pub use solver::Outcome;
 pub use source::Open;
 pub(crate) use source::Sources;
 
-use crate::{Opened, ReadError};
+pub use crate::opened::{read_deck as read, read_deck_for as read_for};
 
-/// The language of a deck.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// CalculiX and Abaqus, `.inp`.
-    Calculix,
-    /// ANSYS archives, `.cdb`.
-    Ansys,
-    /// Nastran, `.bdf`, `.dat`, `.nas`.
-    Nastran,
-}
-
-impl Format {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Calculix, Self::Ansys, Self::Nastran];
-
-    /// The format that a path's ending stands for, before `.gz` if it ends in that.
-    pub fn of(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        match ending.as_str() {
-            "inp" => Some(Self::Calculix),
-            "cdb" => Some(Self::Ansys),
-            "bdf" | "dat" | "nas" | "fem" => Some(Self::Nastran),
-            "gz" => Self::of(Path::new(path.file_stem()?)),
-            _ => None,
-        }
-    }
-}
-
-impl std::fmt::Display for Format {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Calculix => "CalculiX or Abaqus",
-            Self::Ansys => "ANSYS",
-            Self::Nastran => "Nastran",
-        })
-    }
-}
-
-/// A deck: its constraints, and the text that they were read from.
+/// A deck: its constraints, and the text of its files.
 #[derive(Debug)]
 pub struct Deck {
     solver: Solver,
@@ -95,17 +63,17 @@ pub struct Deck {
 }
 
 impl Deck {
-    /// Its language.
+    /// Format of the deck.
     pub fn format(&self) -> Format {
         self.solver.format()
     }
 
-    /// The solver that it was read for.
+    /// Solver that the deck was read for.
     pub fn solver(&self) -> Solver {
         self.solver
     }
 
-    /// Its constraints.
+    /// Constraints of the deck.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -115,8 +83,8 @@ impl Deck {
         &self.texts
     }
 
-    /// Where nodes are in the model's axes, by number. Nodes that commands generate, or give along other axes in a way that is not
-    /// followed (ANSYS), are left out.
+    /// Positions of nodes in the model's axes, by number. Nodes that commands generate are left out, and in ANSYS
+    /// those given along axes that are not followed.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -133,7 +101,8 @@ impl Deck {
         }
     }
 
-    /// The nodes of a set by its name in any case: `*NSET` of CalculiX and Abaqus, components of ANSYS. Nastran's decks name no sets.
+    /// Nodes of a set, by name in any case: `*NSET` in CalculiX and Abaqus, components in ANSYS. Nastran decks have no
+    /// named sets.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -151,7 +120,7 @@ impl Deck {
         }
     }
 
-    /// The names of all node sets.
+    /// Names of all node sets.
     pub fn node_set_names(&self) -> Vec<String> {
         match self.format() {
             Format::Calculix => calculix::node_set_names(self),
@@ -160,51 +129,14 @@ impl Deck {
         }
     }
 
-    /// Goes through the deck's text once more.
+    /// Reads the deck's text again.
     fn again<T>(&self, read: impl FnOnce(&mut Sources) -> T) -> T {
         let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
         read(&mut Sources::again(self.solver, &self.model.files, &self.texts, &mut none))
     }
 }
 
-/// Reads a deck and the files that it includes, as the solver of its format does.
-///
-/// # Errors
-/// As [`read_for`].
-///
-/// ```
-/// # let place = tempfile::tempdir()?;
-/// let path = place.path().join("tie.inp");
-/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
-/// let deck = qless_io::deck::read(&path)?;
-/// assert_eq!(deck.model().label(0).as_deref(), Some("line 5 *EQUATION 1:1"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read(path: &Path) -> Result<Deck, ReadError> {
-    read_for(path, None)
-}
-
-/// Reads a deck and the files that it includes, as this solver does; that of its format where none is given.
-///
-/// # Errors
-/// [`ReadError`]: a file that cannot be read, content that is no deck's, a solver that does not read it, or a [`DeckError`] with file,
-/// line, card and field.
-///
-/// ```
-/// use qless_io::deck::{Solver, read_for};
-/// # let place = tempfile::tempdir()?;
-/// let path = place.path().join("tie.inp");
-/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
-/// assert_eq!(read_for(&path, Some(Solver::Abaqus))?.solver(), Solver::Abaqus);
-/// let error = read_for(&path, Some(Solver::Nastran)).unwrap_err().to_string();
-/// assert!(error.ends_with("nastran does not read it: it is a deck of CalculiX or Abaqus; leave --solver out, or name ccx or abaqus"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadError> {
-    Opened::read(path, solver)?.into_deck(solver)
-}
-
-/// Reads a deck from its bytes as this solver does, or as that of a format; `open` gives those of the files that it includes.
+/// Parses a deck for a solver, or for the default solver of a format. `open` reads included files.
 ///
 /// # Errors
 /// [`DeckError`].

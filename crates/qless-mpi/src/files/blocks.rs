@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use qless_io::part::{Count, File, Lines};
+use qless_io::chunk::{ChunkedFile, FileChunk, LineCount};
 
 use super::CaseError;
 use crate::error::agree;
@@ -35,17 +35,22 @@ impl NumberBlocks {
     }
 }
 
-/// Lines of this rank, and how many stand before them and in the whole file.
+/// FileChunk of this rank, and how many stand before them and in the whole file.
 pub(super) struct FilePiece {
-    pub lines: Lines,
-    pub before: Count,
-    pub total: Count,
+    pub lines: FileChunk,
+    pub before: LineCount,
+    pub total: LineCount,
 }
 
 impl FilePiece {
     /// What lies behind `start`, dealt out; `head` is what stands before. Whoever sees other `facts` of the file sees another file.
     /// Collective.
-    pub fn read(ranks: &dyn Ranks, file: &File, (start, head): (u64, Count), facts: &[u64]) -> Result<Self, CaseError> {
+    pub fn read(
+        ranks: &dyn Ranks,
+        file: &ChunkedFile,
+        (start, head): (u64, LineCount),
+        facts: &[u64],
+    ) -> Result<Self, CaseError> {
         let facts = [&[file.len(), start], facts].concat();
         let of_all = ranks.gather(&facts);
         // Seen by all in the same way.
@@ -59,7 +64,7 @@ impl FilePiece {
         let mut before = head;
         let mut total = head;
         for (rank, count) in counts.chunks_exact(2).enumerate() {
-            let count = Count { lines: count[0] as usize, items: count[1] as usize };
+            let count = LineCount { lines: count[0] as usize, items: count[1] as usize };
             total = total + count;
             if rank < ranks.rank() {
                 before = before + count;

@@ -11,7 +11,7 @@ mod tests;
 use std::path::Path;
 
 use qless_io::ReadError;
-use qless_io::part::{self, CaseFiles, File, Given, Matrix, RightHandSide};
+use qless_io::chunk::{self, CaseFiles, ChunkedFile, ChunkedMatrix, ChunkedRhs, PrescribedLine};
 
 use crate::error::agree;
 use crate::ranks::{Outbox, Ranks, real};
@@ -84,8 +84,8 @@ pub fn read_case(
     Ok(Case { share, files, rows, dofs, counts })
 }
 
-fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(Matrix, Vec<rows::Given>), CaseError> {
-    let opened = File::open(path).and_then(|file| Ok((Matrix::of(&file)?, file)));
+fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(ChunkedMatrix, Vec<rows::Given>), CaseError> {
+    let opened = ChunkedFile::open(path).and_then(|file| Ok((ChunkedMatrix::open(&file)?, file)));
     let (matrix, file) = agree(ranks, opened.map_err(CaseError::from))?;
     let facts = [matrix.rows() as u64, matrix.columns() as u64];
     let piece = FilePiece::read(ranks, &file, (matrix.start(), matrix.before()), &facts)?;
@@ -96,7 +96,7 @@ fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(Matrix, Vec<rows::Give
 
 /// The right-hand sides of this rank's rows.
 fn read_rhs(ranks: &dyn Ranks, path: &Path, rows: NumberBlocks, count: usize) -> Result<Vec<f64>, CaseError> {
-    let opened = File::open(path).and_then(|file| Ok((RightHandSide::of(&file, count)?, file)));
+    let opened = ChunkedFile::open(path).and_then(|file| Ok((ChunkedRhs::open(&file, count)?, file)));
     let (rhs, file) = agree(ranks, opened.map_err(CaseError::from))?;
     let piece = FilePiece::read(ranks, &file, (rhs.start(), rhs.before()), &[])?;
     let numbers = agree(ranks, rhs.numbers(&piece.lines, piece.before).map_err(CaseError::from))?;
@@ -116,30 +116,31 @@ fn read_prescribed(
     dofs: NumberBlocks,
     columns: usize,
 ) -> Result<Vec<(usize, f64)>, CaseError> {
-    let file = agree(ranks, File::open(path).map_err(CaseError::from))?;
+    let file = agree(ranks, ChunkedFile::open(path).map_err(CaseError::from))?;
     let piece = FilePiece::read(ranks, &file, Default::default(), &[])?;
-    let given = agree(ranks, part::given(&piece.lines, piece.before, columns).map_err(CaseError::from))?;
+    let given = agree(ranks, chunk::prescribed_lines(&piece.lines, piece.before, columns).map_err(CaseError::from))?;
     let mut post = Outbox::default();
-    for Given { column, value, line } in given {
+    for PrescribedLine { column, value, line } in given {
         let holder = dofs.holder(column as u64 - 1);
         post.to(holder).extend([column as u64, value.to_bits(), line as u64]);
     }
     let came = post.send(ranks);
     let words = came.iter().flat_map(|message| message.words.chunks_exact(3));
-    let given = words.map(|w| Given { column: w[0] as usize, value: real(w[1]), line: w[2] as usize }).collect();
-    agree(ranks, part::unite(path, given).map_err(CaseError::from))
+    let given =
+        words.map(|w| PrescribedLine { column: w[0] as usize, value: real(w[1]), line: w[2] as usize }).collect();
+    agree(ranks, chunk::merge_prescribed(path, given).map_err(CaseError::from))
 }
 
 /// Checks that there is one label for each row or column.
 fn count_labels(ranks: &dyn Ranks, path: Option<&Path>, expected: usize, each: &'static str) -> Result<(), CaseError> {
     let Some(path) = path else { return Ok(()) };
-    let file = agree(ranks, File::open(path).map_err(CaseError::from))?;
+    let file = agree(ranks, ChunkedFile::open(path).map_err(CaseError::from))?;
     let piece = FilePiece::read(ranks, &file, Default::default(), &[])?;
     let last = piece.lines.last_filled();
     let mut last = [if last > 0 { (piece.before.lines + last) as u64 } else { 0 }];
     ranks.max(&mut last);
     let counted: Result<(), ReadError> =
-        part::check_labels(path, (piece.total.lines, last[0] as usize), expected, each);
+        chunk::check_labels(path, (piece.total.lines, last[0] as usize), expected, each);
     agree(ranks, counted.map_err(CaseError::from))
 }
 

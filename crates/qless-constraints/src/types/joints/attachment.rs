@@ -14,7 +14,7 @@ use crate::scalar::vector::{Vector, add, lift};
 ///
 /// Rotation vectors are singular at a full turn, `|theta| = 2 pi`: all vectors of that length are the same rotation.
 /// [`shorten_rotations`](crate::ConstraintSet::shorten_rotations) keeps them away from there;
-/// [`newton::solve`](crate::newton::solve) calls it, so that bodies may turn any number of times. Euler parameters
+/// `qless_solve::newton::solve` calls it, so that bodies may turn any number of times. Euler parameters
 /// have no singularity.
 ///
 /// ```

@@ -2,7 +2,7 @@
 //!
 //! The memory that the pattern asks for is known before anything is allocated; more than the limit is refused.
 
-use qless_qr::{Error, Options, FactorParts, Symbolic, Tolerance};
+use qless_qr::{Error, FactorParts, Options, Symbolic, Tolerance};
 
 use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;

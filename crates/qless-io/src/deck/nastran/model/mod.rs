@@ -19,7 +19,7 @@ use super::control::selected::CaseSets;
 use super::control::subcases::CaseControl;
 use super::reader::{NastranContent, read};
 use super::syntax::card::CardPlace;
-use crate::deck::kinematics::partial_mean::partial_rows;
+use crate::deck::kinematics::mean::partial_rows;
 use crate::deck::kinematics::rigid::Rigid;
 use crate::deck::kinematics::row::{Poses, Row};
 use crate::deck::kinematics::vector::minus;
