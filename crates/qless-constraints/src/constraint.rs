@@ -224,7 +224,7 @@ impl Store {
                 Some(portion) => &mut portion.coordinates.all,
                 None => &mut self.contents.coordinates,
             };
-            let node = CoarseSize::of_something(largest);
+            let node = CoarseSize::above_zero(largest);
             let each: [_; N] = std::array::from_fn(|k| DofCoordinate::new(dofs[k], at[k], node));
             all.extend_from_slice(&each);
         }

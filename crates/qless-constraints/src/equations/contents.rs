@@ -78,8 +78,8 @@ impl BulkEquations {
         Self {
             constraint,
             time,
-            linear: LinearEquations::of_many(),
-            nonlinear: NonlinearEquations::of_many(),
+            linear: LinearEquations::for_many_items(),
+            nonlinear: NonlinearEquations::for_many_items(),
             ..Self::default()
         }
     }

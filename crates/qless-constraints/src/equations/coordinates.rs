@@ -31,7 +31,7 @@ impl CoarseSize {
     }
 
     /// Like [`CoarseSize::above`], but the smallest nonzero magnitude for zero.
-    pub fn of_something(x: f64) -> Self {
+    pub fn above_zero(x: f64) -> Self {
         Self::above(x).max(Self(1))
     }
 

@@ -16,7 +16,7 @@ pub type RowLayout = Vec<(Identity, usize)>;
 ///
 /// Groups that are in both layouts must have the same order in both.
 pub fn differences(old: &[(Identity, usize)], new: &[(Identity, usize)]) -> Vec<(Range<usize>, Range<usize>)> {
-    let places: HashMap<Identity, usize> = new.iter().enumerate().map(|(place, segment)| (segment.0, place)).collect();
+    let places: HashMap<Identity, usize> = new.iter().enumerate().map(|(place, group)| (group.0, place)).collect();
     let (mut all, mut row, mut gone, mut next) = (Vec::new(), 0, 0, 0);
     for &(stamp, rows) in old {
         if let Some(&place) = places.get(&stamp) {
@@ -47,26 +47,26 @@ pub struct RowSlice<'a> {
 /// Builds a matrix from row groups in parallel: `size` gives the rows and entries of a group, `write` fills its arrays.
 pub fn write_csr<S: Sync>(
     cols: usize,
-    segments: &[S],
+    groups: &[S],
     size: impl Fn(&S) -> (usize, usize),
     write: impl Fn(&S, RowSlice) + Sync,
 ) -> Result<Csr, SystemError> {
-    let sum = |(rows, entries), segment| (rows + size(segment).0, entries + size(segment).1);
-    let (rows, entries) = segments.iter().fold((0, 0), sum);
+    let sum = |(rows, entries), group| (rows + size(group).0, entries + size(group).1);
+    let (rows, entries) = groups.iter().fold((0, 0), sum);
     let (mut start, mut col, mut val) = (vec![0; rows + 1], vec![0; entries], vec![0.0; entries]);
     let mut rest = (&mut start[1..], col.as_mut_slice(), val.as_mut_slice());
     let mut first = 0;
-    let mut parts = Vec::with_capacity(segments.len());
-    for segment in segments {
-        let (rows, entries) = size(segment);
+    let mut parts = Vec::with_capacity(groups.len());
+    for group in groups {
+        let (rows, entries) = size(group);
         let (end, own_col, own_val);
         (end, rest.0) = rest.0.split_at_mut(rows);
         (own_col, rest.1) = rest.1.split_at_mut(entries);
         (own_val, rest.2) = rest.2.split_at_mut(entries);
-        parts.push((segment, RowSlice { first, end, col: own_col, val: own_val }));
+        parts.push((group, RowSlice { first, end, col: own_col, val: own_val }));
         first += entries;
     }
-    parts.into_par_iter().for_each(|(segment, part)| write(segment, part));
+    parts.into_par_iter().for_each(|(group, part)| write(group, part));
     Csr::from_parts(cols, start, col, val)
 }
 
@@ -102,7 +102,7 @@ impl ChunkRows {
     }
 
     /// One chunk that holds all rows.
-    pub fn of_one(rows: usize) -> Self {
+    pub fn single(rows: usize) -> Self {
         Self { first: vec![0, rows as u32], chunk: vec![0; rows], only: None }
     }
 
@@ -130,7 +130,7 @@ impl ChunkRows {
     }
 
     /// The chunk of a row.
-    pub fn of(&self, row: u32) -> usize {
+    pub fn chunk_of(&self, row: u32) -> usize {
         self.chunk[row as usize] as usize
     }
 

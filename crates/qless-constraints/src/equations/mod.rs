@@ -92,19 +92,19 @@ impl RowOffsets {
     }
 
     /// The first row of a batch; the number of rows for the index after the last batch.
-    pub fn first(&self, segment: usize) -> usize {
-        self.0[segment] as usize
+    pub fn first(&self, batch: usize) -> usize {
+        self.0[batch] as usize
     }
 
     /// The batch that holds a row, and the row's number in that batch.
     pub fn find(&self, row: usize) -> (usize, usize) {
-        let segment = self.0.partition_point(|&first| first as usize <= row) - 1;
-        (segment, row - self.0[segment] as usize)
+        let batch = self.0.partition_point(|&first| first as usize <= row) - 1;
+        (batch, row - self.0[batch] as usize)
     }
 
     /// Changes the number of rows of a batch.
-    pub fn grow(&mut self, segment: usize, by: i32) {
-        self.0[segment + 1..].iter_mut().for_each(|first| *first = first.wrapping_add_signed(by));
+    pub fn grow(&mut self, batch: usize, by: i32) {
+        self.0[batch + 1..].iter_mut().for_each(|first| *first = first.wrapping_add_signed(by));
     }
 
     /// Appends a batch of this many rows.
@@ -113,18 +113,18 @@ impl RowOffsets {
     }
 
     /// Inserts a batch without rows.
-    pub fn insert(&mut self, segment: usize) {
-        self.0.insert(segment, self.0[segment]);
+    pub fn insert(&mut self, batch: usize) {
+        self.0.insert(batch, self.0[batch]);
     }
 
     /// Removes a batch that has no rows.
-    pub fn remove(&mut self, segment: usize) {
-        self.0.remove(segment);
+    pub fn remove(&mut self, batch: usize) {
+        self.0.remove(batch);
     }
 
     /// Splits a batch after its first `rows` rows.
-    pub fn split(&mut self, segment: usize, rows: usize) {
-        self.0.insert(segment + 1, self.0[segment] + rows as u32);
+    pub fn split(&mut self, batch: usize, rows: usize) {
+        self.0.insert(batch + 1, self.0[batch] + rows as u32);
     }
 }
 

@@ -131,7 +131,7 @@ impl ConstraintSet {
     pub fn set_rhs(&mut self, constraint: ConstraintId, rhs: &[f64]) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
         let inactive = self.register.parked(number).map(|contents| contents.equations.len());
-        let expected = inactive.unwrap_or_else(|| self.linear.of(number).len());
+        let expected = inactive.unwrap_or_else(|| self.linear.rows_of(number).len());
         if rhs.len() != expected {
             let label = self.register.name(number).to_string();
             return Err(EditError::Count { label, found: rhs.len(), expected });
@@ -172,7 +172,7 @@ impl ConstraintSet {
             pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.equation_names, nonlinear));
             if hessian_plan.is_wanted() {
                 nonlinear
-                    .of(number)
+                    .items_of(number)
                     .into_iter()
                     .for_each(|(_, (b, i))| hessian_plan.touch(nonlinear.batches[b].as_ref(), i));
             }
@@ -184,7 +184,7 @@ impl ConstraintSet {
     /// Removes and returns the equations of a constraint.
     fn take(&mut self, number: u32) -> ConstraintContents {
         let Self { register, linear, nonlinear, hessian_plan, .. } = self;
-        let places = nonlinear.of(number);
+        let places = nonlinear.items_of(number);
         if !places.is_empty() {
             hessian_plan.outdate();
             places.iter().for_each(|&(_, (batch, item))| hessian_plan.touch(nonlinear.batches[batch].as_ref(), item));
@@ -198,8 +198,9 @@ impl ConstraintSet {
     /// Replaces the numbers of a constraint if all patterns stay; otherwise returns the contents.
     fn overwrite(&mut self, number: u32, mut contents: Box<ConstraintContents>) -> Result<(), Box<ConstraintContents>> {
         contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear));
-        let places = self.nonlinear.of(number);
-        let same = contents.equations.len() == self.linear.of(number).len() && contents.pieces.len() == places.len();
+        let places = self.nonlinear.items_of(number);
+        let same =
+            contents.equations.len() == self.linear.rows_of(number).len() && contents.pieces.len() == places.len();
         let mut pairs = contents.pieces.iter().zip(&places);
         if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.nonlinear)) {
             return Err(contents);

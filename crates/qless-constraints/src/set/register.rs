@@ -250,8 +250,8 @@ impl ConstraintSet {
     /// [`ArgumentError::Foreign`] for a constraint of another set.
     pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
         self.own("the constraint", constraint.set)?;
-        let mut rows: Vec<usize> = self.linear.of(constraint.number).collect();
-        for (_, (batch, item)) in self.nonlinear.of(constraint.number) {
+        let mut rows: Vec<usize> = self.linear.rows_of(constraint.number).collect();
+        for (_, (batch, item)) in self.nonlinear.items_of(constraint.number) {
             let rows_of_item = self.nonlinear.batches[batch].equations_per_item();
             let first = self.linear.rows() + self.nonlinear.offsets.first(batch) + item * rows_of_item;
             rows.extend(first..first + rows_of_item);

@@ -72,7 +72,7 @@ impl ConstraintSet {
         value_tasks(&self.linear, &self.nonlinear.batches, &mut c, &mut g).into_par_iter().for_each(|task| match task
             .work
         {
-            TaskOutput::Linear { batch, c } => of_batch(batch, u, c),
+            TaskOutput::Linear { batch, c } => linear_rounding(batch, u, c),
             TaskOutput::Nonlinear { batch, c, g } => batch.rounding(&known, c, g),
             TaskOutput::Copy { .. } | TaskOutput::Hessian { .. } => (),
         });
@@ -81,7 +81,7 @@ impl ConstraintSet {
 }
 
 /// Writes the bounds of linear equations.
-fn of_batch(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
+fn linear_rounding(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
     batch.evaluate(u, c);
     let mut values = c.iter_mut();
     batch.for_each_row(|terms| {

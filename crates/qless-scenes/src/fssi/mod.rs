@@ -27,15 +27,13 @@
 
 mod geometry;
 mod integrals;
-mod level;
 mod mesh;
 mod model;
 mod mortar;
 mod sides;
 mod tank;
 
-pub use level::Level;
-pub use mesh::Mesh;
+pub use mesh::{Level, Mesh};
 
 use crate::{Scene, SceneError, Truth};
 use model::Model;

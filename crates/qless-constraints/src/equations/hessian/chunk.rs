@@ -17,20 +17,20 @@ pub struct HessianChunk {
     end: Vec<u32>,
     col: Box<[u32]>,
     /// The items that contribute to these rows, by batch.
-    pub shares: Vec<ChunkItems>,
+    pub shares: Vec<ChunkShare>,
     /// How the entries are summed from the Hessian numbers of all shares.
     sums: EntrySums,
 }
 
 /// Items of one batch that contribute to a chunk, and how many Hessian numbers they have in total.
-pub struct ChunkItems {
+pub struct ChunkShare {
     pub batch: u32,
     /// Items as ranges, ascending.
     pub items: Vec<Range<u32>>,
     numbers: usize,
 }
 
-impl ChunkItems {
+impl ChunkShare {
     pub fn new(batch: u32) -> Self {
         Self { batch, items: Vec::new(), numbers: 0 }
     }
@@ -63,7 +63,7 @@ impl HessianChunk {
     }
 
     /// Inserts the items of a batch that has none here yet.
-    pub fn put(&mut self, share: ChunkItems) {
+    pub fn put(&mut self, share: ChunkShare) {
         let place = self.shares.partition_point(|other| other.batch < share.batch);
         self.shares.insert(place, share);
     }
@@ -118,7 +118,7 @@ impl ChunkScratch {
     /// Computes where the keys of each row start, and the end of the last row.
     fn count(
         &mut self,
-        shares: &[ChunkItems],
+        shares: &[ChunkShare],
         batches: &[Box<dyn NonlinearBatch>],
         rows: &Range<u32>,
         known: Option<&[u32]>,
@@ -136,7 +136,7 @@ impl ChunkScratch {
     }
 
     /// Writes the keys of all shares, row by row. Returns how many Hessian numbers these have.
-    fn gather(&mut self, shares: &[ChunkItems], batches: &[Box<dyn NonlinearBatch>], rows: &Range<u32>) -> usize {
+    fn gather(&mut self, shares: &[ChunkShare], batches: &[Box<dyn NonlinearBatch>], rows: &Range<u32>) -> usize {
         // Old keys need no clearing: every counted position is overwritten.
         self.keys.resize(self.keys.len().max(self.next[rows.len()] as usize), 0);
         self.next.pop();

@@ -16,7 +16,7 @@ use qless::common::Identity;
 use qless::{Csr, SystemError};
 use rayon::prelude::*;
 
-use crate::equations::hessian::chunk::{ChunkItems, ChunkScratch, HessianChunk};
+use crate::equations::hessian::chunk::{ChunkScratch, ChunkShare, HessianChunk};
 use crate::equations::layout::{ChunkRows, ENTRIES, write_csr};
 use crate::equations::nonlinear::batch::NonlinearBatch;
 
@@ -33,7 +33,7 @@ impl HessianPlan {
     pub fn new(batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> Self {
         if batches.is_empty() {
             return Self {
-                cut: ChunkRows::of_one(dofs),
+                cut: ChunkRows::single(dofs),
                 chunks: vec![HessianChunk::empty(0..dofs as u32)],
                 stamps: Vec::new(),
             };
@@ -43,7 +43,7 @@ impl HessianPlan {
         let chunks = cut.chunks().map(HessianChunk::empty).collect();
         let mut plan = Self { cut, chunks, stamps: stamps(batches) };
         let all: Vec<u32> = (0..batches.len() as u32).collect();
-        plan.share_out(batches, &all);
+        plan.assign_to_chunks(batches, &all);
         plan.chunks.par_iter_mut().for_each_init(ChunkScratch::default, |room, chunk| {
             chunk.fill(batches, Some(&counts), room);
         });
@@ -53,9 +53,9 @@ impl HessianPlan {
     /// Updates the plan after changes of some batches; `touched` are the rows of H whose entries may have changed.
     pub fn updated(mut self, batches: &[Box<dyn NonlinearBatch>], touched: &[u32]) -> Self {
         let changed = self.renumber(batches);
-        self.share_out(batches, &changed);
+        self.assign_to_chunks(batches, &changed);
         let mut stale = vec![false; self.chunks.len()];
-        touched.iter().for_each(|&row| stale[self.cut.of(row)] = true);
+        touched.iter().for_each(|&row| stale[self.cut.chunk_of(row)] = true);
         let chunks = self.chunks.par_iter_mut().zip(stale).filter(|(_, stale)| *stale);
         chunks.for_each_init(ChunkScratch::default, |room, (chunk, _)| chunk.fill(batches, None, room));
         let large = |chunk: &HessianChunk| chunk.entries() > 2 * ENTRIES && chunk.rows.len() > 1;
@@ -104,10 +104,10 @@ impl HessianPlan {
     }
 
     /// Assigns the items of these batches to the chunks that they contribute to.
-    fn share_out(&mut self, batches: &[Box<dyn NonlinearBatch>], which: &[u32]) {
+    fn assign_to_chunks(&mut self, batches: &[Box<dyn NonlinearBatch>], which: &[u32]) {
         let items = |b: u32| 0..batches[b as usize].items() as u32;
         let all = |&b: &u32| shares(batches, (b, slice::from_ref(&items(b))), &self.cut);
-        let shares: Vec<Vec<(u32, ChunkItems)>> = which.par_iter().map(all).collect();
+        let shares: Vec<Vec<(u32, ChunkShare)>> = which.par_iter().map(all).collect();
         for (chunk, share) in shares.into_iter().flatten() {
             self.chunks[chunk as usize].put(share);
         }
@@ -137,12 +137,12 @@ fn shares(
     batches: &[Box<dyn NonlinearBatch>],
     (b, items): (u32, &[Range<u32>]),
     cut: &ChunkRows,
-) -> Vec<(u32, ChunkItems)> {
+) -> Vec<(u32, ChunkShare)> {
     let (batch, mut touched) = (&batches[b as usize], Vec::new());
-    batch.share_out(items, cut, &mut touched);
+    batch.assign_to_chunks(items, cut, &mut touched);
     touched.sort_unstable();
     let of_chunk = |same: &[(u32, u32)]| {
-        let mut share = ChunkItems::new(b);
+        let mut share = ChunkShare::new(b);
         same.iter().for_each(|&(_, i)| share.push(i, batch.numbers(i as usize)));
         (same[0].0, share)
     };

@@ -101,9 +101,9 @@ impl LinearBatch {
                 all.iter_mut().for_each(|length| length.shift(row, 1));
             }
             if all.is_empty() {
-                of_terms(all, terms.len()).reserve(room);
+                group_of(all, terms.len()).reserve(room);
             }
-            of_terms(all, terms.len()).insert(row, list, terms.iter().map(|&(j, _)| j - base));
+            group_of(all, terms.len()).insert(row, list, terms.iter().map(|&(j, _)| j - base));
         });
     }
 
@@ -253,7 +253,7 @@ fn range(all: &[(EquationOwner, LinearTerms, f64)]) -> (u32, u32) {
 }
 
 /// The group of equations with this many terms; it is added if it is missing.
-fn of_terms<I>(all: &mut Vec<EqualLengthRows<I>>, terms: usize) -> &mut EqualLengthRows<I> {
+fn group_of<I>(all: &mut Vec<EqualLengthRows<I>>, terms: usize) -> &mut EqualLengthRows<I> {
     let known = all.iter().position(|length| length.terms == terms);
     let place = known.unwrap_or(all.len());
     if known.is_none() {

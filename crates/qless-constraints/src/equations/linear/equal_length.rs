@@ -18,12 +18,12 @@ const SHORT: usize = 16;
 
 /// A DOF relative to the base of its batch, in 16 or 32 bits.
 pub trait DofOffset: Copy {
-    fn of(offset: u32) -> Self;
+    fn from_u32(offset: u32) -> Self;
     fn value(self) -> u32;
 }
 
 impl DofOffset for u16 {
-    fn of(offset: u32) -> Self {
+    fn from_u32(offset: u32) -> Self {
         offset as Self
     }
     fn value(self) -> u32 {
@@ -32,7 +32,7 @@ impl DofOffset for u16 {
 }
 
 impl DofOffset for u32 {
-    fn of(offset: u32) -> Self {
+    fn from_u32(offset: u32) -> Self {
         offset
     }
     fn value(self) -> u32 {
@@ -54,9 +54,9 @@ impl<I: DofOffset> EqualLengthRows<I> {
         self.list.insert(place, list);
         let first = place * self.terms;
         if first == self.dofs.len() {
-            self.dofs.extend(dofs.map(I::of));
+            self.dofs.extend(dofs.map(I::from_u32));
         } else {
-            self.dofs.splice(first..first, dofs.map(I::of));
+            self.dofs.splice(first..first, dofs.map(I::from_u32));
         }
     }
 

@@ -25,7 +25,7 @@ pub struct LinearEquations {
 
 impl LinearEquations {
     /// Empty, but expects many equations.
-    pub fn of_many() -> Self {
+    pub fn for_many_items() -> Self {
         Self { many: true, ..Self::default() }
     }
 
@@ -43,7 +43,7 @@ impl LinearEquations {
     }
 
     /// The rows of a constraint.
-    pub fn of(&self, constraint: u32) -> Range<usize> {
+    pub fn rows_of(&self, constraint: u32) -> Range<usize> {
         self.first_from(constraint)..self.first_from(constraint + 1)
     }
 
@@ -63,7 +63,7 @@ impl LinearEquations {
         }
         let last = self.batches.last().and_then(|batch| batch.owners.last());
         let behind = last.is_none_or(|last| last.constraint < constraint);
-        let of = if behind { self.rows()..self.rows() } else { self.of(constraint) };
+        let of = if behind { self.rows()..self.rows() } else { self.rows_of(constraint) };
         for (row, equation) in (of.end..).zip(equations.drain(..)) {
             let owner = EquationOwner { constraint, name: names.place(equation.name) };
             self.insert(row, owner, &equation.terms, equation.rhs.at(time));
@@ -126,7 +126,7 @@ impl LinearEquations {
 
     /// Removes and returns the equations of a constraint.
     pub fn take(&mut self, constraint: u32, names: &EquationNames) -> Vec<StagedEquation> {
-        let of = self.of(constraint);
+        let of = self.rows_of(constraint);
         (0..of.len() as u32).map(|k| self.take_row(of.start, (constraint, k), names)).collect()
     }
 
@@ -144,7 +144,7 @@ impl LinearEquations {
 
     /// Replaces the equations of a constraint by as many others. Equations whose terms stay the same keep their place in memory.
     pub fn overwrite(&mut self, constraint: u32, equations: Vec<StagedEquation>, names: &mut EquationNames, time: f64) {
-        let of = self.of(constraint);
+        let of = self.rows_of(constraint);
         for ((k, row), equation) in (0..).zip(of).zip(equations) {
             let (batch, own) = self.offsets.find(row);
             let (batch, owner) =
@@ -170,7 +170,7 @@ impl LinearEquations {
 
     /// Sets constant right-hand sides; functions of time of this constraint are dropped.
     pub fn set_values(&mut self, constraint: u32, rhs: &[f64]) {
-        for ((k, row), &rhs) in (0..).zip(self.of(constraint)).zip(rhs) {
+        for ((k, row), &rhs) in (0..).zip(self.rows_of(constraint)).zip(rhs) {
             self.driven.remove(&(constraint, k));
             self.set_rhs(row, rhs);
         }

@@ -43,7 +43,7 @@ pub trait NonlinearBatch: Send + Sync {
     /// Calls `row` with each row of H to which item i contributes.
     fn touched(&self, i: usize, row: &mut dyn FnMut(u32));
     /// Appends `(chunk, item)` for each of these items and each reported chunk of H to which it contributes.
-    fn share_out(&self, items: &[Range<u32>], cut: &ChunkRows, out: &mut Vec<(u32, u32)>);
+    fn assign_to_chunks(&self, items: &[Range<u32>], cut: &ChunkRows, out: &mut Vec<(u32, u32)>);
     /// Writes the keys `(column, number)` of the contributions that [`NonlinearBatch::count`] counts, at the positions `next` of each row.
     ///
     /// Hessian numbers are counted from `first`.

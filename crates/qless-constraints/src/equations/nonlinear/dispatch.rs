@@ -82,7 +82,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
         self.each_row(i, row);
     }
 
-    fn share_out(&self, items: &[Range<u32>], cut: &ChunkRows, out: &mut Vec<(u32, u32)>) {
+    fn assign_to_chunks(&self, items: &[Range<u32>], cut: &ChunkRows, out: &mut Vec<(u32, u32)>) {
         self.list_chunks(items, cut, out);
     }
 
@@ -192,7 +192,7 @@ impl<Q: Nonlinear> StagedNonlinear for StagedItem<Q> {
 
     fn fits(&self, dofs: &[u32], (batch, item): ItemPlace, nonlinear: &NonlinearEquations) -> bool {
         let dofs = &dofs[self.dofs.clone()];
-        nonlinear.of_type::<Q>(batch).is_some_and(|batch| batch.alike(item, dofs, &self.parameters))
+        nonlinear.typed::<Q>(batch).is_some_and(|batch| batch.alike(item, dofs, &self.parameters))
     }
 
     fn overwrite(
@@ -203,7 +203,7 @@ impl<Q: Nonlinear> StagedNonlinear for StagedItem<Q> {
         nonlinear: &mut NonlinearEquations,
     ) {
         let owner = EquationOwner { constraint, name: names.place(self.name) };
-        if let Some(batch) = nonlinear.of_type_mut::<Q>(batch) {
+        if let Some(batch) = nonlinear.typed_mut::<Q>(batch) {
             batch.overwrite(item, owner, self.parameters);
         }
     }

@@ -37,7 +37,7 @@ pub struct NonlinearEquations {
 
 impl NonlinearEquations {
     /// Empty, but expects many items of each type.
-    pub fn of_many() -> Self {
+    pub fn for_many_items() -> Self {
         Self { many: true, ..Self::default() }
     }
 
@@ -61,15 +61,15 @@ impl NonlinearEquations {
         self.of_type.get(&TypeId::of::<Q>()).copied()
     }
 
-    pub fn of_type<Q: Nonlinear>(&self, batch: usize) -> Option<&TypedBatch<Q>> {
+    pub fn typed<Q: Nonlinear>(&self, batch: usize) -> Option<&TypedBatch<Q>> {
         self.batches.get(batch)?.as_any().downcast_ref()
     }
 
-    pub fn of_type_mut<Q: Nonlinear>(&mut self, batch: usize) -> Option<&mut TypedBatch<Q>> {
+    pub fn typed_mut<Q: Nonlinear>(&mut self, batch: usize) -> Option<&mut TypedBatch<Q>> {
         self.batches.get_mut(batch)?.as_any_mut().downcast_mut()
     }
 
-    fn of_kind(&self, kind: u32) -> Range<usize> {
+    fn batches_of_kind(&self, kind: u32) -> Range<usize> {
         self.kinds.partition_point(|&k| k < kind)..self.kinds.partition_point(|&k| k <= kind)
     }
 
@@ -82,7 +82,7 @@ impl NonlinearEquations {
         let kind = self.meet(TypeId::of::<Q>());
         let place = self.room_at::<Q>(kind, owner.constraint);
         self.recent = Some((TypeId::of::<Q>(), place));
-        if let Some(batch) = self.of_type_mut::<Q>(place) {
+        if let Some(batch) = self.typed_mut::<Q>(place) {
             batch.insert(owner, dofs, parameters);
         }
         self.offsets.grow(place, Q::PARTS.len() as i32);
@@ -92,7 +92,7 @@ impl NonlinearEquations {
     fn recent_room<Q: Nonlinear>(&mut self, constraint: u32) -> Option<(usize, &mut TypedBatch<Q>)> {
         let (_, place) = self.recent.filter(|&(of, _)| of == TypeId::of::<Q>())?;
         let last_of_type = self.kinds.get(place + 1) != self.kinds.get(place);
-        let batch = self.of_type_mut::<Q>(place)?;
+        let batch = self.typed_mut::<Q>(place)?;
         let fits =
             last_of_type && !batch.is_full() && batch.owners.last().is_none_or(|last| last.constraint <= constraint);
         fits.then_some((place, batch))
@@ -106,7 +106,7 @@ impl NonlinearEquations {
 
     /// The batch into which an item of this constraint can be inserted. A full batch is split first.
     fn room_at<Q: Nonlinear>(&mut self, kind: u32, constraint: u32) -> usize {
-        let of = self.of_kind(kind);
+        let of = self.batches_of_kind(kind);
         let at = of.start + self.batches[of.clone()].partition_point(|batch| last(batch.as_ref()) <= constraint);
         if at == of.end {
             if of.is_empty() || self.batches[at - 1].is_full() {
@@ -135,7 +135,7 @@ impl NonlinearEquations {
         let kinds: Vec<u32> = types.into_iter().map(|(of, _)| self.meet(of)).collect();
         for (mut batch, kind) in others.batches.into_iter().zip(others.kinds) {
             let kind = kinds[kind as usize];
-            let at = self.of_kind(kind).end;
+            let at = self.batches_of_kind(kind).end;
             batch.renumber_names(names);
             self.offsets.insert(at);
             self.offsets.grow(at, batch.rows() as i32);
@@ -150,10 +150,10 @@ impl NonlinearEquations {
     }
 
     /// The items of a constraint with their type numbers, type by type.
-    pub fn of(&self, constraint: u32) -> Vec<(u32, ItemPlace)> {
+    pub fn items_of(&self, constraint: u32) -> Vec<(u32, ItemPlace)> {
         let mut places = Vec::new();
         for kind in 0..self.of_type.len() as u32 {
-            let of = self.of_kind(kind);
+            let of = self.batches_of_kind(kind);
             let first = of.start + self.batches[of.clone()].partition_point(|batch| last(batch.as_ref()) < constraint);
             for batch in first..of.end {
                 let own = items(self.batches[batch].as_ref(), constraint);
@@ -168,7 +168,7 @@ impl NonlinearEquations {
 
     /// Removes and returns the items of a constraint, and their DOFs.
     pub fn take(&mut self, constraint: u32, names: &EquationNames) -> (Vec<Box<dyn StagedNonlinear>>, Vec<u32>) {
-        let (places, mut dofs) = (self.of(constraint), Vec::new());
+        let (places, mut dofs) = (self.items_of(constraint), Vec::new());
         // Backwards, so that the places of the others stay valid.
         let mut pieces: Vec<_> =
             places.iter().rev().map(|&(_, place)| self.take_item(place, names, &mut dofs)).collect();

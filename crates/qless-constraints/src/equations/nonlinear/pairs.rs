@@ -18,7 +18,7 @@ pub struct HessianPairs {
 }
 
 impl HessianPairs {
-    pub fn of<Q: Nonlinear>(&mut self, item: &Q, dofs: usize) -> &Self {
+    pub fn for_item<Q: Nonlinear>(&mut self, item: &Q, dofs: usize) -> &Self {
         if !Q::SAME_PAIRS || self.dofs != Some(dofs) {
             self.ask(item, dofs);
         }
@@ -52,7 +52,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         let (mut pairs, mut first) = (HessianPairs::default(), first as u32);
         for i in items.iter().cloned().flatten() {
             let dofs = self.dofs(i as usize);
-            for &[j, k, number] in &pairs.of(&self.items[i as usize], dofs.len()).all {
+            for &[j, k, number] in &pairs.for_item(&self.items[i as usize], dofs.len()).all {
                 let (j, k, number) = (dofs[j as usize], dofs[k as usize], first + number);
                 entry(j, k, number);
                 if j != k {
@@ -68,7 +68,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         let mut pairs = HessianPairs::default();
         for i in items.iter().cloned().flatten() {
             let dofs = self.dofs(i as usize);
-            for (j, entries) in dofs.iter().zip(&pairs.of(&self.items[i as usize], dofs.len()).entries) {
+            for (j, entries) in dofs.iter().zip(&pairs.for_item(&self.items[i as usize], dofs.len()).entries) {
                 counts.get_mut(j.wrapping_sub(row) as usize).into_iter().for_each(|count| *count += entries);
             }
         }
@@ -91,7 +91,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
                 continue;
             }
             let known = out.len();
-            let entries = &pairs.of(&self.items[i as usize], dofs.len()).entries;
+            let entries = &pairs.for_item(&self.items[i as usize], dofs.len()).entries;
             for (&j, _) in dofs.iter().zip(entries).filter(|&(_, &entries)| entries > 0) {
                 let new = |chunk: &u32| out[known..].iter().all(|&(known, _)| known != *chunk);
                 let chunk = cut.chunk(j).filter(new);
