@@ -27,7 +27,7 @@ pub struct Held {
     callers: usize,
 }
 
-struct State {
+struct BlasState {
     /// How many hold it, ...
     holders: usize,
     /// ... and how many threads of theirs call it at once.
@@ -38,7 +38,7 @@ struct State {
     before: c_int,
 }
 
-static STATE: Mutex<State> = Mutex::new(State { holders: 0, callers: 0, buffers: 0, before: 1 });
+static STATE: Mutex<BlasState> = Mutex::new(BlasState { holders: 0, callers: 0, buffers: 0, before: 1 });
 
 /// Some of those who hold it have ended.
 static ENDED: Condvar = Condvar::new();
@@ -101,7 +101,7 @@ fn set(from: c_int, to: c_int) {
 }
 
 /// For how many more callers, of those wanted, there are buffers.
-fn admit(state: &mut State, wanted: usize) -> usize {
+fn admit(state: &mut BlasState, wanted: usize) -> usize {
     let Some((take, give_back)) = buffer_functions() else { return wanted };
     if state.buffers < state.callers + wanted {
         make(state, state.callers + wanted, take, give_back);
@@ -110,14 +110,14 @@ fn admit(state: &mut State, wanted: usize) -> usize {
 }
 
 /// Has OpenBLAS make buffers, until there are `wanted` or no room: takes as many at once, and gives them back.
-fn make(state: &mut State, wanted: usize, take: Take, give_back: GiveBack) {
+fn make(state: &mut BlasState, wanted: usize, take: Take, give_back: GiveBack) {
     let taken = taken(state, wanted, room::is_left, || take(0));
     taken.iter().filter(|buffer| !buffer.is_null()).for_each(|&buffer| give_back(buffer));
     state.buffers = state.buffers.max(taken.len());
 }
 
 /// So many buffers, or fewer where there is no room (`is_left`) for those that may have to be made.
-fn taken<T>(state: &State, wanted: usize, is_left: impl Fn(usize) -> bool, mut take: impl FnMut() -> T) -> Vec<T> {
+fn taken<T>(state: &BlasState, wanted: usize, is_left: impl Fn(usize) -> bool, mut take: impl FnMut() -> T) -> Vec<T> {
     let mut taken = Vec::new();
     if taken.try_reserve_exact(wanted).is_ok() {
         while taken.len() < wanted && is_left(made_at_most(state, taken.len())) {
@@ -128,7 +128,7 @@ fn taken<T>(state: &State, wanted: usize, is_left: impl Fn(usize) -> bool, mut t
 }
 
 /// How many buffers OpenBLAS may have to make, for us and for callers that run, if one more is taken than so many.
-fn made_at_most(state: &State, taken: usize) -> usize {
+fn made_at_most(state: &BlasState, taken: usize) -> usize {
     (taken + 1 + state.callers).saturating_sub(state.buffers.max(taken))
 }
 
@@ -213,7 +213,7 @@ mod tests {
                 continue;
             }
             for stays in [false, true] {
-                let state = State { holders: callers, callers, buffers, before: 1 };
+                let state = BlasState { holders: callers, callers, buffers, before: 1 };
                 let (ours, made) = (Cell::new(0), Cell::new(buffers));
                 let take = || {
                     let others = if ours.get() == moment || (stays && ours.get() > moment) { callers } else { 0 };

@@ -7,16 +7,16 @@ use core::mem::transmute;
 use core::ptr::null_mut;
 use core::sync::atomic::{AtomicI32, AtomicPtr, Ordering::Relaxed, Ordering::SeqCst};
 
-use crate::memory::State;
+use crate::memory::AllocatorState;
 use crate::{CHOLMOD_OUT_OF_MEMORY, cholmod_common};
 
 type Allocate = unsafe extern "C" fn(usize, usize, *mut cholmod_common) -> *mut c_void;
 type Reallocate = unsafe extern "C" fn(usize, usize, *mut c_void, *mut usize, *mut cholmod_common) -> *mut c_void;
 
 /// The library's own function of this name: the next definition after the program's.
-struct Own(&'static CStr, AtomicPtr<c_void>);
+struct OwnedByGuard(&'static CStr, AtomicPtr<c_void>);
 
-impl Own {
+impl OwnedByGuard {
     const fn new(name: &'static CStr) -> Self {
         Self(name, AtomicPtr::new(null_mut()))
     }
@@ -43,9 +43,9 @@ impl Own {
     }
 }
 
-static MALLOC: Own = Own::new(c"cholmod_l_malloc");
-static CALLOC: Own = Own::new(c"cholmod_l_calloc");
-static REALLOC: Own = Own::new(c"cholmod_l_realloc");
+static MALLOC: OwnedByGuard = OwnedByGuard::new(c"cholmod_l_malloc");
+static CALLOC: OwnedByGuard = OwnedByGuard::new(c"cholmod_l_calloc");
+static REALLOC: OwnedByGuard = OwnedByGuard::new(c"cholmod_l_realloc");
 
 /// # Safety
 /// As CHOLMOD's.
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn realloc(
     // SAFETY: passed on as it came; CHOLMOD's count is that of the block after the call.
     unsafe {
         let Some(own) = REALLOC.reallocate() else { return block };
-        let Some(failure) = State::behind(common) else { return own(wanted, size, block, count, common) };
+        let Some(failure) = AllocatorState::behind(common) else { return own(wanted, size, block, count, common) };
         if is_refused(failure, common) {
             return block;
         }
@@ -90,11 +90,11 @@ pub unsafe extern "C" fn realloc(
 
 /// # Safety
 /// Arguments as CHOLMOD gets them.
-unsafe fn allocated(own: &Own, count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
+unsafe fn allocated(own: &OwnedByGuard, count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
     // SAFETY: passed on as it came.
     unsafe {
         let Some(own) = own.allocate() else { return null_mut() };
-        let Some(failure) = State::behind(common) else { return own(count, size, common) };
+        let Some(failure) = AllocatorState::behind(common) else { return own(count, size, common) };
         if is_refused(failure, common) {
             return null_mut();
         }

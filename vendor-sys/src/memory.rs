@@ -23,12 +23,12 @@ use crate::cholmod_common;
 
 /// The parameters of one call and its failure; freed when dropped, after all that was made with it.
 #[derive(Debug)]
-pub struct Common(NonNull<State>);
+pub struct Common(NonNull<AllocatorState>);
 
 /// What CHOLMOD gets a pointer to, and behind it what only we know.
 #[repr(C)]
 #[derive(Debug)]
-pub(crate) struct State {
+pub(crate) struct AllocatorState {
     common: cholmod_common,
     /// CHOLMOD's status when an allocation failed first; 0 before.
     failure: AtomicI32,
@@ -38,10 +38,10 @@ impl Common {
     /// CHOLMOD's defaults, and nothing printed; none without memory.
     #[allow(clippy::cast_ptr_alignment, reason = "the layout asked for is that of the struct")]
     pub fn start() -> Option<Self> {
-        let layout = Layout::new::<State>();
+        let layout = Layout::new::<AllocatorState>();
         // SAFETY: the struct has a size; it is numbers, arrays of them and nullable pointers, of which all zeros is a value.
         let state = unsafe {
-            let state = NonNull::new(alloc(layout).cast::<State>())?;
+            let state = NonNull::new(alloc(layout).cast::<AllocatorState>())?;
             state.write_bytes(0, 1);
             state
         };
@@ -89,7 +89,7 @@ impl Drop for Common {
             crate::cholmod_l_finish(self.as_mut_ptr());
             #[cfg(feature = "faults")]
             faults::finished(self.malloc_count);
-            dealloc(self.0.as_ptr().cast(), Layout::new::<State>());
+            dealloc(self.0.as_ptr().cast(), Layout::new::<AllocatorState>());
         }
     }
 }
@@ -108,7 +108,7 @@ extern "C" fn reported(_: i32, _: *const c_char, _: i32, _: *const c_char) {
 }
 
 #[cfg_attr(not(interposition), allow(dead_code, reason = "for the guard"))]
-impl State {
+impl AllocatorState {
     /// What is behind a `cholmod_common` of ours; none for another's, which is only read.
     ///
     /// # Safety

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::methods::Method;
+use super::methods::BenchMethod;
 use super::sample::{Measured, Sample};
 
 /// A need, the option for it, the methods that were measured with it, and what it risks in words.
@@ -71,7 +71,7 @@ const ADVICE: [Advice; 9] = [
 ];
 
 /// The page's section.
-pub fn advice(samples: &[Sample], methods: &[Method]) -> String {
+pub fn advice(samples: &[Sample], methods: &[BenchMethod]) -> String {
     let mut text =
         "## Which option for which need\n\n| need | option | time over the default's: median, least to most | ranks: \
                     wrong and not doubted, wrong, of | what it risks |\n| --- | --- | --- | --- | --- |\n"

@@ -13,8 +13,8 @@ use std::time::Duration;
 use qless_scenes::Scene;
 use serde::de::DeserializeOwned;
 
-use super::given_up::Reason;
-use super::methods::Method;
+use super::given_up::GivenUpReason;
+use super::methods::BenchMethod;
 use super::quality::Reference;
 use super::run::{once, warmed};
 use super::sample::Measured;
@@ -26,17 +26,23 @@ const AROUND: f64 = 600.0;
 const FAILED: &str = "failed: ";
 
 /// Measures a method in a child process that is stopped after `limit` seconds.
-pub fn measure(family: &str, size: &str, method: &Method, limit: f64) -> Result<Measured, Reason> {
+pub fn measure(family: &str, size: &str, method: &BenchMethod, limit: f64) -> Result<Measured, GivenUpReason> {
     ask(family, size, method, limit, &["--apart"])
 }
 
 /// The memory of another method; none where it fails or takes longer.
-pub fn memory(family: &str, size: &str, method: &Method, limit: f64) -> Option<u64> {
+pub fn memory(family: &str, size: &str, method: &BenchMethod, limit: f64) -> Option<u64> {
     ask::<Option<u64>>(family, size, method, limit, &[]).ok().flatten()
 }
 
-fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f64, more: &[&str]) -> Result<T, Reason> {
-    let failed = |error: std::io::Error| Reason::Failed(format!("its process does not start: {error}"));
+fn ask<T: DeserializeOwned>(
+    family: &str,
+    size: &str,
+    method: &BenchMethod,
+    limit: f64,
+    more: &[&str],
+) -> Result<T, GivenUpReason> {
+    let failed = |error: std::io::Error| GivenUpReason::Failed(format!("its process does not start: {error}"));
     let mut command = Command::new(std::env::current_exe().map_err(failed)?);
     command.args(["bench", "--child", size, "--family", family, "--method", method.name]).args(more);
     command.env("OPENBLAS_NUM_THREADS", rayon::current_num_threads().to_string());
@@ -49,15 +55,17 @@ fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f6
     measured
 }
 
-fn read<T: DeserializeOwned>(child: &mut Child, limit: f64) -> Result<T, Reason> {
-    let lines = lines(child).ok_or(Reason::Ended)?;
+fn read<T: DeserializeOwned>(child: &mut Child, limit: f64) -> Result<T, GivenUpReason> {
+    let lines = lines(child).ok_or(GivenUpReason::Ended)?;
     let next = |seconds: f64| match lines.recv_timeout(Duration::from_secs_f64(seconds)) {
-        Ok(line) => line.strip_prefix(FAILED).map_or(Ok(line.clone()), |why| Err(Reason::Failed(why.to_owned()))),
-        Err(RecvTimeoutError::Timeout) => Err(Reason::Stopped { limit: seconds }),
-        Err(RecvTimeoutError::Disconnected) => Err(Reason::Ended),
+        Ok(line) => {
+            line.strip_prefix(FAILED).map_or(Ok(line.clone()), |why| Err(GivenUpReason::Failed(why.to_owned())))
+        }
+        Err(RecvTimeoutError::Timeout) => Err(GivenUpReason::Stopped { limit: seconds }),
+        Err(RecvTimeoutError::Disconnected) => Err(GivenUpReason::Ended),
     };
     let (_ready, _done) = (next(AROUND)?, next(limit)?);
-    serde_json::from_str(&next(AROUND)?).map_err(|_| Reason::Ended)
+    serde_json::from_str(&next(AROUND)?).map_err(|_| GivenUpReason::Ended)
 }
 
 /// The lines, as they come.
@@ -69,7 +77,7 @@ fn lines(child: &mut Child) -> Option<Receiver<String>> {
 }
 
 /// The child's side; all is measured of a method that runs apart. The error is that of its standard output.
-pub fn answer(scene: &Scene, method: &Method, is_apart: bool, out: &mut dyn Write) -> std::io::Result<()> {
+pub fn answer(scene: &Scene, method: &BenchMethod, is_apart: bool, out: &mut dyn Write) -> std::io::Result<()> {
     std::thread::spawn(|| {
         // Nothing is ever written there, so that an error says the same as an end.
         let _ = copy(&mut stdin(), &mut sink());
@@ -86,10 +94,10 @@ pub fn answer(scene: &Scene, method: &Method, is_apart: bool, out: &mut dyn Writ
 /// Runs the method, writes `done`, and returns the answer that follows it.
 fn found(
     scene: &Scene,
-    method: &Method,
+    method: &BenchMethod,
     is_apart: bool,
     out: &mut dyn Write,
-) -> Result<std::io::Result<String>, Reason> {
+) -> Result<std::io::Result<String>, GivenUpReason> {
     let start = reset_peak();
     let done = once(&scene.system, method)?;
     let peak = peak_since(start);

@@ -7,7 +7,7 @@ use super::labels::thousands;
 
 /// The reason why a method has no result.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Reason {
+pub enum GivenUpReason {
     /// The time predicted from a smaller system of the same family exceeds the limit; seconds.
     Foreseen { seconds: f64, limit: f64 },
     /// It was stopped on a smaller system with this number of equations.
@@ -20,7 +20,7 @@ pub enum Reason {
     Failed(String),
 }
 
-impl Reason {
+impl GivenUpReason {
     /// `dense` is what a dense method holds: rows and columns.
     pub fn words(&self, dense: Option<(usize, usize)>) -> String {
         let why = match self {
@@ -43,7 +43,7 @@ fn of_dense(rows: usize, cols: usize) -> String {
     format!("dense {} x {} are {size}", thousands(rows), thousands(cols))
 }
 
-impl From<BackendError> for Reason {
+impl From<BackendError> for GivenUpReason {
     fn from(error: BackendError) -> Self {
         Self::Failed(match error {
             BackendError::OutOfMemory { .. } => "more memory than it may have".to_owned(),
@@ -52,13 +52,13 @@ impl From<BackendError> for Reason {
     }
 }
 
-impl From<AnalysisError> for Reason {
+impl From<AnalysisError> for GivenUpReason {
     fn from(error: AnalysisError) -> Self {
         Self::Failed(error.to_string())
     }
 }
 
-impl From<ReductionError> for Reason {
+impl From<ReductionError> for GivenUpReason {
     fn from(error: ReductionError) -> Self {
         Self::Failed(error.to_string())
     }
@@ -68,15 +68,15 @@ impl From<ReductionError> for Reason {
 mod tests {
     use qless::backend::BackendError;
 
-    use super::Reason;
+    use super::GivenUpReason;
 
     #[test]
     fn a_dense_method_says_how_large_it_would_be() {
         let dense = Some((31_832, 48_488));
-        let words = |reason: Reason| reason.words(dense);
+        let words = |reason: GivenUpReason| reason.words(dense);
         let no_memory = BackendError::OutOfMemory { backend: "dgeqp3", rows: 31_832, cols: 48_488, advice: "" };
         assert_eq!(words(no_memory.into()), "dense 31,832 x 48,488 are 11.5 GiB; more memory than it may have");
-        let stopped = Reason::Stopped { limit: 4.0 };
+        let stopped = GivenUpReason::Stopped { limit: 4.0 };
         assert_eq!(words(stopped.clone()), "dense 31,832 x 48,488 are 11.5 GiB; stopped at the limit of 4 s");
         assert_eq!(stopped.words(Some((1000, 1000))), "dense 1,000 x 1,000 are 8 MiB; stopped at the limit of 4 s");
         assert_eq!(stopped.words(None), "stopped at the limit of 4 s");
@@ -84,11 +84,11 @@ mod tests {
 
     #[test]
     fn the_others_say_what_is_known() {
-        let foreseen = Reason::Foreseen { seconds: 29.6, limit: 10.0 };
+        let foreseen = GivenUpReason::Foreseen { seconds: 29.6, limit: 10.0 };
         assert_eq!(foreseen.words(None), "30 s foreseen, limit of 10 s");
-        let smaller = Reason::Smaller { equations: 7_580, limit: 0.5 };
+        let smaller = GivenUpReason::Smaller { equations: 7_580, limit: 0.5 };
         assert_eq!(smaller.words(None), "stopped on 7,580 equations already, limit of 0.5 s");
         let limit = BackendError::OverLimit { backend: "gauss", rows: 1, cols: 2, needed: 3 << 20, limit: 1 << 20 };
-        assert!(Reason::from(limit).words(None).starts_with("gauss: a block of 1 x 2 needs 3 MiB"));
+        assert!(GivenUpReason::from(limit).words(None).starts_with("gauss: a block of 1 x 2 needs 3 MiB"));
     }
 }

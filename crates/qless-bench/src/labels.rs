@@ -2,9 +2,9 @@
 
 /// The positions of the labels placed so far, in pixels: left, right and height of each.
 #[derive(Default)]
-pub struct Labels(Vec<(i32, i32, i32)>);
+pub struct PlotLabels(Vec<(i32, i32, i32)>);
 
-impl Labels {
+impl PlotLabels {
     /// The vertical offset at which a label of `letters` letters overlaps no other.
     pub fn place(&mut self, (x, y): (i32, i32), letters: usize) -> i32 {
         const HEIGHT: i32 = 13;
@@ -35,11 +35,11 @@ pub fn thousands(number: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::Labels;
+    use super::PlotLabels;
 
     #[test]
     fn labels_do_not_meet() {
-        let mut labels = Labels::default();
+        let mut labels = PlotLabels::default();
         let lifts: Vec<i32> = (0..5).map(|k| labels.place((100 + k, 100), 10)).collect();
         assert_eq!(lifts, [-6, -19, 7, -32, 20]);
         assert_eq!((labels.place((300, 100), 10), labels.place((100, 300), 10)), (-6, -6));

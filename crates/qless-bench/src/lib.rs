@@ -52,8 +52,8 @@ pub enum BenchError {
 }
 
 /// All measurements.
-struct Found {
-    methods: Vec<methods::Method>,
+struct SelectedMethods {
+    methods: Vec<methods::BenchMethod>,
     samples: Vec<sample::Sample>,
     levels: Vec<figure_15::Level>,
 }
@@ -91,12 +91,12 @@ pub fn run<E: From<BenchError>>(
 
 /// Figure 15 has methods of its own, so that it is left out if methods are named.
 fn find(
-    methods: Vec<methods::Method>,
+    methods: Vec<methods::BenchMethod>,
     families: &[systems::Family],
     args: &BenchArgs,
     mut stage: impl FnMut(&'static str),
-) -> Result<Found, String> {
-    let mut found = Found { methods, samples: Vec::new(), levels: Vec::new() };
+) -> Result<SelectedMethods, String> {
+    let mut found = SelectedMethods { methods, samples: Vec::new(), levels: Vec::new() };
     for family in families {
         stage(family.name);
         if !args.figure_15 {
@@ -109,7 +109,7 @@ fn find(
     Ok(found)
 }
 
-fn text(found: &Found) -> String {
+fn text(found: &SelectedMethods) -> String {
     let mut text = table::text(&found.samples, &found.methods);
     if !found.levels.is_empty() {
         text += "\nFigure 15\n\n";
@@ -118,8 +118,8 @@ fn text(found: &Found) -> String {
     text
 }
 
-fn write(found: &Found, args: &BenchArgs, mut output: Output) -> Result<(), BenchError> {
-    let Found { methods, samples, levels } = found;
+fn write(found: &SelectedMethods, args: &BenchArgs, mut output: Output) -> Result<(), BenchError> {
+    let SelectedMethods { methods, samples, levels } = found;
     let mut plots = plot::all(samples, methods).map_err(BenchError::Resource)?;
     plots.extend(figure_15::plots(levels).map_err(BenchError::Resource)?);
     if !samples.is_empty() {

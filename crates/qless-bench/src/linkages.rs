@@ -10,23 +10,23 @@ use qless_scenes::{Scene, Truth};
 
 /// A point of the axis, and its direction.
 type Hinge = ([f64; 3], [f64; 3]);
-type Made = Result<Scene, Box<dyn std::error::Error>>;
+type BuiltLinkage = Result<Scene, Box<dyn std::error::Error>>;
 
 /// A number of four-bar linkages with parallel hinges: 23 equations of rank 20 each.
-pub fn four_bar(count: usize) -> Made {
+pub fn four_bar(count: usize) -> BuiltLinkage {
     let z = [0.0, 0.0, 1.0];
     rings(count, &[([0.0; 3], z), ([0.25, 1.0, 0.5], z), ([2.0, 1.5, 0.25], z), ([1.75, 0.0, -0.25], z)])
 }
 
 /// A number of Bricard's orthogonal linkages, along six edges of a cube: 35 equations of rank 34 each.
-pub fn bricard(count: usize) -> Made {
+pub fn bricard(count: usize) -> BuiltLinkage {
     let at = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1], [0, 1, 1], [0, 0, 1]];
     // Hinge i turns about an axis that is perpendicular to the edges before and after it.
     let hinge = |i: usize| (at[i].map(f64::from), std::array::from_fn(|k| f64::from(u8::from(k == (i + 1) % 3))));
     rings(count, &[0, 1, 2, 3, 4, 5].map(hinge))
 }
 
-fn rings(count: usize, hinges: &[Hinge]) -> Made {
+fn rings(count: usize, hinges: &[Hinge]) -> BuiltLinkage {
     let coordinates = 7 * (hinges.len() - 1);
     let mut builder = ConstraintSet::builder(count * coordinates);
     for ring in 0..count {

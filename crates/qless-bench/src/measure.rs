@@ -3,32 +3,33 @@
 use qless_scenes::Scene;
 
 use super::child;
-use super::given_up::Reason;
-use super::methods::Method;
-use super::plan::{Past, Plan, limit, plan};
+use super::given_up::GivenUpReason;
+use super::methods::BenchMethod;
+use super::plan::{Past, MeasurementPlan, limit, plan};
 use super::quality::Reference;
 use super::run::{Done, warm};
 use super::sample::{Measured, Sample};
-use super::systems::{Case, Family};
+use super::systems::{Family, BenchCase};
 use crate::BenchArgs;
 
 /// A method that takes longer than this, or than a tenth of the limit, is measured only once; seconds.
 const SLOW: f64 = 5.0;
 
 /// Samples of a family. The error is a scene that cannot be made.
-pub fn measure(family: &Family, methods: &[Method], args: &BenchArgs) -> Result<Vec<Sample>, String> {
+pub fn measure(family: &Family, methods: &[BenchMethod], args: &BenchArgs) -> Result<Vec<Sample>, String> {
     let mut samples: Vec<Sample> = Vec::new();
     let mut past: Vec<Option<Past>> = vec![None; methods.len()];
     for case in &family.cases {
         let scene = case.scene()?;
         let equations = scene.system.equations();
-        let planned = |(method, past): (&Method, &Option<Past>)| plan(method, *past, equations, limit(method, args));
+        let planned =
+            |(method, past): (&BenchMethod, &Option<Past>)| plan(method, *past, equations, limit(method, args));
         let plans = methods.iter().zip(&past).map(planned).collect();
         let results = in_turns(case, &scene, methods, plans, args);
         for (k, result) in results.into_iter().enumerate() {
             past[k] = match &result {
                 Ok(result) => Some(Past::Took { seconds: result.time, equations }),
-                Err(Reason::Stopped { .. }) => Some(Past::Stopped { equations }),
+                Err(GivenUpReason::Stopped { .. }) => Some(Past::Stopped { equations }),
                 Err(_) => past[k],
             };
             samples.push(sample(case, &scene, &methods[k], result));
@@ -38,17 +39,17 @@ pub fn measure(family: &Family, methods: &[Method], args: &BenchArgs) -> Result<
 }
 
 /// The first result of a method, and the times of all its runs.
-type Found = Result<(Measured, Vec<f64>), Reason>;
+type MeasuredResult = Result<(Measured, Vec<f64>), GivenUpReason>;
 
 fn in_turns(
-    case: &Case,
+    case: &BenchCase,
     scene: &Scene,
-    methods: &[Method],
-    plans: Vec<Plan>,
+    methods: &[BenchMethod],
+    plans: Vec<MeasurementPlan>,
     args: &BenchArgs,
-) -> Vec<Result<Measured, Reason>> {
+) -> Vec<Result<Measured, GivenUpReason>> {
     let reference = Reference::new(scene);
-    let mut results: Vec<Option<Found>> = methods.iter().map(|_| None).collect();
+    let mut results: Vec<Option<MeasuredResult>> = methods.iter().map(|_| None).collect();
     for _ in 0..args.runs.get() {
         for ((method, plan), result) in methods.iter().zip(&plans).zip(&mut results) {
             let again = turn(case, &reference, method, plan, result.as_ref(), limit(method, args));
@@ -59,10 +60,10 @@ fn in_turns(
             }
         }
     }
-    let finish = |((method, plan), result): ((&Method, Plan), Option<Found>)| {
-        let (measured, times) = result.unwrap_or(Err(Reason::Ended))?;
+    let finish = |((method, plan), result): ((&BenchMethod, MeasurementPlan), Option<MeasuredResult>)| {
+        let (measured, times) = result.unwrap_or(Err(GivenUpReason::Ended))?;
         let mut measured = summary(measured, times);
-        if args.memory && matches!(plan, Plan::Here) {
+        if args.memory && matches!(plan, MeasurementPlan::Here) {
             measured.memory = child::memory(case.family, &case.size, method, limit(method, args));
         }
         Ok(measured)
@@ -72,13 +73,13 @@ fn in_turns(
 
 /// One run; none if the method failed before or is too slow to repeat.
 fn turn(
-    case: &Case,
+    case: &BenchCase,
     reference: &Reference,
-    method: &Method,
-    plan: &Plan,
-    before: Option<&Found>,
+    method: &BenchMethod,
+    plan: &MeasurementPlan,
+    before: Option<&MeasuredResult>,
     limit: f64,
-) -> Option<Result<Measured, Reason>> {
+) -> Option<Result<Measured, GivenUpReason>> {
     let first = match before {
         Some(Ok((_, times))) if times[0] > SLOW.min(limit / 10.0) => return None,
         Some(Err(_)) => return None,
@@ -88,13 +89,18 @@ fn turn(
     // The result is judged once; later runs only add times.
     let judge = |done: Done| Measured { time: done.time, ..first.unwrap_or_else(|| reference.judge(&done)) };
     Some(match plan {
-        Plan::Here => warm(&reference.scene.system, method).map(judge),
-        Plan::Apart => child::measure(case.family, &case.size, method, limit),
-        Plan::Nowhere(reason) => Err(reason.clone()),
+        MeasurementPlan::Here => warm(&reference.scene.system, method).map(judge),
+        MeasurementPlan::Apart => child::measure(case.family, &case.size, method, limit),
+        MeasurementPlan::Nowhere(reason) => Err(reason.clone()),
     })
 }
 
-fn sample(case: &Case, scene: &Scene, method: &Method, result: Result<Measured, Reason>) -> Sample {
+fn sample(
+    case: &BenchCase,
+    scene: &Scene,
+    method: &BenchMethod,
+    result: Result<Measured, GivenUpReason>,
+) -> Sample {
     let equations = scene.system.equations();
     let rank = scene.truth.rank_free.unwrap_or(equations);
     let dense = method.is_dense.then_some((equations, scene.system.dofs() - scene.system.prescribed().len()));

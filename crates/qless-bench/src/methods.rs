@@ -13,7 +13,7 @@ pub enum Engine {
 }
 
 /// A choice and its name.
-pub struct Method {
+pub struct BenchMethod {
     pub name: &'static str,
     pub engine: Engine,
     /// Whether it is drawn in the plot of times against sizes.
@@ -27,7 +27,7 @@ pub struct Method {
 /// No bound of the growth, for all that matters.
 const UNBOUNDED: f64 = 1e15;
 
-impl Method {
+impl BenchMethod {
     /// Whether the limit for other libraries is its own.
     pub fn is_peer(&self) -> bool {
         !matches!(self.engine, Engine::Qless(..))
@@ -49,39 +49,42 @@ impl Method {
 }
 
 /// All that this program was built with; with names, those only.
-pub fn all(only: &[String]) -> Vec<Method> {
+pub fn all(only: &[String]) -> Vec<BenchMethod> {
     let standard = Options::default();
     let alone = |backend| Options { backend, presolve: false, ..standard.clone() };
     let tolerance = |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..standard.clone() };
     // Without checks of the rank, the slaves can be so ill-conditioned that the exchanges take minutes.
-    let unchecked = |name, options| Method { is_apart: true, ..Method::new(name, Options { check: false, ..options }) };
-    let mut all = vec![Method::new("default", standard.clone()).drawn()];
-    all.extend(Method::on("default, 1 thread", standard.clone(), 1));
-    all.extend(Method::on("default, 2 threads", standard.clone(), 2));
+    let unchecked = |name, options| BenchMethod {
+        is_apart: true,
+        ..BenchMethod::new(name, Options { check: false, ..options })
+    };
+    let mut all = vec![BenchMethod::new("default", standard.clone()).drawn()];
+    all.extend(BenchMethod::on("default, 1 thread", standard.clone(), 1));
+    all.extend(BenchMethod::on("default, 2 threads", standard.clone(), 2));
     all.extend([
         unchecked("rank unchecked", standard.clone()),
-        Method::new("faer alone", alone(BackendChoice::Faer)).drawn(),
-        Method::new("sparse alone", alone(BackendChoice::Sparse)).drawn(),
+        BenchMethod::new("faer alone", alone(BackendChoice::Faer)).drawn(),
+        BenchMethod::new("sparse alone", alone(BackendChoice::Sparse)).drawn(),
         unchecked("sparse alone, rank unchecked", alone(BackendChoice::Sparse)),
     ]);
     if cfg!(feature = "spqr") {
-        all.push(Method::new("spqr alone", alone(BackendChoice::Spqr)).drawn());
+        all.push(BenchMethod::new("spqr alone", alone(BackendChoice::Spqr)).drawn());
     }
     if cfg!(feature = "tbb") {
         // The task tree has as many threads as the pool, so none of it is used here.
-        all.extend(Method::on("spqr alone, 1 thread", alone(BackendChoice::Spqr), 1));
+        all.extend(BenchMethod::on("spqr alone, 1 thread", alone(BackendChoice::Spqr), 1));
     }
     all.extend([
-        Method::new("gauss alone", alone(BackendChoice::Gauss)).drawn(),
-        Method::new("gauss", Options { backend: BackendChoice::Gauss, ..standard.clone() }),
-        Method::new("growth 2", Options { growth: 2.0, ..standard.clone() }),
-        Method::new("growth unbounded", Options { growth: UNBOUNDED, ..standard.clone() }),
-        Method::new("tolerance 1e-4", tolerance(1e-4)),
-        Method::new("tolerance 1e-6", tolerance(1e-6)),
-        Method::new("tolerance 1e-8", tolerance(1e-8)),
-        Method::new("tolerance 1e-12", tolerance(1e-12)),
-        Method::new("tolerance 1e-14", tolerance(1e-14)),
-        Method::new("paper's tolerance", Options { tolerance: Tolerance::Paper, ..standard }),
+        BenchMethod::new("gauss alone", alone(BackendChoice::Gauss)).drawn(),
+        BenchMethod::new("gauss", Options { backend: BackendChoice::Gauss, ..standard.clone() }),
+        BenchMethod::new("growth 2", Options { growth: 2.0, ..standard.clone() }),
+        BenchMethod::new("growth unbounded", Options { growth: UNBOUNDED, ..standard.clone() }),
+        BenchMethod::new("tolerance 1e-4", tolerance(1e-4)),
+        BenchMethod::new("tolerance 1e-6", tolerance(1e-6)),
+        BenchMethod::new("tolerance 1e-8", tolerance(1e-8)),
+        BenchMethod::new("tolerance 1e-12", tolerance(1e-12)),
+        BenchMethod::new("tolerance 1e-14", tolerance(1e-14)),
+        BenchMethod::new("paper's tolerance", Options { tolerance: Tolerance::Paper, ..standard }),
     ]);
     #[cfg(feature = "peers")]
     all.extend(peers());
@@ -91,9 +94,9 @@ pub fn all(only: &[String]) -> Vec<Method> {
 
 /// Other libraries in use today.
 #[cfg(feature = "peers")]
-fn peers() -> [Method; 3] {
+fn peers() -> [BenchMethod; 3] {
     use super::peers::{Eigen, Lapack, Rule};
-    let peer = |name, backend, tolerance| Method {
+    let peer = |name, backend, tolerance| BenchMethod {
         name,
         engine: Engine::Peer(backend, tolerance),
         is_drawn: true,
@@ -105,6 +108,6 @@ fn peers() -> [Method; 3] {
     [
         peer("Eigen SparseQR", Box::new(Eigen(Rule::Own)), 0.0),
         peer("Eigen SparseQR, paper's tolerance", Box::new(Eigen(Rule::Call)), paper),
-        Method { is_dense: true, ..peer("LAPACK dgeqp3", Box::new(Lapack(Rule::Own)), 0.0) },
+        BenchMethod { is_dense: true, ..peer("LAPACK dgeqp3", Box::new(Lapack(Rule::Own)), 0.0) },
     ]
 }

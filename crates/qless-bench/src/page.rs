@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::advice::advice;
 use super::figure_15::{self, Level};
-use super::methods::Method;
+use super::methods::BenchMethod;
 use super::plot::{GROWTH, TRADE, front, has_growth, points};
 use super::sample::Sample;
 use super::table::{HEAD, cells, exponents};
@@ -30,7 +30,7 @@ absolute 1e-5; dgeqp3 has none, max(m, n) eps abs(R_11) is taken.
 ";
 
 /// The page; `command` is what makes it again.
-pub fn markdown(samples: &[Sample], methods: &[Method], levels: &[Level], command: &str) -> String {
+pub fn markdown(samples: &[Sample], methods: &[BenchMethod], levels: &[Level], command: &str) -> String {
     let mut text = format!(
         "# The trade of speed for accuracy\n\nMade by `{command}` (qless {}) on {}, {} threads. Times are medians of the \
          whole elimination, from the validated system to T, G, g.\n\n",
@@ -56,7 +56,7 @@ pub fn markdown(samples: &[Sample], methods: &[Method], levels: &[Level], comman
 }
 
 /// The plots that there are, and what is to be read off them.
-fn plots(text: &mut String, samples: &[Sample], methods: &[Method]) {
+fn plots(text: &mut String, samples: &[Sample], methods: &[BenchMethod]) {
     let all = points(samples, methods);
     if !all.is_empty() {
         let best: Vec<&str> = front(&all).iter().map(|point| point.method).collect();

@@ -1,7 +1,7 @@
 //! Decides which methods run on a system, and in which process, from their times on a smaller system.
 
-use super::given_up::Reason;
-use super::methods::Method;
+use super::given_up::GivenUpReason;
+use super::methods::BenchMethod;
 use crate::BenchArgs;
 
 /// The result of a method on the previous system of its family.
@@ -12,37 +12,41 @@ pub enum Past {
 }
 
 /// The process in which a method runs.
-pub enum Plan {
+pub enum MeasurementPlan {
     Here,
     /// In a process that can be stopped.
     Apart,
-    Nowhere(Reason),
+    Nowhere(GivenUpReason),
 }
 
 /// Seconds that it may take.
-pub fn limit(method: &Method, args: &BenchArgs) -> f64 {
+pub fn limit(method: &BenchMethod, args: &BenchArgs) -> f64 {
     args.peer_limit.filter(|_| method.is_peer()).unwrap_or(args.limit)
 }
 
 /// Time is predicted to grow with the square of the number of equations: too much for sparse methods, too little for dense ones. So
 /// qless itself is still tried, in a process that can be stopped.
-pub fn plan(method: &Method, past: Option<Past>, equations: usize, limit: f64) -> Plan {
+pub fn plan(method: &BenchMethod, past: Option<Past>, equations: usize, limit: f64) -> MeasurementPlan {
     let square = |before: usize| (equations as f64 / before as f64).powi(2);
     match past {
-        Some(Past::Stopped { equations }) => Plan::Nowhere(Reason::Smaller { equations, limit }),
+        Some(Past::Stopped { equations }) => MeasurementPlan::Nowhere(GivenUpReason::Smaller { equations, limit }),
         Some(Past::Took { seconds, equations }) if seconds * square(equations) > limit => {
             let seconds = seconds * square(equations);
-            if method.is_peer() { Plan::Nowhere(Reason::Foreseen { seconds, limit }) } else { Plan::Apart }
+            if method.is_peer() {
+                MeasurementPlan::Nowhere(GivenUpReason::Foreseen { seconds, limit })
+            } else {
+                MeasurementPlan::Apart
+            }
         }
-        _ if method.is_apart => Plan::Apart,
-        _ => Plan::Here,
+        _ if method.is_apart => MeasurementPlan::Apart,
+        _ => MeasurementPlan::Here,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::methods;
-    use super::{Past, Plan, Reason, plan};
+    use super::{GivenUpReason, Past, MeasurementPlan, plan};
 
     /// Our own methods run where they can be stopped, and are tried on everything that did not stop them before.
     #[test]
@@ -50,16 +54,16 @@ mod tests {
         let all = methods::all(&[]);
         let ours = all.iter().find(|method| method.name == "gauss alone").expect("ours");
         let took = |seconds| Some(Past::Took { seconds, equations: 100 });
-        assert!(matches!(plan(ours, None, 100_000, 10.0), Plan::Here));
-        assert!(matches!(plan(ours, took(1.0), 300, 10.0), Plan::Here));
-        assert!(matches!(plan(ours, took(1.0), 400, 10.0), Plan::Apart));
+        assert!(matches!(plan(ours, None, 100_000, 10.0), MeasurementPlan::Here));
+        assert!(matches!(plan(ours, took(1.0), 300, 10.0), MeasurementPlan::Here));
+        assert!(matches!(plan(ours, took(1.0), 400, 10.0), MeasurementPlan::Apart));
         let stopped = plan(ours, Some(Past::Stopped { equations: 100 }), 400, 10.0);
-        assert!(matches!(stopped, Plan::Nowhere(Reason::Smaller { equations: 100, .. })));
+        assert!(matches!(stopped, MeasurementPlan::Nowhere(GivenUpReason::Smaller { equations: 100, .. })));
         let apart = all.iter().find(|method| method.is_apart).expect("one");
-        assert!(matches!(plan(apart, None, 1, 10.0), Plan::Apart));
+        assert!(matches!(plan(apart, None, 1, 10.0), MeasurementPlan::Apart));
         for peer in all.iter().filter(|method| method.is_peer()) {
-            assert!(matches!(plan(peer, took(1.0), 400, 10.0), Plan::Nowhere(Reason::Foreseen { .. })));
-            assert!(matches!(plan(peer, took(1.0), 300, 10.0), Plan::Apart));
+            assert!(matches!(plan(peer, took(1.0), 400, 10.0), MeasurementPlan::Nowhere(GivenUpReason::Foreseen { .. })));
+            assert!(matches!(plan(peer, took(1.0), 300, 10.0), MeasurementPlan::Apart));
         }
     }
 }

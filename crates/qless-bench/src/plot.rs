@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::prelude::*;
 
-use super::labels::Labels;
-use super::methods::Method;
+use super::labels::PlotLabels;
+use super::methods::BenchMethod;
 use super::sample::{Sample, series, verdict};
 
 /// Colours that can be distinguished in print too.
@@ -31,7 +31,7 @@ pub const TRADE: &str = "trade.svg";
 pub const GROWTH: &str = "growth.svg";
 
 /// File names and their content; no plot without data. The error is what the plotting library says.
-pub fn all(samples: &[Sample], methods: &[Method]) -> Result<Vec<(&'static str, String)>, String> {
+pub fn all(samples: &[Sample], methods: &[BenchMethod]) -> Result<Vec<(&'static str, String)>, String> {
     let text = |error: &dyn std::fmt::Display| format!("a plot cannot be drawn: {error}");
     let mut plots = Vec::new();
     if !points(samples, methods).is_empty() {
@@ -44,13 +44,13 @@ pub fn all(samples: &[Sample], methods: &[Method]) -> Result<Vec<(&'static str, 
 }
 
 /// Whether there is a time to draw against the number of equations.
-pub fn has_growth(samples: &[Sample], methods: &[Method]) -> bool {
+pub fn has_growth(samples: &[Sample], methods: &[BenchMethod]) -> bool {
     methods.iter().any(|method| method.is_drawn && !series(samples, method.name).0.is_empty())
 }
 
 /// A method over all systems: mean time relative to the default (geometric), and the worst error: 1 where a rank is wrong without a
 /// warning, else the residual.
-pub struct Point {
+pub struct PlotPoint {
     pub method: &'static str,
     pub time: f64,
     pub error: f64,
@@ -60,7 +60,7 @@ pub struct Point {
     pub of: usize,
 }
 
-impl Point {
+impl PlotPoint {
     /// Whether it gave none up: what it gave up would have cost most time.
     fn is_whole(&self) -> bool {
         self.done == self.of
@@ -72,13 +72,13 @@ impl Point {
 }
 
 /// Methods that did any system, with those that they did.
-pub fn points(samples: &[Sample], methods: &[Method]) -> Vec<Point> {
+pub fn points(samples: &[Sample], methods: &[BenchMethod]) -> Vec<PlotPoint> {
     let default: BTreeMap<(&str, &str), f64> = samples
         .iter()
         .filter(|sample| sample.method == methods[0].name)
         .filter_map(|sample| Some(((sample.family, sample.size.as_str()), sample.measured()?.time)))
         .collect();
-    let point = |method: &Method| {
+    let point = |method: &BenchMethod| {
         let (mut logs, mut done, mut error) = (0.0, 0, LEAST);
         for sample in samples.iter().filter(|sample| sample.method == method.name) {
             let (Some(measured), Some(time)) =
@@ -92,14 +92,14 @@ pub fn points(samples: &[Sample], methods: &[Method]) -> Vec<Point> {
             error = f64::max(error, if is_right { measured.residual } else { 1.0 });
         }
         let time = f64::exp(logs / done as f64);
-        (done > 0).then(|| Point { method: method.name, time, error: error.min(1.0), done, of: default.len() })
+        (done > 0).then(|| PlotPoint { method: method.name, time, error: error.min(1.0), done, of: default.len() })
     };
     methods.iter().filter_map(point).collect()
 }
 
 /// Points of methods that did every system that no other such point beats in both, from the fastest on.
-pub fn front(points: &[Point]) -> Vec<&Point> {
-    let mut sorted: Vec<&Point> = points.iter().filter(|point| point.is_whole()).collect();
+pub fn front(points: &[PlotPoint]) -> Vec<&PlotPoint> {
+    let mut sorted: Vec<&PlotPoint> = points.iter().filter(|point| point.is_whole()).collect();
     sorted.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.error.total_cmp(&b.error)));
     let mut least = f64::INFINITY;
     sorted.retain(|point| {
@@ -112,9 +112,9 @@ pub fn front(points: &[Point]) -> Vec<&Point> {
 
 pub type Drawn = Result<String, Box<dyn std::error::Error>>;
 
-fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
+fn trade(samples: &[Sample], methods: &[BenchMethod]) -> Drawn {
     let points = points(samples, methods);
-    let range = |values: &dyn Fn(&Point) -> f64, room: f64| {
+    let range = |values: &dyn Fn(&PlotPoint) -> f64, room: f64| {
         let low = points.iter().map(values).fold(f64::INFINITY, f64::min);
         let high = points.iter().map(values).fold(0.0, f64::max);
         low / room..high * room
@@ -142,7 +142,7 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
             .draw_series(LineSeries::new(along, COLOURS[4].stroke_width(2)))?
             .label("Pareto front")
             .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], COLOURS[4].stroke_width(2)));
-        let mut labels = Labels::default();
+        let mut labels = PlotLabels::default();
         for (k, point) in points.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
             let (at, label) = ((point.time, point.error), point.label());
@@ -159,8 +159,8 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
     Ok(svg)
 }
 
-fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {
-    let drawn: Vec<&Method> = methods.iter().filter(|method| method.is_drawn).collect();
+fn growth(samples: &[Sample], methods: &[BenchMethod]) -> Drawn {
+    let drawn: Vec<&BenchMethod> = methods.iter().filter(|method| method.is_drawn).collect();
     let all: Vec<(f64, f64)> = drawn.iter().flat_map(|method| series(samples, method.name).0).collect();
     let low = |k: fn(&(f64, f64)) -> f64| all.iter().map(k).fold(f64::INFINITY, f64::min);
     let high = |k: fn(&(f64, f64)) -> f64| all.iter().map(k).fold(0.0, f64::max);
@@ -205,12 +205,12 @@ fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {
 
 #[cfg(test)]
 mod tests {
-    use super::{Point, front};
+    use super::{PlotPoint, front};
 
     #[test]
     fn the_front_holds_what_nothing_beats() {
-        let point = |method, time, error| Point { method, time, error, done: 7, of: 7 };
-        let given_up = Point { done: 6, ..point("e", 0.1, 1e-12) };
+        let point = |method, time, error| PlotPoint { method, time, error, done: 7, of: 7 };
+        let given_up = PlotPoint { done: 6, ..point("e", 0.1, 1e-12) };
         let points =
             [point("a", 1.0, 1e-3), point("b", 2.0, 1e-3), point("c", 3.0, 1e-9), point("d", 0.5, 1.0), given_up];
         assert_eq!(front(&points).iter().map(|p| p.method).collect::<Vec<_>>(), ["d", "a", "c"]);

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
 
-use super::given_up::Reason;
-use super::methods::{Engine, Method};
+use super::given_up::GivenUpReason;
+use super::methods::{Engine, BenchMethod};
 
 /// The result of one run of a method.
 pub struct Done {
@@ -23,12 +23,12 @@ const WARM: f64 = 0.01;
 const REPEATS: usize = 10;
 
 /// As [`once`], but with warm caches: otherwise the first method of every round would seem slow.
-pub fn warm(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
+pub fn warm(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     warmed(once(system, method)?, system, method)
 }
 
 /// The same of a method that has run.
-pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
+pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     let mut total = done.time;
     for repeat in 0..REPEATS {
         if total >= if repeat == 0 { SLOW } else { WARM } {
@@ -43,7 +43,7 @@ pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &Method) -> Res
 }
 
 /// One run. The error is the method's own: mostly a lack of memory.
-pub fn once(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
+pub fn once(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     match &method.engine {
         Engine::Qless(options, None) => qless(system, options),
         Engine::Qless(options, Some(pool)) => pool.install(|| qless(system, options)),
@@ -56,7 +56,7 @@ pub fn once(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> 
     }
 }
 
-fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, Reason> {
+fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, GivenUpReason> {
     let start = Instant::now();
     let analysis = analyse(system, options)?;
     let reduction = analysis.reduction()?;

@@ -87,14 +87,14 @@ fn largest(x: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Corrections of u and of the multipliers for what is left of both equations.
-type Step = (Vec<f64>, Vec<f64>);
+type SpringStep = (Vec<f64>, Vec<f64>);
 
 /// Refines u until it no longer changes; none if it does not converge.
 fn refined(
     f: &[f64],
     system: &ConstraintSystem,
-    (mut u, mut lambda): Step,
-    step: impl Fn(&[f64], &[f64]) -> Option<Step>,
+    (mut u, mut lambda): SpringStep,
+    step: impl Fn(&[f64], &[f64]) -> Option<SpringStep>,
 ) -> Option<Vec<f64>> {
     for _ in 0..STEPS {
         let (left, apart) = residuals(system, f, &u, &lambda);

@@ -9,19 +9,19 @@ use super::linkages::{bricard, four_bar};
 /// Systems of one kind.
 pub struct Family {
     pub name: &'static str,
-    pub cases: Vec<Case>,
+    pub cases: Vec<BenchCase>,
 }
 
 /// One system, made when it is asked for.
-pub struct Case {
+pub struct BenchCase {
     pub family: &'static str,
     pub size: String,
-    make: Box<dyn Fn() -> Made>,
+    make: Box<dyn Fn() -> BuiltSystem>,
 }
 
-type Made = Result<Scene, Box<dyn std::error::Error>>;
+type BuiltSystem = Result<Scene, Box<dyn std::error::Error>>;
 
-impl Case {
+impl BenchCase {
     /// The system. The error is one that cannot be made, in words.
     pub fn scene(&self) -> Result<Scene, String> {
         (self.make)().map_err(|error| format!("{} {}: {error}", self.family, self.size))
@@ -52,7 +52,7 @@ fn table_1() -> [Family; 2] {
 }
 
 /// The same model on meshes below those of the paper.
-pub fn below_table_1(family: &'static str) -> Vec<Case> {
+pub fn below_table_1(family: &'static str) -> Vec<BenchCase> {
     let case = |equations: usize| {
         let mesh = Mesh::with_equations(equations);
         coupled(family, format!("{} equations", mesh.equations()), mesh)
@@ -60,9 +60,9 @@ pub fn below_table_1(family: &'static str) -> Vec<Case> {
     [300, 600, 1_200, 2_500, 5_000].map(case).into()
 }
 
-fn coupled(family: &'static str, size: String, mesh: Mesh) -> Case {
+fn coupled(family: &'static str, size: String, mesh: Mesh) -> BenchCase {
     let scene: fn(&Mesh, u64) -> Result<Scene, SceneError> = if family == TIE { tie } else { mortar };
-    Case { family, size, make: Box::new(move || Ok(scene(&mesh, 1)?)) }
+    BenchCase { family, size, make: Box::new(move || Ok(scene(&mesh, 1)?)) }
 }
 
 fn sized() -> [Family; 7] {
@@ -95,7 +95,7 @@ fn units(count: usize) -> Vec<f64> {
     (0..count).map(|j| f64::powi(2.0, (j * 8 % 21) as i32 - 10)).collect()
 }
 
-fn family(name: &'static str, sizes: &[usize], scene: impl Fn(usize) -> Made + Copy + 'static) -> Family {
-    let case = |&n: &usize| Case { family: name, size: n.to_string(), make: Box::new(move || scene(n)) };
+fn family(name: &'static str, sizes: &[usize], scene: impl Fn(usize) -> BuiltSystem + Copy + 'static) -> Family {
+    let case = |&n: &usize| BenchCase { family: name, size: n.to_string(), make: Box::new(move || scene(n)) };
     Family { name, cases: sizes.iter().map(case).collect() }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::methods::Method;
+use super::methods::BenchMethod;
 use super::sample::{Measured, Sample, series, verdict};
 use super::systems::TIE;
 
@@ -37,7 +37,7 @@ pub const HEAD: [&str; 11] =
 const WIDTH: [usize; HEAD.len()] = [34, 11, 20, 10, 9, 15, 6, 6, 10, 10, 10];
 
 /// A block for each system.
-pub fn text(samples: &[Sample], methods: &[Method]) -> String {
+pub fn text(samples: &[Sample], methods: &[BenchMethod]) -> String {
     let threads = rayon::current_num_threads();
     let mut text = format!("qless {} on {threads} threads\n", env!("CARGO_PKG_VERSION"));
     for block in samples.chunks(methods.len()) {
@@ -98,14 +98,14 @@ fn times(measured: &Measured, first: &Sample) -> Option<f64> {
 }
 
 /// `method exponent` of all that are drawn, on the paper's tie; empty where there are less than two sizes.
-pub fn exponents(samples: &[Sample], methods: &[Method]) -> String {
-    let exponent = |method: &Method| Some(format!("{} {:.2}", method.name, series(samples, method.name).1?));
+pub fn exponents(samples: &[Sample], methods: &[BenchMethod]) -> String {
+    let exponent = |method: &BenchMethod| Some(format!("{} {:.2}", method.name, series(samples, method.name).1?));
     let drawn = methods.iter().filter(|method| method.is_drawn);
     drawn.filter_map(exponent).collect::<Vec<_>>().join("; ")
 }
 
 /// One line for each sample; what was given up has no numbers.
-pub fn csv(samples: &[Sample], methods: &[Method]) -> String {
+pub fn csv(samples: &[Sample], methods: &[BenchMethod]) -> String {
     let mut text = COLUMNS.join(",") + "\n";
     for block in samples.chunks(methods.len()) {
         block.iter().for_each(|sample| csv_line(&mut text, sample, &block[0]));

@@ -4,7 +4,7 @@ use super::sample::{Measured, Sample};
 use super::{methods, page, plot, systems, table};
 
 /// One system, on which every method but the last took as many milliseconds as its number.
-fn samples(methods: &[methods::Method]) -> Vec<Sample> {
+fn samples(methods: &[methods::BenchMethod]) -> Vec<Sample> {
     let result = |k: usize| {
         let time = 1e-3 * (k + 1) as f64;
         let given_up = Err("dense 9 x 9 are 0 MiB; stopped at the limit of 10 s".to_owned());
@@ -22,7 +22,7 @@ fn samples(methods: &[methods::Method]) -> Vec<Sample> {
         };
         if k + 1 < methods.len() { Ok(measured) } else { given_up }
     };
-    let sample = |(k, method): (usize, &methods::Method)| Sample {
+    let sample = |(k, method): (usize, &methods::BenchMethod)| Sample {
         family: systems::TIE,
         size: "50 %".into(),
         equations: 9,

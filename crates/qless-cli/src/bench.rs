@@ -4,18 +4,18 @@ use std::process::ExitCode;
 
 use qless_bench::{BenchArgs, BenchError};
 
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use crate::terminal::{self, Progress};
 
 /// Measures, prints and writes.
-pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &BenchArgs) -> Result<ExitCode, CliFailure> {
     let mut progress = None;
     let stage = move |name| progress.get_or_insert_with(|| Progress::new(args.quiet)).stage(name);
     qless_bench::run(args, stage, |text| terminal::write(|out| text(out)))?;
     Ok(ExitCode::SUCCESS)
 }
 
-impl From<BenchError> for Failure {
+impl From<BenchError> for CliFailure {
     fn from(error: BenchError) -> Self {
         match error {
             BenchError::Input(message) => Self::Input(message),

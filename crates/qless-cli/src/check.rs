@@ -7,20 +7,20 @@ use qless_io::write::OneFile;
 use crate::args::{CheckArgs, Format};
 use crate::clean;
 use crate::diagnose::{Question, diagnose};
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use crate::report::Outcome;
 use crate::terminal::Progress;
 
 /// Prints the report; exit code 0, 1 or 4.
-pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     if args.exact && args.model.format == Format::Vtu {
-        return Err(Failure::Input(
+        return Err(CliFailure::Input(
             "--exact goes with --format text, json or html; a vtu file shows no rank".to_owned(),
         ));
     }
     if let Some(file) = &args.output {
         if file.as_os_str() == "-" {
-            return Err(Failure::Input("-o -: leave it out, and the report goes to standard output".to_owned()));
+            return Err(CliFailure::Input("-o -: leave it out, and the report goes to standard output".to_owned()));
         }
         // Refuse an output that cannot be written before the work begins.
         drop(OneFile::at(file, args.model.inputs())?);

@@ -11,16 +11,16 @@ use crate::args::CleanArgs;
 use crate::deck_input::LoadCaseChoice;
 use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::exit_code;
-use crate::failure::{Failure, say};
+use crate::failure::{CliFailure, say};
 use crate::report::Outcome;
 use crate::terminal::Progress;
 
 /// Writes the deck and prints the report, or, for conflicting equations, prints the report only.
-pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     let (input, output) = (&args.model.input, &args.output);
     // Refuse before the work begins.
     if output.as_os_str() == "-" {
-        return Err(Failure::Input("-o -: a deck is not written to standard output; name a file".to_owned()));
+        return Err(CliFailure::Input("-o -: a deck is not written to standard output; name a file".to_owned()));
     }
     drop(OneFile::at(output, Inputs::default())?);
     let progress = Progress::new(args.model.quiet);
@@ -35,7 +35,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::from(exit_code::REFUSED));
     }
     progress.stage("cleaning");
-    let fail = |error: CleanError| Failure::Input(format!("{}: {error} (nothing was written)", input.display()));
+    let fail = |error: CleanError| CliFailure::Input(format!("{}: {error} (nothing was written)", input.display()));
     let plan = clean::plan(&deck.deck, &diagnosis.options).map_err(fail)?;
     let text = clean::write(&deck.deck, &plan).map_err(fail)?;
     progress.stage("writing");
@@ -64,24 +64,24 @@ fn redundant(plan: &Plan) -> usize {
 }
 
 /// The output has the format of the input, and says so by its ending: that of the input, or one of its format. It is plain text.
-fn check_format(input: &Path, language: Language, output: &Path) -> Result<(), Failure> {
+fn check_format(input: &Path, language: Language, output: &Path) -> Result<(), CliFailure> {
     let is_packed = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
     let is_same = output.extension().is_some() && output.extension() == input.extension();
     let (input, output) = (input.display(), output);
     if is_packed {
         let output = output.display();
-        return Err(Failure::Input(format!("{output}: the output is plain text; leave out the ending .gz")));
+        return Err(CliFailure::Input(format!("{output}: the output is plain text; leave out the ending .gz")));
     }
     if Language::from_path(output) != Some(language) && !is_same {
         let output = output.display();
-        return Err(Failure::Input(format!(
+        return Err(CliFailure::Input(format!(
             "{output}: the output must have the format of {input}, which is a deck of {language}; give it the same ending"
         )));
     }
     Ok(())
 }
 
-fn no_deck(input: &Path) -> Failure {
+fn no_deck(input: &Path) -> CliFailure {
     let input = input.display();
-    Failure::Input(format!("{input}: only decks can be cleaned; for a matrix use `qless reduce`"))
+    CliFailure::Input(format!("{input}: only decks can be cleaned; for a matrix use `qless reduce`"))
 }

@@ -11,7 +11,7 @@ use qless_io::{FileContent, Opened, read_case};
 
 use crate::args::{Deny, Format, ModelArgs};
 use crate::deck_input::{DeckInput, LoadCaseChoice};
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use crate::preferences::PreferenceLists;
 use crate::terminal::Progress;
 use crate::{exit_code, memory};
@@ -41,13 +41,17 @@ pub struct Question<'a> {
 }
 
 /// Reads the model and analyses it.
-pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
+pub fn diagnose<'a>(
+    args: &'a ModelArgs,
+    question: Question,
+    progress: &Progress,
+) -> Result<Diagnosis<'a>, CliFailure> {
     let start = Instant::now();
     let Question { mut options, preferences, choice } = question;
-    let refused = |error, system: Option<&ConstraintSystem>| Failure::of_analysis(error, &args.input, system);
+    let refused = |error, system: Option<&ConstraintSystem>| CliFailure::of_analysis(error, &args.input, system);
     // Refuse before the work begins.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
-    memory::threads::start(args.threads()).map_err(Failure::of_threads)?;
+    memory::threads::start(args.threads()).map_err(CliFailure::of_threads)?;
     progress.stage("reading");
     let input = Input::read(args, &choice)?;
     let read = start.elapsed();
@@ -62,18 +66,19 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
         // Rows are numbered as in the deck, even if a load case removes some equations.
         let all = LoadCase::default();
         let model = deck.deck.model();
-        let whole = model.system(&all).map_err(|error| Failure::of_deck(&deck.deck, &error))?;
+        let whole = model.system(&all).map_err(|error| CliFailure::of_deck(&deck.deck, &error))?;
         options = preferences.resolve(&options, &whole, Some((&deck.deck, &all)))?;
     }
     // The value overflows if a large right-hand side is divided by a small coefficient.
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
-        return Err(Failure::of_overflow(&args.input, dof, &system.dof_label(dof)));
+        return Err(CliFailure::of_overflow(&args.input, dof, &system.dof_label(dof)));
     }
     Ok(Diagnosis { args, options, system, analysis, deck, exact: None, meant: None, start, read })
 }
 
 /// Analyses a system, which may be that of a load case of a deck.
-type Run<'a> = &'a dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, Failure>;
+type DiagnosisRun<'a> =
+    &'a dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, CliFailure>;
 
 /// The input.
 enum Input {
@@ -82,10 +87,10 @@ enum Input {
 }
 
 impl Input {
-    fn read(args: &ModelArgs, choice: &LoadCaseChoice) -> Result<Self, Failure> {
+    fn read(args: &ModelArgs, choice: &LoadCaseChoice) -> Result<Self, CliFailure> {
         let (input, rhs, prescribed) = (&args.input, args.rhs.as_deref(), args.prescribed.as_deref());
         let of_decks = args.solver.is_some() || matches!(choice, LoadCaseChoice::Named(_));
-        let no_deck = || Failure::Input(format!("{}: --solver and --case go with a deck", input.display()));
+        let no_deck = || CliFailure::Input(format!("{}: --solver and --case go with a deck", input.display()));
         if input.is_dir() {
             return if of_decks { Err(no_deck()) } else { Ok(Self::Case(read_case(input, rhs, prescribed)?)) };
         }
@@ -93,7 +98,7 @@ impl Input {
         match opened.content() {
             FileContent::Matrix if of_decks => Err(no_deck()),
             FileContent::Matrix => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
-            FileContent::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(Failure::Input(format!(
+            FileContent::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(CliFailure::Input(format!(
                 "{}: --rhs and --prescribed go with a .mtx file; a deck has its own",
                 input.display()
             ))),
@@ -106,8 +111,8 @@ impl Input {
         self,
         choice: &LoadCaseChoice,
         terms: usize,
-        run: Run,
-    ) -> Result<(ConstraintSystem, Analysis, Option<DeckInput>), Failure> {
+        run: DiagnosisRun,
+    ) -> Result<(ConstraintSystem, Analysis, Option<DeckInput>), CliFailure> {
         match self {
             Self::Case(system) => {
                 let analysis = run(&system, None)?;
@@ -132,13 +137,13 @@ impl Diagnosis<'_> {
     }
 
     /// Adds the rank of the numbers as typed, in exact arithmetic.
-    pub fn take_exact_rank(&mut self) -> Result<(), Failure> {
+    pub fn take_exact_rank(&mut self) -> Result<(), CliFailure> {
         let standard = Settings::from(Reading::Typed);
         // Two primes at a time, 24 bytes for a coefficient.
         let fill = memory::left().map_or(standard.fill, |bytes| bytes / 48);
         let exact = exact::rank(&self.system, Settings { fill, ..standard }).map_err(|error| {
             let input = self.args.input.display();
-            Failure::Resource(format!("{input}: {error}; leave out --exact, or allow more with --memory"))
+            CliFailure::Resource(format!("{input}: {error}; leave out --exact, or allow more with --memory"))
         })?;
         self.exact = Some(exact);
         Ok(())

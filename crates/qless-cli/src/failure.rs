@@ -14,14 +14,14 @@ use crate::wording;
 use crate::{exit_code, memory};
 
 /// Why a command could not be done.
-pub enum Failure {
+pub enum CliFailure {
     /// The user can correct it.
     Input(String),
     /// The machine lacks something: memory, threads, disk.
     Resource(String),
 }
 
-impl Failure {
+impl CliFailure {
     /// Writes the message to standard error and returns the exit code.
     pub fn tell(&self) -> ExitCode {
         let (Self::Input(message) | Self::Resource(message)) = self;
@@ -137,7 +137,7 @@ impl Failure {
     }
 }
 
-impl From<ReadError> for Failure {
+impl From<ReadError> for CliFailure {
     fn from(error: ReadError) -> Self {
         let kind = match &error {
             ReadError::Io { source, .. } => Some(source.kind()),
@@ -148,7 +148,7 @@ impl From<ReadError> for Failure {
     }
 }
 
-impl From<WriteError> for Failure {
+impl From<WriteError> for CliFailure {
     fn from(error: WriteError) -> Self {
         let message = format!("{error} (nothing was written)");
         match &error {

@@ -8,19 +8,19 @@ use qless_io::write_case;
 use qless_scenes::{Scene, SceneError};
 
 use crate::args::Cli;
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use crate::memory;
 use crate::scenes::SceneArgs;
 use crate::terminal;
 use crate::terminal::Progress;
 
 /// Writes the scene to the folder and says what is known about it.
-pub fn run(args: &SceneArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &SceneArgs) -> Result<ExitCode, CliFailure> {
     let Some(folder) = &args.output else {
         let missing = "name the folder to write to: -o <DIR>";
         Cli::command().error(ErrorKind::MissingRequiredArgument, missing).exit()
     };
-    memory::threads::start(None).map_err(Failure::of_threads)?;
+    memory::threads::start(None).map_err(CliFailure::of_threads)?;
     let progress = Progress::new(args.quiet);
     progress.stage("generating");
     let scene = args.scene.generate().map_err(|error| refused(&error))?;
@@ -31,8 +31,8 @@ pub fn run(args: &SceneArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn refused(error: &SceneError) -> Failure {
-    Failure::Input(format!("no such scene: {error}"))
+fn refused(error: &SceneError) -> CliFailure {
+    CliFailure::Input(format!("no such scene: {error}"))
 }
 
 /// Sizes, and what is true of the scene by construction.

@@ -41,7 +41,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Cli, Command};
-use failure::Failure;
+use failure::CliFailure;
 
 #[global_allocator]
 static GUARD: memory::Guard = memory::Guard;
@@ -55,16 +55,16 @@ fn main() -> ExitCode {
 }
 
 /// Sets limits on memory, and what signals do.
-fn set_up(command: &Command) -> Result<(), Failure> {
+fn set_up(command: &Command) -> Result<(), CliFailure> {
     if let Some(bytes) = command.memory() {
-        memory::limit(bytes).map_err(Failure::Resource)?;
+        memory::limit(bytes).map_err(CliFailure::Resource)?;
     }
     #[cfg(unix)]
-    signals::watch().map_err(|error| Failure::of_memory(&format!("signals cannot be waited for: {error}")))?;
+    signals::watch().map_err(|error| CliFailure::of_memory(&format!("signals cannot be waited for: {error}")))?;
     Ok(())
 }
 
-fn run(command: &Command) -> Result<ExitCode, Failure> {
+fn run(command: &Command) -> Result<ExitCode, CliFailure> {
     set_up(command)?;
     match command {
         Command::Check(args) => check::run(args),

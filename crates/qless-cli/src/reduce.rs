@@ -14,7 +14,7 @@ use qless_io::write::Output;
 
 use crate::args::ReduceArgs;
 use crate::diagnose::{Diagnosis, Question, diagnose};
-use crate::failure::{Failure, say};
+use crate::failure::{CliFailure, say};
 use crate::report::{Outcome, Reduced};
 use crate::terminal::Progress;
 
@@ -22,7 +22,7 @@ use crate::terminal::Progress;
 pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
 
 /// Writes the files and prints the report, or, for conflicting or incomplete equations, prints the report only.
-pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
     check_place(args)?;
     let progress = Progress::new(args.model.quiet);
     let question = Question { options: args.options(), preferences: args.preferences(), choice: args.choice() };
@@ -35,7 +35,7 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     }
     progress.stage("reducing");
     let start = Instant::now();
-    let refused = |error| Failure::of_reduction(error, &args.model.input, &diagnosis.system);
+    let refused = |error| CliFailure::of_reduction(error, &args.model.input, &diagnosis.system);
     let reduction = diagnosis.analysis.reduction_in(args.form()).map_err(refused)?;
     let time = start.elapsed();
     progress.stage("writing");
@@ -45,7 +45,7 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn write(args: &ReduceArgs, reduction: &Reduction, diagnosis: &Diagnosis) -> Result<(), Failure> {
+fn write(args: &ReduceArgs, reduction: &Reduction, diagnosis: &Diagnosis) -> Result<(), CliFailure> {
     let mut output = Output::new(&args.output)?.sparing(diagnosis.inputs());
     add(&mut output, reduction, diagnosis.system.dof_labels())?;
     for (block, k) in reduction.factored().iter().zip(1..) {
@@ -72,8 +72,8 @@ fn add(output: &mut Output, reduction: &Reduction, labels: &[String]) -> Result<
     Ok(())
 }
 
-fn beyond_range(args: &ReduceArgs, number: usize) -> Failure {
-    Failure::Input(format!(
+fn beyond_range(args: &ReduceArgs, number: usize) -> CliFailure {
+    CliFailure::Input(format!(
         "{}: the units of block {number} are too far apart for its factors, which would lie beyond 1e308: rescale its equations, or \
          use --form explicit",
         args.model.input.display()
@@ -91,10 +91,10 @@ fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
 }
 
 /// Refuses an output folder that cannot be written, or whose files would be lost, before the work begins.
-fn check_place(args: &ReduceArgs) -> Result<(), Failure> {
+fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
     // The prescribed.txt of a reduction and that of a case differ in meaning: never overwrite one by the other.
     if args.output.join("C.mtx").symlink_metadata().is_ok() {
-        return Err(Failure::Input(format!(
+        return Err(CliFailure::Input(format!(
             "{}: the folder holds a case (C.mtx) with its own prescribed.txt, which would be overwritten; name another folder with -o",
             args.output.display()
         )));

@@ -11,8 +11,8 @@ use qless_scenes::fssi::{self, Level, Mesh};
 use qless_scenes::paper;
 use qless_scenes::{Scene, SceneError};
 
-use large::{Cell, Net, Tie};
-use values::{Column, Coupling, Form, finite, level};
+use large::{Cell, NetScene, Tie};
+use values::{Coupling, Form, ColumnName, finite, level};
 
 /// Which scene, and where to.
 #[derive(Args)]
@@ -145,7 +145,7 @@ pub enum SceneName {
     /// Mortar tie of two meshes of a curved surface that do not match
     MortarSurface(Tie),
     /// Rows of hinged bodies with rungs of two bodies between them: a plane mechanism in space
-    Linkage(Net),
+    Linkage(NetScene),
     /// Triples of rows, the third the sum of the others but for eps
     Near {
         #[arg(long, default_value_t = 10)]
@@ -154,7 +154,7 @@ pub enum SceneName {
         eps: f64,
         /// Where it differs
         #[arg(long, value_enum, default_value = "own")]
-        column: Column,
+        column: ColumnName,
     },
     /// d x d blocks on the edges of a grid
     Gradient {

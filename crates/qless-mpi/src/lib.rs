@@ -32,7 +32,7 @@ mod ranks;
 mod share;
 mod solve;
 
-pub use analysis::{Analysis, CertificateTerm, Counts, Dealt, Dependent, Term, analyse};
+pub use analysis::{Analysis, Counts, Dealt, Term, analyse};
 pub use elimination::DistributedElimination;
 pub use error::{Error, Said, Spoken, agree};
 pub use exact::exact_sum;
@@ -42,6 +42,7 @@ pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 #[cfg(feature = "mpi")]
 pub use ranks::{World, WorldError};
 pub use share::{Share, ShareError, SharePlace};
+pub use solve::{DistributedCertificateTerm, DistributedDependent};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -58,3 +58,6 @@ pub enum SceneError {
 pub(crate) fn within(what: &'static str, found: usize, least: usize, most: usize) -> Result<(), SceneError> {
     if (least..=most).contains(&found) { Ok(()) } else { Err(SceneError::Size { what, found, least, most }) }
 }
+
+/// Sizes above this are taken for a mistake.
+pub(crate) const MOST: usize = 1 << 27;

@@ -1,8 +1,7 @@
 //! `x += phi; z = mix(x)`: SplitMix64 (Steele, Lea, Flood 2014), the same numbers everywhere and always.
 
 use crate::SceneError;
-use crate::error::within;
-use crate::families::MOST;
+use crate::error::{MOST, within};
 
 /// A stream of pseudo-random numbers; two with the same seed are equal.
 ///

@@ -45,9 +45,9 @@ pub use diagnosis::exact;
 pub use diagnosis::{Analysis, AnalysisError, NearDependence, analyse};
 pub use elimination::Elimination;
 pub use factor::backend;
-pub use input::preferences::Preferences;
+pub use input::preferences::{OptionError, Preferences};
 pub use input::system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
-pub use options::{BackendChoice, OptionError, Options, Tolerance};
+pub use options::{BackendChoice, Options, Tolerance};
 pub use reduction::{Form, Reduction, ReductionError};
 pub use report::{Report, Status};
 

@@ -1,7 +1,7 @@
 //! What a caller can choose, with its default.
 
 use crate::factor::backend::{Backend, BackendError};
-use crate::input::preferences::Preferences;
+use crate::input::preferences::{OptionError, Preferences};
 
 /// How small is zero.
 ///
@@ -105,31 +105,6 @@ impl Default for Options {
             preferences: Preferences::default(),
         }
     }
-}
-
-/// A setting out of its range.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum OptionError {
-    /// The tolerance must lie strictly between 0 and 1.
-    #[error("the tolerance is {0}; it must lie between 0 and 1, such as 1e-10")]
-    Tolerance(f64),
-    /// Growth below 1 cannot always be reached.
-    #[error("the growth bound is {0}; it must be a number of at least 1, such as 4")]
-    Growth(f64),
-    /// A preference names what is not there.
-    #[error("a preference names {what} {found}, but there are {count} (numbers from 0 to {last})", last = .count.saturating_sub(1))]
-    Preference {
-        /// "DOF" or "equation".
-        what: &'static str,
-        /// The number given, 0-based.
-        found: usize,
-        /// How many there are.
-        count: usize,
-    },
-    /// A DOF cannot be preferred as a slave and excluded from being one.
-    #[error("DOF {0} (from 0) is preferred as a slave and excluded from being one; take it out of one list")]
-    Contradiction(usize),
 }
 
 impl Options {

@@ -3,7 +3,7 @@
 use qless::{ConstraintSystem, Csr};
 
 /// One block, both ways round.
-pub struct Block {
+pub struct FigureBlock {
     /// C by columns, as backends take it: row j is column j.
     pub c: Csr,
     /// `C^T` by columns, so row i is equation i.
@@ -13,7 +13,7 @@ pub struct Block {
 }
 
 /// The blocks of C without its prescribed DOFs, ordered by their first equation; equations that have no free DOF are in none.
-pub fn blocks(system: &ConstraintSystem) -> Vec<Block> {
+pub fn blocks(system: &ConstraintSystem) -> Vec<FigureBlock> {
     let c = free(system);
     let mut place = vec![usize::MAX; c.cols()];
     parts(&c).iter().map(|rows| block(&c, system.rhs(), rows, &mut place)).collect()
@@ -54,7 +54,7 @@ fn parts(c: &Csr) -> Vec<Vec<usize>> {
 }
 
 /// `place` is scratch: no DOF has a place in it before.
-fn block(c: &Csr, rhs: &[f64], rows: &[usize], place: &mut [usize]) -> Block {
+fn block(c: &Csr, rhs: &[f64], rows: &[usize], place: &mut [usize]) -> FigureBlock {
     let mut dofs: Vec<usize> = rows.iter().flat_map(|&i| c.row(i).map(|(j, _)| j)).collect();
     dofs.sort_unstable();
     dofs.dedup();
@@ -63,7 +63,7 @@ fn block(c: &Csr, rhs: &[f64], rows: &[usize], place: &mut [usize]) -> Block {
     rows.iter()
         .for_each(|&i| transposed.push_row(c.row(i).map(|(j, v)| (place[j], v))).expect("places ascend as DOFs do"));
     let c = transposed.transpose().expect("C has few enough columns");
-    Block { c, transposed, rhs: rows.iter().map(|&i| rhs[i]).collect() }
+    FigureBlock { c, transposed, rhs: rows.iter().map(|&i| rhs[i]).collect() }
 }
 
 #[cfg(test)]

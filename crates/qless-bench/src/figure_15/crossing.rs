@@ -1,7 +1,7 @@
 //! Crossings of the times of Gauss elimination and of a QR, and a sentence about them; the paper's own times.
 
 use super::super::labels::thousands;
-use super::{GAUSS, Level, Side};
+use super::{FigureSide, GAUSS, Level};
 
 /// Both on one system.
 #[derive(Clone)]
@@ -88,7 +88,7 @@ fn rounded(equations: f64) -> String {
 }
 
 /// Levels that both did.
-pub fn pairs(levels: &[Level], family: &str, side: Side, qr: &str) -> Vec<Pair> {
+pub fn pairs(levels: &[Level], family: &str, side: FigureSide, qr: &str) -> Vec<Pair> {
     let pair = |level: &Level| {
         let (gauss, qr) = (level.time(GAUSS, side)?, level.time(qr, side)?);
         Some(Pair { size: level.size.clone(), equations: level.equations as f64, gauss, qr })

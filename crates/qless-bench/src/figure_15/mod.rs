@@ -18,12 +18,12 @@ pub use time::measure;
 
 /// Which matrix is factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum FigureSide {
     C,
     Transposed,
 }
 
-impl Side {
+impl FigureSide {
     pub const BOTH: [Self; 2] = [Self::C, Self::Transposed];
 
     pub fn name(self) -> &'static str {
@@ -53,23 +53,23 @@ pub struct Level {
 /// A backend on C or on its transpose, summed over the blocks.
 pub struct Way {
     pub backend: &'static str,
-    pub side: Side,
+    pub side: FigureSide,
     /// Median of the runs in seconds and the rank found; the error says why there are none.
     pub result: Result<(f64, usize), String>,
 }
 
 /// Numbers of equations and seconds of one way, for every level that it did.
-fn series(levels: &[Level], family: &str, backend: &str, side: Side) -> Vec<(f64, f64)> {
+fn series(levels: &[Level], family: &str, backend: &str, side: FigureSide) -> Vec<(f64, f64)> {
     let of = levels.iter().filter(|level| level.family == family);
     of.filter_map(|level| Some((level.equations as f64, level.time(backend, side)?))).collect()
 }
 
 impl Level {
-    fn way(&self, backend: &str, side: Side) -> Option<&Way> {
+    fn way(&self, backend: &str, side: FigureSide) -> Option<&Way> {
         self.ways.iter().find(|way| way.backend == backend && way.side == side)
     }
 
-    fn time(&self, backend: &str, side: Side) -> Option<f64> {
+    fn time(&self, backend: &str, side: FigureSide) -> Option<f64> {
         Some(self.way(backend, side)?.result.as_ref().ok()?.0)
     }
 }

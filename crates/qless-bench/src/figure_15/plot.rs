@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use super::super::plot::{COLOURS, Drawn};
 use super::super::systems::TIE;
 use super::crossing::{Pair, crossings, pairs, papers_pairs};
-use super::{GAUSS, Level, Side, backends, families, series};
+use super::{FigureSide, GAUSS, Level, backends, families, series};
 
 /// The file's name.
 pub const FILE: &str = "figure-15.svg";
@@ -23,14 +23,14 @@ pub const LETTERS: i32 = 13;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// A line of the plot: seconds against equations.
-pub struct Line {
+pub struct PlotLine {
     pub label: String,
     pub points: Vec<(f64, f64)>,
     pub colour: RGBColor,
     pub is_broken: bool,
 }
 
-impl Line {
+impl PlotLine {
     fn last(&self) -> (f64, f64) {
         self.points.last().copied().unwrap_or_default()
     }
@@ -61,18 +61,18 @@ fn draw(levels: &[Level]) -> Drawn {
 }
 
 /// The lines of a coupling; the paper's own stand beside the tie, which has its numbers of equations.
-pub fn lines(levels: &[Level], family: &str) -> Vec<Line> {
+pub fn lines(levels: &[Level], family: &str) -> Vec<PlotLine> {
     let of = |(k, backend): (usize, &'static str)| {
-        Side::BOTH.map(|side| Line {
+        FigureSide::BOTH.map(|side| PlotLine {
             label: format!("{backend}, {}", side.name()),
             points: series(levels, family, backend, side),
             colour: COLOURS[k],
-            is_broken: side == Side::Transposed,
+            is_broken: side == FigureSide::Transposed,
         })
     };
-    let mut lines: Vec<Line> = backends(levels).into_iter().enumerate().flat_map(of).collect();
+    let mut lines: Vec<PlotLine> = backends(levels).into_iter().enumerate().flat_map(of).collect();
     if family == TIE {
-        let own = |label: &str, time: fn(&Pair) -> f64, is_broken| Line {
+        let own = |label: &str, time: fn(&Pair) -> f64, is_broken| PlotLine {
             label: label.to_owned(),
             points: papers_pairs().iter().map(|pair| (pair.equations, time(pair))).collect(),
             colour: COLOURS[4],
@@ -87,7 +87,7 @@ pub fn lines(levels: &[Level], family: &str) -> Vec<Line> {
 }
 
 /// Room for all points, and on the right for the labels.
-fn ranges(lines: &[Line]) -> (Range<f64>, Range<f64>) {
+fn ranges(lines: &[PlotLine]) -> (Range<f64>, Range<f64>) {
     let all = || lines.iter().flat_map(|line| &line.points);
     let low = |k: fn(&(f64, f64)) -> f64| all().map(k).fold(f64::INFINITY, f64::min);
     let high = |k: fn(&(f64, f64)) -> f64| all().map(k).fold(0.0, f64::max);
@@ -139,7 +139,7 @@ pub fn below(height: i32, above: i32) -> i32 {
 pub fn marks(levels: &[Level], family: &str) -> Vec<(f64, f64)> {
     let others = backends(levels).into_iter().filter(|name| *name != GAUSS);
     let mut all: Vec<Vec<Pair>> =
-        others.flat_map(|qr| Side::BOTH.map(|side| pairs(levels, family, side, qr))).collect();
+        others.flat_map(|qr| FigureSide::BOTH.map(|side| pairs(levels, family, side, qr))).collect();
     if family == TIE {
         all.push(papers_pairs());
     }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::super::labels::thousands;
 use super::crossing::{pairs, papers_pairs, sentence};
 use super::plot::FILE;
-use super::{GAUSS, Level, Side, Way, backends, families};
+use super::{FigureSide, GAUSS, Level, Way, backends, families};
 
 /// The file with every number.
 pub const CSV: &str = "figure-15.csv";
@@ -38,7 +38,7 @@ pub fn text(levels: &[Level]) -> String {
 fn crossings(text: &mut String, levels: &[Level]) {
     _ = writeln!(text, "| coupling | factored | against | who is faster |\n| --- | --- | --- | --- |");
     for family in families(levels) {
-        for side in Side::BOTH {
+        for side in FigureSide::BOTH {
             for qr in backends(levels).into_iter().filter(|name| *name != GAUSS) {
                 let said = sentence(&pairs(levels, family, side, qr)).unwrap_or_else(|| "-".to_owned());
                 _ = writeln!(text, "| {family} | {} | {qr} | {said} |", side.name());

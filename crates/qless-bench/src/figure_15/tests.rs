@@ -2,7 +2,7 @@
 
 use super::crossing::{Pair, crossings, papers_pairs, sentence};
 use super::plot::{LETTERS, below, lines, marks, plots};
-use super::{GAUSS, Level, Side, Way, csv, markdown};
+use super::{FigureSide, GAUSS, Level, Way, csv, markdown};
 
 /// Gauss over QR, on 100, 200, 400 equations and so on.
 fn pairs(ratios: &[f64]) -> Vec<Pair> {
@@ -56,7 +56,7 @@ fn levels(ratio: f64) -> Vec<Level> {
         rank: 7,
         blocks: 2,
         largest: (5, 6),
-        ways: Side::BOTH
+        ways: FigureSide::BOTH
             .into_iter()
             .flat_map(|side| [way(GAUSS, side, 1e-3 * ratio.powi(k - 1)), way("qless-qr", side, 1e-3)])
             .collect(),

@@ -7,9 +7,9 @@ use qless::backend::{Backend, BackendError};
 use qless::{BackendChoice, Options};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use super::super::systems::{Case, Family, below_table_1};
-use super::blocks::{Block, blocks};
-use super::{GAUSS, Level, Side, Way};
+use super::super::systems::{Family, BenchCase, below_table_1};
+use super::blocks::{FigureBlock, blocks};
+use super::{FigureSide, GAUSS, Level, Way};
 use crate::BenchArgs;
 
 /// The tolerance of the paper, section 3.2: absolute.
@@ -28,7 +28,7 @@ pub fn measure(family: &Family, args: &BenchArgs) -> Result<Vec<Level>, String> 
     below.iter().chain(&family.cases).map(|case| level(case, &pool, args.runs.get())).collect()
 }
 
-fn level(case: &Case, pool: &ThreadPool, runs: usize) -> Result<Level, String> {
+fn level(case: &BenchCase, pool: &ThreadPool, runs: usize) -> Result<Level, String> {
     let scene = case.scene()?;
     let blocks = blocks(&scene.system);
     let equations = scene.system.equations();
@@ -45,9 +45,9 @@ fn level(case: &Case, pool: &ThreadPool, runs: usize) -> Result<Level, String> {
 }
 
 /// A way in the making: its backend, its side, what it took each time, and the rank or what it refused.
-type Turn = (&'static str, Box<dyn Backend>, Side, Vec<f64>, Result<usize, String>);
+type TimingRound = (&'static str, Box<dyn Backend>, FigureSide, Vec<f64>, Result<usize, String>);
 
-fn in_turns(blocks: &[Block], runs: usize) -> Vec<Way> {
+fn in_turns(blocks: &[FigureBlock], runs: usize) -> Vec<Way> {
     let mut turns = turns();
     // The first round is for the caches, unless it is long.
     for round in 0..=runs.max(REPEATS) {
@@ -74,11 +74,11 @@ fn is_enough(times: &[f64], runs: usize) -> bool {
     times.first().is_some_and(enough)
 }
 
-fn turns() -> Vec<Turn> {
+fn turns() -> Vec<TimingRound> {
     let names =
         [(GAUSS, BackendChoice::Gauss), ("qless-qr", BackendChoice::Sparse), ("SuiteSparseQR", BackendChoice::Spqr)];
     let memory = Options::default().memory;
-    let both = Side::BOTH.iter().flat_map(|&side| names.map(|(name, choice)| (name, choice, side)));
+    let both = FigureSide::BOTH.iter().flat_map(|&side| names.map(|(name, choice)| (name, choice, side)));
     // Backends that are not compiled in are left out.
     both.filter_map(|(name, choice, side)| Some((name, choice.get(memory).ok()?, side, Vec::new(), Ok(0)))).collect()
 }
@@ -89,11 +89,11 @@ fn median(mut times: Vec<f64>, rank: Result<usize, String>) -> Result<(f64, usiz
 }
 
 /// The rank of all blocks together.
-fn factor(blocks: &[Block], backend: &dyn Backend, side: Side) -> Result<usize, BackendError> {
-    let rank = |block: &Block| {
+fn factor(blocks: &[FigureBlock], backend: &dyn Backend, side: FigureSide) -> Result<usize, BackendError> {
+    let rank = |block: &FigureBlock| {
         let factor = match side {
-            Side::C => backend.factor(&block.c, &block.rhs, TOLERANCE),
-            Side::Transposed => backend.factor(&block.transposed, &[], TOLERANCE),
+            FigureSide::C => backend.factor(&block.c, &block.rhs, TOLERANCE),
+            FigureSide::Transposed => backend.factor(&block.transposed, &[], TOLERANCE),
         };
         factor.map(|factor| black_box(factor).rank)
     };

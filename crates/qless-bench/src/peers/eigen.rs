@@ -24,7 +24,7 @@ impl Backend for Eigen {
 
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
         let (m, n) = (columns.cols(), columns.rows());
-        let Tall { columns: a, full } = without_empty_rows(columns);
+        let EigenMatrix { columns: a, full } = without_empty_rows(columns);
         let (rows, k) = (full.len(), rhs.len().checked_div(m).unwrap_or(0));
         if rows == 0 {
             let rest = rhs.chunks(m.max(1)).map(norm).collect();
@@ -47,12 +47,12 @@ impl Backend for Eigen {
 }
 
 /// A without its empty rows, which Eigen refuses, and the numbers of the others.
-struct Tall {
+struct EigenMatrix {
     columns: Csr,
     full: Vec<usize>,
 }
 
-fn without_empty_rows(columns: &Csr) -> Tall {
+fn without_empty_rows(columns: &Csr) -> EigenMatrix {
     let mut is_full = vec![false; columns.cols()];
     columns.columns().iter().for_each(|&i| is_full[i as usize] = true);
     let full: Vec<usize> = (0..columns.cols()).filter(|&i| is_full[i]).collect();
@@ -61,7 +61,7 @@ fn without_empty_rows(columns: &Csr) -> Tall {
     let indices = columns.columns().iter().map(|&i| place[i as usize]).collect();
     let kept = Csr::from_parts(full.len(), columns.starts().to_vec(), indices, columns.values().to_vec());
     let kept = kept.expect("without empty rows the others keep their order");
-    Tall { columns: kept, full }
+    EigenMatrix { columns: kept, full }
 }
 
 fn norm(x: &[f64]) -> f64 {

@@ -10,7 +10,7 @@ pub struct Claims {
     /// The solver stops.
     pub refused: Vec<String>,
     /// The solver drops one of the two without a word.
-    pub ignored: Vec<Ignored>,
+    pub ignored: Vec<IgnoredClaims>,
     /// The solver may go on, with results that are not to be relied on.
     pub unsound: Vec<String>,
     /// Both hold.
@@ -19,7 +19,7 @@ pub struct Claims {
 
 /// A claim that is dropped without a word.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Ignored {
+pub struct IgnoredClaims {
     /// The card that has no effect on the DOF.
     pub dropped: String,
     /// The two claims.
@@ -49,8 +49,8 @@ impl Claims {
             Outcome::Refused => self.refused.push(claims),
             Outcome::Accepted => self.accepted.push(claims),
             Outcome::Unsound => self.unsound.push(claims),
-            Outcome::IgnoresFirst => self.ignored.push(Ignored { dropped: dropped(true), claims }),
-            Outcome::IgnoresSecond => self.ignored.push(Ignored { dropped: dropped(false), claims }),
+            Outcome::IgnoresFirst => self.ignored.push(IgnoredClaims { dropped: dropped(true), claims }),
+            Outcome::IgnoresSecond => self.ignored.push(IgnoredClaims { dropped: dropped(false), claims }),
         }
     }
 
@@ -71,7 +71,7 @@ impl Claims {
     }
 }
 
-impl Ignored {
+impl IgnoredClaims {
     /// `line 19 *BOUNDARY: 1:3 is the slave of ...`.
     pub fn words(&self) -> String {
         format!("{}: {}", self.dropped, self.claims)

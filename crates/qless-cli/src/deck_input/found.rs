@@ -6,7 +6,7 @@ use qless_io::deck::{Deck, LoadCase};
 
 use super::Run;
 use super::claims::Claims;
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 
 /// The system of a load case and its analysis.
 pub struct Examined {
@@ -62,9 +62,9 @@ impl Found {
 }
 
 /// Analyses a load case: at its end, and, where equations depend on others, for the values of each course alone.
-pub fn examine(deck: &Deck, case: &LoadCase, run: Run) -> Result<Examined, Failure> {
+pub fn examine(deck: &Deck, case: &LoadCase, run: Run) -> Result<Examined, CliFailure> {
     let model = deck.model();
-    let refused = |error| Failure::of_deck(deck, &error);
+    let refused = |error| CliFailure::of_deck(deck, &error);
     let system = model.system(case).map_err(refused)?;
     let analysis = run(&system, (deck, case))?;
     let courses = model.courses_of(case);

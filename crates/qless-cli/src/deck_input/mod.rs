@@ -16,7 +16,7 @@ use claims::Claims;
 use found::{Examined, Found, examine};
 pub use report::DeckReport;
 
-use crate::failure::{Failure, say};
+use crate::failure::{CliFailure, say};
 
 /// Warnings shown at most; JSON has all of them.
 const SHOWN: usize = 5;
@@ -27,13 +27,13 @@ pub struct DeckInput {
     /// The load case with the worst diagnosis, the first of them; what the solver makes of it breaks ties.
     pub case: usize,
     /// The load cases that were looked at, in the deck's order.
-    cases: Vec<Case>,
+    cases: Vec<DeckLoadCase>,
     /// The results of load cases that constrain differently.
     found: Vec<Found>,
 }
 
 /// A load case that was looked at.
-struct Case {
+struct DeckLoadCase {
     /// Its number in the model, from 0.
     number: usize,
     /// Index of its result, which load cases that constrain the same share.
@@ -41,7 +41,7 @@ struct Case {
 }
 
 /// Analyses the system of a load case.
-pub type Run<'a> = &'a dyn Fn(&ConstraintSystem, (&Deck, &LoadCase)) -> Result<Analysis, Failure>;
+pub type Run<'a> = &'a dyn Fn(&ConstraintSystem, (&Deck, &LoadCase)) -> Result<Analysis, CliFailure>;
 
 impl DeckInput {
     /// Analyses the load cases that were chosen and keeps the worst; certificates of all of them have at most `terms` terms.
@@ -50,20 +50,20 @@ impl DeckInput {
         choice: &LoadCaseChoice,
         terms: usize,
         run: Run,
-    ) -> Result<(ConstraintSystem, Analysis, Self), Failure> {
-        let chosen = choice.of(deck.model()).map_err(|error| Failure::of_deck(&deck, &error))?;
+    ) -> Result<(ConstraintSystem, Analysis, Self), CliFailure> {
+        let chosen = choice.of(deck.model()).map_err(|error| CliFailure::of_deck(&deck, &error))?;
         let terms = terms / chosen.len().max(1);
         let mut worst: Option<(usize, usize, Examined)> = None;
-        let (mut cases, mut found): (Vec<Case>, Vec<Found>) = (Vec::new(), Vec::new());
+        let (mut cases, mut found): (Vec<DeckLoadCase>, Vec<Found>) = (Vec::new(), Vec::new());
         for number in chosen {
             let case = &deck.model().cases()[number];
             let same = cases.iter().find(|known| deck.model().cases()[known.number].constrains_as(case));
             if let Some(same) = same.map(|known| known.found) {
-                cases.push(Case { number, found: same });
+                cases.push(DeckLoadCase { number, found: same });
                 continue;
             }
             let examined = examine(&deck, case, run)?;
-            cases.push(Case { number, found: found.len() });
+            cases.push(DeckLoadCase { number, found: found.len() });
             found.push(Found::of(&deck, case, &examined, terms));
             let of = |k: usize| found[k].badness();
             if worst.as_ref().is_none_or(|(_, before, _)| of(found.len() - 1) > of(*before)) {
@@ -71,7 +71,7 @@ impl DeckInput {
             }
         }
         let Some((case, _, Examined { system, analysis, .. })) = worst else {
-            return Err(Failure::of_deck(&deck, &"the deck has no load case"));
+            return Err(CliFailure::of_deck(&deck, &"the deck has no load case"));
         };
         Ok((system, analysis, Self { deck, case, cases, found }))
     }

@@ -91,7 +91,7 @@ impl DeckInput {
             load_case: self.name(self.case).to_owned(),
             other_load_cases: others.map(other).collect(),
             solver_refuses: claims.refused.clone(),
-            solver_ignores: claims.ignored.iter().map(super::claims::Ignored::words).collect(),
+            solver_ignores: claims.ignored.iter().map(super::claims::IgnoredClaims::words).collect(),
             solver_unsound: claims.unsound.clone(),
             loads_without_effect: self.swallowed(analysis),
             warnings: self.deck.model().warnings().iter().map(|warning| self.place(warning)).collect(),

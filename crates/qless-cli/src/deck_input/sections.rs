@@ -4,30 +4,30 @@ use qless::Analysis;
 use qless_io::deck::{Dof, Load};
 
 use super::DeckInput;
-use super::claims::Ignored;
-use crate::wording::layout::Section;
+use super::claims::IgnoredClaims;
+use crate::wording::layout::LayoutSection;
 
 impl DeckInput {
     /// In the order of their weight.
-    pub fn sections(&self, analysis: &Analysis) -> Vec<Section> {
+    pub fn sections(&self, analysis: &Analysis) -> Vec<LayoutSection> {
         let (solver, shown) = (self.deck.solver(), self.shown());
-        let ignored = shown.solver.ignored.iter().map(Ignored::words).collect();
+        let ignored = shown.solver.ignored.iter().map(IgnoredClaims::words).collect();
         let sections = [
-            Section::new("Left out, though it constrains:", self.left_out()),
+            LayoutSection::new("Left out, though it constrains:", self.left_out()),
             self.table(),
-            Section::new(format!("{solver} refuses, as they stand:"), shown.solver.refused.clone()),
-            Section::new(format!("{solver} silently drops, as they stand:"), ignored),
-            Section::new(
+            LayoutSection::new(format!("{solver} refuses, as they stand:"), shown.solver.refused.clone()),
+            LayoutSection::new(format!("{solver} silently drops, as they stand:"), ignored),
+            LayoutSection::new(
                 format!("{solver} may go on with these, but what it computes then is not to be relied on:"),
                 shown.solver.unsound.clone(),
             ),
-            Section::new("Loads without effect, on DOFs that the equations fix:", self.swallowed(analysis)),
+            LayoutSection::new("Loads without effect, on DOFs that the equations fix:", self.swallowed(analysis)),
         ];
         sections.into_iter().flatten().collect()
     }
 
     /// One line for each load case that differs, the worst first.
-    fn table(&self) -> Option<Section> {
+    fn table(&self) -> Option<LayoutSection> {
         let shown = self.shown();
         let when = shown.when.as_ref().map_or(String::new(), |when| format!(", {when}"));
         let mut order: Vec<usize> = (0..self.found.len()).collect();
@@ -35,10 +35,10 @@ impl DeckInput {
         let rows = order.into_iter().map(|k| self.row(k)).collect();
         let name = self.name(self.case);
         match (self.cases.len(), self.deck.model().cases().len()) {
-            (1, 1) if shown.when.is_some() => Section::new(format!("Load case {name}{when}."), vec![self.row(0)]),
+            (1, 1) if shown.when.is_some() => LayoutSection::new(format!("Load case {name}{when}."), vec![self.row(0)]),
             (1, 1) => None,
-            (1, all) => Section::new(format!("Load case: {name} of {all}{when}."), rows),
-            (count, _) => Section::new(format!("Load cases: {count}, shown is {name}{when}."), rows),
+            (1, all) => LayoutSection::new(format!("Load case: {name} of {all}{when}."), rows),
+            (count, _) => LayoutSection::new(format!("Load cases: {count}, shown is {name}{when}."), rows),
         }
     }
 

@@ -14,7 +14,7 @@ mod word;
 use qless::{ConstraintSystem, Options, Preferences};
 use qless_io::deck::{Deck, LoadCase};
 
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use resolve::{NameIndex, Wanted};
 #[cfg_attr(not(feature = "mpi"), expect(unused_imports, reason = "ranks take numbers only"))]
 pub use word::ListWord;
@@ -40,14 +40,14 @@ impl PreferenceLists<'_> {
         options: &Options,
         system: &ConstraintSystem,
         deck: Option<(&Deck, &LoadCase)>,
-    ) -> Result<Options, Failure> {
+    ) -> Result<Options, CliFailure> {
         if self.is_empty() {
             return Ok(options.clone());
         }
         let names = NameIndex::new(system, deck);
         let list = |option, words: Option<&WordList>, wanted| match words {
             None => Ok(Vec::new()),
-            Some(words) => names.all(option, words, wanted).map_err(|error| Failure::Input(error.to_string())),
+            Some(words) => names.all(option, words, wanted).map_err(|error| CliFailure::Input(error.to_string())),
         };
         let preferences = Preferences {
             equations: list("--keep", self.keep, Wanted::Equations)?,

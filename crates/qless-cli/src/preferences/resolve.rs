@@ -15,11 +15,11 @@ pub struct NameIndex<'a> {
     system: &'a ConstraintSystem,
     deck: Option<(&'a Deck, &'a LoadCase)>,
     /// Rows and columns by their labels in small letters, where somebody asks for them.
-    rows: OnceCell<Labels>,
-    columns: OnceCell<Labels>,
+    rows: OnceCell<LabelIndex>,
+    columns: OnceCell<LabelIndex>,
 }
 
-type Labels = HashMap<String, Vec<usize>>;
+type LabelIndex = HashMap<String, Vec<usize>>;
 
 /// Whether a list names equations or DOFs.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -82,7 +82,7 @@ impl<'a> NameIndex<'a> {
             WordError::Unknown { option, word: word.to_owned(), is_deck: self.deck.is_some(), nearest }
         };
         let Some((deck, case)) = self.deck else { return Err(unknown()) };
-        if let Some(line) = DeckLine::parse(word) {
+        if let Some(line) = ListedDeckLine::parse(word) {
             let nowhere = |nearest| WordError::Line { option, word: word.to_owned(), nearest };
             return at_line(deck.model(), case, &line, wanted).map_err(nowhere);
         }
@@ -111,7 +111,7 @@ impl<'a> NameIndex<'a> {
     fn labelled(&self, word: &str, wanted: Wanted) -> Option<&Vec<usize>> {
         let index = if wanted == Wanted::Equations { &self.rows } else { &self.columns };
         let labels = index.get_or_init(|| {
-            let mut labels = Labels::new();
+            let mut labels = LabelIndex::new();
             for (k, label) in self.labels(wanted).enumerate() {
                 labels.entry(label.to_lowercase()).or_default().push(k);
             }
@@ -122,7 +122,7 @@ impl<'a> NameIndex<'a> {
 }
 
 /// The equations or DOFs of a line of the deck; the error has the nearest line with a constraint.
-fn at_line(model: &Model, case: &LoadCase, line: &DeckLine, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
+fn at_line(model: &Model, case: &LoadCase, line: &ListedDeckLine, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
     let is_there = |origin: Origin| line.is_in(model, origin);
     let equations = rows(model, case).filter(|(_, origin, _)| is_there(*origin));
     let clashes = (model.in_force(case).count()..).zip(&case.clashes).filter(|(_, clash)| is_there(clash.origin));
@@ -159,7 +159,7 @@ fn rows<'a>(model: &'a Model, case: &LoadCase) -> impl Iterator<Item = (usize, O
     (0..).zip(equations).map(|(row, equation)| (row, equation.origin, equation.columns))
 }
 
-fn nearest_line(model: &Model, line: &DeckLine) -> Option<u32> {
+fn nearest_line(model: &Model, line: &ListedDeckLine) -> Option<u32> {
     let equations = (0..model.equations()).filter_map(|i| model.equation(i));
     let lines = equations.map(|equation| equation.origin).filter(|&origin| line.file_of(model, origin)).map(|o| o.line);
     lines.min_by_key(|found| found.abs_diff(line.line))
@@ -185,13 +185,13 @@ fn dof(word: &str) -> Option<Dof> {
 }
 
 /// `line 41`, or `part.inc:41` of an included file.
-struct DeckLine {
+struct ListedDeckLine {
     /// The name of an included file; none for the main one.
     file: Option<String>,
     line: u32,
 }
 
-impl DeckLine {
+impl ListedDeckLine {
     fn parse(word: &str) -> Option<Self> {
         if let Some(number) = word.get(..5).filter(|start| start.eq_ignore_ascii_case("line ")) {
             return Some(Self { file: None, line: word[number.len()..].trim().parse().ok()? });

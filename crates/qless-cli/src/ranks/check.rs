@@ -13,19 +13,19 @@ use qless_mpi::{Analysis, CaseError, Error, Ranks, analyse, read_case};
 use super::all;
 use super::report::Findings;
 use crate::args::{CheckArgs, Deny, Format};
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use crate::preferences::{ListWord, WordList};
 use crate::terminal::Progress;
 use crate::{exit_code, memory, terminal};
 
 /// Collective; the exit code is the same on all ranks.
-pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, Failure> {
+pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     let start = Instant::now();
     let (model, is_first) = (&args.model, ranks.rank() == 0);
     all(ranks, check(args, is_first))?;
     let progress = Progress::new(model.quiet || !is_first);
     // Each rank has a core of its own, if there are as many.
-    all(ranks, memory::threads::start(model.threads().or(Some(NonZeroUsize::MIN))).map_err(Failure::of_threads))?;
+    all(ranks, memory::threads::start(model.threads().or(Some(NonZeroUsize::MIN))).map_err(CliFailure::of_threads))?;
     progress.stage("reading");
     let (rhs, prescribed) = (model.rhs.as_deref(), model.prescribed.as_deref());
     let case = read_case(ranks, &model.input, rhs, prescribed).map_err(of_case)?;
@@ -55,28 +55,34 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Refuses options that need one process, and an output that cannot be written.
-fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
+fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
     let model = &args.model;
     let input = model.input.display();
     if args.exact {
-        return Err(Failure::Input("--exact runs in one process only: leave it out, or leave out mpirun".to_owned()));
+        return Err(CliFailure::Input(
+            "--exact runs in one process only: leave it out, or leave out mpirun".to_owned(),
+        ));
     }
     if !matches!(model.format, Format::Text | Format::Json) {
-        return Err(Failure::Input(
+        return Err(CliFailure::Input(
             "several ranks report with --format text or json; for others leave out mpirun".to_owned(),
         ));
     }
     if model.solver.is_some() || args.case.is_some() {
-        return Err(Failure::Input(
+        return Err(CliFailure::Input(
             "--solver and --case go with a deck, which one process reads: leave out mpirun".to_owned(),
         ));
     }
     if model.input.as_os_str() == "-" || Language::from_path(&model.input).is_some() && !model.input.is_dir() {
-        return Err(Failure::Input(format!(
+        return Err(CliFailure::Input(format!(
             "{input}: several ranks read Matrix Market only: name a .mtx file or a folder with a C.mtx, or leave out mpirun"
         )));
     }
-    model.options().backend.get(usize::MAX).map_err(|error| Failure::of_analysis(error.into(), &model.input, None))?;
+    model
+        .options()
+        .backend
+        .get(usize::MAX)
+        .map_err(|error| CliFailure::of_analysis(error.into(), &model.input, None))?;
     if let Some(file) = args.output.as_ref().filter(|_| is_first) {
         // Refuse an output that cannot be written before the work begins.
         drop(OneFile::at(file, model.inputs())?);
@@ -84,7 +90,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-fn write(args: &CheckArgs, bytes: &[u8]) -> Result<(), Failure> {
+fn write(args: &CheckArgs, bytes: &[u8]) -> Result<(), CliFailure> {
     match &args.output {
         None => terminal::write(|out| out.write_all(bytes)),
         Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(bytes)?),
@@ -98,27 +104,27 @@ fn least(ranks: &dyn Ranks, bytes: usize) -> usize {
     (u64::MAX - most[0]) as usize
 }
 
-fn of_case(error: CaseError) -> Failure {
+fn of_case(error: CaseError) -> CliFailure {
     match error {
-        CaseError::File { message, kind, .. } => Failure::of_reading(&message, kind),
-        error => Failure::Input(error.to_string()),
+        CaseError::File { message, kind, .. } => CliFailure::of_reading(&message, kind),
+        error => CliFailure::Input(error.to_string()),
     }
 }
 
-fn of_analysis(error: Error, input: &Path) -> Failure {
+fn of_analysis(error: Error, input: &Path) -> CliFailure {
     match error {
-        Error::Option(error) => Failure::of_analysis(error.into(), input, None),
-        Error::TooLarge { .. } => Failure::Resource(format!("{}: {error}", input.display())),
-        error => Failure::Input(format!("{}: {error}", input.display())),
+        Error::Option(error) => CliFailure::of_analysis(error.into(), input, None),
+        Error::TooLarge { .. } => CliFailure::Resource(format!("{}: {error}", input.display())),
+        error => CliFailure::Input(format!("{}: {error}", input.display())),
     }
 }
 
 /// Equations to keep, as row numbers from 0: no rank knows all labels.
-fn numbers(words: Option<&WordList>) -> Result<Vec<usize>, Failure> {
+fn numbers(words: Option<&WordList>) -> Result<Vec<usize>, CliFailure> {
     let number = |word: &ListWord| match word {
         ListWord::Numbers(range) => Ok(range.clone()),
         ListWord::Name(name) => {
-            Err(Failure::Input(format!("--keep: `{name}`: several ranks know rows by their numbers only")))
+            Err(CliFailure::Input(format!("--keep: `{name}`: several ranks know rows by their numbers only")))
         }
     };
     let ranges: Vec<_> = words.map_or(&[][..], |words| &words.0).iter().map(number).collect::<Result<_, _>>()?;
@@ -126,19 +132,19 @@ fn numbers(words: Option<&WordList>) -> Result<Vec<usize>, Failure> {
 }
 
 /// Refuses numbers of equations to keep beyond the last equation.
-fn kept(options: &Options, count: usize, input: &Path) -> Result<(), Failure> {
+fn kept(options: &Options, count: usize, input: &Path) -> Result<(), CliFailure> {
     match options.preferences.equations.iter().find(|&&row| row >= count) {
         Some(&found) => {
             let error = OptionError::Preference { what: "equation", found, count };
-            Err(Failure::of_analysis(AnalysisError::Option(error), input, None))
+            Err(CliFailure::of_analysis(AnalysisError::Option(error), input, None))
         }
         None => Ok(()),
     }
 }
 
-fn finite(analysis: &Analysis, input: &Path) -> Result<(), Failure> {
+fn finite(analysis: &Analysis, input: &Path) -> Result<(), CliFailure> {
     match analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
-        Some(&(dof, _)) => Err(Failure::of_overflow(input, dof as usize, &format!("DOF {}", dof + 1))),
+        Some(&(dof, _)) => Err(CliFailure::of_overflow(input, dof as usize, &format!("DOF {}", dof + 1))),
         None => Ok(()),
     }
 }

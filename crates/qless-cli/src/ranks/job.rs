@@ -7,7 +7,7 @@ use qless_mpi::{Ranks, World};
 
 use super::{Job, all, check};
 use crate::args::{Cli, Command};
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use crate::set_up;
 
 impl Job {
@@ -15,8 +15,8 @@ impl Job {
     pub fn run(self) -> ExitCode {
         let world = match World::start() {
             Ok(world) if world.size() > 1 => world,
-            Ok(_) => return self.end(&Failure::Input(OTHER_MPI.to_owned())),
-            Err(error) => return self.end(&Failure::Resource(format!("MPI does not start: {error}"))),
+            Ok(_) => return self.end(&CliFailure::Input(OTHER_MPI.to_owned())),
+            Err(error) => return self.end(&CliFailure::Resource(format!("MPI does not start: {error}"))),
         };
         let ended = match Cli::try_parse() {
             Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.end(&failure)),
@@ -33,7 +33,7 @@ impl Job {
         ended
     }
 
-    fn end(self, failure: &Failure) -> ExitCode {
+    fn end(self, failure: &CliFailure) -> ExitCode {
         if self.rank == 0 { failure.tell() } else { failure.code() }
     }
 }
@@ -41,9 +41,9 @@ impl Job {
 const OTHER_MPI: &str = "mpirun has started several processes, but this qless finds itself alone: it was built with another MPI \
      library; use the mpirun of that one";
 
-fn run(world: &World, command: &Command) -> Result<ExitCode, Failure> {
+fn run(world: &World, command: &Command) -> Result<ExitCode, CliFailure> {
     let Command::Check(args) = command else {
-        return Err(Failure::Input(
+        return Err(CliFailure::Input(
             "mpirun has started several processes, and only `qless check` runs on more than one".into(),
         ));
     };

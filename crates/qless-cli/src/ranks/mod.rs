@@ -13,7 +13,7 @@ mod report;
 use qless_mpi::{Ranks, Said, agree};
 
 #[cfg(feature = "mpi")]
-use crate::{exit_code, failure::Failure};
+use crate::{exit_code, failure::CliFailure};
 
 /// Several processes that `mpirun` has started.
 #[derive(Clone, Copy)]
@@ -34,13 +34,13 @@ impl Job {
 
 /// The result of this rank, or the failure of the first rank that has one; collective.
 #[cfg(feature = "mpi")]
-fn all<T>(ranks: &dyn Ranks, own: Result<T, Failure>) -> Result<T, Failure> {
+fn all<T>(ranks: &dyn Ranks, own: Result<T, CliFailure>) -> Result<T, CliFailure> {
     let said = own.map_err(|failure| match failure {
-        Failure::Input(text) => Said { code: exit_code::INPUT.into(), text },
-        Failure::Resource(text) => Said { code: exit_code::RESOURCE.into(), text },
+        CliFailure::Input(text) => Said { code: exit_code::INPUT.into(), text },
+        CliFailure::Resource(text) => Said { code: exit_code::RESOURCE.into(), text },
     });
     agree(ranks, said).map_err(|said| match said.code {
-        code if code == u64::from(exit_code::INPUT) => Failure::Input(said.text),
-        _ => Failure::Resource(said.text),
+        code if code == u64::from(exit_code::INPUT) => CliFailure::Input(said.text),
+        _ => CliFailure::Resource(said.text),
     })
 }

@@ -7,7 +7,7 @@ use clap::Parser;
 
 use super::Job;
 use crate::args::Cli;
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 
 /// `mpirun` ends all processes when one ends with an error: the other processes wait until the first has written its message.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -21,7 +21,7 @@ impl Job {
             return ExitCode::from(parsed.err().map_or(2, |error| error.exit_code() as u8));
         }
         match parsed {
-            Ok(_) => Failure::Input(
+            Ok(_) => CliFailure::Input(
                 "mpirun has started several processes, and this qless was built without MPI: start one, or build it with \
                  `cargo build --features mpi` (started by a program of such a job it runs with OMPI_COMM_WORLD_SIZE and PMI_SIZE unset)"
                     .to_owned(),

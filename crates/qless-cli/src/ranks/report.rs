@@ -13,7 +13,7 @@ use qless_io::chunk::find_labels;
 use qless_mpi::{Analysis, Case, Equation, Found};
 
 use crate::args::{Format, ModelArgs};
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use crate::report::text::equation_list::{DependentRow, EquationList};
 use crate::report::{Outcome, json, text};
 use crate::wording::{EquationFacts, EquationLookup};
@@ -47,7 +47,7 @@ impl EquationLookup for Known<'_> {
 
 impl Findings<'_> {
     /// The report in the form that was asked for; `times` are the start of the run and the time of reading.
-    pub fn render(&self, model: &ModelArgs, times: (Instant, Duration)) -> Result<Vec<u8>, Failure> {
+    pub fn render(&self, model: &ModelArgs, times: (Instant, Duration)) -> Result<Vec<u8>, CliFailure> {
         let rows: Vec<usize> = self.found.facts.keys().map(|&row| row as usize).collect();
         let known = Known { found: self.found, labels: labels(self.case.files().rows.as_deref(), &rows)? };
         let report = self.report(&known)?.with_timings(times.1, Duration::ZERO, times.0.elapsed());
@@ -55,7 +55,7 @@ impl Findings<'_> {
             return Ok(self.text(&known, &report, &model.input).into_bytes());
         }
         let mut bytes = Vec::new();
-        json::write(&mut bytes, &report, None).map_err(|error| Failure::of_stdout(&error))?;
+        json::write(&mut bytes, &report, None).map_err(|error| CliFailure::of_stdout(&error))?;
         Ok(bytes)
     }
 
@@ -87,7 +87,7 @@ impl Findings<'_> {
         place.ok().map(|place| &self.found.dependent[place])
     }
 
-    fn report(&self, known: &Known) -> Result<Report, Failure> {
+    fn report(&self, known: &Known) -> Result<Report, CliFailure> {
         let (case, counts) = (self.case, self.analysis.counts());
         let sizes = [case.rows(), case.dofs(), case.coefficients(), case.prescribed()].map(|count| count as usize);
         let input = InputSizes::new(sizes[0], sizes[1], sizes[2], sizes[3]);
@@ -101,14 +101,14 @@ impl Findings<'_> {
         Ok(report)
     }
 
-    fn backend(&self) -> Result<BackendUsed, Failure> {
+    fn backend(&self) -> Result<BackendUsed, CliFailure> {
         let backend: Box<dyn Backend> =
-            self.options.backend.get(self.options.memory).map_err(|error| Failure::Input(error.to_string()))?;
+            self.options.backend.get(self.options.memory).map_err(|error| CliFailure::Input(error.to_string()))?;
         Ok(BackendUsed::new(backend.name(), rayon::current_num_threads(), backend.version()))
     }
 
     /// Their certificates are not computed across ranks.
-    fn generated(&self) -> Result<Vec<GeneratedCondition>, Failure> {
+    fn generated(&self) -> Result<Vec<GeneratedCondition>, CliFailure> {
         let dofs: Vec<usize> = self.found.generated.iter().map(|&(dof, _)| dof as usize).collect();
         let mut labels = labels(self.case.files().columns.as_deref(), &dofs)?;
         let condition = |&(dof, value): &(u64, f64)| {
@@ -120,11 +120,11 @@ impl Findings<'_> {
     }
 }
 
-fn labels(path: Option<&Path>, wanted: &[usize]) -> Result<BTreeMap<usize, String>, Failure> {
+fn labels(path: Option<&Path>, wanted: &[usize]) -> Result<BTreeMap<usize, String>, CliFailure> {
     Ok(path.map_or_else(|| Ok(BTreeMap::new()), |path| find_labels(path, wanted))?)
 }
 
-fn terms(because: &[qless_mpi::CertificateTerm]) -> Vec<CertificateTerm> {
+fn terms(because: &[qless_mpi::DistributedCertificateTerm]) -> Vec<CertificateTerm> {
     because.iter().map(|term| CertificateTerm { row: term.equation as usize, coefficient: term.coefficient }).collect()
 }
 

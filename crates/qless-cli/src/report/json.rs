@@ -20,16 +20,16 @@ struct Whole<'a> {
 /// The report and a line break.
 pub fn write(out: &mut dyn Write, report: &Report, deck: Option<DeckReport>) -> io::Result<()> {
     let whole = Whole { report, deck };
-    whole.serialize(&mut Serializer::with_formatter(&mut *out, Lines { depth: 0 }))?;
+    whole.serialize(&mut Serializer::with_formatter(&mut *out, JsonLines { depth: 0 }))?;
     writeln!(out)
 }
 
 /// Breaks lines before keys at depth 1 and before elements at depth 2.
-struct Lines {
+struct JsonLines {
     depth: usize,
 }
 
-impl Lines {
+impl JsonLines {
     fn separate<W: Write + ?Sized>(&self, out: &mut W, first: bool, own_line_at: usize) -> io::Result<()> {
         let comma = if first { "" } else { "," };
         match (self.depth == own_line_at, first) {
@@ -53,7 +53,7 @@ impl Lines {
     }
 }
 
-impl Formatter for Lines {
+impl Formatter for JsonLines {
     fn begin_object<W: Write + ?Sized>(&mut self, out: &mut W) -> io::Result<()> {
         self.open(out, b"{")
     }
@@ -91,7 +91,7 @@ mod tests {
     fn one_line_for_each_key_and_each_element() {
         let value = serde_json::json!({"a": {"x": 1, "y": []}, "b": [{"c": [1, 2]}, {"d": null}], "e": []});
         let mut out = Vec::new();
-        value.serialize(&mut Serializer::with_formatter(&mut out, Lines { depth: 0 })).expect("written");
+        value.serialize(&mut Serializer::with_formatter(&mut out, JsonLines { depth: 0 })).expect("written");
         let expected =
             "{\n  \"a\": {\"x\": 1, \"y\": []},\n  \"b\": [\n    {\"c\": [1, 2]},\n    {\"d\": null}],\n  \"e\": []\n}";
         assert_eq!(String::from_utf8(out).expect("UTF-8"), expected);

@@ -13,7 +13,7 @@ use qless::{ArgumentError, Form, Reduction, Report};
 use crate::args::Format;
 use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 use crate::terminal::{self, Progress};
 
 /// The action of the command after the diagnosis.
@@ -47,7 +47,7 @@ pub struct Reduced<'a> {
 
 impl Diagnosis<'_> {
     /// Prints the report.
-    pub fn print(&self, reduced: Option<Reduced>, outcome: &Outcome, progress: Progress) -> Result<(), Failure> {
+    pub fn print(&self, reduced: Option<Reduced>, outcome: &Outcome, progress: Progress) -> Result<(), CliFailure> {
         progress.stage("explaining");
         let bytes = self.render(reduced, outcome)?;
         drop(progress);
@@ -58,22 +58,22 @@ impl Diagnosis<'_> {
     }
 
     /// The report in the form that was asked for.
-    pub fn render(&self, reduced: Option<Reduced>, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
+    pub fn render(&self, reduced: Option<Reduced>, outcome: &Outcome) -> Result<Vec<u8>, CliFailure> {
         let terms = if self.args.format == Format::Text { 0 } else { Report::TERMS };
-        let misfit = |error| Failure::Resource(format!("the report cannot be made: {error}"));
+        let misfit = |error| CliFailure::Resource(format!("the report cannot be made: {error}"));
         let report = self.report(reduced, terms).map_err(misfit)?;
         match self.args.format {
             Format::Text => Ok(text::render(self, &report, outcome).into_bytes()),
             Format::Json => {
                 let mut bytes = Vec::new();
                 let deck = self.deck.as_ref().map(|deck| deck.report(&self.analysis));
-                json::write(&mut bytes, &report, deck).map_err(|error| Failure::of_stdout(&error))?;
+                json::write(&mut bytes, &report, deck).map_err(|error| CliFailure::of_stdout(&error))?;
                 Ok(bytes)
             }
             Format::Vtu => vtu::render(self, reduced.map(|reduced| reduced.reduction)),
             Format::Html => html::render(self, &report)
                 .map(String::into_bytes)
-                .map_err(|error| Failure::Resource(format!("the page cannot be made: {error}"))),
+                .map_err(|error| CliFailure::Resource(format!("the page cannot be made: {error}"))),
         }
     }
 

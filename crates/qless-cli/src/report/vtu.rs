@@ -13,33 +13,33 @@ use vtkio::model::{
 };
 
 use crate::diagnose::Diagnosis;
-use crate::failure::Failure;
+use crate::failure::CliFailure;
 
 /// The counts at each node, in this order.
 const COUNTS: [&str; 5] = ["slaves", "masters", "prescribed", "redundant", "conflicting"];
 
-type Counts = [i32; COUNTS.len()];
+type VtuCounts = [i32; COUNTS.len()];
 
 /// The file, with the slaves of `reduction` if there is one, else of the analysis' own reduction.
-pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Vec<u8>, Failure> {
+pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Vec<u8>, CliFailure> {
     let input = diagnosis.args.input.display();
     let Some(deck) = &diagnosis.deck else {
-        return Err(Failure::Input(format!(
+        return Err(CliFailure::Input(format!(
             "{input}: --format vtu shows nodes, which a matrix does not have; give a deck"
         )));
     };
     let positions = deck.deck.positions();
     let counts = counts(diagnosis, reduction, &|j| deck.deck.model().dofs().get(j).map(|dof| dof.node))?;
-    let shown: Vec<(u32, [f64; 3], Counts)> =
+    let shown: Vec<(u32, [f64; 3], VtuCounts)> =
         counts.into_iter().filter_map(|(node, counts)| Some((node, *positions.get(&node)?, counts))).collect();
     if shown.is_empty() {
-        return Err(Failure::Input(format!(
+        return Err(CliFailure::Input(format!(
             "{input}: the deck says for no node of its equations where it is; add the cards of the nodes"
         )));
     }
     let mut bytes = Vec::new();
     let written = grid(&shown).write_xml(&mut bytes);
-    written.map_err(|error| Failure::Resource(format!("the VTK file cannot be made: {error}")))?;
+    written.map_err(|error| CliFailure::Resource(format!("the VTK file cannot be made: {error}")))?;
     Ok(bytes)
 }
 
@@ -48,15 +48,15 @@ fn counts(
     diagnosis: &Diagnosis,
     reduction: Option<&Reduction>,
     node_of: &dyn Fn(usize) -> Option<u32>,
-) -> Result<BTreeMap<u32, Counts>, Failure> {
+) -> Result<BTreeMap<u32, VtuCounts>, CliFailure> {
     let system = &diagnosis.system;
     let input = &diagnosis.args.input;
-    let refused = |error| Failure::of_reduction(error, input, system);
+    let refused = |error| CliFailure::of_reduction(error, input, system);
     let reduction = match reduction {
         Some(reduction) => Cow::Borrowed(reduction),
         None => Cow::Owned(diagnosis.analysis.reduction().map_err(refused)?),
     };
-    let mut counts: BTreeMap<u32, Counts> = BTreeMap::new();
+    let mut counts: BTreeMap<u32, VtuCounts> = BTreeMap::new();
     let mut held = vec![false; system.dofs()];
     for (i, kind) in diagnosis.analysis.kinds().iter().enumerate() {
         system.matrix().row(i).for_each(|(j, _)| held[j] = true);
@@ -75,7 +75,7 @@ fn counts(
     Ok(counts)
 }
 
-fn grid(shown: &[(u32, [f64; 3], Counts)]) -> Vtk {
+fn grid(shown: &[(u32, [f64; 3], VtuCounts)]) -> Vtk {
     let scalars =
         |name: &str, values: Vec<i32>| Attribute::DataArray(DataArrayBase::scalars(name, 1).with_data(values));
     let mut point = vec![scalars("node", shown.iter().map(|(node, ..)| *node as i32).collect())];

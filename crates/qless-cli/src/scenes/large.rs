@@ -4,7 +4,7 @@ use clap::Args;
 use qless_scenes::families::{Linkage, MortarSurface, PeriodicCell};
 use qless_scenes::{Scene, SceneError};
 
-use super::values::{Edging, FaceKind, Shape};
+use super::values::{Edging, FaceKind, ShapeName};
 
 #[derive(Args, Debug)]
 pub struct Cell {
@@ -28,7 +28,7 @@ pub struct Cell {
 pub struct Tie {
     /// What both meshes approximate
     #[arg(long, value_enum, default_value = "sphere")]
-    surface: Shape,
+    surface: ShapeName,
     /// About this many equations, on as many cells each way and two thirds of them on the master side
     #[arg(long, value_name = "N", default_value_t = 3000)]
     equations: usize,
@@ -52,7 +52,7 @@ pub struct Tie {
 }
 
 #[derive(Args, Debug)]
-pub struct Net {
+pub struct NetScene {
     /// A square net of at most so many bodies
     #[arg(long, default_value_t = 1000)]
     bodies: usize,
@@ -96,7 +96,7 @@ impl Tie {
     }
 }
 
-impl Net {
+impl NetScene {
     /// # Errors
     /// [`SceneError`] for sizes that make no scene.
     pub fn generate(&self) -> Result<Scene, SceneError> {

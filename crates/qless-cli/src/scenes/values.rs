@@ -24,7 +24,7 @@ pub enum Form {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Column {
+pub enum ColumnName {
     /// In a DOF that two of the three rows hold
     Own,
     /// In a DOF that all three hold
@@ -40,7 +40,7 @@ pub enum FaceKind {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Shape {
+pub enum ShapeName {
     /// Flat
     Plane,
     /// 106 degrees of a cylinder
@@ -82,11 +82,11 @@ impl From<Form> for FloorInput {
     }
 }
 
-impl From<Column> for Near {
-    fn from(column: Column) -> Self {
+impl From<ColumnName> for Near {
+    fn from(column: ColumnName) -> Self {
         match column {
-            Column::Own => Self::Own,
-            Column::Shared => Self::Shared,
+            ColumnName::Own => Self::Own,
+            ColumnName::Shared => Self::Shared,
         }
     }
 }
@@ -100,13 +100,13 @@ impl From<FaceKind> for Faces {
     }
 }
 
-impl From<Shape> for Surface {
-    fn from(shape: Shape) -> Self {
+impl From<ShapeName> for Surface {
+    fn from(shape: ShapeName) -> Self {
         match shape {
-            Shape::Plane => Self::Plane,
-            Shape::Cylinder => Self::Cylinder,
-            Shape::Sphere => Self::Sphere,
-            Shape::Waves => Self::Waves,
+            ShapeName::Plane => Self::Plane,
+            ShapeName::Cylinder => Self::Cylinder,
+            ShapeName::Sphere => Self::Sphere,
+            ShapeName::Waves => Self::Waves,
         }
     }
 }

@@ -81,12 +81,12 @@ impl Flow {
 const ITEMS_SHOWN: usize = 4;
 
 /// A heading with items, for findings other than equations.
-pub struct Section {
+pub struct LayoutSection {
     heading: String,
     items: Vec<String>,
 }
 
-impl Section {
+impl LayoutSection {
     /// None if there are no items.
     pub fn new(heading: impl Into<String>, items: Vec<String>) -> Option<Self> {
         let heading = heading.into();
@@ -117,12 +117,12 @@ impl Section {
 }
 
 /// The fewest lines that the sections need, and the lines that they want.
-pub fn section_needs(sections: &[Section]) -> (usize, usize) {
-    (sections.len(), sections.iter().map(Section::wanted).sum())
+pub fn section_needs(sections: &[LayoutSection]) -> (usize, usize) {
+    (sections.len(), sections.iter().map(LayoutSection::wanted).sum())
 }
 
 /// The sections in at most `most` lines, but at least one each. If not all fit, the first sections get more lines.
-pub fn section_lines(sections: &[Section], most: usize) -> Vec<String> {
+pub fn section_lines(sections: &[LayoutSection], most: usize) -> Vec<String> {
     let mut spare = most.saturating_sub(sections.len());
     let mut lines = Vec::new();
     for section in sections {
@@ -158,8 +158,8 @@ mod tests {
     #[test]
     fn sections_keep_to_their_lines() {
         let items = |count: usize| (0..count).map(|k| k.to_string()).collect();
-        let make = |counts: [usize; 3]| -> Vec<Section> {
-            counts.into_iter().filter_map(|count| Section::new("Heading:", items(count))).collect()
+        let make = |counts: [usize; 3]| -> Vec<LayoutSection> {
+            counts.into_iter().filter_map(|count| LayoutSection::new("Heading:", items(count))).collect()
         };
         for counts in [[1, 1, 1], [9, 0, 2], [5, 6, 100], [0, 0, 0], [4, 5, 6]] {
             let sections = make(counts);

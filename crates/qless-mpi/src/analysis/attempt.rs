@@ -3,9 +3,9 @@
 use qless::{Confidence, Options};
 
 use super::Dealt;
-use crate::distribute::{Load, Peel, balance, exchange_equations, peel};
+use crate::distribute::{PredictedWork, Peel, balance, exchange_equations, peel};
 use crate::error::{Error, agree};
-use crate::parts::{Component, Components, KnownDofs, Layout, NONE, TouchedDofs};
+use crate::parts::{ConnectedComponent, ConnectedComponents, KnownDofs, Layout, NONE, TouchedDofs};
 use crate::ranks::{Outbox, Ranks, real};
 use crate::share::ShareRows;
 use crate::solve::{
@@ -43,13 +43,13 @@ impl AttemptInput<'_> {
     }
 
     /// Collective.
-    pub fn attempt(&self, whole: &Components, may_peel: &[bool]) -> Result<Attempt, Error> {
+    pub fn attempt(&self, whole: &ConnectedComponents, may_peel: &[bool]) -> Result<Attempt, Error> {
         let Self { ranks, layout, rows, touched, known, options } = *self;
         let part = |i: usize| whole.of_row[i] as usize;
         let peels = peel(rows, touched, known, |i| may_peel[part(i)]);
         let mut gone = vec![false; rows.len()];
         peels.iter().for_each(|peel| gone[peel.row()] = true);
-        let rest = Components::of(ranks, layout, self.parts(), |i| !gone[i]);
+        let rest = ConnectedComponents::of(ranks, layout, self.parts(), |i| !gone[i]);
         let components = rest.total(ranks, &loads(rows, &rest), |total, part| {
             *total = [total[0] + part[0], total[1] + part[1]];
         });
@@ -81,7 +81,7 @@ impl AttemptInput<'_> {
     }
 
     /// Checks the memory of each component that must be gathered from several ranks.
-    fn fits(&self, components: &[Component<2>]) -> Result<(), Error> {
+    fn fits(&self, components: &[ConnectedComponent<2>]) -> Result<(), Error> {
         let (limit, own) = (self.options.memory as u64, self.ranks.rank());
         for [equations, terms] in components.iter().filter(|c| c.crosses(own)).map(|c| c.total) {
             let bytes = BYTES_OF_EQUATION * equations + BYTES_OF_TERM * terms;
@@ -93,7 +93,7 @@ impl AttemptInput<'_> {
     }
 
     /// The local parts whose core was found unsound by the rank that analysed it.
-    fn unsound(&self, cores: Option<&LocalAnalysis>, whole: &Components) -> Vec<bool> {
+    fn unsound(&self, cores: Option<&LocalAnalysis>, whole: &ConnectedComponents) -> Vec<bool> {
         let mut post = Outbox::default();
         if let Some(solved) = cores.filter(|solved| solved.soundness() == Soundness::Unsound) {
             solved.assigned.source.iter().for_each(|&(rank, place)| post.to(rank).push(place));
@@ -184,7 +184,7 @@ impl AttemptInput<'_> {
 const SMALL_MISMATCH: f64 = 1e-6;
 
 /// Equations and terms of each part.
-fn loads(rows: &ShareRows, components: &Components) -> Vec<Load> {
+fn loads(rows: &ShareRows, components: &ConnectedComponents) -> Vec<PredictedWork> {
     let mut loads = vec![[0, 0]; components.parts()];
     for (i, &part) in components.of_row.iter().enumerate().filter(|&(_, &part)| (part as usize) < components.parts()) {
         loads[part as usize][0] += 1;

@@ -8,34 +8,8 @@ use qless::{Confidence, Kind};
 use crate::parts::{Directory, Layout};
 use crate::solve::{PRESCRIBED_BIT, ReductionRow, ReductionRows};
 
+use crate::solve::DistributedDependent;
 pub use run::analyse;
-
-/// A redundant or conflicting equation of this rank.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Dependent {
-    /// Its place among the equations of the share.
-    pub equation: usize,
-    /// Redundant or conflicting.
-    pub kind: Kind,
-    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
-    pub mismatch: f64,
-    /// The mismatch relative to the largest part that went into it; 0 if it is no more than rounding.
-    pub relative_mismatch: f64,
-    /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
-    pub dropped: f64,
-    /// `row_k = sum c_i row_i` over its free DOFs, ascending by number; equations of any rank.
-    pub because: Vec<CertificateTerm>,
-}
-
-/// One term of a certificate: `coefficient` times an equation of the job.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CertificateTerm {
-    /// The number of a kept equation.
-    pub equation: u64,
-    /// Its coefficient.
-    pub coefficient: f64,
-}
 
 /// One term of a row of T or G.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +42,7 @@ pub struct Analysis {
     pub(crate) layout: Layout,
     pub(crate) rank_of_job: usize,
     pub(crate) kinds: Vec<Kind>,
-    pub(crate) dependent: Vec<Dependent>,
+    pub(crate) dependent: Vec<DistributedDependent>,
     pub(crate) generated: Vec<(u64, f64)>,
     pub(crate) unmet_equations: Vec<usize>,
     pub(crate) confidence: Confidence,
@@ -108,7 +82,7 @@ impl Analysis {
     }
 
     /// The redundant and conflicting equations of this rank, in that order.
-    pub fn dependent(&self) -> &[Dependent] {
+    pub fn dependent(&self) -> &[DistributedDependent] {
         &self.dependent
     }
 

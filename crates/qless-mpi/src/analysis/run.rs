@@ -6,7 +6,7 @@ use super::attempt::{Attempt, AttemptInput};
 use super::{Analysis, Counts};
 use crate::distribute::{Sizes, sizes};
 use crate::error::{Error, agree};
-use crate::parts::{Component, Components, Directory, Layout, TouchedDofs};
+use crate::parts::{ConnectedComponent, ConnectedComponents, Directory, Layout, TouchedDofs};
 use crate::ranks::Ranks;
 use crate::share::{Share, check_numbers};
 use crate::solve::ask;
@@ -48,7 +48,7 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
     let (directory, known) = Directory::new(ranks, &layout, &touched, &share.prescribed);
     let directory = agree(ranks, directory.map_err(Error::from))?;
     let job = AttemptInput { ranks, layout: &layout, rows, touched: &touched, known: &known, options };
-    let whole = Components::of(ranks, &layout, (rows, &touched, &known), |_| true);
+    let whole = ConnectedComponents::of(ranks, &layout, (rows, &touched, &known), |_| true);
     let mut may_peel = peelable(&job, &whole);
     let mut attempts = 0;
     let attempt = loop {
@@ -106,7 +106,7 @@ fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -
 }
 
 /// The local parts in which equations may be peeled: their component crosses ranks and does not mix units.
-fn peelable(job: &AttemptInput, whole: &Components) -> Vec<bool> {
+fn peelable(job: &AttemptInput, whole: &ConnectedComponents) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));
     let allowed = plain && options.preferences == qless::Preferences::default();
@@ -114,13 +114,13 @@ fn peelable(job: &AttemptInput, whole: &Components) -> Vec<bool> {
     let combine = |total: &mut [u64; 3], part: &[u64; 3]| (0..3).for_each(|k| total[k] += part[k]);
     let components = whole.total(job.ranks, &own, combine);
     let own = job.ranks.rank();
-    let may = |c: &Component<3>| u64::from(allowed && c.crosses(own) && Sizes::are_even(&c.total));
+    let may = |c: &ConnectedComponent<3>| u64::from(allowed && c.crosses(own) && Sizes::are_even(&c.total));
     let told = whole.tell(job.ranks, &components, &components.iter().map(may).collect::<Vec<_>>());
     told.into_iter().map(|word| word == 1).collect()
 }
 
 /// Forbids peeling in the components in which the attempt should not have peeled. Returns whether there are any.
-fn withdraw(ranks: &dyn Ranks, whole: &Components, attempt: &Attempt, may_peel: &mut [bool]) -> bool {
+fn withdraw(ranks: &dyn Ranks, whole: &ConnectedComponents, attempt: &Attempt, may_peel: &mut [bool]) -> bool {
     let own: Vec<[u64; 1]> = attempt.troubled.iter().map(|&troubled| [u64::from(troubled)]).collect();
     let mut any = [own.iter().map(|of| of[0]).sum()];
     ranks.sum(&mut any);

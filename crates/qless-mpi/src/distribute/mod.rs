@@ -6,21 +6,25 @@
 mod exchange;
 mod peel;
 
-use crate::parts::{Component, Components};
+use crate::parts::{ConnectedComponent, ConnectedComponents};
 use crate::ranks::Ranks;
 pub(crate) use exchange::{AssignedEquations, exchange_equations};
 pub(crate) use peel::{Peel, Sizes, peel, sizes};
 
 /// Equations and terms of a part or component.
-pub(crate) type Load = [u64; 2];
+pub(crate) type PredictedWork = [u64; 2];
 
 /// Predicted work. Time is about proportional to it, since most equations are solved without a factorization.
-fn work(load: Load) -> u64 {
+fn work(load: PredictedWork) -> u64 {
     load[0] + load[1]
 }
 
 /// The rank that analyses the component of each local part. Collective.
-pub(crate) fn balance(ranks: &dyn Ranks, components: &Components, known: &[Component<2>]) -> Vec<u64> {
+pub(crate) fn balance(
+    ranks: &dyn Ranks,
+    components: &ConnectedComponents,
+    known: &[ConnectedComponent<2>],
+) -> Vec<u64> {
     let own = ranks.rank();
     let total: u64 = known.iter().map(|component| work(component.total)).sum();
     let mean = ranks.gather(&[total]).iter().sum::<u64>().div_ceil(ranks.size() as u64);

@@ -3,7 +3,7 @@
 //! Such an equation is independent of all others and is in no certificate. It is peeled only if the serial analysis would do the same:
 //! the coefficient of the DOF is the largest of the equation, and no equation of the component mixes magnitudes.
 
-use crate::parts::{Components, KnownDofs, NONE, TouchedDofs};
+use crate::parts::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
 
 /// An equation and the position of its slave.
@@ -52,7 +52,12 @@ impl Sizes {
 }
 
 /// Of each part.
-pub(crate) fn sizes(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, components: &Components) -> Vec<Sizes> {
+pub(crate) fn sizes(
+    rows: &ShareRows,
+    touched: &TouchedDofs,
+    known: &KnownDofs,
+    components: &ConnectedComponents,
+) -> Vec<Sizes> {
     let mut of_part = vec![Sizes::default(); components.parts()];
     for i in 0..rows.len() {
         let largest = rows.values(i).iter().fold(0.0, |most: f64, value| most.max(value.abs()));

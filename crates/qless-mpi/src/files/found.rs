@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use qless::Kind;
 
 use super::Case;
-use crate::analysis::{Analysis, CertificateTerm};
+use crate::analysis::Analysis;
 use crate::ranks::{Message, Outbox, Ranks, real};
+use crate::solve::DistributedCertificateTerm;
 
 /// Of the whole, in numbers from 0; all lists ascend.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,16 +31,16 @@ pub struct Equation {
     pub number: u64,
     /// Redundant or conflicting.
     pub kind: Kind,
-    /// As in [`Dependent`](crate::Dependent).
+    /// As in [`DistributedDependent`](crate::DistributedDependent).
     pub mismatch: f64,
-    /// As in [`Dependent`](crate::Dependent).
+    /// As in [`DistributedDependent`](crate::DistributedDependent).
     pub relative_mismatch: f64,
-    /// As in [`Dependent`](crate::Dependent).
+    /// As in [`DistributedDependent`](crate::DistributedDependent).
     pub dropped: f64,
     /// Terms of its certificate.
     pub terms: usize,
     /// Its certificate; none if it was left where it is.
-    pub because: Option<Vec<CertificateTerm>>,
+    pub because: Option<Vec<DistributedCertificateTerm>>,
 }
 
 /// What is said of an equation.
@@ -123,7 +124,7 @@ impl Case {
             let mut rest = &words[..];
             while let [number, count, tail @ ..] = rest {
                 let (own, others) = tail.split_at(2 * *count as usize);
-                let term = |w: &[u64]| CertificateTerm { equation: w[0], coefficient: real(w[1]) };
+                let term = |w: &[u64]| DistributedCertificateTerm { equation: w[0], coefficient: real(w[1]) };
                 if let Ok(place) = dependent.binary_search_by_key(number, |equation| equation.number) {
                     dependent[place].because = Some(own.chunks_exact(2).map(term).collect());
                 }

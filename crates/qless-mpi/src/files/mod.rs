@@ -84,7 +84,7 @@ pub fn read_case(
     Ok(Case { share, files, rows, dofs, counts })
 }
 
-fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(ChunkedMatrix, Vec<rows::Given>), CaseError> {
+fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(ChunkedMatrix, Vec<rows::GivenEntry>), CaseError> {
     let opened = ChunkedFile::open(path).and_then(|file| Ok((ChunkedMatrix::open(&file)?, file)));
     let (matrix, file) = agree(ranks, opened.map_err(CaseError::from))?;
     let facts = [matrix.rows() as u64, matrix.columns() as u64];

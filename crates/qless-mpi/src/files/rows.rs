@@ -10,13 +10,13 @@ use crate::ranks::{Outbox, Ranks, real};
 use crate::share::Share;
 
 /// An entry as the reader gives it.
-pub(super) type Given = (usize, usize, f64);
+pub(super) type GivenEntry = (usize, usize, f64);
 
 /// An entry: row, DOF, value.
-type Entry = (u64, u64, f64);
+type MatrixTriplet = (u64, u64, f64);
 
 /// Collective; the entries of this rank's rows, by row and in the order of the file.
-pub(super) fn deal(ranks: &dyn Ranks, rows: NumberBlocks, entries: Vec<Given>) -> Vec<Entry> {
+pub(super) fn deal(ranks: &dyn Ranks, rows: NumberBlocks, entries: Vec<GivenEntry>) -> Vec<MatrixTriplet> {
     let mut post = Outbox::default();
     for (row, dof, value) in entries {
         post.to(rows.holder(row as u64)).extend([row as u64, dof as u64, value.to_bits()]);
@@ -32,7 +32,7 @@ pub(super) fn deal(ranks: &dyn Ranks, rows: NumberBlocks, entries: Vec<Given>) -
 }
 
 /// Adds these rows to the share.
-pub(super) fn fill(share: &mut Share, rows: Range<u64>, entries: &[Entry], rhs: &[f64]) {
+pub(super) fn fill(share: &mut Share, rows: Range<u64>, entries: &[MatrixTriplet], rhs: &[f64]) {
     let mut rest = entries;
     for (row, &b) in rows.zip(rhs) {
         let (of_row, others) = rest.split_at(rest.iter().take_while(|entry| entry.0 == row).count());

@@ -9,7 +9,7 @@ use crate::ranks::{Outbox, Ranks};
 use crate::share::ShareRows;
 
 /// The components of a rank's equations.
-pub(crate) struct Components {
+pub(crate) struct ConnectedComponents {
     /// The local part of each row; [`NONE`] for rows that were left out.
     pub of_row: Vec<u32>,
     /// The local part of each free DOF of the included rows, by place; [`NONE`] for other DOFs.
@@ -22,7 +22,7 @@ pub(crate) struct Components {
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// A component, on the rank that holds its root.
-pub(crate) struct Component<const K: usize> {
+pub(crate) struct ConnectedComponent<const K: usize> {
     /// The number of its root on this rank.
     pub root: usize,
     /// Its parts on other ranks, or beside the root on this one.
@@ -31,7 +31,7 @@ pub(crate) struct Component<const K: usize> {
     pub total: [u64; K],
 }
 
-impl Components {
+impl ConnectedComponents {
     /// Finds the components of the rows for which `included` holds. Collective.
     pub fn of(
         ranks: &dyn Ranks,
@@ -81,14 +81,14 @@ impl Components {
         ranks: &dyn Ranks,
         own: &[[u64; K]],
         combine: impl Fn(&mut [u64; K], &[u64; K]),
-    ) -> Vec<Component<K>> {
+    ) -> Vec<ConnectedComponent<K>> {
         let mut components = Vec::new();
         let mut index = vec![NONE; self.parts()];
         let mut post = Outbox::default();
         for (part, (&root, of_part)) in self.root.iter().zip(own).enumerate() {
             if root == vertex(ranks.rank(), part) {
                 index[part] = components.len() as u32;
-                components.push(Component { root: part, others: Vec::new(), total: *of_part });
+                components.push(ConnectedComponent { root: part, others: Vec::new(), total: *of_part });
             } else {
                 let words = post.to(rank_of(root));
                 words.extend([number_of(root) as u64, part as u64]);
@@ -97,7 +97,7 @@ impl Components {
         }
         for message in post.send(ranks) {
             for words in message.words.chunks_exact(2 + K) {
-                let component: &mut Component<K> = &mut components[index[words[0] as usize] as usize];
+                let component: &mut ConnectedComponent<K> = &mut components[index[words[0] as usize] as usize];
                 component.others.push(vertex(message.rank, words[1] as usize));
                 let mut of_part = [0; K];
                 of_part.copy_from_slice(&words[2..]);
@@ -108,7 +108,12 @@ impl Components {
     }
 
     /// Sends one word for each component from the rank of its root to all its parts. Returns the word of each local part. Collective.
-    pub fn tell<const K: usize>(&self, ranks: &dyn Ranks, components: &[Component<K>], words: &[u64]) -> Vec<u64> {
+    pub fn tell<const K: usize>(
+        &self,
+        ranks: &dyn Ranks,
+        components: &[ConnectedComponent<K>],
+        words: &[u64],
+    ) -> Vec<u64> {
         let mut told = vec![0; self.parts()];
         let mut post = Outbox::default();
         for (component, &word) in components.iter().zip(words) {
@@ -122,7 +127,7 @@ impl Components {
     }
 }
 
-impl<const K: usize> Component<K> {
+impl<const K: usize> ConnectedComponent<K> {
     /// Whether its equations are held by more than one rank: `rank` is that of its root.
     pub fn crosses(&self, rank: usize) -> bool {
         self.others.iter().any(|&v| rank_of(v) != rank)

@@ -36,7 +36,7 @@ fn chance(root: u64, round: u64) -> (u64, u64) {
     (x ^ (x >> 31), root)
 }
 
-struct Forest<'a> {
+struct LabelsForest<'a> {
     ranks: &'a dyn Ranks,
     /// By own vertex.
     parent: Vec<u64>,
@@ -45,7 +45,7 @@ struct Forest<'a> {
 /// The root of each of `count` own vertices; `edges` are from own vertices to any. Collective.
 pub(crate) fn roots(ranks: &dyn Ranks, count: usize, mut edges: Vec<(u32, u64)>) -> Vec<u64> {
     let own = ranks.rank();
-    let mut forest = Forest { ranks, parent: (0..count).map(|k| vertex(own, k)).collect() };
+    let mut forest = LabelsForest { ranks, parent: (0..count).map(|k| vertex(own, k)).collect() };
     for round in 0.. {
         let ends = forest.parents_of(edges.iter().map(|&(_, other)| other));
         let ends_of = |&(k, other): &(u32, u64)| (forest.parent[k as usize], forest.look(&ends, other));
@@ -63,7 +63,7 @@ pub(crate) fn roots(ranks: &dyn Ranks, count: usize, mut edges: Vec<(u32, u64)>)
     forest.parent
 }
 
-impl Forest<'_> {
+impl LabelsForest<'_> {
     /// Asks other ranks for the parents of their vertices.
     fn parents_of(&self, vertices: impl Iterator<Item = u64>) -> FxHashMap<u64, u64> {
         let own = self.ranks.rank();

@@ -6,7 +6,7 @@ mod labels;
 mod layout;
 mod touched;
 
-pub(crate) use connected::{Component, Components, NONE};
+pub(crate) use connected::{ConnectedComponent, ConnectedComponents, NONE};
 pub(crate) use directory::{Directory, KnownDofs};
 pub(crate) use layout::Layout;
 pub(crate) use touched::TouchedDofs;

@@ -7,6 +7,7 @@ mod rows;
 mod substitute;
 
 pub(crate) use local_analysis::{LocalAnalysis, Soundness};
+pub use return_results::{DistributedCertificateTerm, DistributedDependent};
 pub(crate) use return_results::{ReturnedResults, ask, return_results};
 pub(crate) use rows::{PRESCRIBED_BIT, ReductionRow, ReductionRows, SlaveRows};
 pub(crate) use substitute::substitute;

@@ -4,14 +4,40 @@ use qless::Kind;
 
 use super::rows::PRESCRIBED_BIT;
 use super::{LocalAnalysis, ReductionRows};
-use crate::analysis::{CertificateTerm, Dependent};
 use crate::parts::Layout;
 use crate::ranks::{Message, Outbox, Ranks, real};
+
+/// A redundant or conflicting equation of this rank.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct DistributedDependent {
+    /// Its place among the equations of the share.
+    pub equation: usize,
+    /// Redundant or conflicting.
+    pub kind: Kind,
+    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    pub mismatch: f64,
+    /// The mismatch relative to the largest part that went into it; 0 if it is no more than rounding.
+    pub relative_mismatch: f64,
+    /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
+    pub dropped: f64,
+    /// `row_k = sum c_i row_i` over its free DOFs, ascending by number; equations of any rank.
+    pub because: Vec<DistributedCertificateTerm>,
+}
+
+/// One term of a certificate: `coefficient` times an equation of the job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistributedCertificateTerm {
+    /// The number of a kept equation.
+    pub equation: u64,
+    /// Its coefficient.
+    pub coefficient: f64,
+}
 
 /// The results for the equations and DOFs of one rank.
 pub(crate) struct ReturnedResults {
     /// Of its equations, ascending.
-    pub dependent: Vec<Dependent>,
+    pub dependent: Vec<DistributedDependent>,
     /// Rows of T of the slaves that this rank owns.
     pub lines: ReductionRows,
     /// Free DOFs that it owns and that the equations fix, with their values.
@@ -40,7 +66,7 @@ pub(crate) fn return_results(ranks: &dyn Ranks, layout: &Layout, solved: &[Local
     }
     let mut dependent = Vec::new();
     verdicts.send(ranks).iter().for_each(|message| read_verdicts(&message.words, &mut dependent));
-    dependent.sort_unstable_by_key(|d: &Dependent| d.equation);
+    dependent.sort_unstable_by_key(|d: &DistributedDependent| d.equation);
     let mut lines = ReductionRows::default();
     rows.send(ranks).iter().for_each(|message| lines.read(&message.words));
     let pairs = |message: Message| -> Vec<(u64, f64)> {
@@ -99,18 +125,20 @@ impl LocalAnalysis {
     }
 }
 
-fn read_verdicts(words: &[u64], dependent: &mut Vec<Dependent>) {
+fn read_verdicts(words: &[u64], dependent: &mut Vec<DistributedDependent>) {
     let mut at = 0;
     while at < words.len() {
         let (head, len) = (&words[at..at + 6], words[at + 5] as usize);
         let terms = words[at + 6..at + 6 + 2 * len].chunks_exact(2);
-        dependent.push(Dependent {
+        dependent.push(DistributedDependent {
             equation: head[0] as usize,
             kind: if head[1] == 0 { Kind::Redundant } else { Kind::Conflicting },
             mismatch: real(head[2]),
             relative_mismatch: real(head[3]),
             dropped: real(head[4]),
-            because: terms.map(|pair| CertificateTerm { equation: pair[0], coefficient: real(pair[1]) }).collect(),
+            because: terms
+                .map(|pair| DistributedCertificateTerm { equation: pair[0], coefficient: real(pair[1]) })
+                .collect(),
         });
         at += 6 + 2 * len;
     }

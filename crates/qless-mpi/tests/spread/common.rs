@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use qless::{ConstraintSystem, Options};
-use qless_mpi::{Analysis, CertificateTerm, Error, Ranks, Share, Term, analyse, together};
+use qless_mpi::{Analysis, DistributedCertificateTerm, Error, Ranks, Share, Term, analyse, together};
 use qless_scenes::Rng;
 
 /// Who holds which equation.
@@ -117,8 +117,10 @@ pub fn spread(
         whole.ambiguous = analysis.confidence().ambiguous;
         for d in analysis.dependent() {
             assert_eq!(analysis.kinds()[d.equation], d.kind);
-            let because =
-                d.because.iter().map(|&CertificateTerm { equation, coefficient, .. }| (equation, bits(coefficient)));
+            let because = d
+                .because
+                .iter()
+                .map(|&DistributedCertificateTerm { equation, coefficient, .. }| (equation, bits(coefficient)));
             let of = (
                 d.kind == qless::Kind::Conflicting,
                 [d.mismatch, d.relative_mismatch, d.dropped].map(bits),

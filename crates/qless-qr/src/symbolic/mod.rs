@@ -2,21 +2,22 @@
 //!
 //! `P_r A P_c = [R11 R12; 0 S]` with the singleton columns peeled into R11, and the tree of fronts of S.
 
+mod analyse;
 mod forecast;
 mod fronts;
 mod order;
 mod singletons;
 mod tree;
 
+pub(crate) use analyse::analyse;
 pub(crate) use forecast::{
     Forecast, FrontShape, INDEX, front_bytes, kept_bytes, out_bytes, reflection_bytes, waiting_bytes,
 };
 pub(crate) use fronts::Fronts;
 
+use crate::Error;
 use crate::lists::Lists;
 use crate::matrix::Gather;
-use crate::{Error, Index, Matrix};
-use singletons::UnpeeledMatrix;
 use std::borrow::Cow;
 
 /// The analysis of one pattern. It holds no values and serves any number of factorizations, also in parallel.
@@ -45,16 +46,6 @@ pub struct Symbolic {
 }
 
 impl Symbolic {
-    /// Analyses the pattern of an m x n matrix, given by columns: column j has entries in the rows
-    /// `index[start[j]..start[j + 1]]`, ascending without duplicates.
-    ///
-    /// # Errors
-    /// [`Error::Length`], [`Error::Pattern`] or [`Error::TooLarge`] if the arrays are not such a pattern.
-    pub fn analyse(rows: usize, cols: usize, start: &[usize], index: &[u32]) -> Result<Self, Error> {
-        let columns = crate::lists::checked(rows, cols, start, index)?;
-        analyse(rows, &columns, &|_| true)
-    }
-
     /// P: the column of A at each position, in an order in which R has few entries; length n.
     pub fn order(&self) -> &[u32] {
         &self.order
@@ -84,7 +75,7 @@ impl Symbolic {
         self.forecast.bytes(self, rhs, true)
     }
 
-    /// Bytes that [`Options::keep_q`] adds to [`Self::memory`], if no column is dependent by its values.
+    /// Bytes that [`crate::Options::keep_q`] adds to [`Self::memory`], if no column is dependent by its values.
     pub fn memory_of_q(&self) -> usize {
         self.forecast.bytes_of_q(self)
     }
@@ -120,40 +111,4 @@ impl Symbolic {
         }
         Lists { start, index }
     }
-}
-
-impl<P: Index, I: Index> Matrix<'_, P, I> {
-    /// Analyses the pattern. [`Symbolic::factor`] then expects values in the order of this matrix.
-    ///
-    /// # Errors
-    /// [`Error::TooLarge`] or [`Error::Ordering`].
-    pub fn analyse(&self) -> Result<Symbolic, Error> {
-        crate::lists::countable(self.rows(), self.cols(), self.values().len())?;
-        let (columns, gather) = self.by_ascending_columns();
-        let symbolic = analyse(self.rows(), &columns, &|_| true)?;
-        Ok(Symbolic { gather, ..symbolic })
-    }
-}
-
-/// AMD is tried first if `S^T S` has at most this many times the entries of S; then it is faster than COLAMD.
-const PRODUCT: usize = 5;
-/// COLAMD is tried too if the order of AMD needs more than this many operations for each entry of S.
-const WORTH: f64 = 2e4;
-
-/// The analysis. Only entries of A that `may` accepts become peeled diagonal entries.
-pub(crate) fn analyse(row_count: usize, columns: &Lists, may: &dyn Fn(usize) -> bool) -> Result<Symbolic, Error> {
-    let rows = columns.transposed(row_count);
-    let peeled = singletons::peel(columns, &rows, may);
-    let rest = UnpeeledMatrix::new(columns, &rows, &peeled);
-    let with = |order: Vec<u32>| rest.symbolic(columns, row_count, &peeled, &order);
-    let by_rows = rest.columns.transposed(rest.rows);
-    let Some(order) = order::amd(&rest.columns, &by_rows, PRODUCT * rest.columns.index.len())? else {
-        return order::colamd(rest.rows, &rest.columns).map(with);
-    };
-    let first = with(order);
-    if first.flops() <= WORTH * rest.columns.index.len() as f64 {
-        return Ok(first);
-    }
-    let second = with(order::colamd(rest.rows, &rest.columns)?);
-    Ok(if second.flops() < first.flops() { second } else { first })
 }

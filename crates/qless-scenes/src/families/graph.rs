@@ -22,7 +22,7 @@ use crate::{Rng, Scene, SceneError, Truth};
 pub fn incidence(nodes: usize, edges: &[(usize, usize, f64)]) -> Result<Scene, SceneError> {
     within("nodes", nodes, 1, MOST)?;
     let mut builder = SystemBuilder::new(nodes);
-    let mut forest = Forest::new(nodes);
+    let mut forest = GraphForest::new(nodes);
     let (mut rank, mut conflict) = (0, false);
     for &(a, b, step) in edges {
         within("an edge's node", a.max(b), 0, nodes - 1)?;
@@ -83,12 +83,12 @@ pub fn random_graph(nodes: usize, edges: usize, seed: u64) -> Result<Scene, Scen
 }
 
 /// Union-find with offsets: `u_node = u_parent + offset`.
-struct Forest {
+struct GraphForest {
     parent: Vec<usize>,
     offset: Vec<f64>,
 }
 
-impl Forest {
+impl GraphForest {
     fn new(nodes: usize) -> Self {
         Self { parent: (0..nodes).collect(), offset: vec![0.0; nodes] }
     }

@@ -71,5 +71,4 @@ pub use shapes::{arrow, ladder, spider};
 pub use typed::typed_twice;
 pub use windows::Windows;
 
-/// More than this many of anything is surely a mistake.
-pub(crate) const MOST: usize = 1 << 27;
+pub(crate) use crate::error::MOST;

@@ -34,7 +34,7 @@ pub fn planted(rows: usize, dofs: usize, combos: usize, seed: u64, conflict: boo
 }
 
 /// Terms by DOF and right-hand side.
-type Equation = (BTreeMap<usize, f64>, f64);
+type PlantedEquation = (BTreeMap<usize, f64>, f64);
 
 impl Planted {
     /// Coefficients are whole numbers, so that combinations are exact.
@@ -49,7 +49,8 @@ impl Planted {
         within("combos", self.combos, usize::from(self.conflict), MOST)?;
         let mut rng = Rng::new(seed);
         let order = rng.shuffled(self.dofs);
-        let mut equations: Vec<Equation> = (0..self.rows).map(|i| self.independent(i, &order, &mut rng)).collect();
+        let mut equations: Vec<PlantedEquation> =
+            (0..self.rows).map(|i| self.independent(i, &order, &mut rng)).collect();
         for _ in 0..self.combos {
             equations.push(combination(&equations[..self.rows], &mut rng));
         }
@@ -61,7 +62,7 @@ impl Planted {
     }
 
     /// Own DOF `order[i]`, and others only from further on in the order.
-    fn independent(&self, i: usize, order: &[usize], rng: &mut Rng) -> Equation {
+    fn independent(&self, i: usize, order: &[usize], rng: &mut Rng) -> PlantedEquation {
         let later = &order[i + 1..];
         let wanted = 1 + rng.below(self.terms - 1);
         let others = rng.drawn(wanted, later.len()).into_iter().map(|k| later[k]);
@@ -69,7 +70,7 @@ impl Planted {
         (terms, rng.below(7) as f64 - 3.0)
     }
 
-    fn in_random_order(&self, equations: &[Equation], rng: &mut Rng) -> SystemBuilder {
+    fn in_random_order(&self, equations: &[PlantedEquation], rng: &mut Rng) -> SystemBuilder {
         let mut builder = SystemBuilder::new(self.dofs);
         for k in rng.shuffled(equations.len()) {
             let (terms, rhs) = &equations[k];
@@ -84,7 +85,7 @@ impl Planted {
     }
 }
 
-fn combination(rows: &[Equation], rng: &mut Rng) -> Equation {
+fn combination(rows: &[PlantedEquation], rng: &mut Rng) -> PlantedEquation {
     let (mut terms, mut rhs) = (BTreeMap::new(), 0.0);
     let parts = 2 + rng.below(3);
     for k in rng.drawn(parts, rows.len()) {

@@ -15,7 +15,7 @@ use crate::{Component, Dof, Scene, SceneError, Truth};
 /// [`SceneError::Size`] for n = 0.
 pub fn rve(n: usize) -> Result<Scene, SceneError> {
     within("n", n, 1, MOST.isqrt() / 16)?;
-    let surface = Surface::new(n);
+    let surface = RveSurface::new(n);
     let mut builder = SystemBuilder::new(3 * surface.nodes.len());
     for axis in 0..3 {
         for (a, b) in (0..=n).flat_map(|a| (0..=n).map(move |b| (a, b))) {
@@ -35,13 +35,13 @@ pub fn rve(n: usize) -> Result<Scene, SceneError> {
 }
 
 /// Numbers of the nodes on the surface of the cube `0..=n`.
-struct Surface {
+struct RveSurface {
     n: usize,
     number: Vec<usize>,
     nodes: Vec<[f64; 3]>,
 }
 
-impl Surface {
+impl RveSurface {
     fn new(n: usize) -> Self {
         let mut surface = Self { n, number: vec![usize::MAX; (n + 1).pow(3)], nodes: Vec::new() };
         for k in 0..(n + 1).pow(3) {

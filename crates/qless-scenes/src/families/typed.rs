@@ -6,7 +6,7 @@ use super::MOST;
 use crate::error::within;
 use crate::{Rng, Scene, SceneError, Truth};
 
-type Row = Vec<(usize, f64)>;
+type TypedRow = Vec<(usize, f64)>;
 
 /// n random equations with two DOFs of their own each, and about a third of them once more with rounded coefficients.
 ///
@@ -47,7 +47,7 @@ pub fn typed_twice(n: usize, digits: usize, seed: u64) -> Result<Scene, SceneErr
 }
 
 /// Own DOFs `place[2 i]` and `place[2 i + 1]`, which no later equation holds.
-fn sound(i: usize, place: &[usize], rng: &mut Rng) -> Row {
+fn sound(i: usize, place: &[usize], rng: &mut Rng) -> TypedRow {
     let mut own = |k: usize| {
         let v = rng.real();
         (place[2 * i + k], v + v.signum())

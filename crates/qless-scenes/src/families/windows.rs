@@ -42,7 +42,7 @@ fn product(sides: [usize; 3]) -> usize {
     sides.into_iter().fold(1, usize::saturating_mul)
 }
 
-type Equation = (Vec<(usize, f64)>, f64);
+type WindowsEquation = (Vec<(usize, f64)>, f64);
 
 impl Windows {
     /// Windows along each axis; those whose first `stride` nodes do not fit are left out.
@@ -110,12 +110,12 @@ impl Windows {
     }
 }
 
-fn equation(dofs: &[usize], rng: &mut Rng) -> Equation {
+fn equation(dofs: &[usize], rng: &mut Rng) -> WindowsEquation {
     (dofs.iter().map(|&dof| (dof, rng.coefficient(9))).collect(), rng.below(7) as f64 - 3.0)
 }
 
 /// `a` times one plus `b` times the other; shared DOFs are summed when the system is built, exactly.
-fn sum(one: &Equation, other: &Equation, rng: &mut Rng) -> Equation {
+fn sum(one: &WindowsEquation, other: &WindowsEquation, rng: &mut Rng) -> WindowsEquation {
     let (a, b) = (rng.coefficient(2), rng.coefficient(2));
     let scaled =
         |terms: &[(usize, f64)], factor| terms.iter().map(move |&(dof, v)| (dof, factor * v)).collect::<Vec<_>>();

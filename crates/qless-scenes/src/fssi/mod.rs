@@ -36,14 +36,14 @@ mod tank;
 pub use mesh::{Level, Mesh};
 
 use crate::{Scene, SceneError, Truth};
-use model::Model;
+use model::FssiModel;
 
 /// The model with node-to-face ties: rank `m - 12 layers`, exactly, and no doubt about it.
 ///
 /// # Errors
 /// [`SceneError`] for a mesh that [`Mesh::check`] refuses.
 pub fn tie(mesh: &Mesh, seed: u64) -> Result<Scene, SceneError> {
-    let mut model = Model::new(*mesh)?;
+    let mut model = FssiModel::new(*mesh)?;
     sides::tie(&mut model);
     tank::couple(&mut model);
     let truth = Truth::independent(mesh.equations()).with_redundant(mesh.redundant());
@@ -75,7 +75,7 @@ pub fn tie(mesh: &Mesh, seed: u64) -> Result<Scene, SceneError> {
 /// # Errors
 /// [`SceneError`] for a mesh that [`Mesh::check`] refuses.
 pub fn mortar(mesh: &Mesh, seed: u64) -> Result<Scene, SceneError> {
-    let mut model = Model::new(*mesh)?;
+    let mut model = FssiModel::new(*mesh)?;
     mortar::couple(&mut model);
     tank::couple(&mut model);
     let deep = !mesh.is_nested() && mesh.far_layers >= mesh.layers;

@@ -7,7 +7,7 @@ use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
 
 /// A mesh of the model, with nodes numbered from 0 within it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum ModelPart {
     /// Near-field soil, sides: `4 (columns - 1)` around times `layers` down.
     Side,
     /// Near-field soil, surface: `columns x columns`.
@@ -23,7 +23,7 @@ pub(super) enum Part {
 const UNSEEN: u32 = u32::MAX;
 
 /// The equations so far, with DOFs in order of first occurrence.
-pub(super) struct Model {
+pub(super) struct FssiModel {
     pub(super) mesh: Mesh,
     /// Scene node of each part's nodes, [`UNSEEN`] where it has not occurred.
     node: [Vec<u32>; 5],
@@ -35,7 +35,7 @@ pub(super) struct Model {
     equations: Vec<(String, Vec<(usize, f64)>)>,
 }
 
-impl Model {
+impl FssiModel {
     pub(super) fn new(mesh: Mesh) -> Result<Self, SceneError> {
         mesh.check()?;
         let sizes = [
@@ -67,13 +67,17 @@ impl Model {
     }
 
     /// Adds `sum a u = 0` over `(part, node, component, a)`; zero coefficients do not occur.
-    pub(super) fn equation(&mut self, label: String, terms: impl IntoIterator<Item = (Part, usize, Component, f64)>) {
+    pub(super) fn equation(
+        &mut self,
+        label: String,
+        terms: impl IntoIterator<Item = (ModelPart, usize, Component, f64)>,
+    ) {
         let occurring = terms.into_iter().filter(|term| term.3 != 0.0);
         let row = occurring.map(|(part, node, component, a)| (self.dof(part, node, component), a)).collect();
         self.equations.push((label, row));
     }
 
-    fn dof(&mut self, part: Part, node: usize, component: Component) -> usize {
+    fn dof(&mut self, part: ModelPart, node: usize, component: Component) -> usize {
         let known = self.dof[part as usize][node][component as usize];
         if known != UNSEEN {
             return known as usize;
@@ -87,7 +91,7 @@ impl Model {
         number
     }
 
-    fn scene_node(&mut self, part: Part, node: usize) -> usize {
+    fn scene_node(&mut self, part: ModelPart, node: usize) -> usize {
         if self.node[part as usize][node] == UNSEEN {
             self.node[part as usize][node] = self.nodes.len() as u32;
             self.nodes.push(self.point(part, node));
@@ -95,7 +99,7 @@ impl Model {
         self.node[part as usize][node] as usize
     }
 
-    fn point(&self, part: Part, node: usize) -> [f64; 3] {
+    fn point(&self, part: ModelPart, node: usize) -> [f64; 3] {
         let mesh = &self.mesh;
         let on_side = |columns: usize, layers| {
             let ring = 4 * (columns - 1);
@@ -103,11 +107,11 @@ impl Model {
         };
         let (ring, sector) = (node / mesh.sectors, node % mesh.sectors);
         match part {
-            Part::Side => on_side(mesh.columns, mesh.layers),
-            Part::Far => on_side(mesh.far_columns, mesh.far_layers),
-            Part::Top => geometry::top(mesh, node % mesh.columns, node / mesh.columns),
-            Part::Tank => geometry::tank(mesh, ring, sector),
-            Part::Fluid => geometry::tank(mesh, ring + mesh.rings - 1, sector),
+            ModelPart::Side => on_side(mesh.columns, mesh.layers),
+            ModelPart::Far => on_side(mesh.far_columns, mesh.far_layers),
+            ModelPart::Top => geometry::top(mesh, node % mesh.columns, node / mesh.columns),
+            ModelPart::Tank => geometry::tank(mesh, ring, sector),
+            ModelPart::Fluid => geometry::tank(mesh, ring + mesh.rings - 1, sector),
         }
     }
 

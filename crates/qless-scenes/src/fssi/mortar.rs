@@ -4,16 +4,16 @@
 
 use super::geometry;
 use super::integrals::{Band, products};
-use super::model::{Model, Part};
+use super::model::{FssiModel, ModelPart};
 use crate::Component;
 
 /// Integrals along one direction: of near-field functions with near-field and far-field ones.
-struct Line {
+struct MortarLine {
     near: Band,
     far: Band,
 }
 
-impl Line {
+impl MortarLine {
     fn new(near: usize, far: usize, length: f64) -> Self {
         let scaled = |mut band: Band| {
             band.iter_mut().flatten().for_each(|entry| entry.1 *= length);
@@ -24,16 +24,17 @@ impl Line {
 }
 
 /// 3 equations per node of each face.
-pub(super) fn couple(model: &mut Model) {
+pub(super) fn couple(model: &mut FssiModel) {
     let mesh = model.mesh;
     let (width, height) = geometry::cell(&mesh);
-    let across = Line::new(mesh.columns, mesh.far_columns, width);
-    let down = Line::new(mesh.layers, mesh.far_layers, height);
+    let across = MortarLine::new(mesh.columns, mesh.far_columns, width);
+    let down = MortarLine::new(mesh.layers, mesh.far_layers, height);
     for face in 0..4 {
         for (layer, i) in (0..mesh.layers).flat_map(|layer| (0..mesh.columns).map(move |i| (layer, i))) {
-            let near =
-                tensor(&across.near[i], &down.near[layer]).map(|(k, l, v)| (Part::Side, model.side(face, k, l), v));
-            let far = tensor(&across.far[i], &down.far[layer]).map(|(k, l, v)| (Part::Far, model.far(face, k, l), -v));
+            let near = tensor(&across.near[i], &down.near[layer])
+                .map(|(k, l, v)| (ModelPart::Side, model.side(face, k, l), v));
+            let far =
+                tensor(&across.far[i], &down.far[layer]).map(|(k, l, v)| (ModelPart::Far, model.far(face, k, l), -v));
             let terms: Vec<_> = near.chain(far).collect();
             for component in Component::SPACE {
                 let label =

@@ -1,10 +1,10 @@
 //! `u_near - sum_k N_k u_far,k = 0`: each near-field side node tied to the far-field cell that it lies in.
 
-use super::model::{Model, Part};
+use super::model::{FssiModel, ModelPart};
 use crate::Component;
 
 /// 3 equations per node of each face; an edge's nodes get the same equations from both of its faces.
-pub(super) fn tie(model: &mut Model) {
+pub(super) fn tie(model: &mut FssiModel) {
     let mesh = model.mesh;
     for face in 0..4 {
         for (layer, i) in (0..mesh.layers).flat_map(|layer| (0..mesh.columns).map(move |i| (layer, i))) {
@@ -13,8 +13,8 @@ pub(super) fn tie(model: &mut Model) {
             let down = weights(layer, mesh.layers, mesh.far_layers);
             let masters = down.map(|(l, wz)| across.map(|(k, wx)| (model.far(face, k, l), wx * wz)));
             for component in Component::SPACE {
-                let slave = (Part::Side, node, component, 1.0);
-                let masters = masters.as_flattened().iter().map(|&(far, w)| (Part::Far, far, component, -w));
+                let slave = (ModelPart::Side, node, component, 1.0);
+                let masters = masters.as_flattened().iter().map(|&(far, w)| (ModelPart::Far, far, component, -w));
                 let label =
                     format!("tie side face {}, node ({},{}), {}", face + 1, i + 1, layer + 1, component.letter());
                 model.equation(label, std::iter::once(slave).chain(masters));

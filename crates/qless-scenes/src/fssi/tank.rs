@@ -1,11 +1,11 @@
 //! `u_tank - sum N_i u_soil,i = 0` under the tank and `u_n - (n_x u_x + n_y u_y) = 0` on its wall.
 
 use super::geometry;
-use super::model::{Model, Part};
+use super::model::{FssiModel, ModelPart};
 use crate::Component;
 
 /// The tank's equations: base ties, then fluid wall.
-pub(super) fn couple(model: &mut Model) {
+pub(super) fn couple(model: &mut FssiModel) {
     let mesh = model.mesh;
     for (ring, sector) in (0..mesh.rings).flat_map(|ring| (0..mesh.sectors).map(move |k| (ring, k))) {
         base(model, ring, sector);
@@ -15,25 +15,25 @@ pub(super) fn couple(model: &mut Model) {
     }
 }
 
-fn base(model: &mut Model, ring: usize, sector: usize) {
+fn base(model: &mut FssiModel, ring: usize, sector: usize) {
     let mesh = model.mesh;
     let [x, y, _] = geometry::tank(&mesh, ring, sector);
     let ((i, wx), (j, wy)) = (locate(x, mesh.columns), locate(y, mesh.columns));
     let corners = [(0, 0, (1.0 - wx) * (1.0 - wy)), (1, 0, wx * (1.0 - wy)), (0, 1, (1.0 - wx) * wy), (1, 1, wx * wy)];
     for component in Component::SPACE {
-        let slave = (Part::Tank, ring * mesh.sectors + sector, component, 1.0);
-        let masters = corners.map(|(di, dj, w)| (Part::Top, i + di + (j + dj) * mesh.columns, component, -w));
+        let slave = (ModelPart::Tank, ring * mesh.sectors + sector, component, 1.0);
+        let masters = corners.map(|(di, dj, w)| (ModelPart::Top, i + di + (j + dj) * mesh.columns, component, -w));
         let label = format!("tie tank base, node ({},{}), {}", ring + 1, sector + 1, component.letter());
         model.equation(label, std::iter::once(slave).chain(masters));
     }
 }
 
-fn wall(model: &mut Model, ring: usize, sector: usize) {
+fn wall(model: &mut FssiModel, ring: usize, sector: usize) {
     let mesh = model.mesh;
     let [nx, ny] = geometry::normal(&mesh, sector);
     let tank = (ring + mesh.rings - 1) * mesh.sectors + sector;
-    let fluid = (Part::Fluid, ring * mesh.sectors + sector, Component::Normal, 1.0);
-    let structure = [(Part::Tank, tank, Component::X, -nx), (Part::Tank, tank, Component::Y, -ny)];
+    let fluid = (ModelPart::Fluid, ring * mesh.sectors + sector, Component::Normal, 1.0);
+    let structure = [(ModelPart::Tank, tank, Component::X, -nx), (ModelPart::Tank, tank, Component::Y, -ny)];
     let label = format!("fluid wall, node ({},{}), normal", ring + 1, sector + 1);
     model.equation(label, std::iter::once(fluid).chain(structure));
 }

@@ -9,7 +9,7 @@ use qless::SystemBuilder;
 use crate::{Component, Dof, Scene, SceneError, Truth};
 
 /// One displacement component at the nodes of two bodies on the same point.
-struct Pair {
+struct PaperLinePair {
     /// Scene DOFs (and nodes) of the pair.
     dofs: [usize; 2],
     at: [f64; 2],
@@ -25,7 +25,7 @@ struct Pair {
 /// [`SceneError::System`] for a value that is not finite.
 pub fn figure_1(h: f64) -> Result<Scene, SceneError> {
     let names = ["B", "E", "G", "M", "K", "J", "H", "C", "D", "F", "L", "I"];
-    let mut scene = Lines::new(1);
+    let mut scene = PaperLines::new(1);
     scene.builder.prescribe(7, 0.0);
     scene.builder.prescribe(6, h);
     scene.builder.dof_labels(names.map(|name| format!("{name}:y")).into());
@@ -41,7 +41,7 @@ pub fn figure_1(h: f64) -> Result<Scene, SceneError> {
 /// # Errors
 /// None in practice.
 pub fn figure_8() -> Result<Scene, SceneError> {
-    let mut scene = Lines::new(3);
+    let mut scene = PaperLines::new(3);
     let names: Vec<String> = (0..28).map(|j| format!("u{}", [1, 213, 2][j.min(2)] + j.saturating_sub(2))).collect();
     scene.builder.prescribe(0, 0.0);
     scene.builder.prescribe(1, 0.0);
@@ -51,13 +51,13 @@ pub fn figure_8() -> Result<Scene, SceneError> {
 }
 
 /// Four lines of pairs; DOFs 2k, 2k + 1 are the k-th pair from outside, line by line, and the last four the middle.
-struct Lines {
+struct PaperLines {
     builder: SystemBuilder,
-    pairs: Vec<Pair>,
+    pairs: Vec<PaperLinePair>,
     dofs: usize,
 }
 
-impl Lines {
+impl PaperLines {
     fn new(outer: usize) -> Self {
         let directions = [[0.0, 1.0], [1.0, 0.0], [0.0, -1.0], [-1.0, 0.0]];
         let mut pairs = Vec::new();
@@ -66,9 +66,9 @@ impl Lines {
             for k in 0..outer {
                 let first = 2 * (line * outer + k);
                 let distance = (outer - k) as f64;
-                pairs.push(Pair { dofs: [first, first + 1], at: [x * distance, y * distance] });
+                pairs.push(PaperLinePair { dofs: [first, first + 1], at: [x * distance, y * distance] });
             }
-            pairs.push(Pair { dofs: [middle + line, middle + (line + 1) % 4], at: [0.0; 2] });
+            pairs.push(PaperLinePair { dofs: [middle + line, middle + (line + 1) % 4], at: [0.0; 2] });
         }
         Self { builder: SystemBuilder::new(middle + 4), pairs, dofs: middle + 4 }
     }

@@ -53,7 +53,7 @@ pub fn redundancies(
     u: &[f64],
     options: &NewtonOptions,
 ) -> Result<Vec<(usize, Redundancy)>, NewtonError> {
-    let here = LocalAnalysis::new(set, u, &options.analysis)?;
+    let here = RedundancyAnalysis::new(set, u, &options.analysis)?;
     let rows = dependent(&here.analysis);
     if rows.is_empty() {
         return Ok(Vec::new());
@@ -63,7 +63,7 @@ pub fn redundancies(
         Nearby::At(v) => {
             let mut analysis = options.analysis.clone();
             analysis.preferences.equations = (0..set.equations()).filter(|row| !rows.contains(row)).collect();
-            dependent(&LocalAnalysis::new(set, &v, &analysis)?.analysis)
+            dependent(&RedundancyAnalysis::new(set, &v, &analysis)?.analysis)
         }
         Nearby::None => return Ok(rows.into_iter().map(|row| (row, Redundancy::Unknown)).collect()),
     };
@@ -72,7 +72,7 @@ pub fn redundancies(
 }
 
 /// Analysis at one configuration.
-struct LocalAnalysis {
+struct RedundancyAnalysis {
     quantities: Quantities,
     sizes: Vec<f64>,
     /// `du_j = s_j y_j`; analysis and reduction are of y.
@@ -90,7 +90,7 @@ enum Nearby {
     None,
 }
 
-impl LocalAnalysis {
+impl RedundancyAnalysis {
     fn new(set: &ConstraintSet, u: &[f64], options: &Options) -> Result<Self, NewtonError> {
         let mut quantities = set.allocate();
         let argument = |source| NewtonError::Argument { step: 0, source };

@@ -8,7 +8,7 @@ use crate::common::identity::Identity;
 const NO_BLOCK: u32 = u32::MAX;
 
 #[derive(Debug)]
-struct Equation {
+struct NetworkEquation {
     /// Ascending by DOF, each once, none zero.
     terms: Box<[(u32, f64)]>,
     rhs: f64,
@@ -19,7 +19,7 @@ struct Equation {
 #[derive(Debug)]
 pub(super) struct Network {
     identity: Identity,
-    equations: Vec<Option<Equation>>,
+    equations: Vec<Option<NetworkEquation>>,
     count: usize,
     /// Equations by DOF.
     on_dof: Vec<Vec<u32>>,
@@ -37,8 +37,8 @@ pub(super) struct Region {
     pub blocks: Vec<u32>,
 }
 
-/// Terms of an equation as they are kept.
-type Terms = Box<[(u32, f64)]>;
+/// NetworkTerms of an equation as they are kept.
+type NetworkTerms = Box<[(u32, f64)]>;
 
 impl Network {
     pub fn new(dofs: usize) -> Result<Self, ChangeError> {
@@ -82,7 +82,7 @@ impl Network {
         let found = self.equations.len() + 1;
         let id = u32::try_from(found - 1).map_err(|_| ChangeError::TooMany { what: "equations", found })?;
         terms.iter().for_each(|&(j, _)| self.on_dof[j as usize].push(id));
-        self.equations.push(Some(Equation { terms, rhs, block: NO_BLOCK }));
+        self.equations.push(Some(NetworkEquation { terms, rhs, block: NO_BLOCK }));
         self.touched.insert(id);
         self.count += 1;
         Ok(self.id(id))
@@ -140,7 +140,7 @@ impl Network {
         }
     }
 
-    fn checked(&self, mut terms: Vec<(usize, f64)>) -> Result<Terms, ChangeError> {
+    fn checked(&self, mut terms: Vec<(usize, f64)>) -> Result<NetworkTerms, ChangeError> {
         for &(dof, a) in &terms {
             finite(a)?;
             if dof >= self.dofs() {
@@ -157,12 +157,12 @@ impl Network {
         Ok(terms.into_iter().filter(|(_, a)| *a != 0.0).map(|(dof, a)| (dof as u32, a)).collect())
     }
 
-    fn get_mut(&mut self, id: EquationId) -> Result<&mut Equation, ChangeError> {
+    fn get_mut(&mut self, id: EquationId) -> Result<&mut NetworkEquation, ChangeError> {
         self.own(id)?;
         self.equations.get_mut(id.number as usize).and_then(Option::as_mut).ok_or(ChangeError::Gone(id.number))
     }
 
-    fn get(&self, id: u32) -> Option<&Equation> {
+    fn get(&self, id: u32) -> Option<&NetworkEquation> {
         self.equations.get(id as usize).and_then(Option::as_ref)
     }
 

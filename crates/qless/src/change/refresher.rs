@@ -14,7 +14,7 @@ use super::replay::{Replay, Square};
 use crate::common::argument::numbers;
 use crate::diagnosis::classify::{Dependent, Kind, Source};
 use crate::factor::backend::BackendError;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 use crate::reduction::residual_check;
@@ -153,7 +153,7 @@ impl Refresher {
         &self.analysis.system
     }
 
-    fn local(&self) -> Local<'_> {
+    fn local(&self) -> LocalSystem<'_> {
         self.analysis.numbering.view(self.system(), self.system().rhs())
     }
 

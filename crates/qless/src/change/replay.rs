@@ -4,8 +4,8 @@ use crate::Analysis;
 use crate::factor::backend::BackendError;
 use crate::factor::block::Block;
 use crate::factor::lu;
-use crate::factor::solver::Solver;
-use crate::input::numbering::Local;
+use crate::factor::solver::SlaveSolver;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::Kept;
 use crate::presolve::eliminated::Mismatch;
@@ -33,7 +33,7 @@ impl Side {
 /// All that is known of one b and u_p.
 pub struct Replay<'a> {
     analysis: &'a Analysis,
-    local: Local<'a>,
+    local: LocalSystem<'a>,
     /// b as given.
     pub rhs: &'a [f64],
     /// Values of prescribed DOFs, in local numbers.
@@ -85,7 +85,7 @@ impl<'a> Replay<'a> {
 pub struct Square {
     /// Exponents of the kept rows.
     exponents: Vec<i32>,
-    solver: Solver,
+    solver: SlaveSolver,
     /// Local DOF of each number of a solution, and the exponent of its scaling.
     slaves: Vec<(u32, i32)>,
 }
@@ -102,7 +102,7 @@ impl Square {
         let of = |&j: &u32| (block.dofs[j as usize], scaling.col(block.dofs[j as usize] as usize));
         let slaves = lu.slaves.iter().map(of).collect();
         let exponents = rows.iter().map(|&i| block.exponents[i]).collect();
-        Ok(Self { exponents, solver: Solver::new(&matrix, lu), slaves })
+        Ok(Self { exponents, solver: SlaveSolver::new(&matrix, lu), slaves })
     }
 
     /// Sets the slaves in u (local), all other DOFs of the block being zero; `b` has a number for each kept row.

@@ -27,7 +27,7 @@ use super::{Analysis, AnalysisError, confidence, generated, sensitivity};
 use crate::factor::backend::BackendError;
 use crate::factor::block::{self, Block, Means};
 use crate::input::components::Labels;
-use crate::input::numbering::{Column, Exponents, Local, Numbering};
+use crate::input::numbering::{Column, Exponents, Numbering, LocalSystem};
 use crate::input::preferences::Wishes;
 use crate::input::rounding;
 use crate::input::scale::{Scaling, Spread, Spreads, balanced, by_rows};
@@ -121,7 +121,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
 
 /// The scaling of the rows, and how far apart the units of each component are; no scaling for the tolerance of the paper.
 fn scale(
-    system: Local,
+    system: LocalSystem,
     columns: &[Column],
     exponents: &[Exponents],
     uncertain: &HashSet<(u32, u32)>,
@@ -136,7 +136,7 @@ fn scale(
 /// The input of every run of the stages.
 #[derive(Clone, Copy)]
 struct Pipeline<'a> {
-    local: Local<'a>,
+    local: LocalSystem<'a>,
     columns: &'a [Column],
     scaling: &'a Scaling,
     preferences: &'a Wishes,
@@ -296,7 +296,7 @@ impl Pipeline<'_> {
     ) -> Result<VerifiedPass, AnalysisError> {
         let PassResult { basis, history, dependent, probe, .. } = &pass;
         let row = |t: usize| pass.users_row(t);
-        let kept = sensitivity::KeptEquations { system: self.local, basis, history, scaling: self.scaling };
+        let kept = sensitivity::KeptRows { system: self.local, basis, history, scaling: self.scaling };
         let sigma = if self.context.check { kept.sigma(probe, dependent, row, self.context.memory())? } else { 1.0 };
         doubted.extend(confidence::doubted(dependent, self.local.system()));
         let near = basis.blocks.iter().filter(|block| !block.nearness.is_sound());

@@ -35,12 +35,12 @@ pub(crate) struct History {
 
 /// A sum and the largest part that went into it.
 #[derive(Clone, Copy, Default)]
-struct Sum {
+struct CertificateSum {
     value: f64,
     size: f64,
 }
 
-impl Sum {
+impl CertificateSum {
     fn add(&mut self, part: f64) {
         self.value += part;
         self.size = self.size.max(part.abs());
@@ -54,8 +54,8 @@ impl Sum {
 impl History {
     /// The certificate of row `k`, given how it depends on rows of its block (`because`, empty outside blocks).
     pub fn certificate(&self, k: u32, because: &[(u32, f64)]) -> Vec<CertificateTerm> {
-        let mut rows: BTreeMap<u32, Sum> = BTreeMap::new();
-        let mut steps: BTreeMap<u32, Sum> = BTreeMap::new();
+        let mut rows: BTreeMap<u32, CertificateSum> = BTreeMap::new();
+        let mut steps: BTreeMap<u32, CertificateSum> = BTreeMap::new();
         for &(i, y) in because {
             rows.entry(i).or_default().add(y);
             self.undo(i, -y, &mut steps);
@@ -67,8 +67,8 @@ impl History {
     /// The combination of equations that is made of the given amounts of steps and of rows of a block; `exponent` is the
     /// row scaling of what the combination gives.
     pub fn combination(&self, steps: &[(u32, f64)], block: &[(u32, f64)], exponent: i32) -> Vec<CertificateTerm> {
-        let mut rows: BTreeMap<u32, Sum> = BTreeMap::new();
-        let mut sums: BTreeMap<u32, Sum> = BTreeMap::new();
+        let mut rows: BTreeMap<u32, CertificateSum> = BTreeMap::new();
+        let mut sums: BTreeMap<u32, CertificateSum> = BTreeMap::new();
         steps.iter().for_each(|&(t, w)| sums.entry(t).or_default().add(w));
         for &(i, y) in block {
             rows.entry(i).or_default().add(y);
@@ -78,7 +78,7 @@ impl History {
     }
 
     /// Adds `weight` times what was subtracted from row i.
-    fn undo(&self, i: u32, weight: f64, steps: &mut BTreeMap<u32, Sum>) {
+    fn undo(&self, i: u32, weight: f64, steps: &mut BTreeMap<u32, CertificateSum>) {
         for &(step, factor) in &self.factors[i as usize] {
             steps.entry(step).or_default().add(weight * factor);
         }
@@ -87,8 +87,8 @@ impl History {
     /// Steps become rows, the last first.
     fn expand(
         &self,
-        mut rows: BTreeMap<u32, Sum>,
-        mut steps: BTreeMap<u32, Sum>,
+        mut rows: BTreeMap<u32, CertificateSum>,
+        mut steps: BTreeMap<u32, CertificateSum>,
         exponent: i32,
     ) -> Vec<CertificateTerm> {
         while let Some((step, sum)) = steps.pop_last() {
@@ -98,7 +98,7 @@ impl History {
                 self.undo(row, -sum.value, &mut steps);
             }
         }
-        let unscaled = |(&i, sum): (&u32, &Sum)| {
+        let unscaled = |(&i, sum): (&u32, &CertificateSum)| {
             let row = self.rows[i as usize] as usize;
             CertificateTerm { row, coefficient: ldexp(sum.value, self.exponents[row] - exponent) }
         };

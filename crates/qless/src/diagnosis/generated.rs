@@ -10,7 +10,7 @@ use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::{Basis, Part};
 
@@ -30,7 +30,7 @@ pub(crate) struct Generated {
 /// `G u_p + g`.
 pub(crate) fn find(
     mut fixed: Vec<u32>,
-    system: Local,
+    system: LocalSystem,
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
@@ -57,11 +57,11 @@ pub(crate) fn find(
 }
 
 /// What is left of `e_s` while equations are taken from it, by the time at which each DOF became a slave.
-struct Rest {
+struct GeneratedRemainder {
     parts: BTreeMap<(u32, u32), f64>,
 }
 
-impl Rest {
+impl GeneratedRemainder {
     fn add(&mut self, time: u32, dof: u32, value: f64) {
         *self.parts.entry((time, dof)).or_default() += value;
     }
@@ -69,7 +69,7 @@ impl Rest {
 
 /// Explains fixed DOFs: `e_s = sum_i c_i row_i` over the free DOFs.
 pub(crate) struct Explainer<'a> {
-    pub system: Local<'a>,
+    pub system: LocalSystem<'a>,
     pub basis: &'a Basis,
     pub blocks: &'a [Block],
     pub history: &'a History,
@@ -93,7 +93,7 @@ pub(crate) fn times(basis: &Basis, dofs: usize) -> Vec<u32> {
 impl Explainer<'_> {
     /// The equations that fix DOF s (local).
     pub fn because(&self, s: u32) -> Result<Vec<CertificateTerm>, BackendError> {
-        let mut rest = Rest { parts: BTreeMap::from([((self.time[s as usize], s), 1.0)]) };
+        let mut rest = GeneratedRemainder { parts: BTreeMap::from([((self.time[s as usize], s), 1.0)]) };
         let (mut own, mut of_steps, mut of_blocks) = (Vec::new(), Vec::new(), Vec::new());
         while let Some((&(time, dof), &value)) = rest.parts.first_key_value() {
             if time == u32::MAX {
@@ -125,7 +125,7 @@ impl Explainer<'_> {
     }
 
     /// All that is left in one block at once: `C_kept^T y = rest`.
-    fn take_block(&self, rest: &mut Rest, k: usize) -> Result<Vec<(u32, f64)>, BackendError> {
+    fn take_block(&self, rest: &mut GeneratedRemainder, k: usize) -> Result<Vec<(u32, f64)>, BackendError> {
         let (block, solved) = (&self.blocks[k], &self.basis.blocks[k]);
         let mut right = vec![0.0; block.dofs.len()];
         for (position, &dof) in block.dofs.iter().enumerate() {

@@ -13,7 +13,7 @@ use crate::common::identity::Identity;
 use crate::factor::backend::Backend;
 use crate::factor::block::Block;
 use crate::input::components::{Labels, components};
-use crate::input::numbering::{Local, Numbering};
+use crate::input::numbering::{Numbering, LocalSystem};
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Basis;
 use crate::presolve::eliminated::Eliminated;
@@ -148,7 +148,7 @@ const ROWS_PER_GROUP: usize = 1 << 14;
 const MOST_GROUPS: usize = 16;
 
 /// Splits rows into groups of whole components, one thread each. Groups share no free DOF.
-pub fn groups(local: Local, rows: Vec<u32>) -> Vec<Vec<u32>> {
+pub fn groups(local: LocalSystem, rows: Vec<u32>) -> Vec<Vec<u32>> {
     let count = (rows.len() / ROWS_PER_GROUP).min(MOST_GROUPS);
     if count < 2 {
         return vec![rows];

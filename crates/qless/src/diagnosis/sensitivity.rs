@@ -13,7 +13,7 @@ use crate::diagnosis::nullspace_probe::{NullspaceProbe, is_harmless};
 use crate::factor::backend::sparse::Sparse;
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::components::Labels;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::Basis;
 
@@ -25,8 +25,8 @@ const FEW: usize = 1000;
 
 /// What is kept, in all components.
 #[derive(Clone, Copy)]
-pub(crate) struct KeptEquations<'a> {
-    pub system: Local<'a>,
+pub(crate) struct KeptRows<'a> {
+    pub system: LocalSystem<'a>,
     pub basis: &'a Basis,
     pub history: &'a History,
     pub scaling: &'a Scaling,
@@ -49,7 +49,7 @@ impl Worst {
     }
 }
 
-impl KeptEquations<'_> {
+impl KeptRows<'_> {
     /// Estimate of the smallest singular value of what presolve kept, at most 1: the least of those of the components, each of
     /// which depends on the component alone. `row(t)` is the user's equation of row t of the basis.
     pub fn sigma(
@@ -150,7 +150,12 @@ fn norms(x: &[f64], count: usize, label: impl Fn(usize) -> usize) -> Vec<f64> {
 }
 
 /// The smallest singular value of some equations by their factors.
-fn by_factors(system: Local, equations: &[usize], scaling: &Scaling, memory: usize) -> Result<f64, BackendError> {
+fn by_factors(
+    system: LocalSystem,
+    equations: &[usize],
+    scaling: &Scaling,
+    memory: usize,
+) -> Result<f64, BackendError> {
     let free = |i: usize| system.row(i).filter(|&(j, _)| system.free()[j]);
     let mut dofs: Vec<usize> = equations.iter().flat_map(|&i| free(i)).map(|(j, _)| j).collect();
     dofs.sort_unstable();
@@ -166,8 +171,8 @@ fn by_factors(system: Local, equations: &[usize], scaling: &Scaling, memory: usi
 }
 
 /// `e_s^T C_S^-1` for the slaves of some rows, each of another component, by row of the basis; blocks left out.
-fn row_of_inverse(kept: KeptEquations, rows: &[usize]) -> Vec<f64> {
-    let KeptEquations { system, basis, history, scaling } = kept;
+fn row_of_inverse(kept: KeptRows, rows: &[usize]) -> Vec<f64> {
+    let KeptRows { system, basis, history, scaling } = kept;
     let mut rest = vec![0.0; system.dofs()];
     rows.iter().for_each(|&t| rest[basis.slave(t) as usize] = 1.0);
     let first = basis.peeled.len();
@@ -192,8 +197,8 @@ fn row_of_inverse(kept: KeptEquations, rows: &[usize]) -> Vec<f64> {
 }
 
 /// `C_S^-1 right`, by row of the basis; the slaves of blocks stay at zero.
-fn solve(kept: KeptEquations, mut right: Vec<f64>) -> Vec<f64> {
-    let KeptEquations { system, basis, history, scaling } = kept;
+fn solve(kept: KeptRows, mut right: Vec<f64>) -> Vec<f64> {
+    let KeptRows { system, basis, history, scaling } = kept;
     let first = basis.peeled.len();
     for (t, &row) in history.steps.iter().enumerate() {
         let sum: f64 = history.factors[row as usize].iter().map(|&(step, f)| f * right[first + step as usize]).sum();

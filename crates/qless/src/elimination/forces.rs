@@ -6,22 +6,22 @@ use super::{Elimination, EliminationError, EliminationSource};
 use crate::common::argument::numbers;
 use crate::factor::backend::BackendError;
 use crate::factor::lu;
-use crate::factor::solver::Solver;
+use crate::factor::solver::SlaveSolver;
 use crate::input::scale::{ldexp, where_needed};
 use crate::{ArgumentError, Csr, Kind};
 
 /// The independent equations in the columns of their slaves, factored.
-pub(super) struct Multipliers {
+pub(super) struct MultiplierFactors {
     /// The independent equations.
     equations: Vec<usize>,
-    solver: Solver,
+    solver: SlaveSolver,
     /// Exponents of the equations ...
     of_equations: Vec<i32>,
     /// ... and of the slaves with which they were factored: units must not decide what is small.
     of_slaves: Vec<i32>,
 }
 
-impl Multipliers {
+impl MultiplierFactors {
     fn new(known: &EliminationSource, slaves: &[usize]) -> Result<Self, BackendError> {
         let system = known.analysis.system();
         // Which equations are independent never changes.
@@ -48,7 +48,7 @@ impl Multipliers {
         let order: Vec<usize> = symbolic.order().iter().map(|&i| i as usize).collect();
         let factors = lu::factor(&rows, &order, |_| true, memory);
         let factors = factors.map_err(|error| error.of_block("multipliers", &rows, memory))?;
-        Ok(Self { equations, solver: Solver::new(&rows, factors), of_equations, of_slaves })
+        Ok(Self { equations, solver: SlaveSolver::new(&rows, factors), of_equations, of_slaves })
     }
 }
 
@@ -76,7 +76,7 @@ impl Elimination {
         let factored = if let Some(factored) = known.multipliers.get() {
             factored
         } else {
-            let made = Multipliers::new(known, self.slaves())?;
+            let made = MultiplierFactors::new(known, self.slaves())?;
             known.multipliers.get_or_init(|| made)
         };
         let scaled = |&k: &u32| ldexp(of_slaves[k as usize], factored.of_slaves[k as usize]);

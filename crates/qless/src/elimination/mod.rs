@@ -13,6 +13,7 @@
 
 mod apply;
 mod condense;
+mod error;
 mod forces;
 mod roles;
 mod update;
@@ -24,13 +25,13 @@ use crate::change::Refresher;
 use crate::common::argument::numbers;
 use crate::common::identity::Identity;
 use crate::{Analysis, ArgumentError, ConstraintSystem, Form, Kind, Options, Reduction, analyse};
-use forces::Multipliers;
+use error::refuse_conflicts;
+use forces::MultiplierFactors;
 use roles::{Role, Roles};
-use update::refuse_conflicts;
 
 pub use apply::Operator;
 pub use condense::{CondensedPattern, PrescribedDofs};
-pub use update::EliminationError;
+pub use error::EliminationError;
 pub use view::{Index, Storage, View};
 
 /// The constraints in the form `u = L u_q + u_0`: made once, owned, `Send + Sync`, kept beside the model.
@@ -78,7 +79,7 @@ struct EliminationSource {
     kinds: Vec<Kind>,
     /// Made when it is first needed.
     refresher: OnceLock<Refresher>,
-    multipliers: OnceLock<Multipliers>,
+    multipliers: OnceLock<MultiplierFactors>,
 }
 
 impl std::fmt::Debug for Elimination {

@@ -1,56 +1,12 @@
-//! Why there is no map, or none for new right-hand sides.
+//! New right-hand sides and prescribed values: g changes, T and the slaves stay.
 
 use std::sync::Arc;
 
-use super::{Elimination, EliminationSource};
-use crate::backend::BackendError;
-use crate::change::{RefreshError, Refresher};
+use super::error::refuse_conflicts;
+use super::{Elimination, EliminationError, EliminationSource};
+use crate::ArgumentError;
+use crate::change::Refresher;
 use crate::common::argument::numbers;
-use crate::{AnalysisError, ArgumentError, ConstraintSystem, Kind, ReductionError, SystemError};
-
-/// Why constraints could not be put into the form that a finite-element code uses in every step.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum EliminationError {
-    /// Equations that contradict others.
-    #[error("equations contradict others: {}; change their right-hand sides, or leave them out", some(.labels))]
-    Conflicting {
-        /// The equations, 0-based.
-        rows: Vec<usize>,
-        /// Their labels.
-        labels: Vec<String>,
-    },
-    /// It was made from a reduction, without equations.
-    #[error(
-        "this elimination was made from T, G and g alone: it has no equations; make it by `Elimination::new`, or set g by `set`"
-    )]
-    NoEquations,
-    /// The equations could not be analysed.
-    #[error(transparent)]
-    Analysis(#[from] AnalysisError),
-    /// They could not be solved for slaves.
-    #[error(transparent)]
-    Reduction(#[from] ReductionError),
-    /// New right-hand sides were refused.
-    #[error(transparent)]
-    Refresh(#[from] RefreshError),
-    /// A list of the wrong length, or a number that is not finite.
-    #[error(transparent)]
-    Argument(#[from] ArgumentError),
-    /// Arrays that are no matrix of the DOFs.
-    #[error(transparent)]
-    Matrix(#[from] SystemError),
-    /// A block needs more memory than is allowed, or could not be factored.
-    #[error(transparent)]
-    Backend(#[from] BackendError),
-}
-
-/// The first few of many.
-fn some(labels: &[String]) -> String {
-    const MOST: usize = 5;
-    let first = labels[..labels.len().min(MOST)].join(", ");
-    if labels.len() > MOST { format!("{first} and {} more", labels.len() - MOST) } else { first }
-}
 
 impl Elimination {
     /// New right-hand sides b (length m) and prescribed values (in the order of [`Elimination::prescribed`]). Slaves and T stay as they are,
@@ -126,14 +82,4 @@ impl Elimination {
         self.prescribed_values.copy_from_slice(prescribed);
         self.roles.refresh(&self.reduction, prescribed);
     }
-}
-
-/// Equations that contradict others have no solution that a model could follow.
-pub(super) fn refuse_conflicts(kinds: &[Kind], system: &ConstraintSystem) -> Result<(), EliminationError> {
-    let rows: Vec<usize> = (0..kinds.len()).filter(|&i| kinds[i] == Kind::Conflicting).collect();
-    if rows.is_empty() {
-        return Ok(());
-    }
-    let labels = rows.iter().map(|&row| system.equation_label(row)).collect();
-    Err(EliminationError::Conflicting { rows, labels })
 }

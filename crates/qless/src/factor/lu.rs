@@ -15,7 +15,7 @@ const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 /// Which DOFs are slaves, and the factors of their columns. Steps count equations in the order of the elimination.
 #[derive(Clone, Debug)]
-pub(crate) struct Lu {
+pub(crate) struct SparseLu {
     /// DOF of each step.
     pub slaves: Vec<u32>,
     /// Equation of each step.
@@ -53,7 +53,7 @@ impl LuError {
 
 const NONE: u32 = u32::MAX;
 
-struct Work<'a> {
+struct LuWork<'a> {
     equations: &'a Csr,
     /// Number of equations of each DOF; [`NONE`] for those that may not be slaves.
     count: Vec<u32>,
@@ -82,12 +82,12 @@ pub(crate) fn factor(
     order: &[usize],
     may: impl Fn(usize) -> bool,
     memory: usize,
-) -> Result<Lu, LuError> {
+) -> Result<SparseLu, LuError> {
     let n = equations.cols;
     let mut count = vec![0; n];
     equations.col.iter().for_each(|&j| count[j as usize] += 1);
     (0..n).filter(|&j| !may(j)).for_each(|j| count[j] = NONE);
-    let mut work = Work {
+    let mut work = LuWork {
         equations,
         count,
         step_of: vec![NONE; n],
@@ -114,7 +114,7 @@ pub(crate) fn factor(
     Ok(work.finish(order))
 }
 
-impl Work<'_> {
+impl LuWork<'_> {
     /// Lists the DOFs that the equation will hold, each after those that it changes.
     fn reach(&mut self, k: u32, equation: usize) {
         self.reached.clear();
@@ -191,7 +191,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn finish(self, order: &[usize]) -> Lu {
+    fn finish(self, order: &[usize]) -> SparseLu {
         let mut columns = Csr::empty(order.len());
         for k in 0..order.len() {
             let places = self.start[k]..self.start[k + 1];
@@ -199,7 +199,7 @@ impl Work<'_> {
             columns
                 .append(of_slaves.map(|place| (self.step_of[self.dofs[place] as usize] as usize, self.values[place])));
         }
-        Lu {
+        SparseLu {
             slaves: self.slaves,
             order: order.iter().map(|&i| i as u32).collect(),
             l: columns.transposed(),

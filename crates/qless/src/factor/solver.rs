@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::lu::Lu;
+use super::lu::SparseLu;
 use crate::Csr;
 
 /// Entries of a column below this, relative to its largest, are rounding.
@@ -15,8 +15,8 @@ const FADED: f64 = 1e-19;
 
 /// The factors with the columns of the slaves.
 #[derive(Clone, Debug)]
-pub(crate) struct Solver {
-    lu: Lu,
+pub(crate) struct SlaveSolver {
+    lu: SparseLu,
     /// C_S by columns: row k holds the equations (by step) of the slave of step k.
     columns: Csr,
     /// Step of each equation.
@@ -24,12 +24,12 @@ pub(crate) struct Solver {
 }
 
 /// Numbers by step, most of them zero; which are not is told by bits.
-struct Sparse {
+struct SparseFactors {
     values: Vec<f64>,
     bits: Vec<u64>,
 }
 
-impl Sparse {
+impl SparseFactors {
     fn new(length: usize) -> Self {
         Self { values: vec![0.0; length], bits: vec![0; length.div_ceil(64)] }
     }
@@ -83,15 +83,15 @@ impl Sparse {
 }
 
 /// Arrays of one thread; empty between columns.
-struct Work {
-    right: Sparse,
-    y: Sparse,
-    x: Sparse,
+struct SolverWork {
+    right: SparseFactors,
+    y: SparseFactors,
+    x: SparseFactors,
 }
 
-impl Solver {
+impl SlaveSolver {
     /// `equations` as they were factored.
-    pub fn new(equations: &Csr, lu: Lu) -> Self {
+    pub fn new(equations: &Csr, lu: SparseLu) -> Self {
         let r = lu.order.len();
         let mut step = vec![0; r];
         lu.order.iter().zip(0..).for_each(|(&i, k)| step[i as usize] = k);
@@ -105,7 +105,7 @@ impl Solver {
         Self { columns: rows.transposed(), step, lu }
     }
 
-    /// The slaves, in the order of the columns of [`Solver::solve`].
+    /// The slaves, in the order of the columns of [`SlaveSolver::solve`].
     pub fn slaves(&self) -> &[u32] {
         &self.lu.slaves
     }
@@ -113,8 +113,8 @@ impl Solver {
     /// Row k of the result is the solution for row k of `right`, which has an entry for each equation.
     pub fn solve(&self, right: &Csr) -> Csr {
         let r = self.lu.order.len();
-        let work = || Work { right: Sparse::new(r), y: Sparse::new(r), x: Sparse::new(r) };
-        let column = |work: &mut Work, k: usize| {
+        let work = || SolverWork { right: SparseFactors::new(r), y: SparseFactors::new(r), x: SparseFactors::new(r) };
+        let column = |work: &mut SolverWork, k: usize| {
             right.row(k).for_each(|(i, v)| work.right.add(self.step[i] as usize, v));
             self.column(work)
         };
@@ -178,11 +178,11 @@ impl Solver {
     }
 
     /// The factors of `C_S = U^T L11^T`.
-    pub fn lu(&self) -> &Lu {
+    pub fn lu(&self) -> &SparseLu {
         &self.lu
     }
 
-    fn column(&self, work: &mut Work) -> Vec<(usize, f64)> {
+    fn column(&self, work: &mut SolverWork) -> Vec<(usize, f64)> {
         self.refined(work);
         let noise = NOISE * work.x.largest();
         let mut out = Vec::new();
@@ -192,16 +192,16 @@ impl Solver {
     }
 
     /// `x = C_S^-1 right`, the second time for what the first has left.
-    fn refined(&self, work: &mut Work) {
+    fn refined(&self, work: &mut SolverWork) {
         self.add_solution(work);
         self.subtract_product(work);
         self.add_solution(work);
     }
 
     /// `x <- x + L11^-T U^-T right`; `right` stays.
-    fn add_solution(&self, Work { right, y, x }: &mut Work) {
+    fn add_solution(&self, SolverWork { right, y, x }: &mut SolverWork) {
         let faded = FADED * right.largest().max(x.largest());
-        let mut upper = Sparse { values: std::mem::take(&mut y.values), bits: std::mem::take(&mut y.bits) };
+        let mut upper = SparseFactors { values: std::mem::take(&mut y.values), bits: std::mem::take(&mut y.bits) };
         let mut lower: Vec<(usize, f64)> = Vec::new();
         right.visit(|k, value| upper.add(k, value));
         upper.drain_up(|upper, k, value| {
@@ -222,7 +222,7 @@ impl Solver {
     }
 
     /// `right <- right - C_S x`.
-    fn subtract_product(&self, Work { right, x, .. }: &mut Work) {
+    fn subtract_product(&self, SolverWork { right, x, .. }: &mut SolverWork) {
         x.visit(|k, value| self.columns.row(k).for_each(|(equation, v)| right.add(equation, -v * value)));
     }
 }

@@ -1,7 +1,7 @@
 //! Connected components of the graph of equations and free DOFs: nothing that is said of one depends on another (section 3.1).
 
 use crate::common::DisjointSets;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 
 /// The rows of each component, ascending; components in order of their first row. `dofs` gives the free DOFs of a row,
 /// which are below `count`.
@@ -24,7 +24,7 @@ pub(crate) struct Labels {
 
 impl Labels {
     /// Of all equations.
-    pub fn of(system: Local) -> Self {
+    pub fn of(system: LocalSystem) -> Self {
         let free = system.free();
         let dofs = |i: usize| system.parts(i).0.iter().copied().filter(|&j| free[j as usize]);
         Self::new(system.equations(), system.dofs(), dofs)

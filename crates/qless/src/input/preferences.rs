@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
+use crate::ConstraintSystem;
 use crate::input::numbering::Numbering;
-use crate::{ConstraintSystem, OptionError};
 
 /// Wishes that hold wherever the equations allow it; what they do not allow is reported
 /// ([`crate::Analysis::unmet_equations`], [`crate::Reduction::unmet_masters`], [`crate::Reduction::unmet_slaves`]).
@@ -19,6 +19,31 @@ pub struct Preferences {
     pub slaves: Vec<usize>,
     /// Equations (0-based) to keep where a choice of the dependent ones is possible.
     pub equations: Vec<usize>,
+}
+
+/// A setting out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OptionError {
+    /// The tolerance must lie strictly between 0 and 1.
+    #[error("the tolerance is {0}; it must lie between 0 and 1, such as 1e-10")]
+    Tolerance(f64),
+    /// Growth below 1 cannot always be reached.
+    #[error("the growth bound is {0}; it must be a number of at least 1, such as 4")]
+    Growth(f64),
+    /// A preference names what is not there.
+    #[error("a preference names {what} {found}, but there are {count} (numbers from 0 to {last})", last = .count.saturating_sub(1))]
+    Preference {
+        /// "DOF" or "equation".
+        what: &'static str,
+        /// The number given, 0-based.
+        found: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A DOF cannot be preferred as a slave and excluded from being one.
+    #[error("DOF {0} (from 0) is preferred as a slave and excluded from being one; take it out of one list")]
+    Contradiction(usize),
 }
 
 impl Preferences {

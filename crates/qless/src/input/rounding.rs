@@ -7,7 +7,7 @@
 use std::collections::HashSet;
 
 use crate::input::components::Labels;
-use crate::input::numbering::{Exponents, Local};
+use crate::input::numbering::{Exponents, LocalSystem};
 use crate::input::scale::{ROUNDING, equilibrated, free};
 
 /// A coefficient from which nothing was concluded: below 1.4e-14 of the largest of its equation and of its DOF, each in its unit.
@@ -29,7 +29,7 @@ fn may_hold(of_row: Exponents) -> bool {
 
 /// What is rounding, ascending by row and DOF; in components with a row that spans so much, whatever stands beside them. O(m) where
 /// there are none.
-pub(crate) fn find(system: Local, exponents: &[Exponents]) -> Vec<Ignored> {
+pub(crate) fn find(system: LocalSystem, exponents: &[Exponents]) -> Vec<Ignored> {
     let spanning: Vec<usize> = (0..exponents.len()).filter(|&i| may_hold(exponents[i])).collect();
     if spanning.is_empty() {
         return Vec::new();
@@ -47,7 +47,7 @@ pub(crate) fn find(system: Local, exponents: &[Exponents]) -> Vec<Ignored> {
 }
 
 /// Which entries those are, in local numbers.
-pub(crate) fn places(ignored: &[Ignored], system: Local) -> HashSet<(u32, u32)> {
+pub(crate) fn places(ignored: &[Ignored], system: LocalSystem) -> HashSet<(u32, u32)> {
     let rows: HashSet<usize> = ignored.iter().map(|entry| entry.row).collect();
     let users: HashSet<(usize, usize)> = ignored.iter().map(|entry| (entry.row, entry.dof)).collect();
     let name = |j: u32| system.numbering.dofs[j as usize] as usize;

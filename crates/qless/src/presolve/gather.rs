@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::rows::Row;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 
 /// Rows for elimination.
@@ -23,7 +23,7 @@ pub(crate) struct Gathered {
 pub(crate) struct OutOfRange(pub usize);
 
 pub(crate) fn gather(
-    system: Local,
+    system: LocalSystem,
     names: Vec<u32>,
     scaling: &Scaling,
     uncertain: &HashSet<(u32, u32)>,
@@ -71,7 +71,7 @@ pub(crate) fn gather(
 
 /// By local DOF, the power of two that brings the largest coefficient of a prescribed one to one, whatever the order of equations; 0 for free
 /// ones. Empty where none is prescribed.
-fn powers(system: Local, names: &[u32], scaling: &Scaling) -> Vec<i32> {
+fn powers(system: LocalSystem, names: &[u32], scaling: &Scaling) -> Vec<i32> {
     if system.prescribed().is_empty() {
         return Vec::new();
     }

@@ -10,7 +10,7 @@
 
 use std::hint::select_unpredictable;
 
-use crate::input::numbering::{Column, Local};
+use crate::input::numbering::{Column, LocalSystem};
 use crate::input::preferences::Wishes;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::Basis;
@@ -25,7 +25,7 @@ pub(crate) struct Peeled {
 const PRESCRIBED: u32 = 1 << 31;
 
 struct Peeling<'a> {
-    system: Local<'a>,
+    system: LocalSystem<'a>,
     scaling: &'a Scaling,
     wishes: &'a Wishes,
     columns: Vec<Column>,
@@ -43,7 +43,7 @@ struct Peeling<'a> {
 /// Rows of `held` stay, with every row that shares a DOF with them. `columns` counts all rows. Of several slaves of the same
 /// row the one with the highest wish is taken, then the first.
 pub(crate) fn peel(
-    system: Local,
+    system: LocalSystem,
     columns: &[Column],
     scaling: &Scaling,
     wishes: &Wishes,

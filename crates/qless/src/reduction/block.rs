@@ -7,7 +7,7 @@ use crate::factor::block::Block;
 use crate::factor::block::tableau::Tableau;
 use crate::factor::lu;
 use crate::factor::lu::LuError;
-use crate::factor::solver::{NOISE, Solver};
+use crate::factor::solver::{NOISE, SlaveSolver};
 use crate::presolve::basis::{Kept, Solved};
 
 //PUB pub(crate) use slaves::{may_be_slaves, solve};
@@ -234,7 +234,7 @@ pub(super) fn relation_by_lu(
         Err(LuError::Dependent) => return Ok(None),
         Err(error) => return Err(error.of_block("sparse LU", &rows, memory)),
     };
-    let solver = Solver::new(&rows, lu);
+    let solver = SlaveSolver::new(&rows, lu);
     let slaves = solver.slaves().to_vec();
     let mut is_slave = vec![false; block.matrix.cols];
     slaves.iter().for_each(|&j| is_slave[j as usize] = true);

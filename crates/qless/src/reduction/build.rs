@@ -12,7 +12,7 @@ use super::residual_check::{self, Residuals};
 use super::{FactoredBlock, Form, Reduction, ReductionError, block, output, retry};
 use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::preferences::{Preferences, Wish, Wishes};
 use crate::presolve::basis::{Basis, Solved};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
@@ -123,7 +123,7 @@ impl Analysis {
 
     fn built(
         &self,
-        local: Local,
+        local: LocalSystem,
         input: &ReductionInput,
         blocks: Vec<FactoredBlock>,
     ) -> Result<Reduction, ReductionError> {
@@ -131,7 +131,7 @@ impl Analysis {
         Ok(Reduction { of: self.identity, ..reduction.compare(&self.options.preferences) })
     }
 
-    fn bounds_of(&self, local: Local, basis: &Basis) -> Cow<'_, [f64]> {
+    fn bounds_of(&self, local: LocalSystem, basis: &Basis) -> Cow<'_, [f64]> {
         if basis.blocks.is_empty() { Cow::Borrowed(&self.bounds) } else { Cow::Owned(basis.bounds(local)) }
     }
 
@@ -170,7 +170,7 @@ impl Analysis {
     /// The parts that stay factors, by label.
     fn factored(
         &self,
-        local: Local,
+        local: LocalSystem,
         labels: &Labels,
         (form, as_numbers): (Form, &[bool]),
         input: &ReductionInput,
@@ -199,7 +199,7 @@ impl Analysis {
     }
 
     /// Parts in which the user has a say: there slaves are chosen by exchanges on numbers.
-    fn wished(local: Local, labels: &Labels, wishes: &Wishes) -> Vec<bool> {
+    fn wished(local: LocalSystem, labels: &Labels, wishes: &Wishes) -> Vec<bool> {
         let mut wished = vec![false; labels.count];
         if wishes.any() {
             for (i, &label) in labels.of_row.iter().enumerate() {
@@ -210,7 +210,7 @@ impl Analysis {
     }
 
     /// The basis of the parts that become numbers, with empty rows for the slaves of the others.
-    fn rest(&self, local: Local, labels: &Labels, blocks: &[FactoredBlock]) -> Result<Basis, BackendError> {
+    fn rest(&self, local: LocalSystem, labels: &Labels, blocks: &[FactoredBlock]) -> Result<Basis, BackendError> {
         let mut is_factored = vec![false; labels.count];
         blocks.iter().for_each(|block| is_factored[labels.of_row[block.equations[0]] as usize] = true);
         let is_number = |row: usize| !is_factored[labels.of_row[row] as usize];
@@ -230,7 +230,7 @@ impl Analysis {
 /// passed the gate.
 pub(crate) fn build(
     system: &ConstraintSystem,
-    local: Local,
+    local: LocalSystem,
     input: &ReductionInput,
     factored: Vec<FactoredBlock>,
 ) -> Result<Reduction, ReductionError> {
@@ -244,7 +244,11 @@ pub(crate) fn build(
 }
 
 /// The reduction, computed again component by component where it has lost digits and that brings some back, if it passes the gate.
-fn checked(mut reduction: Reduction, local: Local, input: &ReductionInput) -> Result<Reduction, ReductionError> {
+fn checked(
+    mut reduction: Reduction,
+    local: LocalSystem,
+    input: &ReductionInput,
+) -> Result<Reduction, ReductionError> {
     let ReductionInput { scaling, ref independent, memory, .. } = *input;
     let residuals = |reduction: &Reduction| residual_check::residuals(local, reduction, independent, scaling, LOSS);
     let found = residuals(&reduction);
@@ -285,7 +289,7 @@ fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
 }
 
 /// The connected part of each slave.
-fn part_of_slaves(local: Local, reduction: &Reduction, labels: &Labels) -> Vec<u32> {
+fn part_of_slaves(local: LocalSystem, reduction: &Reduction, labels: &Labels) -> Vec<u32> {
     let mut part = vec![0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
     for (i, &label) in labels.of_row.iter().enumerate() {
         let free = local.row(i).filter(|&(j, _)| local.free()[j]);

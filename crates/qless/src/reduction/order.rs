@@ -8,14 +8,14 @@ use crate::common::pool::WORTH_A_THREAD;
 use crate::common::prefetch::{BATCH, IN_CACHE};
 
 /// Where each row goes.
-pub(super) struct Order<'a> {
+pub(super) struct SlaveOrder<'a> {
     slave: &'a [u32],
     place: &'a [u32],
     /// Places of one thread: those of thread k start at k times this.
     pub together: usize,
 }
 
-impl<'a> Order<'a> {
+impl<'a> SlaveOrder<'a> {
     /// Row i goes to `place[slave[i]]`.
     pub fn new(slave: &'a [u32], place: &'a [u32]) -> Self {
         let threads = rayon::current_num_threads().min(slave.len() / WORTH_A_THREAD).max(1);
@@ -118,7 +118,7 @@ mod tests {
         let slave: Vec<u32> = (0..1000).rev().collect();
         let place: Vec<u32> = (0..1000).map(|j| j * 37 % 1000).collect();
         for together in [1, 7, 128, 333, 1000, 5000] {
-            let order = Order { slave: &slave, place: &place, together };
+            let order = SlaveOrder { slave: &slave, place: &place, together };
             let mut row_at = vec![u32::MAX; 1000];
             for k in 0..1000_usize.div_ceil(together) {
                 let mut before = None;

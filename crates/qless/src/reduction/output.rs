@@ -4,7 +4,7 @@
 //! and independent writes cost far less than reads that wait for one another. O(nnz + n).
 
 use super::Reduction;
-use super::order::{Order, Slab, slabs};
+use super::order::{SlaveOrder, Slab, slabs};
 use super::relation::Relation;
 use crate::common::pool::{each, gather};
 use crate::{ConstraintSystem, Csr};
@@ -18,7 +18,7 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     // Place within its side of every DOF that occurs.
     let place = gather(&places, dofs);
     drop(places);
-    let order = Order::new(&relation.slave, &place);
+    let order = SlaveOrder::new(&relation.slave, &place);
     let mut t = sized(&order, masters.len(), |i| relation.length(i) - relation.prescribed_in(i));
     let mut g_matrix = match prescribed.len() {
         0 => Csr { start: vec![0; slaves.len() + 1], ..Csr::default() },
@@ -88,7 +88,7 @@ fn sides(side: &[u8], slaves: usize, prescribed: usize) -> (Vec<u32>, [Vec<usize
 }
 
 /// A matrix with nothing in its rows, which are as long as `length` says of the relation's.
-fn sized(order: &Order, cols: usize, length: impl Fn(usize) -> usize + Sync) -> Csr {
+fn sized(order: &SlaveOrder, cols: usize, length: impl Fn(usize) -> usize + Sync) -> Csr {
     let rows = order.rows();
     let mut start = vec![0; rows + 1];
     each(start[1..].chunks_mut(order.together).enumerate().collect(), |(k, lengths)| {

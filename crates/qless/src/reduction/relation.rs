@@ -2,7 +2,7 @@
 //!
 //! A slave whose equation names no other slave needs none: its row is the basis' own, which is not copied.
 
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::preferences::Wishes;
 use crate::input::scale::Scaling;
 use crate::presolve::basis::{Basis, Row};
@@ -29,7 +29,7 @@ pub(crate) struct ReductionInput<'a> {
 
 /// `u_s = sum entries + constant` by rows over masters and prescribed DOFs, in local numbers; rows as in the basis.
 pub(crate) struct Relation<'a> {
-    pub system: Local<'a>,
+    pub system: LocalSystem<'a>,
     basis: &'a Basis,
     /// Row of each slave; `u32::MAX` for other DOFs.
     pub row_of: Vec<u32>,
@@ -37,7 +37,7 @@ pub(crate) struct Relation<'a> {
     pub slave: Vec<u32>,
     /// Place in [`Relation::own`] of each row that is not the basis'; [`OF_BASIS`] for the others, which are most.
     place: Vec<u32>,
-    own: Vec<Own>,
+    own: Vec<RelationOwn>,
     dofs: Vec<u32>,
     values: Vec<f64>,
     pub constant: Vec<f64>,
@@ -50,7 +50,7 @@ pub(crate) struct Relation<'a> {
 const OF_BASIS: u32 = u32::MAX;
 
 /// Where the entries of a row are that is not the basis'.
-enum Own {
+enum RelationOwn {
     /// Part of [`Relation::dofs`] and [`Relation::values`].
     Stored { start: usize, len: u32 },
     /// Changed by an exchange; ascending.
@@ -79,11 +79,11 @@ impl Relation<'_> {
 
     fn own_row(&self, i: usize) -> Row<'_> {
         match self.own[self.place[i] as usize] {
-            Own::Stored { start, len } => {
+            RelationOwn::Stored { start, len } => {
                 let range = start..start + len as usize;
                 Row::new(&self.dofs[range.clone()], &self.values[range])
             }
-            Own::Changed(ref row) => Row::new(&row.0, &row.1),
+            RelationOwn::Changed(ref row) => Row::new(&row.0, &row.1),
         }
     }
 
@@ -115,10 +115,10 @@ impl Relation<'_> {
     }
 
     pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
-        self.set(i, Own::Changed(Box::new(row.iter().copied().unzip())));
+        self.set(i, RelationOwn::Changed(Box::new(row.iter().copied().unzip())));
     }
 
-    fn set(&mut self, i: usize, own: Own) {
+    fn set(&mut self, i: usize, own: RelationOwn) {
         if self.place[i] == OF_BASIS {
             self.place[i] = self.own.len() as u32;
             self.own.push(own);
@@ -130,7 +130,7 @@ impl Relation<'_> {
 
 /// A row being summed.
 #[derive(Default)]
-struct Sum {
+struct RelationSum {
     /// Place of each DOF among the parts, from 1; nothing before the first row is summed, which many systems do without.
     place: Vec<u32>,
     /// Value and size of the largest part, by place.
@@ -138,7 +138,7 @@ struct Sum {
     dofs: Vec<u32>,
 }
 
-impl Sum {
+impl RelationSum {
     fn add(&mut self, j: u32, part: f64) {
         let place = &mut self.place[j as usize];
         if *place == 0 {
@@ -153,7 +153,7 @@ impl Sum {
 }
 
 /// Rows of slaves that are fixed keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
-pub(super) fn assemble<'a>(system: Local<'a>, input: &ReductionInput<'a>, limit: f64) -> Relation<'a> {
+pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, limit: f64) -> Relation<'a> {
     let ReductionInput { basis, bounds, ref fixed, .. } = *input;
     let rank = basis.rows();
     let mut relation = Relation {
@@ -169,7 +169,7 @@ pub(super) fn assemble<'a>(system: Local<'a>, input: &ReductionInput<'a>, limit:
         growth: 0.0,
         steep: Vec::new(),
     };
-    let mut sum = Sum::default();
+    let mut sum = RelationSum::default();
     for t in (0..rank).rev() {
         let slave = basis.slave(t);
         let is_fixed = fixed.get(slave as usize).is_some_and(|&fixed| fixed);
@@ -189,7 +189,7 @@ pub(super) fn assemble<'a>(system: Local<'a>, input: &ReductionInput<'a>, limit:
 }
 
 /// Replaces the slaves among the terms of row t by their own rows.
-fn substitute(relation: &mut Relation, sum: &mut Sum, t: usize, fixed: bool) {
+fn substitute(relation: &mut Relation, sum: &mut RelationSum, t: usize, fixed: bool) {
     if sum.place.is_empty() {
         sum.place = vec![0; relation.system.dofs()];
     }
@@ -217,5 +217,5 @@ fn substitute(relation: &mut Relation, sum: &mut Sum, t: usize, fixed: bool) {
         }
     }
     sum.parts.clear();
-    relation.set(t, Own::Stored { start, len: (relation.dofs.len() - start) as u32 });
+    relation.set(t, RelationOwn::Stored { start, len: (relation.dofs.len() - start) as u32 });
 }

@@ -7,14 +7,14 @@ use super::{Reduction, ReductionError};
 use crate::Csr;
 use crate::factor::backend::BackendError;
 use crate::factor::lu;
-use crate::factor::solver::Solver;
+use crate::factor::solver::SlaveSolver;
 use crate::input::components::Labels;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 
 /// What each DOF is.
 #[derive(Clone, Copy)]
-enum Role {
+enum RetriedRole {
     /// Place among the slaves.
     Slave(u32),
     /// Place among the masters.
@@ -25,7 +25,7 @@ enum Role {
 
 /// Rows of T, G and g of some components (labels, ascending), computed anew; those that cannot be are left out.
 pub(super) fn compute(
-    local: Local,
+    local: LocalSystem,
     reduction: &Reduction,
     (independent, labels): (&[bool], &Labels),
     scaling: &Scaling,
@@ -41,10 +41,10 @@ pub(super) fn compute(
     let roles = roles(local, reduction);
     let mut rows = vec![None; reduction.slaves.len()];
     for equations in equations {
-        let part = Part::new(local, &equations, &roles, scaling);
+        let part = RetriedComponent::new(local, &equations, &roles, scaling);
         let Ok(order) = crate::factor::backend::sparse::order(&part.slaves) else { continue };
         let Ok(lu) = lu::factor(&part.slaves, &order, |_| true, memory) else { continue };
-        let solver = Solver::new(&part.slaves, lu);
+        let solver = SlaveSolver::new(&part.slaves, lu);
         let (columns, g) = (solver.solve(&part.right), solver.solve_dense(&part.rhs));
         part.write(&mut rows, &solver, &columns.transposed(), &g);
     }
@@ -54,18 +54,22 @@ pub(super) fn compute(
 /// A row of T, one of G, and a number of g.
 pub(super) type Row = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64);
 
-fn roles(local: Local, reduction: &Reduction) -> Vec<Role> {
+fn roles(local: LocalSystem, reduction: &Reduction) -> Vec<RetriedRole> {
     let dofs = &local.numbering.dofs;
     let role = |&j: &u32| {
         let find = |list: &[usize]| list.binary_search(&(j as usize)).ok().map(|place| place as u32);
-        let free = || find(&reduction.slaves).map(Role::Slave).or_else(|| find(&reduction.masters).map(Role::Master));
-        free().unwrap_or_else(|| Role::Prescribed(find(&reduction.prescribed).unwrap_or_default()))
+        let free = || {
+            find(&reduction.slaves)
+                .map(RetriedRole::Slave)
+                .or_else(|| find(&reduction.masters).map(RetriedRole::Master))
+        };
+        free().unwrap_or_else(|| RetriedRole::Prescribed(find(&reduction.prescribed).unwrap_or_default()))
     };
     dofs.iter().map(role).collect()
 }
 
 /// Some components, with numbers of their own; scaled.
-struct Part {
+struct RetriedComponent {
     /// C_S by rows: slaves in ascending order.
     slaves: Csr,
     /// `-[C_M C_p]` by columns.
@@ -74,11 +78,11 @@ struct Part {
     /// Places in the reduction of the slaves, and exponents of their scaling, ...
     places: Vec<(u32, i32)>,
     /// ... the same of the columns of `right`: masters, then prescribed DOFs.
-    others: Vec<(Role, i32)>,
+    others: Vec<(RetriedRole, i32)>,
 }
 
-impl Part {
-    fn new(local: Local, equations: &[usize], roles: &[Role], scaling: &Scaling) -> Self {
+impl RetriedComponent {
+    fn new(local: LocalSystem, equations: &[usize], roles: &[RetriedRole], scaling: &Scaling) -> Self {
         let mut dofs: Vec<u32> = equations.iter().flat_map(|&i| local.parts(i).0).copied().collect();
         dofs.sort_unstable();
         dofs.dedup();
@@ -86,7 +90,7 @@ impl Part {
         let (mut places, mut others) = (Vec::new(), Vec::new());
         for &j in &dofs {
             let (role, exponent) = (roles[j as usize], scaling.col(j as usize));
-            if let Role::Slave(place) = role {
+            if let RetriedRole::Slave(place) = role {
                 number[j as usize] = places.len();
                 places.push((place, exponent));
             } else {
@@ -95,7 +99,7 @@ impl Part {
             }
         }
         let (mut slaves, mut rest) = (Csr::empty(places.len()), Csr::empty(others.len()));
-        let is_slave = |j: usize| matches!(roles[j], Role::Slave(_));
+        let is_slave = |j: usize| matches!(roles[j], RetriedRole::Slave(_));
         for &i in equations {
             let scaled = |(j, v): (usize, f64)| (number[j], scaling.entry(i, j, v));
             slaves.append(local.row(i).filter(|&(j, _)| is_slave(j)).map(scaled));
@@ -107,7 +111,7 @@ impl Part {
     }
 
     /// Rows of the reduction, by place; row k of `solved` belongs to the slave of step k.
-    fn write(&self, rows: &mut [Option<Row>], solver: &Solver, solved: &Csr, g: &[f64]) {
+    fn write(&self, rows: &mut [Option<Row>], solver: &SlaveSolver, solved: &Csr, g: &[f64]) {
         for (k, &slave) in solver.slaves().iter().enumerate() {
             let (place, exponent) = self.places[slave as usize];
             let (mut t, mut g_matrix) = (Vec::new(), Vec::new());
@@ -115,8 +119,8 @@ impl Part {
                 let (role, own) = self.others[c];
                 let value = ldexp(v, exponent - own);
                 match role {
-                    Role::Prescribed(column) => g_matrix.push((column as usize, value)),
-                    Role::Master(column) | Role::Slave(column) => t.push((column as usize, value)),
+                    RetriedRole::Prescribed(column) => g_matrix.push((column as usize, value)),
+                    RetriedRole::Master(column) | RetriedRole::Slave(column) => t.push((column as usize, value)),
                 }
             }
             t.sort_unstable_by_key(|&(j, _)| j);

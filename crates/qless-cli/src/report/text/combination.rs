@@ -15,7 +15,7 @@ const TAIL: usize = 26;
 pub fn lines(equations: &dyn EquationLookup, row: usize, because: &[CertificateTerm]) -> Vec<String> {
     let head = format!("  {}", wording::equation(equations, row));
     if because.is_empty() {
-        return vec![format!("{head} {}", Alone::of(equations, row).one())];
+        return vec![format!("{head} {}", CombinationAlone::of(equations, row).one())];
     }
     let flowed = fill(equations, &head, because);
     if flowed.used == because.len() {
@@ -55,7 +55,7 @@ fn piece(equations: &dyn EquationLookup, term: &CertificateTerm, is_first: bool)
 
 /// Why an equation is dependent without any other equation.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Alone {
+pub enum CombinationAlone {
     /// It has no coefficients.
     Empty,
     /// All of its DOFs are prescribed.
@@ -64,7 +64,7 @@ pub enum Alone {
     No,
 }
 
-impl Alone {
+impl CombinationAlone {
     pub fn of(equations: &dyn EquationLookup, row: usize) -> Self {
         let EquationFacts { dofs, prescribed, .. } = equations.facts(row);
         match dofs {

@@ -3,7 +3,7 @@
 use qless::{Kind, Report};
 
 use super::COLUMNS;
-use super::combination::{self, Alone};
+use super::combination::{self, CombinationAlone};
 use super::equation_list::{DependentRow, EquationList};
 use crate::wording::EquationLookup;
 use crate::wording::layout::flow;
@@ -33,8 +33,8 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
 /// Puts equations that are dependent without others into one line for each sort, unless there is only one.
 fn group<'a>(list: &EquationList, of_kind: Vec<&'a DependentRow>, lines: &mut Vec<String>) -> Vec<&'a DependentRow> {
     let mut left = of_kind;
-    for sort in [Alone::Empty, Alone::Prescribed] {
-        let is_of_sort = |d: &&DependentRow| Alone::of(list.equations, d.row) == sort;
+    for sort in [CombinationAlone::Empty, CombinationAlone::Prescribed] {
+        let is_of_sort = |d: &&DependentRow| CombinationAlone::of(list.equations, d.row) == sort;
         let (of_sort, others): (Vec<_>, Vec<_>) = left.iter().copied().partition(is_of_sort);
         if of_sort.len() > 1 {
             let what = format!("  {}:", sort.several());

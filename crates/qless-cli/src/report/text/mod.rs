@@ -13,7 +13,7 @@ use qless::{Kind, Report};
 
 use super::Outcome;
 use crate::diagnose::Diagnosis;
-use crate::wording::layout::{Section, section_lines, section_needs, shorten};
+use crate::wording::layout::{LayoutSection, section_lines, section_needs, shorten};
 pub use confidence::exact_rank;
 use equation_list::{DependentRow, EquationList};
 pub use summary::verdict;
@@ -46,7 +46,7 @@ pub fn whole(
     list: &EquationList,
     report: &Report,
     outcome: &Outcome,
-    sections: &[Section],
+    sections: &[LayoutSection],
     doubts: Vec<String>,
 ) -> String {
     let first = [verdict(report, list.deck.is_some()), summary::input(report)];

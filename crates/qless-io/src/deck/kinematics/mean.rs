@@ -209,9 +209,9 @@ mod tests {
     }
 
     /// Node k on a unit square about node 9, with global axes.
-    struct Square;
+    struct SquareMatrix;
 
-    impl Poses for Square {
+    impl Poses for SquareMatrix {
         fn pose(&self, node: u32) -> Result<Pose, Problem> {
             let position = match node {
                 1 => [1.0, 1.0, 0.0],
@@ -226,7 +226,7 @@ mod tests {
 
     #[test]
     fn the_middle_of_a_square_moves_as_the_mean_of_its_corners() {
-        let rows = mean("16", &[(2.0, "123", &[1, 2, 3, 4])]).rows(&Square).expect("rows");
+        let rows = mean("16", &[(2.0, "123", &[1, 2, 3, 4])]).rows(&SquareMatrix).expect("rows");
         let terms = |row: usize| {
             rows[row].terms.iter().map(|&(dof, value)| (dof.node, dof.component, value)).collect::<Vec<_>>()
         };
@@ -280,19 +280,19 @@ mod tests {
     #[test]
     fn one_point_determines_no_rotation() {
         let undetermined = CardFault::MeanUndetermined { node: 9, component: 6 };
-        assert_eq!(mean("16", &[(1.0, "123", &[5])]).rows(&Square), Err(undetermined.into()));
-        assert_eq!(mean("123", &[(1.0, "123", &[5])]).rows(&Square).map(|rows| rows.len()), Ok(3));
-        assert_eq!(mean("1", &[(1.0, "123", &[])]).rows(&Square), Err(CardFault::NothingConnected.into()));
+        assert_eq!(mean("16", &[(1.0, "123", &[5])]).rows(&SquareMatrix), Err(undetermined.into()));
+        assert_eq!(mean("123", &[(1.0, "123", &[5])]).rows(&SquareMatrix).map(|rows| rows.len()), Ok(3));
+        assert_eq!(mean("1", &[(1.0, "123", &[])]).rows(&SquareMatrix), Err(CardFault::NothingConnected.into()));
         let twice = CardFault::OnBothSides { node: 9, component: 1 };
-        assert_eq!(mean("1", &[(1.0, "123", &[9, 1])]).rows(&Square), Err(twice.into()));
+        assert_eq!(mean("1", &[(1.0, "123", &[9, 1])]).rows(&SquareMatrix), Err(twice.into()));
     }
 
     #[test]
     fn um_has_to_be_solvable() {
         let mut element = mean("12", &[(1.0, "123", &[1, 2, 3, 4])]);
         element.dependent = vec![(1, set("3")), (2, set("1"))];
-        assert_eq!(element.rows(&Square), Err(CardFault::UmSingular.into()));
+        assert_eq!(element.rows(&SquareMatrix), Err(CardFault::UmSingular.into()));
         element.dependent = vec![(1, set("1"))];
-        assert_eq!(element.rows(&Square), Err(CardFault::UmCount { found: 1, expected: 2 }.into()));
+        assert_eq!(element.rows(&SquareMatrix), Err(CardFault::UmCount { found: 1, expected: 2 }.into()));
     }
 }

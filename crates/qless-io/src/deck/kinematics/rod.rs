@@ -52,9 +52,9 @@ mod tests {
     use super::super::row::samples::{Irregular, rigid_residual};
     use super::*;
 
-    struct Plane;
+    struct RodPlane;
 
-    impl Poses for Plane {
+    impl Poses for RodPlane {
         fn pose(&self, node: u32) -> Result<Pose, Problem> {
             let position = if node == 1 { [0.0; 3] } else { [3.0, 4.0, 0.0] };
             Ok(Pose { position, axes: BASIC_AXES })
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn a_rod_in_a_plane() {
-        let rows = Rod { ends: [1, 2], dependent: Dof { node: 2, component: 1 } }.rows(&Plane).expect("a row");
+        let rows = Rod { ends: [1, 2], dependent: Dof { node: 2, component: 1 } }.rows(&RodPlane).expect("a row");
         let terms: Vec<_> = rows[0].terms.iter().map(|&(at, value)| (at.node, at.component, value)).collect();
         for (found, expected) in terms.iter().zip([(2, 1, 1.0), (1, 1, -1.0), (1, 2, -4.0 / 3.0), (2, 2, 4.0 / 3.0)]) {
             assert_eq!((found.0, found.1), (expected.0, expected.1));
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn rods_that_cannot_be_solved_are_refused() {
-        let rod = |a, b, component| Rod { ends: [a, b], dependent: Dof { node: b, component } }.rows(&Plane);
+        let rod = |a, b, component| Rod { ends: [a, b], dependent: Dof { node: b, component } }.rows(&RodPlane);
         assert_eq!(rod(2, 3, 1), Err(no_length(2, 3)));
         assert_eq!(rod(1, 2, 3), Err(CardFault::AcrossRod { node: 2, component: 3 }.into()));
         assert_eq!(rod(1, 2, 4), Err(CardFault::AcrossRod { node: 2, component: 4 }.into()));

@@ -4,7 +4,7 @@ use crate::families::sums::Terms;
 
 /// What holds two bodies together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum JointKind {
     /// Revolute, about the axis of the plane.
     Hinge,
     /// Spherical.
@@ -13,7 +13,7 @@ pub(super) enum Kind {
 
 /// A joint of two bodies, by their numbers.
 pub(super) struct Joint {
-    pub(super) kind: Kind,
+    pub(super) kind: JointKind,
     pub(super) bodies: [usize; 2],
     pub(super) at: [f64; 3],
 }
@@ -25,7 +25,7 @@ impl Joint {
     /// Names and terms of the equations; a body has six DOFs, its displacement and a small rotation.
     pub(super) fn equations(&self, centres: &[[f64; 3]]) -> impl Iterator<Item = (&'static str, Terms)> {
         let point = (0..3).map(|axis| (["x", "y", "z"][axis], self.point(centres, axis)));
-        let sides = if self.kind == Kind::Hinge { &AXES[..2] } else { &[] };
+        let sides = if self.kind == JointKind::Hinge { &AXES[..2] } else { &[] };
         point.chain(["axis 1", "axis 2"].into_iter().zip(sides.iter().map(|side| self.turn(*side))))
     }
 

@@ -1,6 +1,6 @@
 //! Bodies in rows, neighbours hinged to each other, and between two rows pairs of bodies with an elbow.
 
-use super::joint::{AXES, Joint, Kind};
+use super::joint::{AXES, Joint, JointKind};
 use super::{Linkage, PER_RUNG};
 use crate::Rng;
 
@@ -24,7 +24,7 @@ impl Net {
                 net.centres.push(linkage.place([column, row], [STEP / 2, 0], rng));
                 if column > 0 {
                     let last = net.centres.len() - 1;
-                    net.join(Kind::Hinge, [last - 1, last], linkage.place([column, row], [0; 2], rng));
+                    net.join(JointKind::Hinge, [last - 1, last], linkage.place([column, row], [0; 2], rng));
                 }
             }
         }
@@ -43,15 +43,15 @@ impl Net {
         let ends = [row, row + 1].map(|row| column + linkage.columns * row);
         let mut next = |along: usize, up: usize| linkage.place([column, row], [along, up], rng);
         self.centres.extend([next(STEP * 3 / 4, STEP / 4), next(STEP * 3 / 4, STEP * 3 / 4)]);
-        let kind = |ball: bool| if ball { Kind::Ball } else { Kind::Hinge };
+        let kind = |ball: bool| if ball { JointKind::Ball } else { JointKind::Hinge };
         self.join(kind(balls > 1), [ends[0], lower], next(STEP / 2, 0));
         self.join(kind(balls > 0), [lower, lower + 1], next(STEP, STEP / 2));
-        self.join(Kind::Hinge, [lower + 1, ends[1]], next(STEP / 2, STEP));
+        self.join(JointKind::Hinge, [lower + 1, ends[1]], next(STEP / 2, STEP));
         // The first rung of a row closes no loop.
         self.redundant += if column > 0 { [3, 1, 0][balls] } else { 0 };
     }
 
-    fn join(&mut self, kind: Kind, bodies: [usize; 2], at: [f64; 3]) {
+    fn join(&mut self, kind: JointKind, bodies: [usize; 2], at: [f64; 3]) {
         self.joints.push(Joint { kind, bodies, at });
     }
 }

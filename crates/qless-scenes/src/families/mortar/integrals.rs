@@ -13,7 +13,7 @@ const SAME: f64 = 4.0 * f64::EPSILON;
 const ZERO: f64 = 1e-14;
 
 /// An entry with the sum of its parts and of their sizes.
-struct Entry {
+struct IntegralsEntry {
     column: usize,
     sum: f64,
     size: f64,
@@ -22,7 +22,7 @@ struct Entry {
 /// Integrals of the functions of one mesh, by rows, with those of another.
 pub(super) fn products(rows: &Side, columns: &Side) -> Band {
     let nodes = rows.degree as usize * rows.elements() + 1;
-    let mut sums: Vec<Vec<Entry>> = (0..nodes).map(|_| Vec::new()).collect();
+    let mut sums: Vec<Vec<IntegralsEntry>> = (0..nodes).map(|_| Vec::new()).collect();
     let (mut row, mut column, mut from) = (0, 0, 0.0);
     while row < rows.elements() && column < columns.elements() {
         let (end, other) = (rows.ends[row + 1], columns.ends[column + 1]);
@@ -34,12 +34,17 @@ pub(super) fn products(rows: &Side, columns: &Side) -> Band {
         row += usize::from(end <= to);
         column += usize::from(other <= to);
     }
-    let kept = |entry: &Entry| (entry.sum.abs() > ZERO * entry.size).then_some((entry.column, entry.sum));
+    let kept = |entry: &IntegralsEntry| (entry.sum.abs() > ZERO * entry.size).then_some((entry.column, entry.sum));
     sums.iter().map(|row| row.iter().filter_map(kept).collect()).collect()
 }
 
 /// All products of an element of either mesh, on the piece that both cover.
-fn add_piece(sums: &mut [Vec<Entry>], (rows, row): (&Side, usize), (columns, column): (&Side, usize), piece: [f64; 2]) {
+fn add_piece(
+    sums: &mut [Vec<IntegralsEntry>],
+    (rows, row): (&Side, usize),
+    (columns, column): (&Side, usize),
+    piece: [f64; 2],
+) {
     let length = piece[1] - piece[0];
     // Differences from the element's start first: they are exact, so short elements lose no digits.
     let within = |side: &Side, element: usize, t: f64| {
@@ -61,10 +66,10 @@ pub(in super::super) fn gauss() -> [(f64, f64); 3] {
 }
 
 /// Pieces come in order, so a column is among the last three of its row or new.
-fn add(row: &mut Vec<Entry>, column: usize, part: f64) {
+fn add(row: &mut Vec<IntegralsEntry>, column: usize, part: f64) {
     match row.iter_mut().rev().take(3).find(|entry| entry.column == column) {
         Some(entry) => (entry.sum, entry.size) = (entry.sum + part, entry.size + part.abs()),
-        None => row.push(Entry { column, sum: part, size: part.abs() }),
+        None => row.push(IntegralsEntry { column, sum: part, size: part.abs() }),
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::frame::{cross, length};
 use crate::families::mortar::gauss;
-use crate::families::patch::{Face, Locator};
+use crate::families::patch::{PatchFace, Locator};
 
 /// Integrals of the functions of a slave node.
 #[derive(Clone, Default)]
-pub(super) struct Row {
+pub(super) struct IntegralsRow {
     /// With those of slave nodes: `(node, integral)`.
     pub(super) slave: Vec<(usize, f64)>,
     /// With those of master nodes.
@@ -17,16 +17,16 @@ pub(super) struct Row {
 
 /// One side: faces, places of nodes in the square, and in space.
 pub(super) struct Side {
-    pub(super) faces: Vec<Face>,
+    pub(super) faces: Vec<PatchFace>,
     pub(super) square: Vec<[f64; 2]>,
     pub(super) space: Vec<[f64; 3]>,
 }
 
 /// Each point of a slave face sees the master face over the same `(s, t)`. Both integrals take the same points, so that
 /// rows of D and of M have the same sum.
-pub(super) fn rows(slave: &Side, master: &Side) -> Vec<Row> {
+pub(super) fn rows(slave: &Side, master: &Side) -> Vec<IntegralsRow> {
     let locator = Locator::new(&master.faces, |node| master.square[node]);
-    let mut rows = vec![Row::default(); slave.space.len()];
+    let mut rows = vec![IntegralsRow::default(); slave.space.len()];
     for face in &slave.faces {
         for (at, weight) in points(face) {
             add_point(&mut rows, slave, &locator, face, (at, weight));
@@ -35,7 +35,13 @@ pub(super) fn rows(slave: &Side, master: &Side) -> Vec<Row> {
     rows
 }
 
-fn add_point(rows: &mut [Row], slave: &Side, locator: &Locator, face: &Face, (at, weight): ([f64; 2], f64)) {
+fn add_point(
+    rows: &mut [IntegralsRow],
+    slave: &Side,
+    locator: &Locator,
+    face: &PatchFace,
+    (at, weight): ([f64; 2], f64),
+) {
     let functions = face.functions(at);
     let sum = |what: usize, place: &dyn Fn(usize) -> f64| {
         face.nodes().iter().zip(&functions).map(|(&node, function)| function[what] * place(node)).sum::<f64>()
@@ -61,8 +67,8 @@ fn add(row: &mut Vec<(usize, f64)>, column: usize, part: f64) {
 }
 
 /// Parameters and weights; those of a triangle are the square's with one side drawn together to a point.
-fn points(face: &Face) -> impl Iterator<Item = ([f64; 2], f64)> {
-    let triangle = matches!(face, Face::Triangle(_));
+fn points(face: &PatchFace) -> impl Iterator<Item = ([f64; 2], f64)> {
+    let triangle = matches!(face, PatchFace::Triangle(_));
     let all = gauss().into_iter().flat_map(|(x, v)| gauss().map(|(y, w)| ([x, y], v * w)));
     all.map(move |([x, y], w)| if triangle { ([x * (1.0 - y), y], w * (1.0 - y)) } else { ([x, y], w) })
 }

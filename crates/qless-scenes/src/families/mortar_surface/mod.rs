@@ -11,7 +11,7 @@ use super::sums::{Terms, sum_of_two};
 use crate::error::within;
 use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
 use frame::frame;
-use integrals::{Row, Side};
+use integrals::{IntegralsRow, Side};
 pub use surface::Surface;
 
 /// A tie of two meshes of a curved surface in space, u on the slave side and v on the master side.
@@ -115,7 +115,7 @@ fn nodes([along, across]: [usize; 2]) -> usize {
 }
 
 /// An equation along an axis; master nodes come after the slaves.
-fn along(row: &Row, slaves: usize, axis: [f64; 3]) -> Terms {
+fn along(row: &IntegralsRow, slaves: usize, axis: [f64; 3]) -> Terms {
     let nodes = row.slave.iter().copied().chain(row.master.iter().map(|&(k, v)| (slaves + k, -v)));
     nodes.flat_map(|(node, v)| (0..3).map(move |c| (3 * node + c, axis[c] * v))).filter(|term| term.1 != 0.0).collect()
 }

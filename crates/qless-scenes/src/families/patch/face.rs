@@ -2,7 +2,7 @@
 
 /// Corners of a face, in order around, as numbers of nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in super::super) enum Face {
+pub(in super::super) enum PatchFace {
     Triangle([usize; 3]),
     Quad([usize; 4]),
 }
@@ -15,7 +15,7 @@ const STEPS: usize = 30;
 /// A step below this, on a face of size one, is rounding or all that Newton's method has left to do.
 const STILL: f64 = 1e-13;
 
-impl Face {
+impl PatchFace {
     pub(in super::super) fn nodes(&self) -> &[usize] {
         match self {
             Self::Triangle(nodes) => nodes,

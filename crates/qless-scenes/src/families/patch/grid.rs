@@ -1,6 +1,6 @@
 //! `(i / nx, j / ny)` and a little more: rows of cells whose inner nodes are moved, whole or cut along either diagonal.
 
-use super::Face;
+use super::PatchFace;
 use crate::Rng;
 
 /// What the elements behind a surface show of themselves.
@@ -16,7 +16,7 @@ pub enum Faces {
 #[derive(Debug)]
 pub(in super::super) struct Grid {
     pub(in super::super) nodes: Vec<[f64; 2]>,
-    pub(in super::super) faces: Vec<Face>,
+    pub(in super::super) faces: Vec<PatchFace>,
 }
 
 /// Part of a cell by which nodes move each way. Below a quarter all faces stay convex.
@@ -39,11 +39,11 @@ impl Grid {
 }
 
 /// The faces of the cell that starts with node `first`.
-fn cut(first: usize, width: usize, faces: Faces, rng: &mut Rng) -> [Option<Face>; 2] {
+fn cut(first: usize, width: usize, faces: Faces, rng: &mut Rng) -> [Option<PatchFace>; 2] {
     let [a, b, c, d] = [first, first + 1, first + 1 + width, first + width];
     match faces {
-        Faces::Quads => [Some(Face::Quad([a, b, c, d])), None],
-        Faces::Triangles if rng.below(2) == 0 => [[a, b, c], [a, c, d]].map(Face::Triangle).map(Some),
-        Faces::Triangles => [[a, b, d], [b, c, d]].map(Face::Triangle).map(Some),
+        Faces::Quads => [Some(PatchFace::Quad([a, b, c, d])), None],
+        Faces::Triangles if rng.below(2) == 0 => [[a, b, c], [a, c, d]].map(PatchFace::Triangle).map(Some),
+        Faces::Triangles => [[a, b, d], [b, c, d]].map(PatchFace::Triangle).map(Some),
     }
 }

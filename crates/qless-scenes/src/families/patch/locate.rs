@@ -1,10 +1,10 @@
 //! The face over a point, among those that a table of square buckets has near it: constant time on even meshes.
 
-use super::Face;
+use super::PatchFace;
 
 /// Faces that cover the square `[0, 1]^2`, with the numbers of their nodes.
 pub(in super::super) struct Locator {
-    faces: Vec<(Face, [[f64; 2]; 4])>,
+    faces: Vec<(PatchFace, [[f64; 2]; 4])>,
     /// Faces whose bounding box touches a bucket.
     buckets: Vec<Vec<u32>>,
     /// Buckets per side.
@@ -12,7 +12,7 @@ pub(in super::super) struct Locator {
 }
 
 impl Locator {
-    pub(in super::super) fn new(faces: &[Face], at: impl Fn(usize) -> [f64; 2]) -> Self {
+    pub(in super::super) fn new(faces: &[PatchFace], at: impl Fn(usize) -> [f64; 2]) -> Self {
         let side = faces.len().isqrt().max(1);
         let mut locator = Self { faces: Vec::with_capacity(faces.len()), buckets: vec![Vec::new(); side * side], side };
         for (number, face) in faces.iter().enumerate() {
@@ -38,7 +38,7 @@ impl Locator {
     }
 
     /// The face that has a point of the square deepest inside, and the values of its functions there.
-    pub(in super::super) fn at(&self, point: [f64; 2]) -> (&Face, [f64; 4]) {
+    pub(in super::super) fn at(&self, point: [f64; 2]) -> (&PatchFace, [f64; 4]) {
         let [column, row] = point.map(|along| self.bucket(along));
         let within = |&number: &u32| {
             let (face, corners) = &self.faces[number as usize];

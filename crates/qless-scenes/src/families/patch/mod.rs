@@ -5,7 +5,7 @@ mod grid;
 mod locate;
 mod zip;
 
-pub(super) use face::Face;
+pub(super) use face::PatchFace;
 pub use grid::Faces;
 pub(super) use grid::Grid;
 pub(super) use locate::Locator;

@@ -2,7 +2,7 @@
 
 use super::{Edges, PeriodicCell};
 use crate::Rng;
-use crate::families::patch::{Face, Faces, Grid, zip};
+use crate::families::patch::{PatchFace, Faces, Grid, zip};
 
 /// Part of an element's length by which the nodes of edges move.
 const MOVE: f64 = 0.3;
@@ -11,7 +11,7 @@ const MOVE: f64 = 0.3;
 pub(super) struct Boundary {
     pub(super) nodes: Vec<[f64; 3]>,
     /// Faces of the mesh at `x_axis = 0`.
-    pub(super) near: [Vec<Face>; 3],
+    pub(super) near: [Vec<PatchFace>; 3],
     /// Nodes at `x_axis = 1`.
     pub(super) far: [Vec<usize>; 3],
 }
@@ -61,7 +61,7 @@ impl Boundary {
     }
 
     /// Triangles between the nodes inside a near side, rows of as many along the next axis, and its four edges.
-    fn strips(&self, edges: &[Edge], axis: usize, numbers: &[usize]) -> Vec<Face> {
+    fn strips(&self, edges: &[Edge], axis: usize, numbers: &[usize]) -> Vec<PatchFace> {
         let width = numbers.len().isqrt();
         let strip = |[along, end]: [usize; 2]| {
             let (step, first) = [(1, end * width * (width - 1)), (width, end * (width - 1))][along];

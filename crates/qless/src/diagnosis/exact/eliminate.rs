@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::ExactError;
 use super::field::Field;
-use super::row::{Change, Entry, Row};
+use super::row::{Change, ModularEntry, ModularRow};
 
 /// What became of the rows, by their numbers in the order given.
 pub(super) struct Eliminated {
@@ -18,12 +18,12 @@ pub(super) struct Eliminated {
 /// Eliminates `cols` columns of rows with right-hand sides, which may hold at most `limit` coefficients at a time.
 pub(super) fn eliminate(
     field: Field,
-    rows: Vec<Vec<Entry>>,
+    rows: Vec<Vec<ModularEntry>>,
     rhs: Vec<u64>,
     cols: usize,
     limit: usize,
 ) -> Result<Eliminated, ExactError> {
-    let mut work = Work::new(field, rows, rhs, cols, limit);
+    let mut work = EliminateWork::new(field, rows, rhs, cols, limit);
     let mut is_pivot = vec![false; work.rows.len()];
     let mut pivots = Vec::new();
     work.check_fill()?;
@@ -37,10 +37,10 @@ pub(super) fn eliminate(
     Ok(Eliminated { pivots, contradicting })
 }
 
-struct Work {
+struct EliminateWork {
     field: Field,
     /// Remaining rows; a row that served as pivot is empty.
-    rows: Vec<Row>,
+    rows: Vec<ModularRow>,
     rhs: Vec<u64>,
     /// Rows that hold or once held each column.
     holders: Vec<Vec<u32>>,
@@ -56,8 +56,8 @@ struct Work {
     limit: usize,
 }
 
-impl Work {
-    fn new(field: Field, rows: Vec<Vec<Entry>>, rhs: Vec<u64>, cols: usize, limit: usize) -> Self {
+impl EliminateWork {
+    fn new(field: Field, rows: Vec<Vec<ModularEntry>>, rhs: Vec<u64>, cols: usize, limit: usize) -> Self {
         let mut holders = vec![Vec::new(); cols];
         for (i, row) in rows.iter().enumerate() {
             row.iter().for_each(|&(j, _)| holders[j as usize].push(i as u32));
@@ -65,8 +65,8 @@ impl Work {
         let count: Vec<u32> = holders.iter().map(|rows| rows.len() as u32).collect();
         let singletons = (0..cols as u32).filter(|&j| count[j as usize] == 1).collect();
         let short = rows.iter().enumerate().map(|(i, row)| Reverse((row.len(), i as u32))).collect();
-        let rows: Vec<Row> = rows.into_iter().map(Row::new).collect();
-        let room = rows.iter().map(Row::room).sum();
+        let rows: Vec<ModularRow> = rows.into_iter().map(ModularRow::new).collect();
+        let room = rows.iter().map(ModularRow::room).sum();
         let listed = holders.iter().map(Vec::len).sum();
         Self { field, rows, rhs, holders, count, singletons, short, room, listed, limit }
     }
@@ -115,7 +115,7 @@ impl Work {
     }
 
     /// `rows[target] += factor pivot`, with its right-hand side.
-    fn add_multiple(&mut self, target: u32, factor: u64, pivot: &[Entry], pivot_row: u32) {
+    fn add_multiple(&mut self, target: u32, factor: u64, pivot: &[ModularEntry], pivot_row: u32) {
         let mut sum = std::mem::take(&mut self.rows[target as usize]);
         self.room -= sum.room();
         let field = self.field;

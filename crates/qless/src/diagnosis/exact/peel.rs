@@ -18,7 +18,7 @@ pub(super) struct Peeled {
 
 /// Takes singletons until there are none, columns first.
 pub(super) fn peel(matrix: &Csr, free: &[bool]) -> Peeled {
-    let mut work = Work::new(matrix, free);
+    let mut work = PeelWork::new(matrix, free);
     loop {
         if let Some(dof) = work.columns.pop() {
             work.take_holder(dof);
@@ -30,7 +30,7 @@ pub(super) fn peel(matrix: &Csr, free: &[bool]) -> Peeled {
     }
 }
 
-struct Work<'a> {
+struct PeelWork<'a> {
     matrix: &'a Csr,
     /// The rows of each column: `holder[start[j]..start[j + 1]]`.
     start: Vec<usize>,
@@ -47,7 +47,7 @@ struct Work<'a> {
     fixing: Vec<(u32, u32)>,
 }
 
-impl<'a> Work<'a> {
+impl<'a> PeelWork<'a> {
     fn new(matrix: &'a Csr, free: &[bool]) -> Self {
         let (start, holder) = pattern(matrix);
         let holders: Vec<u32> = start.windows(2).map(|range| (range[1] - range[0]) as u32).collect();

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::field::Field;
 
 /// `(column, residue)`.
-pub(super) type Entry = (u32, u64);
+pub(super) type ModularEntry = (u32, u64);
 
 /// A row is so many times longer than another where looking its columns up is cheaper than merging.
 const LONG: usize = 8;
@@ -19,18 +19,18 @@ pub(super) enum Change {
 
 /// A sparse row. Coefficients that cancel stay as zeros and new ones stand apart, until either are many.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Row {
+pub(super) struct ModularRow {
     /// Ascending by column.
-    entries: Vec<Entry>,
+    entries: Vec<ModularEntry>,
     /// Ascending by column; none is in `entries`.
-    late: Vec<Entry>,
+    late: Vec<ModularEntry>,
     /// Coefficients that are not zero.
     live: usize,
 }
 
-impl Row {
+impl ModularRow {
     /// From entries that ascend by column, none of them 0.
-    pub(super) fn new(entries: Vec<Entry>) -> Self {
+    pub(super) fn new(entries: Vec<ModularEntry>) -> Self {
         Self { live: entries.len(), entries, late: Vec::new() }
     }
 
@@ -51,18 +51,24 @@ impl Row {
 
     /// A coefficient that is not zero.
     pub(super) fn get(&self, col: u32) -> Option<u64> {
-        let find = |list: &[Entry]| list.binary_search_by_key(&col, |entry| entry.0).ok().map(|k| list[k].1);
+        let find = |list: &[ModularEntry]| list.binary_search_by_key(&col, |entry| entry.0).ok().map(|k| list[k].1);
         find(&self.entries).or_else(|| find(&self.late)).filter(|&value| value != 0)
     }
 
     /// The row as one list, ascending by column.
-    pub(super) fn into_entries(mut self) -> Vec<Entry> {
+    pub(super) fn into_entries(mut self) -> Vec<ModularEntry> {
         self.settle();
         self.entries
     }
 
     /// `row += factor pivot`; says which coefficients appear and vanish.
-    pub(super) fn add(&mut self, field: &Field, factor: u64, pivot: &[Entry], mut changed: impl FnMut(u32, Change)) {
+    pub(super) fn add(
+        &mut self,
+        field: &Field,
+        factor: u64,
+        pivot: &[ModularEntry],
+        mut changed: impl FnMut(u32, Change),
+    ) {
         if pivot.len() * LONG < self.entries.len() {
             for &(col, value) in pivot {
                 self.add_one(field, col, field.mul(factor, value), &mut changed);
@@ -95,7 +101,7 @@ impl Row {
         }
     }
 
-    fn merge(&mut self, field: &Field, factor: u64, pivot: &[Entry], changed: &mut impl FnMut(u32, Change)) {
+    fn merge(&mut self, field: &Field, factor: u64, pivot: &[ModularEntry], changed: &mut impl FnMut(u32, Change)) {
         self.settle();
         let old = std::mem::take(&mut self.entries);
         let mut sum = Vec::with_capacity(old.len() + pivot.len());
@@ -148,13 +154,13 @@ mod tests {
         let mut random = randoms(8).map(|x| ((x - 0.5) * 1e9) as usize);
         let mut below = move |n: usize| random.next().expect("endless") % n;
         for _ in 0..40 {
-            let (mut row, mut map) = (Row::default(), BTreeMap::new());
+            let (mut row, mut map) = (ModularRow::default(), BTreeMap::new());
             for _ in 0..200 {
                 let length = if below(10) == 0 { 300 } else { 1 + below(6) };
                 // Few values, so that sums cancel often.
                 let pivot: BTreeMap<u32, u64> =
                     (0..length).map(|_| (below(500) as u32, field.of(1 + below(2) as u64))).collect();
-                let pivot: Vec<Entry> = pivot.into_iter().collect();
+                let pivot: Vec<ModularEntry> = pivot.into_iter().collect();
                 let factor = [field.of(1), field.negative(field.of(1))][below(2)];
                 let (before, mut changes) = (row.len() as isize, 0);
                 row.add(&field, factor, &pivot, |_, change| changes += if change == Change::Appeared { 1 } else { -1 });

@@ -4,7 +4,7 @@ use super::eliminate::eliminate;
 use super::field::Field;
 use super::number::Number;
 use super::peel::{Peeled, peel};
-use super::row::Entry;
+use super::row::ModularEntry;
 use super::{ExactError, ExactRank, PartRank, Settings, prime};
 use crate::common::DisjointSets;
 use crate::{ConstraintSystem, Csr};
@@ -15,7 +15,7 @@ pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<Exac
     system.prescribed().iter().for_each(|&(dof, _)| free[dof] = false);
     let part_of = parts(system.matrix(), &free);
     let peeled = peel(system.matrix(), &free);
-    let rest = Rest { system, settings, peeled: &peeled, part_of: &part_of };
+    let rest = ExactRemainder { system, settings, peeled: &peeled, part_of: &part_of };
     let primes = prime::two(settings.seed);
     let (first, second) = rayon::join(|| rest.counts(primes[0]), || rest.counts(primes[1]));
     let parts = united(&part_of, &[first?, second?]);
@@ -26,10 +26,10 @@ pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<Exac
 }
 
 /// The rank of each part, and the number by which `b - C_p u_p` raises it: 0 or 1.
-type Counts = Vec<(usize, usize)>;
+type ExactCounts = Vec<(usize, usize)>;
 
 /// Neither rank is ever found too large, so the larger counts.
-fn united(part_of: &[u32], counts: &[Counts; 2]) -> Vec<PartRank> {
+fn united(part_of: &[u32], counts: &[ExactCounts; 2]) -> Vec<PartRank> {
     let both = counts[0].iter().zip(&counts[1]);
     let mut parts: Vec<PartRank> = both
         .map(|(&(rank, more), &(other, more_there))| {
@@ -42,15 +42,15 @@ fn united(part_of: &[u32], counts: &[Counts; 2]) -> Vec<PartRank> {
 }
 
 /// What peeling left, and what it took.
-struct Rest<'a> {
+struct ExactRemainder<'a> {
     system: &'a ConstraintSystem,
     settings: Settings,
     peeled: &'a Peeled,
     part_of: &'a [u32],
 }
 
-impl Rest<'_> {
-    fn counts(&self, prime: u64) -> Result<Counts, ExactError> {
+impl ExactRemainder<'_> {
+    fn counts(&self, prime: u64) -> Result<ExactCounts, ExactError> {
         let count = self.part_of.iter().max().map_or(0, |&last| last as usize + 1);
         let mut counts = vec![(0, 0); count];
         let mut add = |row: u32, rank: usize| counts[self.part_of[row as usize] as usize].0 += rank;
@@ -98,7 +98,7 @@ impl Rest<'_> {
     }
 
     /// The coefficients of unknown DOFs in the rows left, and how many such DOFs there are.
-    fn rows(&self, field: &Field) -> (Vec<Vec<Entry>>, usize) {
+    fn rows(&self, field: &Field) -> (Vec<Vec<ModularEntry>>, usize) {
         let unknown = |&(j, _): &(usize, f64)| self.peeled.unknown[j];
         let entries = |row: u32| self.system.matrix().row(row as usize).filter(unknown);
         let mut number = vec![0; self.system.dofs()];

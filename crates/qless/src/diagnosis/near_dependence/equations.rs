@@ -1,7 +1,7 @@
 //! One connected part: a QR of `C^T` that drops rows nearer than [`NEAR`] to others, and the gap between those and the rest.
 
 use crate::Csr;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 
 /// Rows of one size over DOFs of their own.
@@ -15,7 +15,7 @@ pub(super) struct ScaledEquations {
 
 impl ScaledEquations {
     /// `number` has a place for each DOF, none of which belongs to another part.
-    pub fn new(system: Local, rows: Vec<u32>, scaling: &Scaling, number: &mut [u32]) -> Self {
+    pub fn new(system: LocalSystem, rows: Vec<u32>, scaling: &Scaling, number: &mut [u32]) -> Self {
         let mut entries = Vec::new();
         let (mut starts, mut exponents) = (vec![0], Vec::new());
         let mut dofs = 0;
@@ -56,7 +56,7 @@ const TIMES: usize = 3;
 /// Those of some rows that have no large coefficient on a DOF of their own, ascending.
 ///
 /// In a combination with difference d such a row has a factor of at most `|d| / 0.25`: what was said of the other rows holds without it.
-pub(super) fn without_own(system: Local, mut rows: Vec<u32>, scaling: &Scaling) -> Vec<u32> {
+pub(super) fn without_own(system: LocalSystem, mut rows: Vec<u32>, scaling: &Scaling) -> Vec<u32> {
     let free = |i: u32| system.row(i as usize).filter(|&(j, _)| system.free()[j]);
     let mut count = vec![0_u32; system.dofs()];
     rows.iter().for_each(|&i| free(i).for_each(|(j, _)| count[j] += 1));

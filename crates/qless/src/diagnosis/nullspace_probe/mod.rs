@@ -5,7 +5,7 @@ mod random_keys;
 
 use super::certificate::History;
 use crate::common::random::signed;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::{Basis, Kept, Row, Vectors};
 
@@ -35,7 +35,7 @@ pub(crate) enum InverseEstimate {
 
 /// The first or the second sample, of masters and right-hand sides. O(nnz).
 pub(crate) fn probe(
-    system: Local,
+    system: LocalSystem,
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
@@ -43,7 +43,7 @@ pub(crate) fn probe(
     which: ProbeSample,
     inverse: InverseEstimate,
 ) -> NullspaceProbe {
-    let pass = Pass { system, basis, history, scaling, keys, which };
+    let pass = ProbePass { system, basis, history, scaling, keys, which };
     match inverse {
         InverseEstimate::Bound => pass.run::<true>(),
         InverseEstimate::Sample => pass.run::<false>(),
@@ -51,8 +51,8 @@ pub(crate) fn probe(
 }
 
 /// What a pass needs.
-struct Pass<'a> {
-    system: Local<'a>,
+struct ProbePass<'a> {
+    system: LocalSystem<'a>,
     basis: &'a Basis,
     history: &'a History,
     scaling: &'a Scaling,
@@ -60,7 +60,7 @@ struct Pass<'a> {
     which: ProbeSample,
 }
 
-impl Pass<'_> {
+impl ProbePass<'_> {
     fn run<const BOUND: bool>(&self) -> NullspaceProbe {
         let Self { system, basis, history, scaling, keys, which } = *self;
         let seed = SEEDS[which as usize];
@@ -118,7 +118,7 @@ pub struct State {
 }
 
 /// Masters at random, prescribed DOFs at zero.
-pub fn start(system: Local, scaling: &Scaling, keys: &RandomKeys, seed: u64) -> Vec<State> {
+pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, seed: u64) -> Vec<State> {
     let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
     let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
     let mut states: Vec<State> = if scaling.col.is_empty() {

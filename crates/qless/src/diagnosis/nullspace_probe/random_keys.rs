@@ -3,7 +3,7 @@
 use crate::common::random::signed;
 use crate::diagnosis::certificate::History;
 use crate::input::components::Labels;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::presolve::eliminated::Eliminated;
 
 /// Of the random masters and right-hand sides.
@@ -19,7 +19,7 @@ pub(crate) struct RandomKeys {
 
 impl RandomKeys {
     /// Places within components.
-    pub fn within_components(labels: &Labels, system: Local) -> Self {
+    pub fn within_components(labels: &Labels, system: LocalSystem) -> Self {
         let (mut next_row, mut next_dof) = (vec![0; labels.count], vec![0; labels.count]);
         let mut rows = Vec::with_capacity(labels.of_row.len());
         let mut dofs = vec![u32::MAX; system.dofs()];

@@ -12,7 +12,7 @@ use crate::elimination::view::{Storage, View};
 use crate::elimination::{Elimination, EliminationError};
 
 /// A stretch of the lines of K_q and of f_q.
-struct Part<'a> {
+struct ElementShare<'a> {
     lines: Range<usize>,
     values: &'a mut [f64],
     load: &'a mut [f64],
@@ -122,7 +122,7 @@ impl CondensedPattern {
         self.check(elimination, k_q.len())?;
         long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
         let element = self.checked(Element { dofs, matrix, forces })?;
-        self.add(elimination, &element, &mut Part { lines: 0..self.unknowns(), values: k_q, load: f_q })
+        self.add(elimination, &element, &mut ElementShare { lines: 0..self.unknowns(), values: k_q, load: f_q })
     }
 
     /// `K_q` and `f_q` of all elements, from zero: element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` writes its numbers,
@@ -149,9 +149,9 @@ impl CondensedPattern {
         for (lines, values) in stretches(&self.lines.starts, k_q, rayon::current_num_threads()) {
             let (own, rest) = load.split_at_mut(lines.len());
             load = rest;
-            parts.push(Part { lines, values, load: own });
+            parts.push(ElementShare { lines, values, load: own });
         }
-        let all = |mut part: Part| {
+        let all = |mut part: ElementShare| {
             let (mut matrix, mut forces) = (Vec::new(), Vec::new());
             (0..elements).try_for_each(|e| {
                 let dofs = dofs(e);
@@ -188,7 +188,7 @@ impl CondensedPattern {
         }
     }
 
-    fn add(&self, elimination: &Elimination, element: &Element, part: &mut Part) -> Result<(), ArgumentError> {
+    fn add(&self, elimination: &Elimination, element: &Element, part: &mut ElementShare) -> Result<(), ArgumentError> {
         let Element { dofs, matrix, forces } = *element;
         for (a, &i) in dofs.iter().enumerate() {
             let row = &matrix[a * dofs.len()..(a + 1) * dofs.len()];
@@ -223,7 +223,7 @@ impl CondensedPattern {
         weight: f64,
         dofs: &[usize],
         row: &[f64],
-        part: &mut Part,
+        part: &mut ElementShare,
     ) -> Result<(), ArgumentError> {
         let (line, base) = (self.lines.range(q), self.lines.starts[part.lines.start] as usize);
         let index = &self.lines.index[line.clone()];

@@ -4,7 +4,7 @@ use super::{Backend, Factor};
 use crate::Csr;
 
 /// A block with its rank and why it has that rank.
-struct Block {
+struct CheckBlock {
     name: &'static str,
     columns: Csr,
     rank: usize,
@@ -46,8 +46,8 @@ fn with_combinations(mut rows: Vec<Vec<f64>>, k: usize) -> Vec<Vec<f64>> {
     rows
 }
 
-fn blocks() -> Vec<Block> {
-    let block = |name, rows: &[Vec<f64>], rank| Block { name, columns: from_dense(rows), rank };
+fn blocks() -> Vec<CheckBlock> {
+    let block = |name, rows: &[Vec<f64>], rank| CheckBlock { name, columns: from_dense(rows), rank };
     vec![
         block("square", &sparse(8, 8, 1), 8),
         block("wide", &sparse(6, 15, 2), 6),

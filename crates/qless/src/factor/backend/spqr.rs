@@ -109,7 +109,7 @@ impl Spqr {
         }
         // SuiteSparseQR takes a NaN for an independent entry and reports success.
         check_block(columns, rhs, tolerance)?;
-        let tall = Tall { rows: m, count: rhs.len().checked_div(m).unwrap_or(0), values: rhs };
+        let tall = TallRhs { rows: m, count: rhs.len().checked_div(m).unwrap_or(0), values: rhs };
         if columns.nnz() == 0 {
             let factor = nothing_to_factor(n, tall).map_err(|_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n))?;
             return Ok((factor, Statistics { tasks: 1, ..Statistics::default() }));
@@ -134,7 +134,7 @@ impl Spqr {
         Ok(())
     }
 
-    fn factor_in_c(self, columns: &Csr, b: Tall, tolerance: f64) -> Result<(Factor, Statistics), BackendError> {
+    fn factor_in_c(self, columns: &Csr, b: TallRhs, tolerance: f64) -> Result<(Factor, Statistics), BackendError> {
         let (m, n) = (columns.cols, columns.rows());
         let no_memory = || error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n);
         let mut call = Call::start(n + b.count).ok_or_else(no_memory)?;
@@ -173,13 +173,13 @@ impl Backend for Spqr {
 
 /// A dense m x k matrix by columns.
 #[derive(Clone, Copy)]
-struct Tall<'a> {
+struct TallRhs<'a> {
     rows: usize,
     count: usize,
     values: &'a [f64],
 }
 
-impl<'a> Tall<'a> {
+impl<'a> TallRhs<'a> {
     fn columns(self) -> impl Iterator<Item = &'a [f64]> {
         self.values.chunks_exact(self.rows.max(1))
     }
@@ -204,7 +204,7 @@ fn norm(x: &[f64]) -> f64 {
 }
 
 /// A = 0 or without rows or columns: W = I. C is not asked, it does not take every empty matrix.
-fn nothing_to_factor(n: usize, b: Tall) -> Result<Factor, TryReserveError> {
+fn nothing_to_factor(n: usize, b: TallRhs) -> Result<Factor, TryReserveError> {
     let (order, r) = (collected(n, 0..n)?, Csr::empty(n));
     Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })
 }

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::{Block, Means};
+use super::gathered::{Block, Means};
 use crate::common::random::signed;
 use crate::factor::backend::many::{Slab, WIDTH, slabs};
 use crate::factor::backend::{BackendError, Factor};
@@ -28,7 +28,7 @@ const DONE: f64 = 1e-12;
 const PASSES: usize = 2;
 
 /// Two vectors, number by number.
-type Pair = Slab<2>;
+type VectorPair = Slab<2>;
 
 /// The factor of some rows of a block.
 pub(crate) struct Triangle {
@@ -119,15 +119,15 @@ impl Triangle {
             _ => block.effective[self.rows[i]].value,
         };
         let x = self.shortest(block, &pair(r, sides));
-        let lane = |slab: &Pair, c: usize| slab.iter().map(|row| row[c]).collect::<Vec<f64>>();
+        let lane = |slab: &VectorPair, c: usize| slab.iter().map(|row| row[c]).collect::<Vec<f64>>();
         Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], sample: lane(&x, 0), particular: lane(&x, 1) }
     }
 
     /// `x` with `C_k x = b`, in the range of `C_k^T`.
-    fn shortest(&self, block: &Block, b: &Pair) -> Pair {
+    fn shortest(&self, block: &Block, b: &VectorPair) -> VectorPair {
         let mut x = vec![[0.0; 2]; block.matrix.cols];
         for _ in 0..PASSES {
-            let mut step: Pair = self.times(block, &x);
+            let mut step: VectorPair = self.times(block, &x);
             step.iter_mut().zip(b).for_each(|(step, b)| step.iter_mut().zip(b).for_each(|(step, b)| *step -= b));
             self.normal(&mut step);
             self.subtract_from(block, &step, &mut x);
@@ -136,13 +136,13 @@ impl Triangle {
     }
 
     /// `Z <- (R^T R)^-1 Z`.
-    fn normal(&self, z: &mut Pair) {
+    fn normal(&self, z: &mut VectorPair) {
         self.factor.solve_slab_transposed(z);
         self.factor.solve_slab(z);
     }
 
     /// `C_k X`.
-    fn times(&self, block: &Block, x: &Pair) -> Pair {
+    fn times(&self, block: &Block, x: &VectorPair) -> VectorPair {
         let product = |&k: &usize| {
             let mut sum = [0.0; 2];
             block.matrix.row(k).for_each(|(j, v)| sum.iter_mut().zip(&x[j]).for_each(|(sum, x)| *sum += v * x));
@@ -152,7 +152,7 @@ impl Triangle {
     }
 
     /// `X <- X - C_k^T W`.
-    fn subtract_from(&self, block: &Block, w: &Pair, x: &mut Pair) {
+    fn subtract_from(&self, block: &Block, w: &VectorPair, x: &mut VectorPair) {
         for (&k, w) in self.rows.iter().zip(w) {
             block.matrix.row(k).for_each(|(j, v)| x[j].iter_mut().zip(w).for_each(|(x, w)| *x -= v * w));
         }
@@ -160,6 +160,6 @@ impl Triangle {
 }
 
 /// Two vectors, number by number.
-fn pair(length: usize, of: impl Fn(usize, usize) -> f64) -> Pair {
+fn pair(length: usize, of: impl Fn(usize, usize) -> f64) -> VectorPair {
     (0..length).map(|i| [of(0, i), of(1, i)]).collect()
 }

@@ -93,21 +93,21 @@ impl Numbering {
     }
 
     /// The system with these numbers and b as given.
-    pub fn view<'a>(&'a self, system: &'a ConstraintSystem, rhs: &'a [f64]) -> Local<'a> {
-        Local { system, matrix: system.matrix(), numbering: self, rhs }
+    pub fn view<'a>(&'a self, system: &'a ConstraintSystem, rhs: &'a [f64]) -> LocalSystem<'a> {
+        LocalSystem { system, matrix: system.matrix(), numbering: self, rhs }
     }
 }
 
 /// A [`ConstraintSystem`] in local numbers.
 #[derive(Clone, Copy)]
-pub(crate) struct Local<'a> {
+pub(crate) struct LocalSystem<'a> {
     system: &'a ConstraintSystem,
     matrix: &'a Csr,
     pub numbering: &'a Numbering,
     rhs: &'a [f64],
 }
 
-impl<'a> Local<'a> {
+impl<'a> LocalSystem<'a> {
     pub fn system(self) -> &'a ConstraintSystem {
         self.system
     }

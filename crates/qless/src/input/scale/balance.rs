@@ -1,7 +1,7 @@
 //! Rows and columns in units that make their entries as equal as they can be.
 
 use super::{Scaling, free};
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 
 /// Where the largest of each row and column is 1, no unit explains an entry below this power of two: it is rounding.
 pub(crate) const ROUNDING: i32 = -46;
@@ -13,7 +13,7 @@ const SWEEPS: usize = 12;
 ///
 /// A mean over an entry of 1e-159, which is what is left of a zero, would move its row and column by hundreds of powers: entries that no unit
 /// explains have no part in it.
-pub fn balance(c: Local, scaling: &mut Scaling) {
+pub fn balance(c: LocalSystem, scaling: &mut Scaling) {
     let (mut row, mut col) = (vec![0.0; c.equations()], vec![0.0; c.dofs()]);
     let (of_row, of_col) = equilibrated(c, row.clone(), col.clone());
     let counting = |i: usize| {
@@ -39,7 +39,7 @@ pub fn balance(c: Local, scaling: &mut Scaling) {
 }
 
 /// Exponents for rows and columns with which the largest free number of each is 1 (Ruiz 2001), from those given.
-pub(crate) fn equilibrated(system: Local, mut row: Vec<f64>, mut col: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn equilibrated(system: LocalSystem, mut row: Vec<f64>, mut col: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     for _ in 0..SWEEPS {
         let mut of_row = vec![f64::NEG_INFINITY; row.len()];
         let mut of_col = vec![f64::NEG_INFINITY; col.len()];

@@ -13,7 +13,7 @@ mod spread;
 
 use std::collections::HashSet;
 
-use super::numbering::{Column, Exponents, Local};
+use super::numbering::{Column, Exponents, LocalSystem};
 
 pub(crate) use balance::{ROUNDING, equilibrated};
 pub(crate) use powers::{exponent, ldexp};
@@ -49,7 +49,7 @@ impl Scaling {
 /// Scales `C` by its free DOFs in each row; a row without any is scaled by its prescribed ones. Says how entries lie where
 /// any is small.
 pub(crate) fn by_rows(
-    system: Local,
+    system: LocalSystem,
     columns: &[Column],
     exponents: &[Exponents],
     uncertain: &HashSet<(u32, u32)>,
@@ -61,7 +61,7 @@ pub(crate) fn by_rows(
 }
 
 /// Balances rows and columns of some components, by equation, then scales their rows; the others stay as they are.
-pub(crate) fn balanced(system: Local, exponents: &[Exponents], plain: &Scaling, which: &[bool]) -> Scaling {
+pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents], plain: &Scaling, which: &[bool]) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
     balance::balance(system, &mut scaling);
     let mut keep = vec![true; system.dofs()];
@@ -77,7 +77,7 @@ pub(crate) fn balanced(system: Local, exponents: &[Exponents], plain: &Scaling, 
 }
 
 /// Balanced rows and columns, if any free entry is small beside any other; else nothing is scaled.
-pub(crate) fn where_needed(system: Local) -> Scaling {
+pub(crate) fn where_needed(system: LocalSystem) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
     let spans = (0..system.equations()).filter_map(|i| rows::span(system, &scaling, i));
     let (least, top) = spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0, 0));
@@ -91,7 +91,7 @@ pub(crate) fn where_needed(system: Local) -> Scaling {
     scaling
 }
 
-pub(crate) fn free(system: Local<'_>, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+pub(crate) fn free(system: LocalSystem<'_>, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     system.row(i).filter(move |&(j, _)| system.free()[j])
 }
 

@@ -2,10 +2,10 @@
 
 use super::Scaling;
 use super::powers::exponent;
-use crate::input::numbering::{Exponents, Local};
+use crate::input::numbering::{Exponents, LocalSystem};
 
 /// Scales every row; returns the exponent of the smallest free entry relative to its row.
-pub fn scale(system: Local, exponents: &[Exponents], scaling: &mut Scaling) -> i32 {
+pub fn scale(system: LocalSystem, exponents: &[Exponents], scaling: &mut Scaling) -> i32 {
     let plain = scaling.col.is_empty();
     let all_free = system.prescribed().is_empty();
     let mut smallest = 0;
@@ -21,7 +21,7 @@ pub fn scale(system: Local, exponents: &[Exponents], scaling: &mut Scaling) -> i
 }
 
 /// Smallest and largest exponent of a row's free entries, or of all if none is free.
-pub fn span(system: Local, scaling: &Scaling, i: usize) -> Option<(i32, i32)> {
+pub fn span(system: LocalSystem, scaling: &Scaling, i: usize) -> Option<(i32, i32)> {
     let exponent = |(j, v): (usize, f64)| (exponent(v) + scaling.col(j), system.free()[j]);
     let limits = |free: bool| {
         let all = system.row(i).map(exponent).filter(|&(_, is_free)| is_free || !free);

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::powers::exponent;
 use super::{SMALL, Scaling, free};
 use crate::input::components::Labels;
-use crate::input::numbering::{Column, Exponents, Local};
+use crate::input::numbering::{Column, Exponents, LocalSystem};
 
 /// How entries of free DOFs lie in the scaled rows of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +28,7 @@ pub(crate) struct Spreads {
 impl Spreads {
     /// None where all entries are of one size everywhere; only where they are not does anybody need to know the components.
     pub fn new(
-        system: Local,
+        system: LocalSystem,
         columns: &[Column],
         exponents: &[Exponents],
         scaling: &Scaling,
@@ -86,7 +86,7 @@ impl Tally {
 }
 
 /// How many entries of each column are small in their rows.
-fn small_entries(system: Local, exponents: &[Exponents], scaling: &Scaling) -> Vec<u32> {
+fn small_entries(system: LocalSystem, exponents: &[Exponents], scaling: &Scaling) -> Vec<u32> {
     let mut small = vec![0; system.dofs()];
     for (i, of_row) in exponents.iter().enumerate() {
         let least = i32::from(of_row.least);

@@ -34,7 +34,7 @@ pub use error::{Place, SystemError};
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintSystem {
     numbers: Arc<Numbers>,
-    labels: Arc<Labels>,
+    labels: Arc<SystemLabels>,
 }
 
 #[derive(Debug, PartialEq)]
@@ -46,7 +46,7 @@ struct Numbers {
 
 /// Of all equations and all DOFs, or empty.
 #[derive(Debug, Default, PartialEq)]
-struct Labels {
+struct SystemLabels {
     equations: Vec<String>,
     dofs: Vec<String>,
 }
@@ -112,7 +112,7 @@ impl ConstraintSystem {
                 return Err(SystemError::WrongLength { what, found, expected });
             }
         }
-        Ok(Self { labels: Arc::new(Labels { equations, dofs }), ..self })
+        Ok(Self { labels: Arc::new(SystemLabels { equations, dofs }), ..self })
     }
 
     /// Number of equations m.

@@ -6,7 +6,7 @@ use super::csr::fits;
 use super::{Csr, SystemError};
 
 /// Entries that stay together: where they were, and where they go.
-type Run = (Range<usize>, usize);
+type ReplacedRun = (Range<usize>, usize);
 
 impl Csr {
     /// Replaces each of these ranges of rows, which ascend, by the rows of a matrix with as many columns; what follows moves up or down.
@@ -69,7 +69,7 @@ impl Csr {
 }
 
 /// The runs between the ranges that are replaced by so many, one more than these, and the length in the end.
-fn runs(length: usize, replaced: impl Iterator<Item = (Range<usize>, usize)>) -> (Vec<Run>, usize) {
+fn runs(length: usize, replaced: impl Iterator<Item = (Range<usize>, usize)>) -> (Vec<ReplacedRun>, usize) {
     let (mut all, mut from, mut to) = (Vec::new(), 0, 0);
     for (range, count) in replaced {
         all.push((from..range.start, to));
@@ -81,7 +81,7 @@ fn runs(length: usize, replaced: impl Iterator<Item = (Range<usize>, usize)>) ->
 }
 
 /// Moves the runs: those that go down from the first, those that go up from the last, so that none lands on one that has yet to move.
-fn shift<T: Copy + Default>(all: &mut Vec<T>, runs: &[Run], length: usize) {
+fn shift<T: Copy + Default>(all: &mut Vec<T>, runs: &[ReplacedRun], length: usize) {
     all.resize(all.len().max(length), T::default());
     runs.iter().filter(|(from, to)| *to < from.start).for_each(|(from, to)| all.copy_within(from.clone(), *to));
     runs.iter().rev().filter(|(from, to)| *to > from.start).for_each(|(from, to)| all.copy_within(from.clone(), *to));

@@ -10,7 +10,7 @@ mod row;
 
 use std::ops::Range;
 
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::eliminated::Step;
 
@@ -202,7 +202,7 @@ impl Basis {
 
     /// Number of terms of row t.
     #[inline]
-    pub fn length(&self, system: Local, t: usize) -> usize {
+    pub fn length(&self, system: LocalSystem, t: usize) -> usize {
         match self.peeled.get(t) {
             Some(&row) => system.length(row as usize) - 1,
             None => self.stored(t).len(),
@@ -218,7 +218,7 @@ impl Basis {
     /// Row t; of the system that was peeled.
     #[expect(clippy::inline_always, reason = "out of line it was a twentieth of the profile of an elimination")]
     #[inline(always)]
-    pub fn row<'a>(&'a self, system: Local<'a>, t: usize) -> Row<'a> {
+    pub fn row<'a>(&'a self, system: LocalSystem<'a>, t: usize) -> Row<'a> {
         if let Some(&row) = self.peeled.get(t) {
             let (dofs, values) = system.parts(row as usize);
             return Row::solved(dofs, values, self.positions[t] as usize);
@@ -228,7 +228,7 @@ impl Basis {
     }
 
     /// Bounds of the rows of T: their own largest coefficients, infinite where they name other slaves.
-    pub fn bounds(&self, system: Local) -> Vec<f64> {
+    pub fn bounds(&self, system: LocalSystem) -> Vec<f64> {
         let mut is_slave = vec![false; system.dofs()];
         self.slaves.iter().for_each(|&slave| is_slave[slave as usize] = true);
         let size = |(j, v): (u32, f64)| if is_slave[j as usize] { f64::INFINITY } else { v.abs() };
@@ -247,12 +247,12 @@ impl Basis {
     }
 
     /// Completes u, in which masters and prescribed DOFs are set.
-    pub fn complete(&self, system: Local, u: &mut [f64]) {
+    pub fn complete(&self, system: LocalSystem, u: &mut [f64]) {
         self.complete_with(system, &self.constants, u);
     }
 
     /// The same with other constants.
-    pub fn complete_with(&self, system: Local, constants: &[f64], u: &mut [f64]) {
+    pub fn complete_with(&self, system: LocalSystem, constants: &[f64], u: &mut [f64]) {
         for t in (0..self.rows()).rev() {
             let sum: f64 = self.row(system, t).entries().map(|(j, v)| v * u[j as usize]).sum();
             u[self.slaves[t] as usize] = constants[t] + sum;

@@ -1,4 +1,4 @@
-//! Elimination without fill: `row_k <- row_k - (a_kj / a_pj) row_p` wherever that adds no net entry.
+//! EliminateElimination without fill: `row_k <- row_k - (a_kj / a_pj) row_p` wherever that adds no net entry.
 //!
 //! A pivot (p, j) adds none if row p has one free DOF (j is fixed: a generated boundary condition), if it has two
 //! (`a u_i + c u_j = d`: chains, cycles, trees of equal DOFs), or if DOF j occurs in at most two remaining rows.
@@ -25,13 +25,13 @@ pub(crate) const SUSPECT: f64 = 1e-3;
 const THRESHOLD: f64 = 0.1;
 /// ... and at least a fraction of its own row, the strictest first, which bounds the growth of T as long as it can be.
 /// The first levels make no fill; the others follow only while the core is [`LARGE`].
-const LEVELS: [Level; 6] = [
-    Level { rows: 2, of_row: 1.0 },
-    Level { rows: 2, of_row: 0.1 },
-    Level { rows: 2, of_row: 1e-3 },
-    Level { rows: 3, of_row: 1.0 },
-    Level { rows: 5, of_row: 1.0 },
-    Level { rows: 8, of_row: 1.0 },
+const LEVELS: [FillLevel; 6] = [
+    FillLevel { rows: 2, of_row: 1.0 },
+    FillLevel { rows: 2, of_row: 0.1 },
+    FillLevel { rows: 2, of_row: 1e-3 },
+    FillLevel { rows: 3, of_row: 1.0 },
+    FillLevel { rows: 5, of_row: 1.0 },
+    FillLevel { rows: 8, of_row: 1.0 },
 ];
 const WITHOUT_FILL: usize = 3;
 
@@ -48,22 +48,22 @@ const LARGE: usize = 800;
 const MARKOWITZ: u32 = 48;
 
 /// Which DOFs may be eliminated: in at most so many rows, with at least this size relative to their pivot row.
-struct Level {
+struct FillLevel {
     rows: u32,
     of_row: f64,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum State {
+enum EquationState {
     Active,
     Done,
     /// Too small for a pivot here: for the backend.
     Held,
 }
 
-struct Elimination<'a> {
+struct FillFreeElimination<'a> {
     out: Eliminated,
-    state: Vec<State>,
+    state: Vec<EquationState>,
     is_free: &'a [bool],
     /// Rows that may hold a DOF: a superset without order; `count` is exact.
     holders: Vec<Vec<u32>>,
@@ -86,9 +86,12 @@ struct Elimination<'a> {
 pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> Eliminated {
     let Gathered { names, dofs, free: is_free, power, rows } = gathered;
     let m = rows.len();
-    let mut work = Elimination {
+    let mut work = FillFreeElimination {
         out: Eliminated { rows, factors: vec![Vec::new(); m], ..Eliminated::default() },
-        state: names.iter().map(|&i| if held[i as usize] { State::Held } else { State::Active }).collect(),
+        state: names
+            .iter()
+            .map(|&i| if held[i as usize] { EquationState::Held } else { EquationState::Active })
+            .collect(),
         is_free: &is_free,
         holders: vec![Vec::new(); dofs.len()],
         count: vec![0; dofs.len()],
@@ -107,7 +110,7 @@ pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> El
     work.finish(names, &dofs, &power)
 }
 
-impl Elimination<'_> {
+impl FillFreeElimination<'_> {
     fn count(&mut self) {
         for (i, row) in self.out.rows.iter_mut().enumerate() {
             row.free = 0;
@@ -137,7 +140,8 @@ impl Elimination<'_> {
         if self.active <= LARGE {
             return;
         }
-        let left: Vec<u32> = (0..self.state.len() as u32).filter(|&i| self.state[i as usize] != State::Done).collect();
+        let left: Vec<u32> =
+            (0..self.state.len() as u32).filter(|&i| self.state[i as usize] != EquationState::Done).collect();
         let parts = components(&left, self.count.len(), |i| {
             self.out.rows[i as usize].entries.iter().map(|entry| entry.dof).filter(|&j| self.is_free[j as usize])
         });
@@ -166,11 +170,11 @@ impl Elimination<'_> {
     fn finish(mut self, names: Vec<u32>, dofs: &[u32], power: &[i32]) -> Eliminated {
         let of_user = |j: u32, v: f64| (dofs[j as usize], ldexp(v, -power[j as usize]));
         self.out.names = names;
-        let left = |&i: &u32| self.state[i as usize] != State::Done;
+        let left = |&i: &u32| self.state[i as usize] != EquationState::Done;
         self.out.core = (0..self.out.rows.len() as u32).filter(left).collect();
         for (row, state) in self.out.rows.iter_mut().zip(&self.state) {
             row.forget_table();
-            if *state == State::Done {
+            if *state == EquationState::Done {
                 row.entries = Vec::new();
             }
             for entry in &mut row.entries {

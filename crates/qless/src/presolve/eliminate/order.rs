@@ -1,9 +1,9 @@
 //! Which row or DOF comes next, and whether it may be a pivot.
 
-use super::{Elimination, LARGE, LEVELS, LONG, MARKOWITZ, PATH, State, THRESHOLD, WITHOUT_FILL};
+use super::{EquationState, FillFreeElimination, LARGE, LEVELS, LONG, MARKOWITZ, PATH, THRESHOLD, WITHOUT_FILL};
 use crate::presolve::rows::Entry;
 
-impl Elimination<'_> {
+impl FillFreeElimination<'_> {
     pub(super) fn next_dof(&mut self) -> Option<(usize, u32)> {
         let levels = if self.filling && self.active > LARGE { LEVELS.len() } else { WITHOUT_FILL };
         self.rare_dofs[..levels].iter_mut().enumerate().find_map(|(level, queue)| Some((level, queue.pop_front()?)))
@@ -19,7 +19,7 @@ impl Elimination<'_> {
     }
 
     pub(super) fn try_row(&mut self, i: u32) {
-        if self.state[i as usize] != State::Active || self.out.rows[i as usize].free > 2 || self.settle(i) {
+        if self.state[i as usize] != EquationState::Active || self.out.rows[i as usize].free > 2 || self.settle(i) {
             return;
         }
         let row = &self.out.rows[i as usize];
@@ -63,7 +63,7 @@ impl Elimination<'_> {
         let mut list = std::mem::take(&mut self.holders[j as usize]);
         list.sort_unstable();
         list.dedup();
-        let found = list.iter().filter(|&&i| self.state[i as usize] != State::Done).filter_map(|&i| {
+        let found = list.iter().filter(|&&i| self.state[i as usize] != EquationState::Done).filter_map(|&i| {
             let row = &self.out.rows[i as usize];
             row.position(j).map(|k| (i, row.entries[k].value))
         });
@@ -76,7 +76,7 @@ impl Elimination<'_> {
 
     fn may_pivot(&mut self, (i, j): (u32, u32), value: f64, holders: &[(u32, f64)], of_row: f64) -> bool {
         let is_short = self.out.rows[i as usize].free <= LONG || holders.len() == 1;
-        if self.state[i as usize] != State::Active || !is_short {
+        if self.state[i as usize] != EquationState::Active || !is_short {
             return false;
         }
         let largest = self.largest(i);

@@ -1,10 +1,10 @@
 //! What a pivot and a dependent row change in the others.
 
-use super::{Elimination, SUSPECT, State};
+use super::{EquationState, FillFreeElimination, SUSPECT};
 use crate::presolve::eliminated::{Dead, Mismatch, Step};
 use crate::presolve::rows::{Entry, Row, bound};
 
-impl Elimination<'_> {
+impl FillFreeElimination<'_> {
     /// Closes a row without free part; holds one that is too small for a pivot. True if the row is out of play.
     pub(super) fn settle(&mut self, i: u32) -> bool {
         let left = self.largest(i);
@@ -13,7 +13,7 @@ impl Elimination<'_> {
             return false;
         }
         if left > self.tolerance * row.size {
-            self.state[i as usize] = State::Held;
+            self.state[i as usize] = EquationState::Held;
             return true;
         }
         let free = row.entries.iter().filter(|entry| self.is_free[entry.dof as usize]);
@@ -25,7 +25,7 @@ impl Elimination<'_> {
     }
 
     fn retire(&mut self, i: u32) {
-        self.state[i as usize] = State::Done;
+        self.state[i as usize] = EquationState::Done;
         self.active -= 1;
         let entries = std::mem::take(&mut self.out.rows[i as usize].entries);
         for j in entries.iter().map(|entry| entry.dof).filter(|&j| self.is_free[j as usize]) {

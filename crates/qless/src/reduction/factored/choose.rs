@@ -7,8 +7,8 @@ use super::finishing::candidates;
 use crate::Csr;
 use crate::factor::backend::BackendError;
 use crate::factor::lu::{self, LuError};
-use crate::factor::solver::Solver;
-use crate::input::numbering::Local;
+use crate::factor::solver::SlaveSolver;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::reduction::relation::ReductionInput;
 
@@ -20,12 +20,12 @@ const ROUNDS: usize = 8;
 /// Factors the independent equations of a connected part. None where its slaves cannot be had within the bound and the wishes: then T
 /// must be numbers.
 pub(crate) fn factor(
-    local: Local,
+    local: LocalSystem,
     equations: &[usize],
     input: &ReductionInput,
     predicted: usize,
 ) -> Result<Option<FactoredBlock>, BackendError> {
-    let part = Part::new(local, equations, input);
+    let part = ComponentToChoose::new(local, equations, input);
     let every = vec![true; part.dofs.len()];
     let near = (input.growth >= LOOSE).then(|| candidates(&part.plain(input))).filter(|near| *near != every);
     for may in near.into_iter().chain([every]) {
@@ -38,8 +38,8 @@ pub(crate) fn factor(
 }
 
 /// A connected part with numbers of its own; scaled. DOFs ascend by the user's numbers.
-struct Part<'a> {
-    local: Local<'a>,
+struct ComponentToChoose<'a> {
+    local: LocalSystem<'a>,
     equations: Vec<usize>,
     /// Local numbers of the free DOFs, the columns of `free`, ...
     dofs: Vec<u32>,
@@ -50,8 +50,8 @@ struct Part<'a> {
     rhs: Vec<f64>,
 }
 
-impl<'a> Part<'a> {
-    fn new(local: Local<'a>, equations: &[usize], input: &ReductionInput) -> Self {
+impl<'a> ComponentToChoose<'a> {
+    fn new(local: LocalSystem<'a>, equations: &[usize], input: &ReductionInput) -> Self {
         let user = |j: u32| local.numbering.dofs[j as usize];
         let mut all: Vec<u32> = equations.iter().flat_map(|&i| local.parts(i).0).copied().collect();
         all.sort_unstable_by_key(|&j| user(j));
@@ -152,7 +152,7 @@ impl<'a> Part<'a> {
         self.local.numbering.dofs[local as usize] as usize
     }
 
-    fn block(&self, lu: lu::Lu, predicted: usize, input: &ReductionInput) -> FactoredBlock {
+    fn block(&self, lu: lu::SparseLu, predicted: usize, input: &ReductionInput) -> FactoredBlock {
         let mut number = vec![u32::MAX; self.dofs.len()];
         lu.slaves.iter().for_each(|&j| number[j as usize] = 0);
         let masters: Vec<usize> = (0..self.dofs.len()).filter(|&j| number[j] != 0).collect();
@@ -179,7 +179,7 @@ impl<'a> Part<'a> {
             prescribed: users(&local[2]),
             predicted,
             growth: 0.0,
-            solver: Solver::new(&self.free, lu),
+            solver: SlaveSolver::new(&self.free, lu),
             of_masters,
             of_prescribed: self.fixed.clone(),
             rhs: self.rhs.clone(),

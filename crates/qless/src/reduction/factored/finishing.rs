@@ -16,7 +16,7 @@ const LEAST: f64 = 0.25;
 
 /// Which DOFs may be slaves: those of groups that are solved, and all in the equations that are left.
 pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
-    let mut work = Work::new(equations);
+    let mut work = FinishingWork::new(equations);
     let mut waiting: BinaryHeap<_> = work.count.iter().enumerate().map(|(j, &count)| Reverse((count, j))).collect();
     while let Some(Reverse((count, j))) = waiting.pop() {
         if count == 0 || count != work.count[j] || count > GROUP {
@@ -34,7 +34,7 @@ pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
     work.may
 }
 
-struct Work<'a> {
+struct FinishingWork<'a> {
     equations: &'a Csr,
     /// By DOF.
     columns: Csr,
@@ -44,7 +44,7 @@ struct Work<'a> {
     may: Vec<bool>,
 }
 
-impl<'a> Work<'a> {
+impl<'a> FinishingWork<'a> {
     fn new(equations: &'a Csr) -> Self {
         let columns = equations.transposed();
         let count = (0..equations.cols).map(|j| columns.row(j).len()).collect();

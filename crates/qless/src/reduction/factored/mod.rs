@@ -10,7 +10,7 @@ mod finishing;
 mod predict;
 
 use crate::Csr;
-use crate::factor::solver::Solver;
+use crate::factor::solver::SlaveSolver;
 use crate::input::scale::ldexp;
 
 pub(super) use choose::factor;
@@ -29,7 +29,7 @@ pub struct FactoredBlock {
     pub(crate) prescribed: Vec<usize>,
     pub(crate) predicted: usize,
     pub(crate) growth: f64,
-    solver: Solver,
+    solver: SlaveSolver,
     /// C_M and C_p, scaled; columns as `masters` and `prescribed`.
     of_masters: Csr,
     of_prescribed: Csr,

@@ -1,7 +1,7 @@
 //! How many nonzeros T would have, part by part, before any of it is formed.
 
 use crate::input::components::Labels;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::presolve::basis::Basis;
 
 /// What is known of a connected part.
@@ -18,7 +18,7 @@ pub(crate) struct Prediction {
 /// Bounds by part: a row holds no more than its own masters and the rows of its slaves, nor more than there are masters.
 /// `row(t)` is the user's equation of row t of the basis, `block_row(k)` one of block k.
 pub(crate) fn predict(
-    local: Local,
+    local: LocalSystem,
     basis: &Basis,
     labels: &Labels,
     row: impl Fn(usize) -> usize,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::common::pool::WORTH_A_THREAD;
 use crate::common::random::{randoms, signed};
 use crate::diagnosis::nullspace_probe::RandomKeys;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 use crate::reduction::Reduction;
 
@@ -30,7 +30,7 @@ pub enum Part {
 #[derive(Clone, Copy)]
 pub struct Given<'a> {
     pub part: Part,
-    pub local: Local<'a>,
+    pub local: LocalSystem<'a>,
     pub reduction: &'a Reduction,
     pub scaling: &'a Scaling,
 }
@@ -105,7 +105,7 @@ pub fn each<T: Send>(count: usize, of: impl Fn(usize) -> T + Send + Sync) -> Vec
 const FAR: i32 = 500;
 
 /// A random number for each master, by its place within its component.
-pub fn by_keys(local: Local, reduction: &Reduction, keys: &RandomKeys) -> Vec<f64> {
+pub fn by_keys(local: LocalSystem, reduction: &Reduction, keys: &RandomKeys) -> Vec<f64> {
     let mut users = vec![1.0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
     let named = local.numbering.dofs.iter().enumerate();
     named.for_each(|(l, &j)| users[j as usize] = signed(1, keys.dof(l)).abs());
@@ -113,7 +113,7 @@ pub fn by_keys(local: Local, reduction: &Reduction, keys: &RandomKeys) -> Vec<f6
 }
 
 /// A random number for each prescribed DOF, each in its unit: what `2^60` of one brings must not hide what one of another does.
-pub fn in_units(local: Local, reduction: &Reduction, scaling: &Scaling) -> Vec<f64> {
+pub fn in_units(local: LocalSystem, reduction: &Reduction, scaling: &Scaling) -> Vec<f64> {
     let mut largest = vec![None; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
     for i in 0..local.equations() {
         for (j, v) in local.row(i).filter(|&(j, v)| !local.free()[j] && v != 0.0) {

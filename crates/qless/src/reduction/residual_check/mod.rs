@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 use super::{Reduction, ReductionError};
 use crate::diagnosis::nullspace_probe::RandomKeys;
 use crate::input::components::Labels;
-use crate::input::numbering::Local;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use expanded::{Expanded, Given, Part, each};
 
@@ -36,7 +36,7 @@ pub(crate) struct Residuals {
 
 /// Residuals, with the equations above `above` listed.
 pub(crate) fn residuals(
-    local: Local,
+    local: LocalSystem,
     reduction: &Reduction,
     independent: &[bool],
     scaling: &Scaling,
@@ -53,7 +53,7 @@ pub(crate) fn residuals(
 
 /// The same of g alone, where T and G have passed before.
 pub(crate) fn residuals_of_g(
-    local: Local,
+    local: LocalSystem,
     reduction: &Reduction,
     independent: &[bool],
     scaling: &Scaling,
@@ -63,7 +63,7 @@ pub(crate) fn residuals_of_g(
 
 fn judge(
     parts: impl Iterator<Item = Part>,
-    (local, reduction): (Local, &Reduction),
+    (local, reduction): (LocalSystem, &Reduction),
     independent: &[bool],
     scaling: &Scaling,
     above: f64,
@@ -116,7 +116,7 @@ pub(crate) fn pass(found: &Residuals, reduction: &Reduction) -> Result<(), Reduc
 
 impl Expanded {
     /// Relative to the equations' own parts.
-    pub fn residuals(&self, local: Local, independent: &[bool]) -> Vec<f64> {
+    pub fn residuals(&self, local: LocalSystem, independent: &[bool]) -> Vec<f64> {
         let sizes = self.sizes.as_ref().unwrap_or(&self.u);
         each(local.equations(), |i| {
             if !independent[i] {
@@ -130,7 +130,7 @@ impl Expanded {
     }
 
     /// Those that are not fine relative to the largest parts of their components.
-    pub fn relative_to_components(&self, local: Local, scaling: &Scaling, out: &mut [f64]) {
+    pub fn relative_to_components(&self, local: LocalSystem, scaling: &Scaling, out: &mut [f64]) {
         let labels = Labels::of(local);
         let mut largest = vec![0.0_f64; labels.count];
         for (i, &label) in labels.of_row.iter().enumerate() {
@@ -152,7 +152,7 @@ impl Expanded {
 
     /// `C_i u - b_i` and the sum of the sizes of its parts, in a unit; `sizes` are those of the DOFs.
     #[inline]
-    fn sums(&self, local: Local, i: usize, unit: f64, sizes: &[f64]) -> (f64, f64) {
+    fn sums(&self, local: LocalSystem, i: usize, unit: f64, sizes: &[f64]) -> (f64, f64) {
         let b = self.rhs(local, i) * unit;
         let (dofs, values) = local.parts(i);
         dofs.iter().zip(values).fold((-b, b.abs()), |(sum, size), (&j, v)| {
@@ -160,7 +160,7 @@ impl Expanded {
         })
     }
 
-    fn rhs(&self, local: Local, i: usize) -> f64 {
+    fn rhs(&self, local: LocalSystem, i: usize) -> f64 {
         if self.with_rhs { local.rhs()[i] } else { 0.0 }
     }
 }

@@ -1,18 +1,18 @@
 //! Steps 3 and 4 of Figure 7: triangular form; dependent rows leave.
 
-use super::columns::Columns;
 use super::ledger::Ledger;
 use super::queue::Queue;
-use super::row::{Entry, Pivot, largest};
+use super::row::WaitingRows;
+use super::row::{GaussEntry, Pivot, largest};
 use crate::Csr;
 use crate::factor::backend::BackendError;
 
 /// The augmented block `[A B]` (the paper's Step 1): A by sparse rows, B dense.
-pub(super) struct Elimination {
+pub(super) struct GaussElimination {
     pub ledger: Ledger,
     /// Waiting rows; pivot rows, which are rows of R; empty once dropped.
-    pub rows: Vec<Vec<Entry>>,
-    pub columns: Columns,
+    pub rows: Vec<Vec<GaussEntry>>,
+    pub columns: WaitingRows,
     pub queue: Queue,
     pub right: Right,
     /// The pivots' rows and columns.
@@ -33,7 +33,7 @@ pub(super) struct Right {
     pub rest: Vec<f64>,
 }
 
-impl Elimination {
+impl GaussElimination {
     pub fn new(columns: &Csr, rhs: &[f64], mut ledger: Ledger) -> Result<Self, BackendError> {
         let (m, n) = (columns.cols, columns.rows());
         if m.max(n) >= u32::MAX as usize {
@@ -47,7 +47,7 @@ impl Elimination {
             rows,
             queue,
             column: ledger.empty(m)?,
-            columns: Columns::new(columns, &mut ledger)?,
+            columns: WaitingRows::new(columns, &mut ledger)?,
             right: Right::new(m, rhs, &mut ledger)?,
             pivots: ledger.empty(m.min(n))?,
             dropped: 0.0,
@@ -117,8 +117,8 @@ impl Elimination {
 }
 
 /// A by rows.
-fn rows(columns: &Csr, ledger: &mut Ledger) -> Result<Vec<Vec<Entry>>, BackendError> {
-    let mut rows: Vec<Vec<Entry>> = ledger.filled(Vec::new(), columns.cols)?;
+fn rows(columns: &Csr, ledger: &mut Ledger) -> Result<Vec<Vec<GaussEntry>>, BackendError> {
+    let mut rows: Vec<Vec<GaussEntry>> = ledger.filled(Vec::new(), columns.cols)?;
     let mut lengths = ledger.filled(0, columns.cols)?;
     columns.col.iter().for_each(|&i| lengths[i as usize] += 1);
     for (row, &length) in rows.iter_mut().zip(&lengths) {
@@ -126,7 +126,7 @@ fn rows(columns: &Csr, ledger: &mut Ledger) -> Result<Vec<Vec<Entry>>, BackendEr
     }
     for j in 0..columns.rows() {
         let entries = columns.row(j).filter(|&(_, v)| v != 0.0);
-        entries.for_each(|(i, v)| rows[i].push(Entry::new(j as u32, v)));
+        entries.for_each(|(i, v)| rows[i].push(GaussEntry::new(j as u32, v)));
     }
     ledger.free(lengths);
     Ok(rows)

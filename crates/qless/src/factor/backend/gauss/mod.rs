@@ -5,7 +5,6 @@
 //! block. Rows hold what is not zero, so that time and memory follow the fill and not m n. Kept as the baseline beside the
 //! orthogonal backends: nothing bounds the fill but [`crate::Options::memory`].
 
-mod columns;
 mod eliminate;
 mod ledger;
 mod pivot;
@@ -15,7 +14,7 @@ mod triangle;
 
 use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
-use eliminate::Elimination;
+use eliminate::GaussElimination;
 use ledger::Ledger;
 
 /// The paper's elimination as a [`Backend`].
@@ -41,7 +40,7 @@ impl Backend for Gauss {
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
         check_block(columns, rhs, tolerance)?;
         let ledger = Ledger::new(columns, self.memory);
-        let mut elimination = Elimination::new(columns, rhs, ledger)?;
+        let mut elimination = GaussElimination::new(columns, rhs, ledger)?;
         elimination.triangularize(tolerance)?;
         elimination.into_factor()
     }

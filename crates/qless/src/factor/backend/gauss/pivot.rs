@@ -9,8 +9,8 @@
 //! Measured on mortar ties and a band of 1e5 rows: with a tenth for rows as well, R1 of the band has a smallest singular value
 //! of 1e-18 instead of 1e-2; with 0.7, R has half as many entries again; with a hundredth for columns, ranks of ties are wrong.
 
-use super::eliminate::Elimination;
-use super::row::{Entry, largest};
+use super::eliminate::GaussElimination;
+use super::row::{GaussEntry, largest};
 
 /// A pivot is at least this part of the largest entry of its row ...
 const OF_ROW: f64 = 0.5;
@@ -22,7 +22,7 @@ const TRIED: usize = 4;
 /// Fewest holders first, then the larger entry, then the earlier column.
 type Rank = (u32, u64, u32);
 
-impl Elimination {
+impl GaussElimination {
     /// A row and a column for the pivot, from a row with an entry that is not zero; the column has been read.
     ///
     /// Ends, for the largest entry of the row grows with every round.
@@ -53,7 +53,7 @@ impl Elimination {
     }
 
     /// The best large entry of a row but for those already tried.
-    fn best_after(&self, last: Option<Rank>, row: u32, bound: f64) -> Option<(Rank, Entry)> {
+    fn best_after(&self, last: Option<Rank>, row: u32, bound: f64) -> Option<(Rank, GaussEntry)> {
         let large = self.rows[row as usize].iter().filter(|entry| entry.value.abs() >= bound);
         let ranked = large.map(|&entry| {
             let holders = self.columns.count(entry.col);

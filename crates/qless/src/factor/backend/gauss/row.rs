@@ -1,7 +1,8 @@
-//! Sparse rows and `row <- row - factor pivot`.
+//! Sparse rows, `row <- row - factor pivot`, and the lists of rows by column.
 
-use super::columns::Columns;
 use super::ledger::Ledger;
+use super::queue::Queue;
+use crate::Csr;
 use crate::factor::backend::BackendError;
 
 /// An entry at most `2^-50` (8.9e-16) of the largest number that went into it is rounding.
@@ -10,14 +11,14 @@ const ABSENT: u32 = u32::MAX;
 
 /// One number of a row; the entries of a row stand in no order.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub(super) struct GaussEntry {
     pub col: u32,
     /// Exponent of the largest number that went into `value`, as f64 stores it.
     peak: u32,
     pub value: f64,
 }
 
-impl Entry {
+impl GaussEntry {
     pub fn new(col: u32, value: f64) -> Self {
         Self { col, peak: exponent(value), value }
     }
@@ -38,13 +39,13 @@ fn exponent(value: f64) -> u32 {
 }
 
 /// Size of the largest entry of a row.
-pub(super) fn largest(row: &[Entry]) -> f64 {
+pub(super) fn largest(row: &[GaussEntry]) -> f64 {
     row.iter().fold(0.0, |most, entry| most.max(entry.value.abs()))
 }
 
 /// The pivot row, and where in it each column is.
 pub(super) struct Pivot {
-    pub entries: Vec<Entry>,
+    pub entries: Vec<GaussEntry>,
     place: Vec<u32>,
     /// Which of its entries a row met.
     met: Vec<bool>,
@@ -55,12 +56,12 @@ impl Pivot {
         Ok(Self { entries: Vec::new(), place: ledger.filled(ABSENT, cols)?, met: ledger.filled(false, cols)? })
     }
 
-    pub fn load(&mut self, entries: Vec<Entry>) {
+    pub fn load(&mut self, entries: Vec<GaussEntry>) {
         entries.iter().zip(0..).for_each(|(entry, k)| self.place[entry.col as usize] = k);
         self.entries = entries;
     }
 
-    pub fn unload(&mut self) -> Vec<Entry> {
+    pub fn unload(&mut self) -> Vec<GaussEntry> {
         self.entries.iter().for_each(|entry| self.place[entry.col as usize] = ABSENT);
         std::mem::take(&mut self.entries)
     }
@@ -68,10 +69,10 @@ impl Pivot {
     /// `row i <- row i - factor pivot`; returns the sum of the squares of what cancelled.
     pub fn subtract_from(
         &mut self,
-        row: &mut Vec<Entry>,
+        row: &mut Vec<GaussEntry>,
         factor: f64,
         i: u32,
-        columns: &mut Columns,
+        columns: &mut WaitingRows,
         ledger: &mut Ledger,
     ) -> Result<f64, BackendError> {
         let (mut k, mut common, mut cancelled) = (0, 0, 0.0);
@@ -98,16 +99,16 @@ impl Pivot {
     /// Appends `-factor pivot` in the `count` columns that the row did not meet.
     fn fill(
         &mut self,
-        row: &mut Vec<Entry>,
+        row: &mut Vec<GaussEntry>,
         factor: f64,
         i: u32,
         count: usize,
-        columns: &mut Columns,
+        columns: &mut WaitingRows,
         ledger: &mut Ledger,
     ) -> Result<(), BackendError> {
         ledger.reserve(row, count)?;
         for (entry, met) in self.entries.iter().zip(&mut self.met) {
-            let fill = Entry::new(entry.col, -factor * entry.value);
+            let fill = GaussEntry::new(entry.col, -factor * entry.value);
             // A product too small for a double is no entry.
             if !std::mem::take(met) && fill.value != 0.0 {
                 columns.add(fill.col, i, ledger)?;
@@ -118,13 +119,73 @@ impl Pivot {
     }
 }
 
+/// For each column the waiting rows that have an entry in it. A list may name rows that no longer have one; the count is exact.
+pub(super) struct WaitingRows {
+    lists: Vec<Vec<u32>>,
+    count: Vec<u32>,
+}
+
+impl WaitingRows {
+    pub fn new(columns: &Csr, ledger: &mut Ledger) -> Result<Self, BackendError> {
+        let n = columns.rows();
+        let mut all = Self { lists: ledger.filled(Vec::new(), n)?, count: ledger.filled(0, n)? };
+        for j in 0..n {
+            let rows = columns.row(j).filter(|&(_, v)| v != 0.0);
+            ledger.reserve(&mut all.lists[j], rows.clone().count())?;
+            all.lists[j].extend(rows.map(|(i, _)| i as u32));
+            all.count[j] = all.lists[j].len() as u32;
+        }
+        Ok(all)
+    }
+
+    pub fn len(&self) -> usize {
+        self.lists.len()
+    }
+
+    /// How many waiting rows hold the column.
+    pub fn count(&self, col: u32) -> u32 {
+        self.count[col as usize]
+    }
+
+    pub fn add(&mut self, col: u32, row: u32, ledger: &mut Ledger) -> Result<(), BackendError> {
+        let list = &mut self.lists[col as usize];
+        ledger.reserve(list, 1)?;
+        list.push(row);
+        self.count[col as usize] += 1;
+        Ok(())
+    }
+
+    /// A row no longer holds the column or no longer waits; its name stays in the list until that is read.
+    pub fn forget(&mut self, col: u32) {
+        self.count[col as usize] -= 1;
+    }
+
+    pub fn free(&mut self, col: u32, ledger: &mut Ledger) {
+        ledger.free(std::mem::take(&mut self.lists[col as usize]));
+    }
+
+    /// The waiting rows that hold the column and where in the row it stands, by ascending row.
+    pub fn read(&mut self, col: u32, rows: &[Vec<GaussEntry>], queue: &Queue, found: &mut Vec<(u32, u32)>) {
+        let list = &mut self.lists[col as usize];
+        list.sort_unstable();
+        list.dedup();
+        found.clear();
+        list.retain(|&i| {
+            let place = || rows[i as usize].iter().position(|entry| entry.col == col);
+            let place = if queue.waits(i) { place() } else { None };
+            found.extend(place.map(|place| (i, place as u32)));
+            place.is_some()
+        });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Csr;
 
-    fn row(entries: &[(u32, f64)]) -> Vec<Entry> {
-        entries.iter().map(|&(j, v)| Entry::new(j, v)).collect()
+    fn row(entries: &[(u32, f64)]) -> Vec<GaussEntry> {
+        entries.iter().map(|&(j, v)| GaussEntry::new(j, v)).collect()
     }
 
     #[test]
@@ -132,7 +193,7 @@ mod tests {
         let mut a = Csr::empty(1);
         [0.3, 1.0, 0.0, 1e100].iter().for_each(|&v| a.append([(0, v)]));
         let mut ledger = Ledger::new(&a, usize::MAX);
-        let (mut columns, mut pivot) = (Columns::new(&a, &mut ledger)?, Pivot::new(4, &mut ledger)?);
+        let (mut columns, mut pivot) = (WaitingRows::new(&a, &mut ledger)?, Pivot::new(4, &mut ledger)?);
         pivot.load(row(&[(0, 0.1), (1, (1.0 - 1e-14) / 3.0), (2, 2.0)]));
         let mut target = row(&[(0, 0.3), (1, 1.0), (3, 1e100)]);
         let cancelled = pivot.subtract_from(&mut target, 3.0, 0, &mut columns, &mut ledger)?;
@@ -151,7 +212,7 @@ mod tests {
         let mut a = Csr::empty(1);
         a.append([(0, 1.0)]);
         let mut ledger = Ledger::new(&a, usize::MAX);
-        let (mut columns, mut pivot) = (Columns::new(&a, &mut ledger)?, Pivot::new(1, &mut ledger)?);
+        let (mut columns, mut pivot) = (WaitingRows::new(&a, &mut ledger)?, Pivot::new(1, &mut ledger)?);
         let mut target = row(&[(0, 1.0)]);
         pivot.load(row(&[(0, 1.0)]));
         pivot.subtract_from(&mut target, 1.0 - 1e-12, 0, &mut columns, &mut ledger)?;

@@ -1,10 +1,10 @@
 //! The pivot rows as `[R1 R2]`.
 
-use super::eliminate::Elimination;
+use super::eliminate::GaussElimination;
 use crate::Csr;
 use crate::factor::backend::{BackendError, Factor};
 
-impl Elimination {
+impl GaussElimination {
     pub(super) fn into_factor(mut self) -> Result<Factor, BackendError> {
         let (n, width) = (self.columns.len(), self.right.width);
         let mut place = self.ledger.filled(usize::MAX, n)?;

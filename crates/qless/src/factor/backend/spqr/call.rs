@@ -1,18 +1,17 @@
 //! One call of SuiteSparseQR's C interface: what goes in, what comes out, and who frees it.
 #![allow(unsafe_code, reason = "the one module that calls spqr-sys")]
 
-mod rows;
-
 use std::collections::TryReserveError;
+use std::ops::Range;
 use std::ptr::{from_mut, null_mut};
 
+use rayon::prelude::*;
 use spqr_sys::memory::Common;
 use spqr_sys::{cholmod_dense, cholmod_sparse};
 
-use super::{Statistics, Tall, all_finite, error_of, failed, is_trapezoidal};
+use super::{Statistics, TallRhs, all_finite, error_of, failed, is_trapezoidal};
 use crate::Csr;
 use crate::factor::backend::{BackendError, Factor};
-use rows::InColumns;
 
 /// What C allocates for one factorization. Dropping it frees all of it, however the call went.
 pub(super) struct Call {
@@ -31,7 +30,7 @@ impl Call {
     }
 
     /// The rank, or CHOLMOD's status. The order must be asked for: without it SPQR 2.1 frees a deficient R twice.
-    pub fn run(&mut self, columns: &Csr, b: Tall, tolerance: f64) -> Result<usize, i32> {
+    pub fn run(&mut self, columns: &Csr, b: TallRhs, tolerance: f64) -> Result<usize, i32> {
         let no_memory = |_| spqr_sys::CHOLMOD_OUT_OF_MEMORY;
         let starts = columns.start.iter().map(|&entry| entry as i64);
         let mut start = collected(columns.start.len(), starts).map_err(no_memory)?;
@@ -73,7 +72,7 @@ impl Call {
     }
 
     /// Copies the results, on so many threads of the caller's pool.
-    pub fn read(&self, rank: usize, columns: &Csr, b: Tall, threads: usize) -> Result<Factor, BackendError> {
+    pub fn read(&self, rank: usize, columns: &Csr, b: TallRhs, threads: usize) -> Result<Factor, BackendError> {
         let (m, n) = (columns.cols, columns.rows());
         let in_columns = self.r(n);
         // For less the threads take longer to wake up.
@@ -124,13 +123,13 @@ impl Call {
     }
 
     /// `Q^T B`, m x k.
-    fn transformed(&self, count: usize) -> Tall<'_> {
+    fn transformed(&self, count: usize) -> TallRhs<'_> {
         if count == 0 {
-            return Tall { rows: 0, count, values: &[] };
+            return TallRhs { rows: 0, count, values: &[] };
         }
         // SAFETY: after `run`, Z is dense and real with `d` = `nrow`, as CHOLMOD allocates it.
         let (rows, values) = unsafe { ((*self.z).nrow, slice((*self.z).x.cast::<f64>(), (*self.z).nrow * count)) };
-        Tall { rows, count, values }
+        TallRhs { rows, count, values }
     }
 }
 
@@ -192,7 +191,7 @@ fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_s
 }
 
 /// B as CHOLMOD sees it; read only too.
-fn dense_view(b: Tall) -> cholmod_dense {
+fn dense_view(b: TallRhs) -> cholmod_dense {
     cholmod_dense {
         nrow: b.rows,
         ncol: b.count,
@@ -202,5 +201,139 @@ fn dense_view(b: Tall) -> cholmod_dense {
         z: null_mut(),
         xtype: spqr_sys::CHOLMOD_REAL,
         dtype: spqr_sys::CHOLMOD_DOUBLE,
+    }
+}
+
+/// R as C returns it: where each column starts, the row of each entry (in no promised order), its value.
+#[derive(Clone, Copy)]
+struct InColumns<'a> {
+    start: &'a [i64],
+    row: &'a [i64],
+    value: &'a [f64],
+}
+
+/// Where the entries of the result go.
+#[derive(Clone, Copy)]
+struct Places {
+    col: *mut u32,
+    val: *mut f64,
+}
+
+// SAFETY: threads write to places of their own, see `fill`.
+unsafe impl Sync for Places {}
+
+impl InColumns<'_> {
+    /// Rows 0..rank without exact zeros, on so many threads of the caller's pool.
+    ///
+    /// By far the largest result, so it is written once, and may find no memory. Each thread takes some columns, and writes the
+    /// part of each row that is in them behind the parts before.
+    fn by_rows(self, rank: usize, threads: usize) -> Result<Csr, TryReserveError> {
+        let parts = self.split(threads.max(1));
+        let zeros = |_| collected(rank, std::iter::repeat(0));
+        let mut places: Vec<Vec<usize>> = parts.iter().map(zeros).collect::<Result<_, _>>()?;
+        let counting = |(part, counts): (&Range<usize>, &mut Vec<usize>)| self.count(part.clone(), counts);
+        in_parallel(threads, &parts, &mut places, counting);
+        let start = starts(rank, &mut places)?;
+        let (mut col, mut val) = (reserved::<u32>(start[rank])?, reserved::<f64>(start[rank])?);
+        let to = Places { col: col.as_mut_ptr(), val: val.as_mut_ptr() };
+        // SAFETY: entry by entry as `count` counted them, so each has a place of its own below start[rank], which is reserved.
+        let filling = |(part, next): (&Range<usize>, &mut Vec<usize>)| unsafe { self.fill(part.clone(), next, &to) };
+        in_parallel(threads, &parts, &mut places, filling);
+        // SAFETY: all places were written.
+        unsafe {
+            col.set_len(start[rank]);
+            val.set_len(start[rank]);
+        }
+        Ok(Csr { cols: self.start.len() - 1, start, col, val })
+    }
+
+    /// Consecutive columns of about as many entries each.
+    fn split(self, count: usize) -> Vec<Range<usize>> {
+        let columns = self.start.len() - 1;
+        let bound = |part: usize| self.start.partition_point(|&at| (at as usize) < self.row.len() / count * part);
+        (0..count).map(|part| bound(part)..if part + 1 == count { columns } else { bound(part + 1) }).collect()
+    }
+
+    /// Rows and values of these columns.
+    fn entries(self, columns: Range<usize>) -> impl Iterator<Item = (usize, f64)> {
+        let range = self.start[columns.start] as usize..self.start[columns.end] as usize;
+        self.row[range.clone()].iter().map(|&row| row as usize).zip(self.value[range].iter().copied())
+    }
+
+    /// Adds up how many entries that count each row has in these columns.
+    fn count(self, columns: Range<usize>, counts: &mut [usize]) {
+        for (row, value) in self.entries(columns) {
+            if value != 0.0 && row < counts.len() {
+                counts[row] += 1;
+            }
+        }
+    }
+
+    /// # Safety
+    /// From `next[row]` on there are as many places as the row has entries in these columns, and they are nobody else's.
+    unsafe fn fill(self, columns: Range<usize>, next: &mut [usize], to: &Places) {
+        for j in columns {
+            for (row, value) in self.entries(j..j + 1) {
+                if value != 0.0 && row < next.len() {
+                    let place = next[row];
+                    // SAFETY: the caller's promise.
+                    unsafe {
+                        to.col.add(place).write(j as u32);
+                        to.val.add(place).write(value);
+                    }
+                    next[row] = place + 1;
+                }
+            }
+        }
+    }
+}
+
+/// Where each row starts; turns counts, by part and row, into the first place of each.
+fn starts(rank: usize, counts: &mut [Vec<usize>]) -> Result<Vec<usize>, TryReserveError> {
+    let mut start = reserved(rank + 1)?;
+    let mut place = 0;
+    for row in 0..rank {
+        start.push(place);
+        for part in &mut *counts {
+            place += std::mem::replace(&mut part[row], place);
+        }
+    }
+    start.push(place);
+    Ok(start)
+}
+
+fn in_parallel<A: Sync, B: Send>(threads: usize, a: &[A], b: &mut [B], work: impl Fn((&A, &mut B)) + Sync + Send) {
+    if threads > 1 { a.par_iter().zip(b).for_each(work) } else { a.iter().zip(b).for_each(work) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_the_same_for_every_number_of_threads() {
+        let (columns, rank) = (300, 250);
+        let (mut start, mut row, mut value) = (vec![0], Vec::new(), Vec::new());
+        let mut expected = vec![Vec::new(); rank];
+        for j in 0..columns {
+            // Not ascending, with exact zeros, and beyond the rank.
+            for i in (0..=j).rev().filter(|i| (i * 7 + j * 5) % 11 < 4) {
+                let entry = if (i + j) % 13 == 0 { 0.0 } else { (1 + i) as f64 / (1 + j) as f64 };
+                row.push(i as i64);
+                value.push(entry);
+                if i < rank && entry != 0.0 {
+                    expected[i].push((j, entry));
+                }
+            }
+            start.push(row.len() as i64);
+        }
+        let in_columns = InColumns { start: &start, row: &row, value: &value };
+        for threads in [1, 2, 3, 7, 1000] {
+            let rows = in_columns.by_rows(rank, threads).expect("memory");
+            assert_eq!((rows.cols, rows.rows()), (columns, rank));
+            (0..rank).for_each(|i| assert_eq!(rows.row(i).collect::<Vec<_>>(), expected[i], "{threads} threads"));
+        }
+        let nothing = InColumns { start: &[0], row: &[], value: &[] }.by_rows(0, 2).expect("memory");
+        assert_eq!((nothing.rows(), nothing.nnz()), (0, 0));
     }
 }

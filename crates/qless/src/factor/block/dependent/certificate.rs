@@ -1,13 +1,12 @@
-//! `row = sum y_i row_i`: the certificates of dependent rows, what they leave of them, and of their right-hand sides.
+//! Which rows of a block are kept, and `row = sum y_i row_i` for the others: certificates and what they leave of rows and right-hand sides.
 
-use super::Rows;
-use super::choice::Choice;
-use crate::factor::backend::Factor;
-use crate::factor::block::Block;
+use crate::Csr;
+use crate::factor::backend::{BackendError, Factor, largest_place, part_of_largest};
+use crate::factor::block::gathered::{Block, Means};
 use crate::factor::block::tableau::Tableau;
 use crate::factor::block::triangle::Triangle;
 use crate::input::scale::ldexp;
-use crate::presolve::basis::BlockDependent as Dependent;
+use crate::presolve::basis::{BlockDependent as Dependent, NEAR, Nearness};
 use crate::presolve::eliminated::Mismatch;
 
 /// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
@@ -23,6 +22,79 @@ const SMALL_ROW: f64 = 1e-9;
 /// Error of a certificate, in units in the last place of its largest coefficient for each of its terms, times the condition of
 /// the kept rows.
 const CERTIFICATE_UNITS: f64 = 2.0;
+
+/// Numbers of certificates that are held at once.
+pub(super) const MANY: usize = 4_000_000;
+
+/// Coefficients of certificates above this are exchanged for smaller ones where the kept rows seem nearly dependent.
+pub(super) const STEEP: f64 = 2.0;
+
+/// Kept rows (positions in the block) and dependent ones.
+pub(in crate::factor::block) struct Rows {
+    pub kept: Vec<usize>,
+    /// Indices of `kept` in an order in which they fill little.
+    pub order: Vec<usize>,
+    pub dependent: Vec<Dependent>,
+    pub nearness: Nearness,
+    /// Of the kept rows.
+    pub triangle: Triangle,
+}
+
+/// Rows that are kept, with their factor, and what is known of them.
+pub(super) struct Choice {
+    pub near: Nearness,
+    pub weakest: Weakest,
+    pub triangle: Triangle,
+}
+
+/// The kept row with the largest part in the smallest singular vector.
+#[derive(Clone, Copy)]
+pub(super) struct Weakest {
+    pub row: usize,
+    /// What the other kept rows leave of it, in 2-norm; not less than its distance from their span.
+    pub left: f64,
+}
+
+impl Choice {
+    /// What a factor of the whole block kept; factored anew where the backend is not orthogonal.
+    pub fn new(block: &Block, factor: Factor, means: Means) -> Result<Self, BackendError> {
+        let whole = Triangle::whole(factor);
+        if means.backend.is_orthogonal() {
+            return Ok(Self::measured(block, whole, means));
+        }
+        Self::of(block, &whole.rows, &whole.dropped, means)
+    }
+
+    /// Some rows, those left out that are dependent to the last bit; `asked` are rows of which certificates will be wanted.
+    pub fn of(block: &Block, kept: &[usize], asked: &[usize], means: Means) -> Result<Self, BackendError> {
+        Ok(Self::measured(block, Triangle::of(block, kept, asked, means)?, means))
+    }
+
+    /// Largest 2-norm of what the kept rows leave of those asked for, or 0 if rounding explains it.
+    pub fn remainder(&self, block: &Block) -> f64 {
+        let left = self.triangle.rests().iter().copied().fold(0.0, f64::max);
+        if left > noise_of(block) { left } else { 0.0 }
+    }
+
+    /// `sigma` and, with its singular vectors y of the rows and v of the DOFs, `sigma / (max |y_i| max |v_j|)`: the entry of the
+    /// inverse that is largest in the direction in which the rows are nearest to dependence.
+    fn measured(block: &Block, triangle: Triangle, means: Means) -> Self {
+        let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
+        let place = largest_place(&y);
+        let row = place.map_or(0, |k| triangle.rows[k]);
+        let weakest = Weakest { row, left: place.map_or(sigma, |k| sigma / y[k].abs()) };
+        let distance = if sigma < NEAR { distance(&block.matrix, &triangle.rows, sigma, &y) } else { sigma };
+        Self { near: Nearness { sigma, distance }, weakest, triangle }
+    }
+}
+
+fn distance(rows: &Csr, kept: &[usize], sigma: f64, y: &[f64]) -> f64 {
+    let mut v = vec![0.0; rows.cols];
+    for (&i, y) in kept.iter().zip(y) {
+        rows.row(i).for_each(|(j, c)| v[j] += y * c);
+    }
+    sigma / (part_of_largest(y) * part_of_largest(&v))
+}
 
 pub(super) fn rows(block: &Block, tableau: &Tableau, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
     let Choice { near: nearness, triangle, .. } = choice;
@@ -123,4 +195,37 @@ fn mismatch(block: &Block, tableau: &Tableau, i: usize, noise: f64, error: f64) 
         }
     }
     rest
+}
+
+/// Which of equations that say the same is rather dropped.
+pub(super) fn later(candidate: u32, holder: u32) -> bool {
+    candidate > holder
+}
+
+/// Of equations that say the same the earlier one is kept, and what is said of nearness is that of the rows then kept; all
+/// stays as it is where that would cost accuracy.
+pub(super) fn in_order(
+    block: &Block,
+    means: Means,
+    mut tableau: Tableau,
+    mut choice: Choice,
+) -> Result<(Tableau, Choice), BackendError> {
+    let kept_of = |tableau: &Tableau| tableau.free.iter().map(|&k| k as usize).collect::<Vec<_>>();
+    if !choice.near.is_sound() {
+        // Where certificates are small, no other choice of rows is much better (Gu and Eisenstat 1996).
+        let mut better = tableau.clone();
+        if better.limit(STEEP) && better.basic != tableau.basic {
+            let found = Choice::of(block, &kept_of(&better), &[], means)?;
+            if found.near.sigma > choice.near.sigma {
+                (tableau, choice) = (better, found);
+            }
+        }
+    }
+    let mut ordered = tableau.clone();
+    ordered.prefer(later);
+    if ordered.basic == tableau.basic {
+        return Ok((tableau, choice));
+    }
+    let found = Choice::of(block, &kept_of(&ordered), &[], means)?;
+    Ok(if 2.0 * found.near.sigma < choice.near.sigma { (tableau, choice) } else { (ordered, found) })
 }

@@ -1,18 +1,18 @@
 //! `C^T P = Q [R1 R2]`: which rows of a block are combinations of others, and of which.
 
 mod certificate;
-mod choice;
 mod weak;
 
+use super::gathered::{Block, Means};
 use super::tableau::Tableau;
 use super::triangle::{Triangle, seeds};
-use super::{Block, Means};
 use crate::factor::backend::faer::Faer;
 use crate::factor::backend::{Backend, BackendError};
-use crate::presolve::basis::{BlockDependent as Dependent, NEAR, Nearness};
-use certificate::{NOISE, ROUNDING, beyond_rounding, by_row, dependent, over_kept, rows};
-use choice::Choice;
+use crate::presolve::basis::NEAR;
+use certificate::{Choice, MANY, NOISE, ROUNDING, beyond_rounding, by_row, dependent, in_order, over_kept, rows};
 use weak::without_weak;
+
+pub(super) use certificate::Rows;
 
 /// m n up to which a block that seems nearly dependent is factored once more, with pivoting.
 const DENSE: usize = 1 << 20;
@@ -20,25 +20,8 @@ const DENSE: usize = 1 << 20;
 /// Stands for zero where rows are known to be independent and backends must not take rounding for a pivot.
 pub(crate) const NO_PIVOT: f64 = 1e-13;
 
-/// Numbers of certificates that are held at once.
-const MANY: usize = 4_000_000;
-
 /// The estimate of a smallest singular value is not above this times the value.
 const ESTIMATE: f64 = 10.0;
-
-/// Coefficients of certificates above this are exchanged for smaller ones where the kept rows seem nearly dependent.
-const STEEP: f64 = 2.0;
-
-/// Kept rows (positions in the block) and dependent ones.
-pub(super) struct Rows {
-    pub kept: Vec<usize>,
-    /// Indices of `kept` in an order in which they fill little.
-    pub order: Vec<usize>,
-    pub dependent: Vec<Dependent>,
-    pub nearness: Nearness,
-    /// Of the kept rows.
-    pub triangle: Triangle,
-}
 
 pub(super) fn find(block: &Block, means: Means) -> Result<Rows, BackendError> {
     let mut rows = independent(block, means)?;
@@ -117,39 +100,6 @@ fn many(block: &Block, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
     let mut kept = triangle.rows.clone();
     kept.sort_unstable();
     Rows { dependent: dependent.into_iter().flatten().collect(), kept, order, nearness, triangle }
-}
-
-/// Which of equations that say the same is rather dropped.
-fn later(candidate: u32, holder: u32) -> bool {
-    candidate > holder
-}
-
-/// Of equations that say the same the earlier one is kept, and what is said of nearness is that of the rows then kept; all
-/// stays as it is where that would cost accuracy.
-fn in_order(
-    block: &Block,
-    means: Means,
-    mut tableau: Tableau,
-    mut choice: Choice,
-) -> Result<(Tableau, Choice), BackendError> {
-    let kept_of = |tableau: &Tableau| tableau.free.iter().map(|&k| k as usize).collect::<Vec<_>>();
-    if !choice.near.is_sound() {
-        // Where certificates are small, no other choice of rows is much better (Gu and Eisenstat 1996).
-        let mut better = tableau.clone();
-        if better.limit(STEEP) && better.basic != tableau.basic {
-            let found = Choice::of(block, &kept_of(&better), &[], means)?;
-            if found.near.sigma > choice.near.sigma {
-                (tableau, choice) = (better, found);
-            }
-        }
-    }
-    let mut ordered = tableau.clone();
-    ordered.prefer(later);
-    if ordered.basic == tableau.basic {
-        return Ok((tableau, choice));
-    }
-    let found = Choice::of(block, &kept_of(&ordered), &[], means)?;
-    Ok(if 2.0 * found.near.sigma < choice.near.sigma { (tableau, choice) } else { (ordered, found) })
 }
 
 /// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after

@@ -9,16 +9,14 @@
 //! Two factorizations in all: which of equations that say the same are kept is settled between them, by these first certificates,
 //! good to some digits; the second factorization makes them good to all that there are.
 
-use super::certificate::{over_kept, rest, rows};
-use super::choice::Choice;
-use super::{MANY, Rows, STEEP, in_order, later};
+use super::certificate::{Choice, MANY, Rows, STEEP, in_order, later, over_kept, rest, rows};
 use crate::Csr;
 use crate::factor::backend::faer::Faer;
 use crate::factor::backend::null::Weak;
 use crate::factor::backend::{Backend, BackendError};
+use crate::factor::block::gathered::{Block, Means};
 use crate::factor::block::tableau::Tableau;
 use crate::factor::block::triangle::Triangle;
-use crate::factor::block::{Block, Means};
 use crate::presolve::basis::NEAR;
 
 /// Most times that rows are dropped and taken back in search of a sound choice.
