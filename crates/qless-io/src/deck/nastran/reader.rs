@@ -1,8 +1,6 @@
-//! The parts of a deck in their order: executive control, case control, `BEGIN BULK`, bulk data, `ENDDATA`.
+//! Reads the sections of a deck in their order: executive control, case control, `BEGIN BULK`, bulk data, `ENDDATA`.
 //!
-//! The part of a deck in which its first line lies.
-//!
-//! What a deck says, by its parts, before it is a model.
+//! The result, [`NastranContent`], is what `model` turns into equations and `write` edits.
 
 use super::cards::assembly::CardAssembly;
 use super::cards::bulk::{BulkData, known};
@@ -206,7 +204,7 @@ impl LineVisitor for FirstLandmark {
     }
 }
 
-/// Where the parts of a deck begin, for those who change it.
+/// Lines at which the sections of a deck begin, needed to edit it.
 #[derive(Debug, Default)]
 pub struct Landmarks {
     /// The first line of case control.
@@ -218,11 +216,11 @@ pub struct Landmarks {
     pub includes: Vec<IncludeLine>,
 }
 
-/// What a deck says.
+/// The content of a deck, by section.
 #[derive(Debug)]
 pub struct NastranContent {
     pub landmarks: Landmarks,
     pub bulk: BulkData,
-    /// None where the deck is bulk data alone.
+    /// Case control; `None` for a deck of bulk data alone.
     pub control: Option<CaseControl>,
 }

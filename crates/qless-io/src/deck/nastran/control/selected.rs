@@ -1,9 +1,8 @@
-//! Which sets hold in each load case, and a warning for those that hold in none or do not exist.
+//! The sets that hold in each load case, with unions resolved.
 //!
-//! `MPCADD` and `SPCADD` cards that solvers refuse: those that name a set twice, or another union.
-//!
-//! MYSTRAN has one MPC set and one SPC set for the whole run: a subcase goes on with what those before it select, and where two differ it
-//! stops (error 1830).
+//! Warnings name sets that hold in no load case, and selected sets that do not exist. Solvers refuse `MPCADD` and `SPCADD` cards that
+//! name a set twice or name another union. MYSTRAN allows one MPC set and one SPC set per run: a subcase inherits the selection of the
+//! previous one, and MYSTRAN stops (error 1830) if two subcases differ.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +13,7 @@ use crate::deck::nastran::cards::sets::{SetUnions, members};
 use crate::deck::nastran::syntax::card::CardPlace;
 use crate::deck::{DeckError, Model};
 
-/// The sets of a load case, unions taken apart.
+/// The sets of a load case, with unions resolved.
 #[derive(Clone, Debug, Default)]
 pub struct CaseSets {
     pub mpc: BTreeSet<u32>,
@@ -23,7 +22,7 @@ pub struct CaseSets {
     pub loads: BTreeMap<u32, f64>,
 }
 
-/// The sets that the selections come down to.
+/// Resolves the selections of all load cases into sets.
 pub fn sets(
     mut selections: Vec<(String, CaseSelection)>,
     bulk: &BulkData,
@@ -123,7 +122,7 @@ fn warn_unused(kind: &str, uses: &SetUses, used: impl Fn(u32) -> bool, model: &m
     model.warn(place.file, place.line, text);
 }
 
-/// What the load cases select.
+/// The selection of each load case.
 pub fn selections(control: Option<&CaseControl>, bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
     match control {
         Some(control) => control.selections(),
@@ -131,7 +130,7 @@ pub fn selections(control: Option<&CaseControl>, bulk: &BulkData, model: &mut Mo
     }
 }
 
-/// Bulk data alone select nothing: the only set of a kind is taken, and that is said.
+/// The selection of a deck without case control: the only set of each kind, with a warning.
 fn without_control(bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
     let defined = DefinedSets::of(bulk);
     let mpc = only("MPC", &defined.mpc, &bulk.mpc_unions, model);
@@ -183,7 +182,7 @@ type SelectionField = (&'static str, fn(&mut CaseSelection) -> &mut Option<SetCh
 
 const KINDS: [SelectionField; 2] = [("MPC", |selection| &mut selection.mpc), ("SPC", |selection| &mut selection.spc)];
 
-/// Gives each load case what MYSTRAN lets it have, and says where it stops.
+/// Applies MYSTRAN's inheritance between subcases, and reports where MYSTRAN stops.
 pub fn carry_on(selections: &mut [(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
     for (kind, of) in KINDS {
         let mut before = None;
@@ -211,7 +210,7 @@ fn refuse_second_set(kind: &str, own: SetChoice, before: Option<SetChoice>, mode
     model.refuse(own.file, own.line, text);
 }
 
-/// Set 0 holds where no other is selected.
+/// MYSTRAN uses MPC set 0 if no other is selected.
 fn unnumbered(bulk: &BulkData) -> Option<SetChoice> {
     bulk.ties.mpcs().find(|card| card.set == 0).map(|card| SetChoice { set: 0, file: card.file, line: card.line })
 }

@@ -1,6 +1,4 @@
-//! From cards to a model: coordinate systems, then the equations of every tie, then the load cases.
-//!
-//! Where grid points are, for pictures.
+//! Turns the content of a deck into a model: coordinate systems, then the equations of all `MPC` cards and elements, then load cases.
 
 mod cases;
 mod exclusive;
