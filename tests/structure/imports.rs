@@ -136,11 +136,13 @@ impl Paths<'_> {
     }
 }
 
+/// Whether `cfg(test)`, or `cfg(all(test, ..))`, guards an item.
 fn is_test(attributes: &[syn::Attribute]) -> bool {
-    let is_test = |attribute: &syn::Attribute| {
-        attribute.path().is_ident("cfg") && attribute.parse_args::<syn::Ident>().is_ok_and(|word| word == "test")
-    };
-    attributes.iter().any(is_test)
+    let of_cfg = attributes.iter().filter(|attribute| attribute.path().is_ident("cfg"));
+    of_cfg.filter_map(|attribute| attribute.meta.require_list().ok()).any(|list| {
+        let words = list.tokens.to_string();
+        words.split(|c: char| !c.is_alphanumeric()).any(|word| word == "test")
+    })
 }
 
 impl<'ast> Visit<'ast> for Paths<'_> {

@@ -5,11 +5,11 @@ use qless_scenes::Scene;
 use super::child;
 use super::given_up::GivenUpReason;
 use super::methods::BenchMethod;
-use super::plan::{Past, MeasurementPlan, limit, plan};
+use super::plan::{MeasurementPlan, Past, limit, plan};
 use super::quality::Reference;
 use super::run::{Done, warm};
 use super::sample::{Measured, Sample};
-use super::systems::{Family, BenchCase};
+use super::systems::{BenchCase, Family};
 use crate::BenchArgs;
 
 /// A method that takes longer than this, or than a tenth of the limit, is measured only once; seconds.
@@ -95,12 +95,7 @@ fn turn(
     })
 }
 
-fn sample(
-    case: &BenchCase,
-    scene: &Scene,
-    method: &BenchMethod,
-    result: Result<Measured, GivenUpReason>,
-) -> Sample {
+fn sample(case: &BenchCase, scene: &Scene, method: &BenchMethod, result: Result<Measured, GivenUpReason>) -> Sample {
     let equations = scene.system.equations();
     let rank = scene.truth.rank_free.unwrap_or(equations);
     let dense = method.is_dense.then_some((equations, scene.system.dofs() - scene.system.prescribed().len()));

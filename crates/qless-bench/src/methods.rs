@@ -54,10 +54,8 @@ pub fn all(only: &[String]) -> Vec<BenchMethod> {
     let alone = |backend| Options { backend, presolve: false, ..standard.clone() };
     let tolerance = |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..standard.clone() };
     // Without checks of the rank, the slaves can be so ill-conditioned that the exchanges take minutes.
-    let unchecked = |name, options| BenchMethod {
-        is_apart: true,
-        ..BenchMethod::new(name, Options { check: false, ..options })
-    };
+    let unchecked =
+        |name, options| BenchMethod { is_apart: true, ..BenchMethod::new(name, Options { check: false, ..options }) };
     let mut all = vec![BenchMethod::new("default", standard.clone()).drawn()];
     all.extend(BenchMethod::on("default, 1 thread", standard.clone(), 1));
     all.extend(BenchMethod::on("default, 2 threads", standard.clone(), 2));

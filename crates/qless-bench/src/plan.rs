@@ -46,7 +46,7 @@ pub fn plan(method: &BenchMethod, past: Option<Past>, equations: usize, limit: f
 #[cfg(test)]
 mod tests {
     use super::super::methods;
-    use super::{GivenUpReason, Past, MeasurementPlan, plan};
+    use super::{GivenUpReason, MeasurementPlan, Past, plan};
 
     /// Our own methods run where they can be stopped, and are tried on everything that did not stop them before.
     #[test]
@@ -62,7 +62,10 @@ mod tests {
         let apart = all.iter().find(|method| method.is_apart).expect("one");
         assert!(matches!(plan(apart, None, 1, 10.0), MeasurementPlan::Apart));
         for peer in all.iter().filter(|method| method.is_peer()) {
-            assert!(matches!(plan(peer, took(1.0), 400, 10.0), MeasurementPlan::Nowhere(GivenUpReason::Foreseen { .. })));
+            assert!(matches!(
+                plan(peer, took(1.0), 400, 10.0),
+                MeasurementPlan::Nowhere(GivenUpReason::Foreseen { .. })
+            ));
             assert!(matches!(plan(peer, took(1.0), 300, 10.0), MeasurementPlan::Apart));
         }
     }

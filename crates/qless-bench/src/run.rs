@@ -5,7 +5,7 @@ use std::time::Instant;
 use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
 
 use super::given_up::GivenUpReason;
-use super::methods::{Engine, BenchMethod};
+use super::methods::{BenchMethod, Engine};
 
 /// The result of one run of a method.
 pub struct Done {

@@ -41,11 +41,7 @@ pub struct Question<'a> {
 }
 
 /// Reads the model and analyses it.
-pub fn diagnose<'a>(
-    args: &'a ModelArgs,
-    question: Question,
-    progress: &Progress,
-) -> Result<Diagnosis<'a>, CliFailure> {
+pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress) -> Result<Diagnosis<'a>, CliFailure> {
     let start = Instant::now();
     let Question { mut options, preferences, choice } = question;
     let refused = |error, system: Option<&ConstraintSystem>| CliFailure::of_analysis(error, &args.input, system);
@@ -77,8 +73,7 @@ pub fn diagnose<'a>(
 }
 
 /// Analyses a system, which may be that of a load case of a deck.
-type DiagnosisRun<'a> =
-    &'a dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, CliFailure>;
+type DiagnosisRun<'a> = &'a dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, CliFailure>;
 
 /// The input.
 enum Input {

@@ -12,7 +12,7 @@ use qless_scenes::paper;
 use qless_scenes::{Scene, SceneError};
 
 use large::{Cell, NetScene, Tie};
-use values::{Coupling, Form, ColumnName, finite, level};
+use values::{ColumnName, Coupling, Form, finite, level};
 
 /// Which scene, and where to.
 #[derive(Args)]

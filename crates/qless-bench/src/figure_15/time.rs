@@ -7,7 +7,7 @@ use qless::backend::{Backend, BackendError};
 use qless::{BackendChoice, Options};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use super::super::systems::{Family, BenchCase, below_table_1};
+use super::super::systems::{BenchCase, Family, below_table_1};
 use super::blocks::{FigureBlock, blocks};
 use super::{FigureSide, GAUSS, Level, Way};
 use crate::BenchArgs;

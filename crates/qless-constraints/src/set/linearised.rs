@@ -79,7 +79,10 @@ impl ConstraintSet {
         self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
     }
 
-    /// The same with scaled columns, `G_rj s_j`, for the unknowns y in `du_j = s_j y_j`.
+    /// [`ConstraintSet::linearised`] with scaled columns `G_rj s_j`, for the unknowns y in `du_j = s_j y_j`.
+    ///
+    /// # Errors
+    /// As [`ConstraintSet::linearised`].
     pub fn linearised_in(
         &self,
         units: &[f64],

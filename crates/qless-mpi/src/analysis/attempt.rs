@@ -3,7 +3,7 @@
 use qless::{Confidence, Options};
 
 use super::Dealt;
-use crate::distribute::{PredictedWork, Peel, balance, exchange_equations, peel};
+use crate::distribute::{Peel, PredictedWork, balance, exchange_equations, peel};
 use crate::error::{Error, agree};
 use crate::parts::{ConnectedComponent, ConnectedComponents, KnownDofs, Layout, NONE, TouchedDofs};
 use crate::ranks::{Outbox, Ranks, real};

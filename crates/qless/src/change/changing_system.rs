@@ -176,7 +176,7 @@ impl ChangingSystem {
     /// Sets slaves and prescribed DOFs of all blocks in `u`, which holds the masters.
     ///
     /// # Errors
-    /// [`ArgumentError`] if `u` does not have a number for each DOF, or one that is not finite; slaves may then have been set.
+    /// [`ArgumentError`](crate::ArgumentError) if `u` does not have a number for each DOF, or one that is not finite; slaves may then have been set.
     pub fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
         long("u", u.len(), self.network.dofs())?;
         self.network.given().for_each(|(dof, value)| u[dof] = value);

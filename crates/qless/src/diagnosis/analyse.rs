@@ -27,7 +27,7 @@ use super::{Analysis, AnalysisError, confidence, generated, sensitivity};
 use crate::factor::backend::BackendError;
 use crate::factor::block::{self, Block, Means};
 use crate::input::components::Labels;
-use crate::input::numbering::{Column, Exponents, Numbering, LocalSystem};
+use crate::input::numbering::{Column, Exponents, LocalSystem, Numbering};
 use crate::input::preferences::Wishes;
 use crate::input::rounding;
 use crate::input::scale::{Scaling, Spread, Spreads, balanced, by_rows};
@@ -80,7 +80,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         scaling: &rows,
         preferences: &preferences,
         uncertain: &uncertain,
-        context: Means::new(backend.as_ref(), options),
+        context: Means::new(backend.as_ref(), options.tolerance.value(), options.check, options.memory),
         started,
     };
     let run_verified = |scaling: &Scaling| Pipeline { scaling, ..pipeline }.run_verified(options.presolve);

@@ -13,7 +13,7 @@ use crate::common::identity::Identity;
 use crate::factor::backend::Backend;
 use crate::factor::block::Block;
 use crate::input::components::{Labels, components};
-use crate::input::numbering::{Numbering, LocalSystem};
+use crate::input::numbering::{LocalSystem, Numbering};
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Basis;
 use crate::presolve::eliminated::Eliminated;

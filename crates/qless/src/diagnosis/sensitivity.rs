@@ -150,12 +150,7 @@ fn norms(x: &[f64], count: usize, label: impl Fn(usize) -> usize) -> Vec<f64> {
 }
 
 /// The smallest singular value of some equations by their factors.
-fn by_factors(
-    system: LocalSystem,
-    equations: &[usize],
-    scaling: &Scaling,
-    memory: usize,
-) -> Result<f64, BackendError> {
+fn by_factors(system: LocalSystem, equations: &[usize], scaling: &Scaling, memory: usize) -> Result<f64, BackendError> {
     let free = |i: usize| system.row(i).filter(|&(j, _)| system.free()[j]);
     let mut dofs: Vec<usize> = equations.iter().flat_map(|&i| free(i)).map(|(j, _)| j).collect();
     dofs.sort_unstable();

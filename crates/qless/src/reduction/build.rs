@@ -244,11 +244,7 @@ pub(crate) fn build(
 }
 
 /// The reduction, computed again component by component where it has lost digits and that brings some back, if it passes the gate.
-fn checked(
-    mut reduction: Reduction,
-    local: LocalSystem,
-    input: &ReductionInput,
-) -> Result<Reduction, ReductionError> {
+fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput) -> Result<Reduction, ReductionError> {
     let ReductionInput { scaling, ref independent, memory, .. } = *input;
     let residuals = |reduction: &Reduction| residual_check::residuals(local, reduction, independent, scaling, LOSS);
     let found = residuals(&reduction);

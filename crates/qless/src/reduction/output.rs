@@ -4,7 +4,7 @@
 //! and independent writes cost far less than reads that wait for one another. O(nnz + n).
 
 use super::Reduction;
-use super::order::{SlaveOrder, Slab, slabs};
+use super::order::{Slab, SlaveOrder, slabs};
 use super::relation::Relation;
 use crate::common::pool::{each, gather};
 use crate::{ConstraintSystem, Csr};

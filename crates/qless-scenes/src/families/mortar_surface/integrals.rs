@@ -2,7 +2,7 @@
 
 use super::frame::{cross, length};
 use crate::families::mortar::gauss;
-use crate::families::patch::{PatchFace, Locator};
+use crate::families::patch::{Locator, PatchFace};
 
 /// Integrals of the functions of a slave node.
 #[derive(Clone, Default)]

@@ -2,7 +2,7 @@
 
 use super::{Edges, PeriodicCell};
 use crate::Rng;
-use crate::families::patch::{PatchFace, Faces, Grid, zip};
+use crate::families::patch::{Faces, Grid, PatchFace, zip};
 
 /// Part of an element's length by which the nodes of edges move.
 const MOVE: f64 = 0.3;

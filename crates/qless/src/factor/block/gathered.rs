@@ -1,11 +1,11 @@
 //! One block as a matrix, and what its factorization needs from the caller.
 
+use crate::Csr;
 use crate::factor::backend::Backend;
 use crate::factor::backend::choice::DenseOrSparse;
 use crate::input::scale::{exponent, ldexp};
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::{Entry, Row};
-use crate::{Csr, Options};
 
 /// One block as a matrix: m rows over the free DOFs `dofs`, with what stands on the other side.
 pub(crate) struct Block {
@@ -40,10 +40,9 @@ pub(crate) struct Means<'a> {
 }
 
 impl<'a> Means<'a> {
-    /// With a backend and otherwise as the user wants it.
-    pub fn new(backend: &'a dyn Backend, options: &Options) -> Self {
-        let reference = DenseOrSparse::new(options.memory);
-        Self { backend, tolerance: options.tolerance.value(), check: options.check, reference }
+    /// `memory` bounds the bytes of a block.
+    pub fn new(backend: &'a dyn Backend, tolerance: f64, check: bool, memory: usize) -> Self {
+        Self { backend, tolerance, check, reference: DenseOrSparse::new(memory) }
     }
 
     /// A backend that finds singular values.
