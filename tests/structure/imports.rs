@@ -174,9 +174,10 @@ impl<'ast> Visit<'ast> for Paths<'_> {
 
 /// The modules in which the things that a module uses are defined.
 fn targets(module: &Module, own: &[Use], uses: &BTreeMap<Module, Vec<Use>>) -> BTreeSet<Module> {
-    // A module that re-exports what its children define does not use it.
-    let is_reexport = |one: &&Use| one.is_public && one.path.starts_with(module);
-    let found = own.iter().filter(|one| !is_reexport(one)).filter_map(|one| resolve(&one.path, uses, 0));
+    // The root of a folder re-exports names for its public path; that is no use of them.
+    let is_folder = uses.keys().any(|other| other.len() > module.len() && other.starts_with(module));
+    let counts = |one: &&Use| !(one.is_public && is_folder);
+    let found = own.iter().filter(counts).filter_map(|one| resolve(&one.path, uses, 0));
     found.filter(|target| target != module).collect()
 }
 

@@ -1,4 +1,4 @@
-//! The measurements as a page in Markdown: advice, plots, and the table of every system.
+//! The measurements as a short page in Markdown: plots, advice, and where Gauss elimination and QR cross.
 
 use std::fmt::Write;
 
@@ -7,11 +7,11 @@ use super::figure_15::{self, Level};
 use super::methods::BenchMethod;
 use super::plot::{GROWTH, TRADE, front, has_growth, points};
 use super::sample::Sample;
-use super::table::{HEAD, cells, exponents};
+use super::table::exponents;
 
 /// Legend of the tables.
 const COLUMNS: &str = "
-## The columns
+## The columns of the table that `qless bench` prints
 
 | column | what |
 | --- | --- |
@@ -48,11 +48,7 @@ pub fn markdown(samples: &[Sample], methods: &[BenchMethod], levels: &[Level], c
         text += &figure_15::markdown(levels);
     }
     text += COLUMNS;
-    text += "\n## Every system\n";
-    for block in samples.chunks(methods.len()) {
-        system(&mut text, block);
-    }
-    text
+    text + "\n[trade.csv](trade.csv) has every method on every system, and [figure-15.csv](figure-15.csv) the times of Figure 15.\n"
 }
 
 /// The plots that there are, and what is to be read off them.
@@ -73,20 +69,6 @@ fn plots(text: &mut String, samples: &[Sample], methods: &[BenchMethod]) {
     if !exponents.is_empty() {
         _ = writeln!(text, "Its exponents: {exponents}.\n");
     }
-}
-
-fn system(text: &mut String, block: &[Sample]) {
-    let Sample { family, size, equations, rank, .. } = &block[0];
-    _ = writeln!(text, "\n### {family} {size}: {equations} equations of rank {rank}\n");
-    let aligned = |head: &str| if matches!(head, "method" | "rank") { "---" } else { "---:" };
-    row(text, &HEAD);
-    row(text, &HEAD.map(aligned));
-    block.iter().for_each(|sample| row(text, &cells(sample, &block[0])));
-}
-
-fn row(text: &mut String, cells: &[impl AsRef<str>]) {
-    let cells: Vec<&str> = cells.iter().map(AsRef::as_ref).collect();
-    _ = writeln!(text, "| {} |", cells.join(" | "));
 }
 
 /// The processor's name, where the system tells it.

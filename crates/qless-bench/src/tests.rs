@@ -88,11 +88,10 @@ fn the_csv_has_every_number_under_its_name() {
 }
 
 #[test]
-fn the_tables_for_people_have_the_same_numbers() {
+fn the_table_for_people_has_the_same_numbers() {
     let methods = methods::all(&[]);
     let samples = samples(&methods);
-    let (page, text) = (page::markdown(&samples, &methods, &[], "qless bench"), table::text(&samples, &methods));
-    assert!(page.contains(&format!("| {} |", table::HEAD.join(" | "))));
+    let text = table::text(&samples, &methods);
     assert!(table::HEAD.iter().all(|head| text.contains(head)));
     let expected = [
         (0, ["1.00", "0.50-3.00", "1.00", "-", "right", "0", "0", "1.0e-16", "1.00", "-"]),
@@ -101,15 +100,13 @@ fn the_tables_for_people_have_the_same_numbers() {
     ];
     for (k, cells) in expected {
         let name = methods[k].name;
-        let row = format!("| {name} | {} |", cells.join(" | "));
-        assert!(page.contains(&row), "{row} is not in the page");
         let plain = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
         let row = format!("{name} {}", cells.join(" "));
         assert!(text.lines().any(|line| plain(line) == row), "{row} is not in the text");
     }
     let last = methods[methods.len() - 1].name;
     let given_up = "given up: dense 9 x 9 are 0 MiB; stopped at the limit of 10 s";
-    assert!(page.contains(&format!("| {last} | {given_up} | ")) && text.contains(given_up));
+    assert!(text.lines().any(|line| line.contains(last) && line.contains(given_up)));
 }
 
 #[test]

@@ -16,12 +16,13 @@ factor to find the dependent equations. Gauss is the paper's elimination by rows
 into blocks is not counted. Runs in turns in one process, medians. `rank +3` are three dependent equations that a factorization by \
 itself takes for independent; the analysis checks and repairs that. Meshes below 50 % are the same model.";
 
-/// The section.
+/// The section: where the methods cross. The CSV file has the times.
 pub fn markdown(levels: &[Level]) -> String {
-    format!(
-        "## Figure 15: Gauss against QR\n\n{INTRODUCTION}\n\n![Times of the bare factorizations]({FILE})\n\n{}",
-        text(levels)
-    )
+    let mut text = format!(
+        "## Figure 15: Gauss against QR\n\n{INTRODUCTION}\n\n![Times of the bare factorizations]({FILE})\n\nWhere they cross:\n\n"
+    );
+    crossings(&mut text, levels);
+    text
 }
 
 /// The tables alone.

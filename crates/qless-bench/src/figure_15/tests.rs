@@ -2,7 +2,7 @@
 
 use super::crossing::{Pair, crossings, papers_pairs, sentence};
 use super::plot::{LETTERS, below, lines, marks, plots};
-use super::{FigureSide, GAUSS, Level, Way, csv, markdown};
+use super::{FigureSide, GAUSS, Level, Way, csv, markdown, section};
 
 /// Gauss over QR, on 100, 200, 400 equations and so on.
 fn pairs(ratios: &[f64]) -> Vec<Pair> {
@@ -69,7 +69,7 @@ fn the_tables_have_every_number_and_why_there_is_none() {
     let mut levels = levels(2.0);
     levels[0].ways[0].result = Err("no \"memory\"".into());
     levels[1].ways[1].result = Ok((12.345e-3, 9));
-    let page = markdown(&levels);
+    let page = markdown(&levels) + &section::text(&levels);
     for text in [
         "## Figure 15: Gauss against QR",
         "(figure-15.svg)",

@@ -161,7 +161,10 @@ fn faults_of_hanging_nodes_are_named() {
     assert!(said(tie(Shape::Line2, 2, [1.0, f64::NAN])).contains("accepted"));
     assert!(said(tie(Shape::Quad8, 4, [0.0; 2])).contains("has 4 nodes; a Quad8 has 8"));
     assert!(said(tie(Shape::Hex8, 8, [0.0; 2])).contains("is a Hex8; nodes hang on edges and faces"));
-    assert!(said(HangingNode { node: [1], ..tie(Shape::Line2, 2, [0.0; 2]) }).contains("DOF 1 of the node is one of"));
+    assert!(
+        said(HangingNode { node: [1], ..tie(Shape::Line2, 2, [0.0; 2]) })
+            .contains("DOF 1 of the node also belongs to the parent")
+    );
     // A parameter that is out of range by rounding is accepted.
     assert!(said(tie(Shape::Line2, 2, [1.0 + f64::EPSILON, 0.0])).contains("accepted"));
     assert!(said(tie(Shape::Tri6, 6, [1.0 / 3.0, 2.0 / 3.0 + f64::EPSILON])).contains("accepted"));
