@@ -1,6 +1,6 @@
 //! Systems at the edge: nothing to do, nothing left, more DOFs than equations know of, elements that name a DOF twice.
 
-use qless::elimination::{PrescribedDofs, Storage, View};
+use qless::elimination::{EliminationError, PrescribedDofs, Storage, View};
 use qless::{Elimination, Options, SystemBuilder};
 
 use super::dense::close;
@@ -86,4 +86,30 @@ fn elements_may_name_a_dof_twice_and_hold_their_own_masters() {
         let energy: f64 = (0..4).flat_map(|i| (0..4).map(move |j| (i, j))).map(|(i, j)| du[i] * k[i][j] * du[j]).sum();
         assert!(close(energy, energy_q), "{energy} and {energy_q}");
     }
+}
+
+/// Without its equations an elimination has no multipliers and takes no right-hand sides; T, G and g work as ever.
+#[test]
+fn an_elimination_from_a_reduction_has_no_equations() {
+    let mut builder = SystemBuilder::new(3);
+    builder.equation([(0, 1.0), (1, -2.0), (2, 3.0)], 0.5);
+    builder.prescribe(2, 4.0);
+    let whole = Elimination::new(&builder.build().expect("valid"), &Options::default()).expect("no conflict");
+    let mut bare = Elimination::from_reduction(whole.reduction().clone(), &[4.0]).expect("its lengths");
+    assert!(bare.analysis().is_none() && bare.rhs().is_empty() && bare.kinds().is_empty());
+    let none = Err(EliminationError::NoEquations);
+    assert_eq!(bare.multipliers(&[0.0; 3]), none);
+    assert_eq!(bare.reactions(&[0.0; 3], &[]), none);
+    assert_eq!(bare.loads_without_effect(&[0.0; 3]).map(|_| ()), Err(EliminationError::NoEquations));
+    assert_eq!(bare.update(&[1.0], &[1.0]), Err(EliminationError::NoEquations));
+    assert!(Elimination::from_reduction(whole.reduction().clone(), &[]).is_err());
+    assert!(Elimination::from_reduction(whole.reduction().clone(), &[f64::NAN]).is_err());
+    let (mut u, mut same) = ([0.0; 3], [0.0; 3]);
+    whole.expand_into(&[1.5], &mut u).expect("one master");
+    bare.expand_into(&[1.5], &mut same).expect("one master");
+    assert_eq!(u, same);
+    // A value of another time, as `update` gives it where the equations are known.
+    bare.set(whole.reduction().g(), &[1.0]).expect("one slave");
+    bare.expand_into(&[1.5], &mut same).expect("one master");
+    assert_eq!(same[0] - 2.0 * same[1] + 3.0 * same[2], 0.5);
 }

@@ -1,22 +1,11 @@
 //! Systems of known rank in folders: the small ones of this repository, and those that `QLESS_CORPUS` names.
 //!
-//! Without `QLESS_CORPUS` a test that needs the larger ones fails; `QLESS_CORPUS=none` leaves them out, aloud.
+//! Without `QLESS_CORPUS` a test that needs the larger ones fails; `QLESS_CORPUS=none` skips them with a message.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use std::path::{Path, PathBuf};
 
-/// The folder of the larger corpus; none only where that was said.
-pub fn larger() -> Option<PathBuf> {
-    let said = std::env::var_os("QLESS_CORPUS");
-    let folder = said.expect(
-        "QLESS_CORPUS is not set: it names the folder that holds cases/, extremes/ and decks/; say QLESS_CORPUS=none to leave those out",
-    );
-    if folder == "none" {
-        eprintln!("SKIPPED: the larger corpus (QLESS_CORPUS=none)");
-        return None;
-    }
-    Some(folder.into())
-}
+pub use qless_scenes::corpus::larger;
 
 /// A folder of the corpus in this repository.
 pub fn small(part: &str) -> PathBuf {

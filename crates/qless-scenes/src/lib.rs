@@ -23,6 +23,7 @@
 
 mod beside;
 mod change;
+pub mod corpus;
 mod error;
 pub mod families;
 pub mod fssi;

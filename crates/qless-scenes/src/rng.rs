@@ -1,5 +1,7 @@
 //! `x += phi; z = mix(x)`: SplitMix64 (Steele, Lea, Flood 2014), the same numbers everywhere and always.
 
+use qless::common::SplitMix64;
+
 use crate::SceneError;
 use crate::error::{MOST, within};
 
@@ -11,20 +13,17 @@ use crate::error::{MOST, within};
 /// assert!(Rng::new(7).below(3) < 3);
 /// ```
 #[derive(Clone, Debug)]
-pub struct Rng(u64);
+pub struct Rng(SplitMix64);
 
 impl Rng {
     /// The stream of a seed.
     pub fn new(seed: u64) -> Self {
-        Self(seed)
+        Self(SplitMix64::new(seed))
     }
 
     /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.next()
     }
 
     /// A whole number in `0..n`; 0 for n = 0.

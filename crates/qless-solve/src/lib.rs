@@ -8,13 +8,10 @@
 //!
 //! Constraints come from [`qless_constraints`]; rank, redundancy and reduction from [`qless`]. `newton` and `equilibrium` do not use
 //! `enforce`; `equilibrium` uses `newton`.
+//!
+#![doc = include_str!("../README.md")]
 
 mod common;
 pub mod enforce;
 pub mod equilibrium;
 pub mod newton;
-
-/// The example of the README, as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

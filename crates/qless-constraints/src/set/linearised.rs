@@ -7,10 +7,10 @@ use std::fmt;
 
 use qless::{ArgumentError, ConstraintSystem, SystemBuilder};
 
-use crate::set::ConstraintSet;
 use crate::set::error::LineariseError;
 use crate::set::evaluation::Quantities;
 use crate::set::rounding::Rounding;
+use crate::set::{ConstraintSet, long};
 
 /// An equation whose row of G is indistinguishable from zero at this configuration.
 ///
@@ -79,10 +79,11 @@ impl ConstraintSet {
         self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
     }
 
-    /// [`ConstraintSet::linearised`] with scaled columns `G_rj s_j`, for the unknowns y in `du_j = s_j y_j`.
+    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by `units`, n numbers s_j. Increments of
+    /// prescribed DOFs are those of y.
     ///
     /// # Errors
-    /// As [`ConstraintSet::linearised`].
+    /// As [`ConstraintSet::linearised`], and if `units` does not have length n.
     pub fn linearised_in(
         &self,
         units: &[f64],
@@ -90,6 +91,7 @@ impl ConstraintSet {
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
         self.current(quantities)?;
+        long("the list of units", units.len(), self.dofs)?;
         let rounding = self.rounding_of_nonlinear(quantities)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for row in 0..self.equations() {

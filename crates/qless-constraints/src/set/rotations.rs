@@ -59,8 +59,21 @@ impl ConstraintSet {
     }
 }
 
-/// Replaces a vector longer than pi. Returns whether it was.
+/// `theta <- theta (1 - 2 pi k / |theta|)` with k the nearest whole number of `|theta| / 2 pi`, if `|theta| > pi`: the same rotation by the
+/// shortest rotation vector, in radians.
+///
+/// `vector` names the three entries theta of u. Returns whether they changed; they do not if an entry is outside of u or not finite.
+///
+/// ```
+/// let mut u = [0.0, 5.0, 0.0];
+/// assert!(qless_constraints::shorten_rotation(&mut u, [0, 1, 2]));
+/// assert!((u[1] - (5.0 - std::f64::consts::TAU)).abs() < 1e-15);
+/// assert!(!qless_constraints::shorten_rotation(&mut u, [0, 1, 3]));
+/// ```
 pub fn shorten_rotation(u: &mut [f64], vector: [usize; 3]) -> bool {
+    if vector.iter().any(|&dof| dof >= u.len()) {
+        return false;
+    }
     let length = vector.iter().fold(0.0, |sum: f64, &dof| sum.hypot(u[dof]));
     let long = length > PI && length.is_finite();
     if long {

@@ -93,8 +93,13 @@ fn linear_rounding(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
 }
 
 impl ConstraintSet {
-    /// The magnitude of each DOF in the unit of the model: the largest of `|u_j|` and the coordinates of its nodes; at least 1 rad for rotations.
-    pub fn extents(&self, u: &[f64]) -> Vec<f64> {
+    /// `max(|u_j|, |x_j|)` for each DOF j, n numbers in the unit of that DOF. `x_j` is the largest coordinate that DOF j displaces; components of
+    /// rotation vectors count at least 1 rad.
+    ///
+    /// # Errors
+    /// [`ArgumentError`] if u does not have length n.
+    pub fn extents(&self, u: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+        long("u", u.len(), self.dofs)?;
         let at =
             self.reference_coordinates.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
         let mut sizes: Vec<f64> = u.iter().zip(at).map(|(u, at)| u.abs().max(at)).collect();
@@ -104,10 +109,10 @@ impl ConstraintSet {
                 rotations.for_each(|&j| sizes[j as usize] = sizes[j as usize].max(1.0));
             });
         });
-        sizes
+        Ok(sizes)
     }
 
-    /// Whether a DOF is a displacement of a node, because it adds to a coordinate.
+    /// Whether a DOF is a displacement of a node, because it adds to a coordinate. No DOF from n on is one.
     pub fn is_displacement(&self, dof: usize) -> bool {
         self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
     }

@@ -53,7 +53,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// The angles prescribed at the time of the set that their equations determine only up to multiples of 2 pi, with the row of each.
+    /// `(row of c, angle in radians)` of the motors at the time of the set. Their equations determine the angle only up to multiples of 2 pi.
     pub fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
         for (b, batch) in self.nonlinear.batches.iter().enumerate() {

@@ -4,14 +4,12 @@
 use std::path::{Path, PathBuf};
 
 use qless_io::read_case;
-
-#[path = "../../../../tests/support/corpus.rs"]
-mod known;
+use qless_scenes::corpus::larger;
 
 #[test]
 fn every_case_is_read_or_refused_as_expected() {
     let small = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/corpus");
-    let cases: Vec<_> = known::larger().into_iter().chain([small]).flat_map(|root| cases_below(&root)).collect();
+    let cases: Vec<_> = larger().into_iter().chain([small]).flat_map(|root| cases_below(&root)).collect();
     assert!(cases.len() >= 24, "{} folders with a C.mtx", cases.len());
     let wrong: Vec<String> = cases.iter().filter_map(|case| disagreement(case)).collect();
     assert!(wrong.is_empty(), "{} of {} cases:\n{}", wrong.len(), cases.len(), wrong.join("\n"));

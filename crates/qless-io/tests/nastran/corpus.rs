@@ -9,9 +9,7 @@ use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
 use qless_io::deck::clean::{faults, plan, write};
 use qless_io::deck::{self, LoadCase, Model};
 use qless_io::read_case;
-
-#[path = "../../../../tests/support/corpus.rs"]
-mod known;
+use qless_scenes::corpus::larger;
 
 use super::clean::{assert_same_space, clean};
 
@@ -91,7 +89,7 @@ fn difference(case: &Path, expected: &str, model: &Model, load_case: &LoadCase) 
 
 /// The folders of Nastran cases with their `expected.json` and deck.
 fn cases() -> Vec<(PathBuf, String, PathBuf)> {
-    let Some(root) = known::larger() else { return Vec::new() };
+    let Some(root) = larger() else { return Vec::new() };
     let entries = std::fs::read_dir(root.join("cases")).expect("cases").flatten();
     let is_nastran = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("nas_"));
     let mut folders: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_nastran).collect();

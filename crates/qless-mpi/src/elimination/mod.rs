@@ -176,7 +176,7 @@ impl DistributedElimination {
     /// [`Share::set_prescribed`]); slaves, T and G stay, to the last bit, and so do condensed patterns. Costs an analysis. Collective.
     ///
     /// # Errors
-    /// As [`DistributedElimination::new`]; the map is then as it was.
+    /// As [`DistributedElimination::new`]; nothing has changed then.
     pub fn refresh(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
         let Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants } =
             Self::new(ranks, share, options)?;

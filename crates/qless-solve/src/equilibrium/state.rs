@@ -97,7 +97,8 @@ impl EquilibriumState {
         if let Some(rounding) = &self.of_constraints {
             let parts = &parts.of_equations;
             let weights = weights(self.quantities.g(), rounding.g(), &parts.columns);
-            let at_rest = at_rest(&weights, &self.quantities, (rounding, &set.extents(u)), parts);
+            let extents = set.extents(u).expect("u has a number for each DOF");
+            let at_rest = at_rest(&weights, &self.quantities, (rounding, &extents), parts);
             for part in settled {
                 let in_forces = self.in_forces(part);
                 let rows = part.rows.iter().zip(in_forces);

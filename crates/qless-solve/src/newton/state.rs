@@ -116,7 +116,7 @@ impl<'a> NewtonState<'a> {
         if !self.states.iter().any(|state| state.settled) {
             return;
         }
-        let extents = self.set.extents(&configuration.u);
+        let extents = self.set.extents(&configuration.u).expect("u has a number for each DOF");
         let at_rest = at_rest(
             &configuration.weights,
             &configuration.quantities,

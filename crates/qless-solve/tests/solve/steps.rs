@@ -1,7 +1,7 @@
 //! `Steps` with each solver and each storage of K, compared with Lagrange's method.
 
 use faer::sparse::{SparseColMat, Triplet};
-use qless::elimination::{Storage, View};
+use qless::elimination::{EliminationError, Storage, View};
 use qless::{ConstraintSystem, Elimination, Options, SystemBuilder};
 use qless_solve::enforce::{EnforceError, Ldlt, Llt, Lu, Problem, Solver, Steps};
 
@@ -107,5 +107,17 @@ fn what_a_solver_cannot_do_is_said() -> Outcome {
     bad[4] = f64::NAN;
     assert!(matches!(steps.solve(&values, &bad, &mut u), Err(EnforceError::Argument(_))));
     steps.solve(&values, &f, &mut u)?;
+    Ok(())
+}
+
+/// Nothing leaves that was not checked against the equations, so steps need them.
+#[test]
+fn steps_need_the_equations() -> Outcome {
+    let whole = Elimination::new(&constraints(1.0)?, &Options::default())?;
+    let (starts, index): (Vec<u32>, Vec<u32>) =
+        ((0..=whole.dofs() as u32).collect(), (0..whole.dofs() as u32).collect());
+    let bare = Elimination::from_reduction(whole.reduction().clone(), whole.prescribed_values())?;
+    let refused = Steps::unsymmetric(bare, View::rows(&starts, &index), Lu::default()).err().ok_or("accepted")?;
+    assert!(matches!(refused, EnforceError::Elimination(EliminationError::NoEquations)), "{refused}");
     Ok(())
 }

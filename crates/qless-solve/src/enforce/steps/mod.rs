@@ -55,7 +55,7 @@ impl<S: Solver> Steps<S> {
     /// Prepares solves for matrices with the pattern of K.
     ///
     /// # Errors
-    /// [`EnforceError::Elimination`] if the arrays are not a valid pattern, [`EnforceError::Factored`] if parts of T are kept as factors,
+    /// [`EnforceError::Elimination`] if the elimination has no equations or the arrays are not a valid pattern, [`EnforceError::Factored`] if parts of T are kept as factors,
     /// [`EnforceError::Triangle`] if the pattern is half of a matrix but not declared so.
     pub fn new<P: Index, I: Index>(elimination: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
         let steps = Self::unsymmetric(elimination, k, solver)?;
@@ -74,6 +74,9 @@ impl<S: Solver> Steps<S> {
         k: View<P, I>,
         solver: S,
     ) -> Result<Self, EnforceError> {
+        if elimination.analysis().is_none() {
+            return Err(EliminationError::NoEquations.into());
+        }
         if !elimination.reduction().is_explicit() {
             return Err(EnforceError::Factored);
         }

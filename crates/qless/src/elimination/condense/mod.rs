@@ -34,7 +34,7 @@ pub enum PrescribedDofs {
     Kept,
 }
 
-/// The pattern of K_q, and how K fills it. For the map that made it, and its [`crate::Elimination::update`]ed states.
+/// The pattern of K_q, and how K fills it. It serves the elimination that made it, also after [`crate::Elimination::update`].
 #[derive(Clone, Debug)]
 pub struct CondensedPattern {
     of: Identity,
@@ -256,7 +256,7 @@ impl CondensedPattern {
         }
     }
 
-    /// The map that made it, and values of K_q of the right length.
+    /// Checks that this elimination made the pattern, and that the values of K_q have the right length.
     fn check(&self, elimination: &Elimination, values: usize) -> Result<(), ArgumentError> {
         if elimination.identity != self.of {
             return Err(ArgumentError::Foreign { what: "the map" });
