@@ -28,9 +28,9 @@ fn solve(apply: impl Fn(&[f64]) -> Vec<f64>, r: &[f64], tolerance: f64) -> Optio
     None
 }
 
-/// How far one solution with multipliers goes; it is refined from outside.
+/// Relative residual at which conjugate gradients stop for the multipliers; `spring.rs` refines the solution afterwards.
 const OF_MULTIPLIERS: f64 = 1e-10;
-/// And one with T, which is not.
+/// The same for the masters, with T; nothing refines that solution.
 const OF_MASTERS: f64 = 1e-16;
 
 /// du and dl with `K du + C^T dl = left`, `C du = apart` on the free DOFs, du = 0 on the others: `C K^-1 C^T dl = C K^-1 left - apart`,

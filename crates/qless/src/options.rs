@@ -53,7 +53,7 @@ impl BackendChoice {
     /// [`BackendError::NotCompiledIn`] for `Spqr` without the feature.
     pub fn get(self, memory: usize) -> Result<Box<dyn Backend>, BackendError> {
         match self {
-            Self::Faer => Ok(Box::new(crate::factor::backend::choice::DenseOrSparse::new(memory))),
+            Self::Faer => Ok(Box::new(crate::factor::backend::dense_or_sparse::DenseOrSparse::new(memory))),
             Self::Sparse => Ok(Box::new(crate::factor::backend::sparse::Sparse { memory })),
             Self::Gauss => Ok(Box::new(crate::factor::backend::gauss::Gauss { memory })),
             #[cfg(feature = "spqr")]

@@ -29,7 +29,7 @@ pub enum ChoiceError {
     Several { name: String, list: LoadCaseNames },
 }
 
-/// LoadCaseNames of load cases.
+/// Names of load cases.
 #[derive(Debug, PartialEq, Eq)]
 pub struct LoadCaseNames(Vec<String>);
 

@@ -165,7 +165,7 @@ fn nearest_line(model: &Model, line: &ListedDeckLine) -> Option<u32> {
     lines.min_by_key(|found| found.abs_diff(line.line))
 }
 
-/// NameIndex that are compared at most: the message is not worth more time.
+/// Most names that are compared for a suggestion: the message is not worth more time.
 const COMPARED: usize = 200_000;
 /// Less alike than this is no help.
 const ALIKE: f64 = 0.5;

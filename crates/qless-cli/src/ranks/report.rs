@@ -14,7 +14,7 @@ use qless_mpi::{Analysis, Case, Equation, Found};
 
 use crate::args::{Format, ModelArgs};
 use crate::failure::CliFailure;
-use crate::report::text::equation_list::{DependentRow, EquationList};
+use crate::report::text::dependent_rows::{DependentRow, EquationList};
 use crate::report::{Outcome, json, text};
 use crate::wording::{EquationFacts, EquationLookup};
 

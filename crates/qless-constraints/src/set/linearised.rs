@@ -79,11 +79,11 @@ impl ConstraintSet {
         self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
     }
 
-    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by `units`, n numbers s_j. Increments of
+    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by `units`, at least n numbers s_j. Increments of
     /// prescribed DOFs are those of y.
     ///
     /// # Errors
-    /// As [`ConstraintSet::linearised`], and if `units` does not have length n.
+    /// As [`ConstraintSet::linearised`], and if `units` is shorter than n.
     pub fn linearised_in(
         &self,
         units: &[f64],
@@ -91,7 +91,7 @@ impl ConstraintSet {
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
         self.current(quantities)?;
-        long("the list of units", units.len(), self.dofs)?;
+        long("the list of units", units.len().min(self.dofs), self.dofs)?;
         let rounding = self.rounding_of_nonlinear(quantities)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for row in 0..self.equations() {

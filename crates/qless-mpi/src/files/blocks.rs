@@ -35,7 +35,7 @@ impl NumberBlocks {
     }
 }
 
-/// FileChunk of this rank, and how many stand before them and in the whole file.
+/// The lines of this rank, and the number of lines before them and in the whole file.
 pub(super) struct FilePiece {
     pub lines: FileChunk,
     pub before: LineCount,

@@ -200,7 +200,8 @@ impl Method {
     }
 }
 
-/// Largest `e u` relative to the terms of the combination.
+/// The residual of a redundant equation, minus the combination of the residuals of kept equations in its certificate, counts as zero up to
+/// this, relative to the sum of the absolute terms.
 const NOTHING: f64 = 1e-9;
 
 /// If the rank is ambiguous: fails if a redundant equation is not satisfied as well as the equations that it depends on.

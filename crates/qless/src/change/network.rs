@@ -37,7 +37,7 @@ pub(super) struct Region {
     pub blocks: Vec<u32>,
 }
 
-/// NetworkTerms of an equation as they are kept.
+/// Terms of an equation, as `(DOF, coefficient)`.
 type NetworkTerms = Box<[(u32, f64)]>;
 
 impl Network {

@@ -34,8 +34,8 @@ pub enum ArgumentError {
         /// The number.
         value: f64,
     },
-    /// Something that was made before what it belongs to changed.
-    #[error("{what}: not those of what they belong to as it is now, which changed; evaluate again")]
+    /// A result that was evaluated before the set changed.
+    #[error("{what} were evaluated before the set changed; evaluate again")]
     Outdated {
         /// What.
         what: &'static str,

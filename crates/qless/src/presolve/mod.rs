@@ -1,7 +1,7 @@
 //! What needs no factorization at all: most equations of real models.
 //!
 //! [`peel`] takes column singletons without touching a coefficient; [`eliminate`] takes what else can go
-//! without fill. The rest is the core, for the backend.
+//! with little fill. The rest is the core, for the backend.
 
 pub(crate) mod basis;
 pub(crate) mod eliminate;

@@ -7,7 +7,7 @@ use qless::report::ExactFinding;
 use qless::{Kind, Report, Tolerance};
 
 use super::combination;
-use super::equation_list::EquationList;
+use super::dependent_rows::EquationList;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, count, rough};
 

@@ -4,7 +4,7 @@ use qless::{Kind, Report};
 
 use super::COLUMNS;
 use super::combination::{self, CombinationAlone};
-use super::equation_list::{DependentRow, EquationList};
+use super::dependent_rows::{DependentRow, EquationList};
 use crate::wording::EquationLookup;
 use crate::wording::layout::flow;
 use crate::wording::{label, number};

@@ -5,7 +5,7 @@
 mod combination;
 mod confidence;
 mod dependent;
-pub mod equation_list;
+pub mod dependent_rows;
 mod next;
 mod summary;
 
@@ -15,7 +15,7 @@ use super::Outcome;
 use crate::diagnose::Diagnosis;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs, shorten};
 pub use confidence::exact_rank;
-use equation_list::{DependentRow, EquationList};
+use dependent_rows::{DependentRow, EquationList};
 pub use summary::verdict;
 
 /// Longest line.

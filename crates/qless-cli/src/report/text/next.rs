@@ -5,7 +5,7 @@ use std::path::Path;
 use qless::{Report, Status};
 
 use super::super::Outcome;
-use super::equation_list::EquationList;
+use super::dependent_rows::EquationList;
 use crate::deck_input::DeckInput;
 use crate::wording::count;
 use crate::wording::layout::{printable, shorten, width};

@@ -11,11 +11,11 @@ use crate::input::scale::ldexp;
 
 /// Parts of a combination below this many times the difference only fit what was rounded.
 const FITTED: f64 = 3.0;
-/// Terms below this many times the root of the distance may be meant or not.
+/// Terms with `|y_i| |row_i|` below this many times `sqrt(distance) |row_k|` are uncertain: they may belong to the combination or not.
 const UNTOLD: f64 = 0.3;
-/// A combination without them is taken if it is not farther off than this many times.
+/// The combination without the uncertain terms is taken if its distance is at most this many times as large.
 const LOSS: f64 = 3.0;
-/// Rows that part earlier are other rows.
+/// A row must agree with its combination to at least this many decimal digits to be nearly dependent.
 const LEAST_DIGITS: u32 = 2;
 /// A row takes the place of one that is at least this large a part of it.
 const NEUTRAL: f64 = 0.9;

@@ -8,7 +8,7 @@ mod combination;
 mod equations;
 
 use super::certificate::CertificateTerm;
-use crate::factor::backend::choice::DenseOrSparse;
+use crate::factor::backend::dense_or_sparse::DenseOrSparse;
 use crate::factor::backend::{Backend, BackendError, Factor, largest_place, norm};
 use crate::input::components::components;
 use crate::{Analysis, Kind};
@@ -61,8 +61,8 @@ impl Analysis {
     /// Equations that are independent as typed but may be meant as combinations of others; None where no such reading stands
     /// out, as in a long chain, whose singular values fall without a gap.
     ///
-    /// ScaledEquations by connected part; at most three factorizations each, however many such equations
-    /// it holds. Of equations that nearly say the same the earlier ones are kept.
+    /// Cost: at most three factorizations for each connected part, however many nearly dependent equations it holds. Of equations that
+    /// nearly repeat each other the earlier ones are kept.
     ///
     /// ```
     /// use qless::{Options, SystemBuilder, analyse};

@@ -22,9 +22,10 @@ pub(crate) fn is_harmless(size: f64) -> bool {
 /// What a pass finds.
 #[derive(Default)]
 pub(crate) struct NullspaceProbe {
-    /// By row, the size of the slave for right-hand sides of size 1, C_S as in [`crate::diagnosis::sensitivity`]: [`super::InverseEstimate::Bound`] of it, ...
+    /// For each row of the basis an upper bound of the absolute row sum of `C_S^-1`: how large the slave can become for right-hand sides of
+    /// size 1. C_S holds the kept equations on their slaves. Set by a pass with [`super::InverseEstimate::Bound`].
     pub bound_of_inverse: Vec<f64>,
-    /// ... and, where some bound is large, a sample.
+    /// The size of the slave for random right-hand sides. Set by a pass that samples, which runs if some bound is large.
     pub sample_of_inverse: Vec<f64>,
     /// The largest move of a slave.
     pub(super) steepest: f64,
@@ -80,7 +81,7 @@ fn is_at_most(x: f64, limit: f64) -> bool {
     x <= limit
 }
 
-/// Whether a dependent row was made of more than this of others.
+/// Whether more than [`FAR`] times some equation of the user went into a row, so that about that many digits are lost.
 pub(crate) fn is_far(reach: f64) -> bool {
     reach > FAR
 }

@@ -101,10 +101,9 @@ impl ProbePass<'_> {
     }
 }
 
-/// A DOF of a block moves if its number in a random vector of the null space is more than so many units in the last place times the
-/// condition, ...
+/// A DOF of a block moves if its entry in a random vector of the null space is above `ZERO_UNITS eps / sigma`, limited to [`ZERO`].
 const ZERO_UNITS: f64 = 8.0;
-/// ... and more than this whatever the condition; more than the last is no rounding.
+/// Lower and upper limit of that threshold, whatever the condition.
 const ZERO: [f64; 2] = [1e-13, 1e-8];
 
 /// A DOF, as far as the pass has come.

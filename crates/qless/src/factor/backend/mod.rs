@@ -10,7 +10,7 @@ pub(crate) use factor::{largest_place, norm, part_of_largest};
 
 #[cfg(test)]
 pub(crate) mod check;
-pub mod choice;
+pub mod dense_or_sparse;
 mod factor;
 pub mod faer;
 pub mod gauss;

@@ -2,7 +2,7 @@
 
 use crate::Csr;
 use crate::factor::backend::Backend;
-use crate::factor::backend::choice::DenseOrSparse;
+use crate::factor::backend::dense_or_sparse::DenseOrSparse;
 use crate::input::scale::{exponent, ldexp};
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::{Entry, Row};

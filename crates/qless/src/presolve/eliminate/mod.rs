@@ -1,9 +1,9 @@
-//! EliminateElimination without fill: `row_k <- row_k - (a_kj / a_pj) row_p` wherever that adds no net entry.
+//! Elimination with little fill: `row_k <- row_k - (a_kj / a_pj) row_p`, first wherever that adds no net entry.
 //!
 //! A pivot (p, j) adds none if row p has one free DOF (j is fixed: a generated boundary condition), if it has two
 //! (`a u_i + c u_j = d`: chains, cycles, trees of equal DOFs), or if DOF j occurs in at most two remaining rows.
-//! Long chains go in linear time, iteratively. A row whose free part vanishes is dependent. In connected parts of which much
-//! is left, DOFs in few rows are eliminated with some fill, in the manner of Markowitz (1957).
+//! Long chains take linear time, without recursion. A row whose free part vanishes is dependent. In a connected part that keeps more than
+//! [`LARGE`] rows, DOFs that occur in few rows are then eliminated with some fill, as by Markowitz (1957).
 //!
 //! Every coefficient carries a bound of its rounding error, and every row the size of the largest part that went into it.
 //! What cancels to the first is zero; a row all below `tolerance` times the second is dependent too; a row below
@@ -61,7 +61,7 @@ enum EquationState {
     Held,
 }
 
-struct FillFreeElimination<'a> {
+struct LowFillElimination<'a> {
     out: Eliminated,
     state: Vec<EquationState>,
     is_free: &'a [bool],
@@ -81,12 +81,12 @@ struct FillFreeElimination<'a> {
     tolerance: f64,
 }
 
-/// Eliminates as far as no fill arises. Rows of `held` (by the user's row) are no pivots, but are closed if empty.
+/// Eliminates without fill, and with some in large parts. Rows of `held` (by the user's row) are not used as pivots, but are classified if empty.
 /// DOFs of the result are local ones.
 pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> Eliminated {
     let Gathered { names, dofs, free: is_free, power, rows } = gathered;
     let m = rows.len();
-    let mut work = FillFreeElimination {
+    let mut work = LowFillElimination {
         out: Eliminated { rows, factors: vec![Vec::new(); m], ..Eliminated::default() },
         state: names
             .iter()
@@ -110,7 +110,7 @@ pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> El
     work.finish(names, &dofs, &power)
 }
 
-impl FillFreeElimination<'_> {
+impl LowFillElimination<'_> {
     fn count(&mut self) {
         for (i, row) in self.out.rows.iter_mut().enumerate() {
             row.free = 0;

@@ -1,9 +1,9 @@
 //! Which row or DOF comes next, and whether it may be a pivot.
 
-use super::{EquationState, FillFreeElimination, LARGE, LEVELS, LONG, MARKOWITZ, PATH, THRESHOLD, WITHOUT_FILL};
+use super::{EquationState, LARGE, LEVELS, LONG, LowFillElimination, MARKOWITZ, PATH, THRESHOLD, WITHOUT_FILL};
 use crate::presolve::rows::Entry;
 
-impl FillFreeElimination<'_> {
+impl LowFillElimination<'_> {
     pub(super) fn next_dof(&mut self) -> Option<(usize, u32)> {
         let levels = if self.filling && self.active > LARGE { LEVELS.len() } else { WITHOUT_FILL };
         self.rare_dofs[..levels].iter_mut().enumerate().find_map(|(level, queue)| Some((level, queue.pop_front()?)))

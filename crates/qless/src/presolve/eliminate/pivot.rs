@@ -1,10 +1,10 @@
 //! What a pivot and a dependent row change in the others.
 
-use super::{EquationState, FillFreeElimination, SUSPECT};
+use super::{EquationState, LowFillElimination, SUSPECT};
 use crate::presolve::eliminated::{Dead, Mismatch, Step};
 use crate::presolve::rows::{Entry, Row, bound};
 
-impl FillFreeElimination<'_> {
+impl LowFillElimination<'_> {
     /// Closes a row without free part; holds one that is too small for a pivot. True if the row is out of play.
     pub(super) fn settle(&mut self, i: u32) -> bool {
         let left = self.largest(i);
