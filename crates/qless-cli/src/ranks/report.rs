@@ -132,7 +132,7 @@ fn dependent(equation: &Equation, known: &Known) -> DependentEquation {
     let row = equation.number as usize;
     let term = |term: CertificateTerm| Term::new(term.row + 1, known.label(term.row), term.coefficient);
     let certificate = match &equation.because {
-        Some(because) => Certificate::of(terms(because).into_iter().map(term).collect()),
+        Some(because) => Certificate::complete(terms(because).into_iter().map(term).collect()),
         None => Certificate::left_out(Omitted::Terms(equation.terms)),
     };
     DependentEquation::new(row + 1, known.label(row), equation.kind, equation.mismatch, certificate)

@@ -16,6 +16,26 @@ pub enum Storage {
     Upper,
 }
 
+impl Storage {
+    /// Whether it includes entry (row, column).
+    pub(super) fn holds(self, row: usize, column: usize) -> bool {
+        match self {
+            Self::Full => true,
+            Self::Lower => column <= row,
+            Self::Upper => column >= row,
+        }
+    }
+
+    /// The half of the transposed matrix.
+    pub(super) fn transposed(self) -> Self {
+        match self {
+            Self::Full => Self::Full,
+            Self::Lower => Self::Upper,
+            Self::Upper => Self::Lower,
+        }
+    }
+}
+
 /// A borrowed pattern: line i holds the indices `index[k]` for `k` in `starts[i]..starts[i + 1]`. Lines are rows or columns.
 ///
 /// ```
@@ -145,12 +165,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
                     return Err(SystemError::BadIndex { place: k, dofs: n });
                 };
                 let (row, column) = if self.by_columns { (j, line) } else { (line, j) };
-                let stored = match self.storage {
-                    Storage::Full => true,
-                    Storage::Lower => column <= row,
-                    Storage::Upper => column >= row,
-                };
-                if !stored {
+                if !self.storage.holds(row, column) {
                     return Err(SystemError::WrongHalf { place: k, row, column });
                 }
             }

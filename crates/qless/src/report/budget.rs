@@ -1,6 +1,6 @@
 //! Which certificates a report holds, given how many terms it may spend.
 
-use super::{Certificate, DependentEquation, GeneratedCondition, Omitted, Term};
+use super::{Certificate, DependentEquation, GeneratedCondition, Omitted};
 use crate::{Analysis, CertificateTerm, ConstraintSystem, Dependent, Kind};
 
 /// Terms that may still be spent.
@@ -34,13 +34,9 @@ impl<'a> Budget<'a> {
 
     fn equation(&mut self, dependent: &Dependent) -> DependentEquation {
         let analysis = self.analysis;
-        DependentEquation {
-            row: dependent.row + 1,
-            label: self.system.equation_label(dependent.row),
-            kind: dependent.kind,
-            mismatch: dependent.mismatch,
-            certificate: self.certificate(0, || analysis.because(dependent.row).ok()),
-        }
+        let &Dependent { row, kind, mismatch, .. } = dependent;
+        let certificate = self.certificate(0, || analysis.because(row).ok());
+        DependentEquation::new(row + 1, self.system.equation_label(row), kind, mismatch, certificate)
     }
 
     fn condition(&mut self, dof: usize, value: f64) -> GeneratedCondition {
@@ -48,32 +44,22 @@ impl<'a> Budget<'a> {
         // A pass over all DOFs, and the factorization of a block: about a thousand operations count as a term.
         let block = analysis.presolve.largest_block;
         let work = system.dofs() / 8 + block.saturating_pow(3) / 1000;
-        GeneratedCondition {
-            dof: dof + 1,
-            label: system.dof_label(dof),
-            value,
-            certificate: self.certificate(work, || analysis.because_fixed(dof).ok()),
-        }
+        let certificate = self.certificate(work, || analysis.because_fixed(dof).ok());
+        GeneratedCondition::new(dof + 1, system.dof_label(dof), value, certificate)
     }
 
     /// Computes a certificate while anything is left, and keeps it if there is room for it.
     fn certificate(&mut self, work: usize, compute: impl FnOnce() -> Option<Vec<CertificateTerm>>) -> Certificate {
-        let left_out = |omitted| Certificate { because: Vec::new(), omitted };
         if self.left == 0 {
-            return left_out(Omitted::NotComputed);
+            return Certificate::left_out(Omitted::NotComputed);
         }
         let before = self.left;
         self.left = self.left.saturating_sub(work);
-        let Some(terms) = compute() else { return left_out(Omitted::NotComputed) };
+        let Some(terms) = compute() else { return Certificate::left_out(Omitted::NotComputed) };
         self.left = self.left.saturating_sub(terms.len());
         if terms.len() > before {
-            return left_out(Omitted::Terms(terms.len()));
+            return Certificate::left_out(Omitted::Terms(terms.len()));
         }
-        Certificate { because: terms.iter().map(|term| self.term(term)).collect(), omitted: Omitted::Nothing }
-    }
-
-    fn term(&self, term: &CertificateTerm) -> Term {
-        let label = self.system.equation_label(term.row);
-        Term { row: term.row + 1, label, coefficient: term.coefficient }
+        Certificate::labelled(self.system, &terms)
     }
 }

@@ -1,6 +1,6 @@
 //! What a report lists: equations, conditions and coefficients, with their reasons.
 
-use crate::Kind;
+use crate::{CertificateTerm, ConstraintSystem, Kind};
 
 /// A coefficient below 1.4e-14 of the largest of its equation, of a DOF that counts in others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,12 +13,6 @@ pub struct IgnoredCoefficient {
     pub dof: usize,
     /// Its value.
     pub coefficient: f64,
-}
-
-impl IgnoredCoefficient {
-    pub(super) fn of(ignored: &crate::diagnosis::Ignored) -> Self {
-        Self { row: ignored.row + 1, dof: ignored.dof + 1, coefficient: ignored.coefficient }
-    }
 }
 
 /// A redundant or conflicting equation.
@@ -123,12 +117,18 @@ impl GeneratedCondition {
 }
 
 impl Certificate {
-    /// All of its terms.
-    pub fn of(because: Vec<Term>) -> Self {
+    /// A certificate with all of its terms.
+    pub fn complete(because: Vec<Term>) -> Self {
         Self { because, omitted: Omitted::Nothing }
     }
 
-    /// One that is left out.
+    /// The same with the labels of a system.
+    pub(super) fn labelled(system: &ConstraintSystem, because: &[CertificateTerm]) -> Self {
+        let term = |t: &CertificateTerm| Term::new(t.row + 1, system.equation_label(t.row), t.coefficient);
+        Self::complete(because.iter().map(term).collect())
+    }
+
+    /// A certificate whose terms are omitted.
     pub fn left_out(omitted: Omitted) -> Self {
         Self { because: Vec::new(), omitted }
     }

@@ -20,12 +20,28 @@ use std::time::Duration;
 use crate::diagnosis::PresolveStatistics;
 use crate::{Analysis, Confidence, Form, Kind, Reduction};
 use budget::Budget;
-use sizes::{count, from_one, milliseconds};
+use sizes::{from_one, milliseconds};
 
 pub use exact::{ExactDifference, ExactFinding};
 pub use findings::{Certificate, DependentEquation, GeneratedCondition, IgnoredCoefficient, Omitted, Term};
 pub use near_dependence::{NearDependenceFinding, NearEquation};
 pub use sizes::{BackendUsed, Counts, FactoredSizes, InputSizes, Milliseconds, ReductionSizes, Unmet};
+
+/// The worst that is said of any equation, or that not all of them are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+#[non_exhaustive]
+pub enum Status {
+    /// All equations are independent.
+    Independent,
+    /// Some are combinations of others, and consistent with them.
+    Redundant,
+    /// Some contradict others: so they do whatever was left out.
+    Conflicting,
+    /// No conflict was found, but something that constrains was left out, with which there may be one.
+    Incomplete,
+}
 
 /// The diagnosis of a system, 1-based, with labels; numbers that are not finite serialize as null.
 ///
@@ -106,29 +122,33 @@ impl Report {
     /// boundary condition counts for the factorization that it may take. Reading and reduction are not in it yet:
     /// see [`Report::with_reduction`] and [`Report::with_timings`].
     pub fn new(analysis: &Analysis, terms: usize) -> Self {
-        let mut budget = Budget::new(analysis, terms);
-        let (dependent, generated_boundary_conditions) = budget.spend();
-        let counts = count(&analysis.kinds);
+        let (system, times) = (analysis.system(), &analysis.timings);
+        let sizes =
+            InputSizes::new(system.equations(), system.dofs(), system.matrix().nnz(), system.prescribed().len());
+        let count = |kind: Kind| analysis.kinds.iter().filter(|&&k| k == kind).count();
+        let counts = Counts::new(count(Kind::Independent), count(Kind::Redundant), count(Kind::Conflicting));
         let (name, version) = &analysis.backend;
+        let backend = BackendUsed::new(name, rayon::current_num_threads(), version.clone());
+        let (dependent, generated_boundary_conditions) = Budget::new(analysis, terms).spend();
+        let [presolve, factor, classify] = [times.presolve, times.factor, times.classify].map(milliseconds);
+        let ignored = analysis.ignored.iter();
         Self {
-            schema: Self::SCHEMA,
-            input: InputSizes::of(analysis.system()),
-            status: counts.status().into(),
-            rank: analysis.rank(),
-            counts,
             dependent,
             generated_boundary_conditions,
-            confidence: analysis.confidence,
-            incomplete: Vec::new(),
-            exact_rank: None,
-            meant: None,
-            reduction: None,
             unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
-            ignored_coefficients: analysis.ignored.iter().map(IgnoredCoefficient::of).collect(),
+            ignored_coefficients: ignored
+                .map(|i| IgnoredCoefficient { row: i.row + 1, dof: i.dof + 1, coefficient: i.coefficient })
+                .collect(),
             presolve: Some(analysis.presolve),
             ranks: None,
-            backend: BackendUsed { name, threads: rayon::current_num_threads(), version: version.clone() },
-            timings_ms: Milliseconds::of(analysis),
+            timings_ms: Milliseconds {
+                presolve,
+                factor,
+                classify,
+                total: presolve + factor + classify,
+                ..Milliseconds::default()
+            },
+            ..Self::of_ranks(1, sizes, counts, analysis.confidence, backend)
         }
     }
 
@@ -143,7 +163,17 @@ impl Report {
             nnz: reduction.t.nnz() + reduction.g_matrix.nnz(),
             exchanges: reduction.exchanges,
             form: if reduction.is_explicit() { Form::Explicit } else { Form::Factored },
-            factored: reduction.factored.iter().map(FactoredSizes::of).collect(),
+            factored: reduction
+                .factored
+                .iter()
+                .map(|block| FactoredSizes {
+                    equations: block.equations.len(),
+                    slaves: block.slaves.len(),
+                    masters: block.masters.len(),
+                    nnz: block.nnz(),
+                    predicted: block.predicted,
+                })
+                .collect(),
         });
         self.unmet_preferences.masters = from_one(&reduction.unmet_masters);
         self.unmet_preferences.slaves = from_one(&reduction.unmet_slaves);
@@ -164,35 +194,7 @@ impl Report {
         self.timings_ms = Milliseconds { read, reduce, total, ..self.timings_ms };
         self
     }
-}
 
-/// The worst that is said of any equation, or that not all of them are known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
-#[non_exhaustive]
-pub enum Status {
-    /// All equations are independent.
-    Independent,
-    /// Some are combinations of others, and consistent with them.
-    Redundant,
-    /// Some contradict others: so they do whatever was left out.
-    Conflicting,
-    /// No conflict was found, but something that constrains was left out, with which there may be one.
-    Incomplete,
-}
-
-impl From<Kind> for Status {
-    fn from(kind: Kind) -> Self {
-        match kind {
-            Kind::Independent => Self::Independent,
-            Kind::Redundant => Self::Redundant,
-            Kind::Conflicting => Self::Conflicting,
-        }
-    }
-}
-
-impl Report {
     /// Says what constrains and was left out of the system.
     ///
     /// ```
@@ -214,9 +216,7 @@ impl Report {
         self.incomplete = what;
         self
     }
-}
 
-impl Report {
     /// A report of an analysis that `ranks` ranks made together, without lists: its fields are public. What presolve did is not known.
     ///
     /// ```
@@ -225,7 +225,7 @@ impl Report {
     /// let (input, counts) = (InputSizes::new(2, 3, 4, 0), Counts::new(1, 1, 0));
     /// let backend = BackendUsed::new("faer", 1, "faer 0.24".to_owned());
     /// let mut report = Report::of_ranks(2, input, counts, Confidence::of(1.0, 0.0, false), backend);
-    /// let because = Certificate::of(vec![Term::new(1, "tie 7".to_owned(), 2.0)]);
+    /// let because = Certificate::complete(vec![Term::new(1, "tie 7".to_owned(), 2.0)]);
     /// report.dependent.push(DependentEquation::new(2, "tie 8".to_owned(), Kind::Redundant, 0.0, because));
     /// assert_eq!((report.rank, report.status, report.ranks), (1, Status::Redundant, Some(2)));
     /// ```
@@ -239,7 +239,7 @@ impl Report {
         Self {
             schema: Self::SCHEMA,
             input,
-            status: counts.status().into(),
+            status: counts.status(),
             rank: counts.independent,
             counts,
             dependent: Vec::new(),

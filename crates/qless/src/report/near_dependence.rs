@@ -1,6 +1,6 @@
 //! `meant`: the second reading of a system with near-dependences.
 
-use super::{Certificate, Omitted, Report, Term};
+use super::{Certificate, Omitted, Report};
 use crate::common::argument::within;
 use crate::diagnosis::NearDependent;
 use crate::{Analysis, ArgumentError, ConstraintSystem, NearDependence};
@@ -77,12 +77,10 @@ impl Report {
 fn near_equation(system: &ConstraintSystem, equation: &NearDependent, left: &mut usize) -> NearEquation {
     let because = &equation.because;
     let certificate = if because.len() > *left {
-        Certificate { because: Vec::new(), omitted: Omitted::Terms(because.len()) }
+        Certificate::left_out(Omitted::Terms(because.len()))
     } else {
         *left -= because.len();
-        let label = |row| system.equation_label(row);
-        let terms = because.iter().map(|t| Term { row: t.row + 1, label: label(t.row), coefficient: t.coefficient });
-        Certificate { because: terms.collect(), omitted: Omitted::Nothing }
+        Certificate::labelled(system, because)
     };
     let NearDependent { row, digits, distance, .. } = *equation;
     NearEquation { row: row + 1, label: system.equation_label(row), digits, distance, certificate }

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use crate::reduction::FactoredBlock;
-use crate::{Analysis, ConstraintSystem, Form, Kind};
+use super::Status;
+use crate::Form;
 
 /// Sizes of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,14 +23,9 @@ pub struct InputSizes {
 }
 
 impl InputSizes {
-    pub(super) fn of(system: &ConstraintSystem) -> Self {
-        Self {
-            rows: system.equations(),
-            dofs: system.dofs(),
-            nnz: system.matrix().nnz(),
-            free: system.free(),
-            prescribed: system.prescribed().len(),
-        }
+    /// Sizes of a system; DOFs that are not prescribed are free.
+    pub fn new(rows: usize, dofs: usize, nnz: usize, prescribed: usize) -> Self {
+        Self { rows, dofs, nnz, free: dofs - prescribed, prescribed }
     }
 }
 
@@ -48,18 +43,18 @@ pub struct Counts {
 }
 
 impl Counts {
-    pub(super) fn status(self) -> Kind {
+    /// Equations of each kind.
+    pub fn new(independent: usize, redundant: usize, conflicting: usize) -> Self {
+        Self { independent, redundant, conflicting }
+    }
+
+    pub(super) fn status(self) -> Status {
         match self {
-            Self { redundant: 0, conflicting: 0, .. } => Kind::Independent,
-            Self { conflicting: 0, .. } => Kind::Redundant,
-            Self { .. } => Kind::Conflicting,
+            Self { redundant: 0, conflicting: 0, .. } => Status::Independent,
+            Self { conflicting: 0, .. } => Status::Redundant,
+            Self { .. } => Status::Conflicting,
         }
     }
-}
-
-pub(super) fn count(kinds: &[Kind]) -> Counts {
-    let of = |kind: Kind| kinds.iter().filter(|&&k| k == kind).count();
-    Counts { independent: of(Kind::Independent), redundant: of(Kind::Redundant), conflicting: of(Kind::Conflicting) }
 }
 
 /// The size and quality of `u_s = T u_q + G u_p + g`.
@@ -73,7 +68,7 @@ pub struct ReductionSizes {
     pub masters: usize,
     /// `max |T_ij|`; of factored parts the largest entry that was found.
     pub growth: f64,
-    /// How well it meets the independent equations, see [`Analysis::residual`].
+    /// How well it meets the independent equations, see [`crate::Analysis::residual`].
     pub residual: f64,
     /// Entries of T and G.
     pub nnz: usize,
@@ -85,7 +80,7 @@ pub struct ReductionSizes {
     pub factored: Vec<FactoredSizes>,
 }
 
-/// The size of a connected part that stays factors, see [`FactoredBlock`].
+/// The size of a connected part that stays factors, see [`crate::reduction::FactoredBlock`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -100,18 +95,6 @@ pub struct FactoredSizes {
     pub nnz: usize,
     /// Numbers that its part of T would have, estimated.
     pub predicted: usize,
-}
-
-impl FactoredSizes {
-    pub(super) fn of(block: &FactoredBlock) -> Self {
-        Self {
-            equations: block.equations.len(),
-            slaves: block.slaves.len(),
-            masters: block.masters.len(),
-            nnz: block.nnz(),
-            predicted: block.predicted,
-        }
-    }
 }
 
 /// Preferences that are not met, counted from 1.
@@ -170,31 +153,9 @@ pub struct Milliseconds {
     pub total: f64,
 }
 
-impl Milliseconds {
-    pub(super) fn of(analysis: &Analysis) -> Self {
-        let times = &analysis.timings;
-        let [presolve, factor, classify] = [times.presolve, times.factor, times.classify].map(milliseconds);
-        Self { presolve, factor, classify, total: presolve + factor + classify, ..Self::default() }
-    }
-}
-
 /// To the microsecond.
 pub(super) fn milliseconds(time: Duration) -> f64 {
     (time.as_secs_f64() * 1e6).round() / 1e3
-}
-
-impl InputSizes {
-    /// Sizes of a system; DOFs that are not prescribed are free.
-    pub fn new(rows: usize, dofs: usize, nnz: usize, prescribed: usize) -> Self {
-        Self { rows, dofs, nnz, free: dofs - prescribed, prescribed }
-    }
-}
-
-impl Counts {
-    /// Equations of each kind.
-    pub fn new(independent: usize, redundant: usize, conflicting: usize) -> Self {
-        Self { independent, redundant, conflicting }
-    }
 }
 
 impl BackendUsed {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::values::stretches;
+use super::values::line_ranges;
 use super::{CondensedPattern, NONE, PrescribedDofs};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers, within};
@@ -80,12 +80,7 @@ fn pattern<D: AsRef<[usize]>>(
         let line = index.len();
         for &e in &of_dof[first[i]..first[i + 1]] {
             for &j in dofs(e as usize).as_ref() {
-                let stored = match storage {
-                    Storage::Full => true,
-                    Storage::Lower => j <= i,
-                    Storage::Upper => j >= i,
-                };
-                if stored && seen[j] != i as u32 {
+                if storage.holds(i, j) && seen[j] != i as u32 {
                     seen[j] = i as u32;
                     index.push(j as u32);
                 }
@@ -146,7 +141,7 @@ impl CondensedPattern {
         f_q.fill(0.0);
         let mut parts = Vec::new();
         let mut load = f_q;
-        for (lines, values) in stretches(&self.lines.starts, k_q, rayon::current_num_threads()) {
+        for (lines, values) in line_ranges(&self.lines.starts, k_q, rayon::current_num_threads()) {
             let (own, rest) = load.split_at_mut(lines.len());
             load = rest;
             parts.push(ElementShare { lines, values, load: own });
@@ -181,36 +176,23 @@ impl CondensedPattern {
 
     /// Whether DOF j stands for an unknown in these lines.
     fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
-        match (self.number[j], self.slave[j]) {
-            (NONE, NONE) => false,
-            (NONE, slave) => self.l.row(slave as usize).any(|(r, _)| lines.contains(&r)),
-            (number, _) => lines.contains(&(number as usize)),
-        }
+        self.row_of_l(j).any(|(r, _)| lines.contains(&(r as usize)))
     }
 
     fn add(&self, elimination: &Elimination, element: &Element, part: &mut ElementShare) -> Result<(), ArgumentError> {
         let Element { dofs, matrix, forces } = *element;
         for (a, &i) in dofs.iter().enumerate() {
             let row = &matrix[a * dofs.len()..(a + 1) * dofs.len()];
-            let moved = || dofs.iter().zip(row).map(|(&j, v)| v * self.shift(elimination, j)).sum::<f64>();
-            let mut add = |q: usize, weight: f64, force: f64| {
-                if !part.lines.contains(&q) {
-                    return Ok(());
+            let moved: f64 = dofs.iter().zip(row).map(|(&j, v)| v * self.shift(elimination, j)).sum();
+            for (q, weight) in self.row_of_l(i).map(|(q, weight)| (q as usize, weight)) {
+                if part.lines.contains(&q) {
+                    let load = &mut part.load[q - part.lines.start];
+                    *load += weight * (forces[a] - moved);
+                    if !load.is_finite() {
+                        return Err(ArgumentError::Overflow { what: "f_q", place: q });
+                    }
+                    self.add_row(q, weight, dofs, row, part)?;
                 }
-                let load = &mut part.load[q - part.lines.start];
-                *load += weight * force;
-                if !load.is_finite() {
-                    return Err(ArgumentError::Overflow { what: "f_q", place: q });
-                }
-                self.add_row(q, weight, dofs, row, part)
-            };
-            match (self.number[i], self.slave[i]) {
-                (NONE, NONE) => {}
-                (NONE, slave) => {
-                    let force = forces[a] - moved();
-                    self.l.row(slave as usize).try_for_each(|(q, weight)| add(q, weight, force))?;
-                }
-                (q, _) => add(q as usize, 1.0, forces[a] - moved())?,
             }
         }
         Ok(())
@@ -230,28 +212,17 @@ impl CondensedPattern {
         let values = &mut part.values[line.start - base..line.end - base];
         // DOFs of a node stand side by side: most entries follow the one before.
         let mut next = 0;
-        let mut add = |r: u32, v: f64| {
-            if self.is_stored(q, r) {
+        for (&j, &v) in dofs.iter().zip(row) {
+            for (r, l) in self.row_of_l(j).filter(|&(r, _)| self.is_stored(q, r)) {
                 let place = match index.get(next) {
                     Some(&found) if found == r => next,
                     _ => index.binary_search(&r).map_err(|_| ArgumentError::Foreign { what: "an element" })?,
                 };
-                values[place] += v;
+                values[place] += weight * v * l;
                 if !values[place].is_finite() {
                     return Err(ArgumentError::Overflow { what: "K_q", place: line.start + place });
                 }
                 next = place + 1;
-            }
-            Ok(())
-        };
-        for (&j, &v) in dofs.iter().zip(row) {
-            match (self.number[j], self.slave[j]) {
-                (NONE, NONE) => {}
-                (NONE, slave) => {
-                    let terms = &mut self.l.row(slave as usize);
-                    terms.try_for_each(|(r, l)| add(r as u32, weight * v * l))?;
-                }
-                (r, _) => add(r, weight * v)?,
             }
         }
         Ok(())

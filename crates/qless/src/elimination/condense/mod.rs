@@ -22,7 +22,7 @@ use crate::common::argument::{long, numbers, within};
 use crate::common::identity::Identity;
 use crate::{ArgumentError, Csr};
 use lines::{Lines, Spare};
-use plan::{Half, Plan};
+use plan::CondensePlan;
 
 /// What becomes of prescribed DOFs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,7 +41,8 @@ pub struct CondensedPattern {
     given: PrescribedDofs,
     storage: Storage,
     by_columns: bool,
-    half: Half,
+    /// `storage` of the transposed matrix if lines are columns: line q holds index r if this holds `(q, r)`.
+    half: Storage,
     /// L: a row for each slave, over the unknowns of K_q.
     l: Csr,
     /// `L^T`: for each unknown the slaves that follow it.
@@ -53,7 +54,7 @@ pub struct CondensedPattern {
     /// Slave (by place) of each DOF; [`NONE`] for others.
     slave: Vec<u32>,
     lines: Lines,
-    plan: Plan,
+    plan: CondensePlan,
     spare: Spare,
 }
 
@@ -118,14 +119,14 @@ impl CondensedPattern {
             given,
             storage: k.storage,
             by_columns: k.by_columns,
-            half: Half::of(&k),
+            half: if k.by_columns { k.storage.transposed() } else { k.storage },
             followers: l.transposed(),
             l,
             dofs,
             number,
             slave,
             lines: Lines::default(),
-            plan: Plan::default(),
+            plan: CondensePlan::default(),
             spare: Spare::default(),
         };
         condensed.plan(elimination.slaves(), k)?;
@@ -227,13 +228,7 @@ impl CondensedPattern {
                 return Err(ArgumentError::NotFinite { what: "the list of terms", place, value: c });
             }
             rhs -= c * self.shift(elimination, j);
-            match (self.number[j], self.slave[j]) {
-                (NONE, NONE) => {}
-                (NONE, slave) => {
-                    self.l.row(slave as usize).for_each(|(r, v)| *sums.entry(r).or_insert(0.0) += c * v);
-                }
-                (number, _) => *sums.entry(number as usize).or_insert(0.0) += c,
-            }
+            self.row_of_l(j).for_each(|(r, v)| *sums.entry(r as usize).or_insert(0.0) += c * v);
         }
         Ok((sums.into_iter().collect(), rhs))
     }
@@ -243,7 +238,21 @@ impl CondensedPattern {
         self.by_columns
     }
 
-    /// The value of an unknown is no part of `u_0`.
+    /// Row j of L: an unknown has a single 1, a slave its masters, a prescribed DOF nothing.
+    #[inline]
+    fn row_of_l(&self, dof: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let (unknowns, values): (&[u32], &[f64]) = match (&self.number[dof], self.slave[dof]) {
+            (&NONE, NONE) => (&[], &[]),
+            (&NONE, slave) => {
+                let range = self.l.start[slave as usize]..self.l.start[slave as usize + 1];
+                (&self.l.col[range.clone()], &self.l.val[range])
+            }
+            (number, _) => (std::slice::from_ref(number), &[1.0]),
+        };
+        unknowns.iter().copied().zip(values.iter().copied())
+    }
+
+    /// `u_0` of a DOF; zero for an unknown.
     fn shift(&self, elimination: &Elimination, dof: usize) -> f64 {
         if self.number[dof] != NONE {
             return 0.0;

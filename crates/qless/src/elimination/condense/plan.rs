@@ -8,11 +8,11 @@ use crate::elimination::view::{Index, Storage, View};
 
 /// How the values of K_q come about.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Plan {
+pub(super) struct CondensePlan {
     /// Entries of K.
     pub entries: usize,
     /// By unknown.
-    pub source: Vec<Source>,
+    pub source: Vec<LineSource>,
     /// Entries of lines that are not copied.
     pub mixed: Entries,
     /// Entries of the lines of slaves.
@@ -27,10 +27,10 @@ pub(super) struct Plan {
 
 /// Where a line of K_q comes from.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Source {
+pub(super) enum LineSource {
     /// From as many entries of K, from this one on.
     Copied(u32),
-    /// From this line of [`Plan::mixed`], and the slaves that follow the unknown.
+    /// From this line of [`CondensePlan::mixed`], and the slaves that follow the unknown.
     Mixed(u32),
 }
 
@@ -70,8 +70,11 @@ impl CondensedPattern {
             let stored = k.range(dof).map(|e| (e as u32, k.index(e) as u32));
             stored.chain(mirrored.line(dof).iter().copied())
         };
-        let mut plan =
-            Plan { entries: k.nnz(), by_columns: k.by_columns && k.storage == Storage::Full, ..Plan::default() };
+        let mut plan = CondensePlan {
+            entries: k.nnz(),
+            by_columns: k.by_columns && k.storage == Storage::Full,
+            ..CondensePlan::default()
+        };
         let mut union = Union::new(self.unknowns());
         for (i, &dof) in slaves.iter().enumerate() {
             // Slaves of factored parts are unknowns.
@@ -96,10 +99,10 @@ impl CondensedPattern {
             let ascends = || stored.clone().skip(1).all(|e| k.index(e - 1) < k.index(e));
             let plain = stored.clone().all(|e| self.number[k.index(e)] != NONE) && mirrored.line(dof).is_empty();
             if plain && self.followers.row(q).len() == 0 && ascends() {
-                plan.source.push(Source::Copied(stored.start as u32));
+                plan.source.push(LineSource::Copied(stored.start as u32));
                 lines.index.extend(stored.map(|e| self.number[k.index(e)]));
             } else {
-                plan.source.push(Source::Mixed(plan.mixed.starts.len() as u32 - 1));
+                plan.source.push(LineSource::Mixed(plan.mixed.starts.len() as u32 - 1));
                 plan.mixed.push(entries(dof));
                 let own = plan.mixed.line(plan.mixed.starts.len() - 2);
                 let stored = |r: u32| self.is_stored(q, r);
@@ -119,24 +122,13 @@ impl CondensedPattern {
 
     /// The unknowns that DOF j stands for.
     fn reached(&self, j: u32, union: &mut Union, stored: impl Fn(u32) -> bool) {
-        let (number, slave) = (self.number[j as usize], self.slave[j as usize]);
-        if number != NONE {
-            if stored(number) {
-                union.add(number);
-            }
-        } else if slave != NONE {
-            self.l.row(slave as usize).map(|(r, _)| r as u32).filter(|&r| stored(r)).for_each(|r| union.add(r));
-        }
+        self.row_of_l(j as usize).map(|(r, _)| r).filter(|&r| stored(r)).for_each(|r| union.add(r));
     }
 
     /// Whether line q of K_q holds index r. Columns of a lower half are rows of an upper one.
     #[inline]
     pub(super) fn is_stored(&self, q: usize, r: u32) -> bool {
-        match self.half {
-            Half::All => true,
-            Half::Before => r as usize <= q,
-            Half::After => r as usize >= q,
-        }
+        self.half.holds(q, r as usize)
     }
 
     /// Of a symmetric matrix the entries that are not stored, where their row or column is no unknown: by line, the entries that stand
@@ -159,25 +151,5 @@ impl CondensedPattern {
             mirrored.push(own.map(|&(_, e, j)| (e, j)));
         }
         mirrored
-    }
-}
-
-/// Which indices a line of K_q holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Half {
-    All,
-    /// Up to its own.
-    Before,
-    /// From its own on.
-    After,
-}
-
-impl Half {
-    pub fn of<P, I>(k: &View<P, I>) -> Self {
-        match (k.storage, k.by_columns) {
-            (Storage::Full, _) => Self::All,
-            (Storage::Lower, false) | (Storage::Upper, true) => Self::Before,
-            (Storage::Upper, false) | (Storage::Lower, true) => Self::After,
-        }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::plan::Source;
+use super::plan::LineSource;
 use super::{CondensedPattern, NONE};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers};
@@ -59,7 +59,7 @@ impl CondensedPattern {
 
     /// Writes some lines; false if a number is not finite.
     fn fill(&self, range: Range<usize>, out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
-        let mixed = |source: &Source| matches!(source, Source::Mixed(_));
+        let mixed = |source: &LineSource| matches!(source, LineSource::Mixed(_));
         let sums = if self.plan.source[range.clone()].iter().any(mixed) { self.unknowns() } else { 0 };
         self.spare.with(sums, |sums| self.fill_with(sums, range, out, k, w))
     }
@@ -71,8 +71,8 @@ impl CondensedPattern {
             let (own, rest) = out.split_at_mut(line.len());
             out = rest;
             match self.plan.source[q] {
-                Source::Copied(first) => own.copy_from_slice(&k[first as usize..first as usize + own.len()]),
-                Source::Mixed(m) => {
+                LineSource::Copied(first) => own.copy_from_slice(&k[first as usize..first as usize + own.len()]),
+                LineSource::Mixed(m) => {
                     line.iter().for_each(|&r| sums[r as usize] = 0.0);
                     self.add_line(self.plan.mixed.line(m as usize), k, sums, |r| self.is_stored(q, r));
                     for (a, v) in self.followers.row(q) {
@@ -90,15 +90,8 @@ impl CondensedPattern {
     /// `sums += line of K times L`.
     fn add_line(&self, entries: &[(u32, u32)], k: &[f64], sums: &mut [f64], stored: impl Fn(u32) -> bool) {
         for &(e, j) in entries {
-            let (v, number) = (k[e as usize], self.number[j as usize]);
-            if number != NONE {
-                if stored(number) {
-                    sums[number as usize] += v;
-                }
-            } else if self.slave[j as usize] != NONE {
-                let row = self.l.row(self.slave[j as usize] as usize);
-                row.filter(|&(r, _)| stored(r as u32)).for_each(|(r, l)| sums[r] += v * l);
-            }
+            let row = self.row_of_l(j as usize).filter(|&(r, _)| stored(r));
+            row.for_each(|(r, l)| sums[r as usize] += k[e as usize] * l);
         }
     }
 
@@ -121,41 +114,25 @@ impl CondensedPattern {
     }
 }
 
-/// Does `work` for lines in stretches of about the same number of entries, on all threads; whether it is true of all.
+/// Calls `work` for ranges of lines with about the same number of entries, on all threads; returns whether every call returned true.
+/// One thread allocates nothing.
 fn each(starts: &[u32], values: &mut [f64], work: &(impl Fn(Range<usize>, &mut [f64]) -> bool + Sync)) -> bool {
-    let threads = rayon::current_num_threads();
-    let count = if threads == 1 { 1 } else { (4 * threads).min(values.len() / ENTRIES_PER_THREAD).max(1) };
-    halves(starts, 0..starts.len() - 1, values, count, work)
-}
-
-fn halves(
-    starts: &[u32],
-    lines: Range<usize>,
-    values: &mut [f64],
-    count: usize,
-    work: &(impl Fn(Range<usize>, &mut [f64]) -> bool + Sync),
-) -> bool {
-    if count < 2 {
-        return work(lines, values);
+    match rayon::current_num_threads() {
+        1 => work(0..starts.len() - 1, values),
+        threads => {
+            let ranges = line_ranges(starts, values, 4 * threads).into_par_iter();
+            ranges.map(|(lines, values)| work(lines, values)).reduce(|| true, |a, b| a & b)
+        }
     }
-    let first = starts[lines.start] as usize;
-    let aim = first + values.len() * (count / 2) / count;
-    let middle = starts.partition_point(|&s| (s as usize) < aim).clamp(lines.start, lines.end);
-    let (left, right) = values.split_at_mut(starts[middle] as usize - first);
-    let (a, b) = rayon::join(
-        || halves(starts, lines.start..middle, left, count / 2, work),
-        || halves(starts, middle..lines.end, right, count - count / 2, work),
-    );
-    a & b
 }
 
-/// Lines in stretches of about the same number of entries, with their values: at most so many.
-pub(super) fn stretches<'a>(
+/// Splits the lines into at most `most` ranges with about the same number of entries, each with its values.
+pub(super) fn line_ranges<'a>(
     starts: &[u32],
     mut values: &'a mut [f64],
     most: usize,
 ) -> Vec<(Range<usize>, &'a mut [f64])> {
-    let count = if rayon::current_num_threads() == 1 { 1 } else { most.min(values.len() / ENTRIES_PER_THREAD).max(1) };
+    let count = most.min(values.len() / ENTRIES_PER_THREAD).max(1);
     let (total, lines) = (values.len(), starts.len() - 1);
     let mut all = Vec::new();
     let mut first = 0;
@@ -225,7 +202,7 @@ impl CondensedPattern {
         }
         let of_slaves = &*of_slaves;
         fill(f_q, "f_q", |q| {
-            let line = if let Source::Mixed(m) = plan.source[q] { plan.mixed.line(m as usize) } else { &[] };
+            let line = if let LineSource::Mixed(m) = plan.source[q] { plan.mixed.line(m as usize) } else { &[] };
             let own = f[self.dofs[q]] - stress(self.dofs[q], line);
             own + self.followers.row(q).map(|(a, v)| v * of_slaves[a]).sum::<f64>()
         })

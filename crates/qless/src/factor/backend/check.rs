@@ -3,14 +3,14 @@
 use super::{Backend, Factor};
 use crate::Csr;
 
-/// A block with its rank and why it has that rank.
-struct CheckBlock {
+/// A block of known rank.
+struct KnownBlock {
     name: &'static str,
     columns: Csr,
     rank: usize,
 }
 
-/// A small repeatable generator (xorshift), so that every run tests the same numbers.
+/// A small generator (xorshift), so that every run tests the same numbers.
 pub(crate) struct Random(pub u64);
 
 impl Random {
@@ -36,7 +36,13 @@ fn sparse(rows: usize, cols: usize, seed: u64) -> Vec<Vec<f64>> {
     (0..rows).map(|i| (0..cols).map(|j| entry(&mut random, i == j)).collect()).collect()
 }
 
-/// `sum of two rows` appended k times: rank as before.
+/// A random sparse m x n block, by columns.
+#[cfg(feature = "spqr")]
+pub(crate) fn random_block(m: usize, n: usize, seed: u64) -> Csr {
+    from_dense(&sparse(m, n, seed))
+}
+
+/// Appends k combinations of two rows, which leave the rank as it is.
 fn with_combinations(mut rows: Vec<Vec<f64>>, k: usize) -> Vec<Vec<f64>> {
     let m = rows.len();
     for i in 0..k {
@@ -46,8 +52,8 @@ fn with_combinations(mut rows: Vec<Vec<f64>>, k: usize) -> Vec<Vec<f64>> {
     rows
 }
 
-fn blocks() -> Vec<CheckBlock> {
-    let block = |name, rows: &[Vec<f64>], rank| CheckBlock { name, columns: from_dense(rows), rank };
+fn blocks() -> Vec<KnownBlock> {
+    let block = |name, rows: &[Vec<f64>], rank| KnownBlock { name, columns: from_dense(rows), rank };
     vec![
         block("square", &sparse(8, 8, 1), 8),
         block("wide", &sparse(6, 15, 2), 6),
@@ -55,7 +61,14 @@ fn blocks() -> Vec<CheckBlock> {
         block("wide deficient", &with_combinations(sparse(6, 20, 4), 5), 6),
         block("tall deficient", &with_combinations(sparse(5, 7, 5), 9), 5),
         block("duplicate columns", &[vec![1.0, 1.0, 2.0, 0.0], vec![3.0, 3.0, 6.0, 0.0]], 1),
+        block("large and deficient", &with_combinations(sparse(60, 90, 6), 25), 60),
         block("one entry", &[vec![0.0, 0.0, 5.0]], 1),
+        block("zero column between", &[vec![1.0, 0.0, 2.0], vec![3.0, 0.0, 4.0], vec![5.0, 0.0, 1.0]], 2),
+        block("zero column first", &[vec![0.0, 1.0], vec![0.0, 1.0]], 1),
+        block("rank one", &[vec![1.0, 2.0, 3.0], vec![2.0, 4.0, 6.0], vec![3.0, 6.0, 9.0]], 1),
+        block("singletons", &[vec![2.0, 1.0, 0.0, 1.0], vec![0.0, 3.0, 0.0, 1.0], vec![0.0, 0.0, 0.0, 5.0]], 3),
+        block("singletons in one row", &[vec![1.0, 2.0, 3.0], vec![0.0; 3]], 1),
+        block("empty rows", &[vec![0.0; 3], vec![1.0, 0.0, 2.0], vec![0.0; 3], vec![3.0, 0.0, 4.0]], 2),
         block("zero", &[vec![0.0; 3], vec![0.0; 3]], 0),
     ]
 }
@@ -69,7 +82,7 @@ pub(crate) fn from_dense(rows: &[Vec<f64>]) -> Csr {
     a.transposed()
 }
 
-/// Runs a backend over all families.
+/// Checks a backend on all families.
 pub(crate) fn families(backend: &dyn Backend) {
     for block in blocks() {
         let (m, n) = (block.columns.cols, block.columns.rows());
@@ -81,6 +94,9 @@ pub(crate) fn families(backend: &dyn Backend) {
         check_shape(&factor, n, block.name);
         check_dependent_columns(&factor, &block.columns, block.name);
         check_solution(&factor, &block.columns, &rhs[..m], block.name);
+        if backend.is_orthogonal() {
+            check_products(&factor, &block.columns, &rhs, block.name);
+        }
     }
 }
 
@@ -97,7 +113,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
     }
 }
 
-/// `a_k = A_live R1^-1 R2_k` for every column k found dependent.
+/// `a_k = A_1 R1^-1 R2_k` for every dependent column k, A_1 being the independent columns.
 fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
     for (y, k) in factor.all_coefficients().iter().zip(factor.rank..) {
         let mut rest = column(columns, factor.order[k]);
@@ -109,7 +125,7 @@ fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
     }
 }
 
-/// `A_live R1^-1 (W b) = b` for b in the range of A, and nothing of b is left over.
+/// `A_1 R1^-1 (W b) = b` without a residual, for b in the range of A.
 fn check_solution(factor: &Factor, columns: &Csr, b: &[f64], name: &str) {
     let z = factor.solved(&factor.rhs[..factor.rank]);
     let mut rest = b.to_vec();
@@ -119,6 +135,25 @@ fn check_solution(factor: &Factor, columns: &Csr, b: &[f64], name: &str) {
     let size = b.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     assert!(rest.iter().all(|v| v.abs() <= 1e-12 * size), "{name}: residual {rest:?}");
     assert!(factor.rest[0] <= 1e-12 * size, "{name}: rest {}", factor.rest[0]);
+}
+
+/// An orthogonal W keeps products: `R^T R = (A P)^T A P`, `R^T W b = (A P)^T b`, and `|W b| = |b|`.
+fn check_products(factor: &Factor, columns: &Csr, rhs: &[f64], name: &str) {
+    let (m, n, rank) = (columns.cols, columns.rows(), factor.rank);
+    let by_columns = factor.r.transposed();
+    let mut a: Vec<_> = factor.order.iter().map(|&j| column(columns, j)).collect();
+    let mut r: Vec<_> = (0..n).map(|k| column(&by_columns, k)).collect();
+    a.extend(rhs.chunks(m).map(<[f64]>::to_vec));
+    r.extend((0..2).map(|c| factor.rhs[c * rank..(c + 1) * rank].to_vec()));
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    for (i, j) in (0..n + 2).flat_map(|i| (0..n.min(i + 1)).map(move |j| (i, j))) {
+        let size = dot(&a[i], &a[i]).sqrt() * dot(&a[j], &a[j]).sqrt();
+        assert!((dot(&r[i], &r[j]) - dot(&a[i], &a[j])).abs() <= 1e-13 * size, "{name}: columns {i} and {j}");
+    }
+    for (k, rest) in (n..).zip(&factor.rest) {
+        let (before, after) = (dot(&a[k], &a[k]), dot(&r[k], &r[k]) + rest * rest);
+        assert!((before - after).abs() <= 1e-13 * before, "{name}: right-hand side {}", k - n);
+    }
 }
 
 fn column(columns: &Csr, j: usize) -> Vec<f64> {

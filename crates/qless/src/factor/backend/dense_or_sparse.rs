@@ -1,46 +1,45 @@
-//! Dense or sparse: what the backend `faer` does with a block.
+//! The backend `faer` chooses dense or sparse QR for each block.
 //!
-//! A block of at most 2^14 numbers is dense, for pivoting finds ranks more surely. A larger one is sparse, unless more than
-//! half of its m n numbers are stored. Operations need not be compared, for the sparse way never does more of them than the
-//! dense one, `2 k^2 (l - k / 3)` with k the smaller and l the larger of m and n, and does each faster. On one thread with
-//! AVX-512, in 1e9 operations a second:
+//! A block with m n <= 2^14 is dense, because column pivoting finds the rank more reliably. A larger block is sparse, unless more than half
+//! of its m n entries are stored. Operation counts need not be compared: sparse QR never needs more operations than dense QR,
+//! `2 k^2 (l - k / 3)` with k the smaller and l the larger of m and n, and each of its operations is faster. On one thread with AVX-512,
+//! in 1e9 operations per second:
 //!
 //! | block | sparse | dense |
 //! | --- | --- | --- |
-//! | in cache, 1100 x 1100 to 1500 x 1500, rows of 4 to all | 50 to 80 | 25 to 34 |
-//! | 2000 x 2000 full, 4000 x 400 full | 55 to 62 | 13 to 19 |
-//! | beyond, 3000 x 3000, 6000 x 1500, 8000 x 1000 | 26 to 65 | 8 to 10 |
+//! | in cache, 1100 x 1100 to 1500 x 1500, rows of 4 entries to full rows | 50 to 80 | 25 to 34 |
+//! | full, 2000 x 2000 and 4000 x 400 | 55 to 62 | 13 to 19 |
+//! | larger than the cache, 3000 x 3000, 6000 x 1500, 8000 x 1000 | 26 to 65 | 8 to 10 |
 //! | an assignment problem's 7390 x 1726, six tenths of the operations | 57 | 8 |
 //!
-//! Half of the operations of pivoting are products of matrix and vector, which wait for memory. What speaks for the dense
-//! way is that ordering has its price as well: 2000 x 2000 and 3000 x 3000 take 0.40 s and 1.5 s with four tenths stored,
-//! 2.1 s and 10 s full, where all of the dense way takes 0.8 s and 4.3 s.
+//! Half of the operations of column pivoting are matrix-vector products, which wait for memory. But the fill-reducing order of sparse QR
+//! takes time too: 2000 x 2000 and 3000 x 3000 blocks take 0.40 s and 1.5 s with four tenths of the entries stored, and 2.1 s and 10 s
+//! if full. Dense QR takes 0.8 s and 4.3 s for them.
 
 use super::faer::Faer;
 use super::sparse::Sparse;
-use super::{Backend, BackendError, Factor, SMALL};
+use super::{Backend, BackendError, Factor, SMALL, check_limit};
 use crate::Csr;
 
-/// Dense QR with column pivoting or sparse QR, by the rule above, as a [`Backend`].
+/// Dense or sparse QR as a [`Backend`]: dense for small or full blocks, sparse for the others.
 #[derive(Clone, Copy, Debug)]
 pub struct DenseOrSparse {
     /// Bytes that a factorization may allocate.
     pub memory: usize,
-    /// Numbers up to which a block is dense.
+    /// Largest m n of a block that is always dense.
     pub small: usize,
 }
 
 impl DenseOrSparse {
-    /// With the rule above; a factorization may allocate `memory` bytes.
+    /// With the default `small`; a factorization may allocate `memory` bytes.
     pub fn new(memory: usize) -> Self {
         Self { memory, small: SMALL }
     }
 
-    /// Refuses a dense m x (n + k) array that is too large, before it is allocated. R and what is left of a stage come beside it.
+    /// Refuses a dense m x (n + k) array above the limit before it is allocated. R and the remainder of a stage need as much again.
     fn allow_dense(self, rows: usize, cols: usize, rhs: usize) -> Result<(), BackendError> {
         let needed = rows.saturating_mul(cols.saturating_add(rhs)).saturating_mul(3 * size_of::<f64>());
-        let (backend, limit) = (Faer.name(), self.memory);
-        if needed > limit { Err(BackendError::OverLimit { backend, rows, cols, needed, limit }) } else { Ok(()) }
+        check_limit(Faer.name(), (rows, cols), needed, self.memory)
     }
 }
 
@@ -79,16 +78,7 @@ mod tests {
         crate::factor::backend::check::families(&CHOICE);
     }
 
-    #[test]
-    fn a_large_sparse_block_is_sparse() {
-        let mut rows = Csr::empty(3000);
-        (0..4000).for_each(|i| rows.append([(i * 7 % 2999, 2.0), (2999, 1.0)]));
-        let columns = rows.transposed();
-        let factor = CHOICE.factor(&columns, &[], 1e-10).expect("a factorization");
-        assert_eq!(Ok(factor), Sparse { memory: usize::MAX }.factor(&columns, &[], 1e-10));
-    }
-
-    /// m x n, `count` entries to a column.
+    /// m x n with `count` entries per column.
     fn random(m: usize, n: usize, count: usize) -> Csr {
         let mut random = Random(5);
         let mut columns = Csr::empty(m);
@@ -136,27 +126,11 @@ mod tests {
     }
 
     #[test]
-    fn an_assignment_problem_is_sparse_and_has_its_rank() {
+    fn an_assignment_problem_is_sparse_and_has_the_rank_of_dense_qr() {
         let rows = assignment(8);
         assert_eq!((rows.rows(), CHOICE.pivots(rows.cols, rows.rows())), (896, false));
         let factor = CHOICE.factor(&rows, &[], 1e-10).expect("a factorization");
         assert_eq!(Ok(&factor), Sparse { memory: usize::MAX }.factor(&rows, &[], 1e-10).as_ref());
         assert_eq!(factor.rank, Faer.factor(&rows, &[], 1e-10).expect("it fits").rank);
-    }
-
-    /// The sparse way saves hardly an operation here, and two thirds of the time.
-    #[test]
-    fn a_block_that_fills_in_is_sparse() {
-        let mut random = Random(9);
-        let mut rows = Csr::empty(1100);
-        for _ in 0..1100 {
-            let mut columns: Vec<_> = (0..20).map(|_| random.below(1100)).collect();
-            columns.sort_unstable();
-            columns.dedup();
-            rows.append(columns.into_iter().map(|j| (j, random.signed() + 2e-4)));
-        }
-        let factor = CHOICE.factor(&rows, &[], 1e-10).expect("a factorization");
-        assert!(factor.r.nnz() > 500_000, "{} of 605,550", factor.r.nnz());
-        assert_eq!(Ok(factor), Sparse { memory: usize::MAX }.factor(&rows, &[], 1e-10));
     }
 }

@@ -11,14 +11,14 @@ impl Factor {
     /// `R1^-1 z`.
     ///
     /// # Errors
-    /// [`ArgumentError::WrongLength`] unless z has length r, and R at least r columns and r rows.
+    /// [`ArgumentError::WrongLength`] unless z has length r and R has r rows and at least r columns.
     pub fn solve(&self, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         self.check()?;
         long("z", z.len(), self.rank)?;
         Ok(self.solved(z))
     }
 
-    /// `R1^-1 R2`, a vector of length r for each of the n - r dependent columns: how they are made of the others.
+    /// `R1^-1 R2`: for each of the n - r dependent columns its r coefficients over the independent ones.
     ///
     /// # Errors
     /// [`ArgumentError::WrongLength`] unless R has r rows and at least r columns.
@@ -27,7 +27,7 @@ impl Factor {
         Ok(self.all_coefficients())
     }
 
-    /// The sizes of R, which anybody may have put together.
+    /// The fields are public, so the shape of R is checked.
     fn check(&self) -> Result<(), ArgumentError> {
         long("the list of rows of R", self.r.rows(), self.rank)?;
         long("the list of columns of R1", self.r.cols().min(self.rank), self.rank)
@@ -63,15 +63,15 @@ impl Factor {
         x
     }
 
-    /// [`Factor::coefficients`] of a factor that a backend made.
+    /// [`Factor::coefficients`] without the check, for factors made by a backend.
     pub(crate) fn all_coefficients(&self) -> Vec<Vec<f64>> {
         self.each_coefficients(|_, some| some).into_iter().flatten().collect()
     }
 
-    /// Does something with the same, slab by slab: the first place of each among the dependent columns, and its vectors.
+    /// Calls `job` for each slab of dependent columns, in parallel, with the number of its first dependent column and its vectors.
     pub(crate) fn each_coefficients<T: Send>(&self, job: impl Fn(usize, Vec<Vec<f64>>) -> T + Sync) -> Vec<T> {
         let columns = self.r.transposed();
-        let of = |first: usize| {
+        let slab = |first: usize| {
             let count = WIDTH.min(columns.rows() - first);
             let mut slab = vec![[0.0; WIDTH]; self.rank];
             (0..count).for_each(|c| columns.row(first + c).for_each(|(i, v)| slab[i][c] = v));
@@ -79,11 +79,11 @@ impl Factor {
             job(first - self.rank, (0..count).map(|c| slab.iter().map(|row| row[c]).collect()).collect())
         };
         let first: Vec<usize> = (self.rank..columns.rows()).step_by(WIDTH).collect();
-        first.into_par_iter().map(of).collect()
+        first.into_par_iter().map(slab).collect()
     }
 
-    /// Estimate of the smallest singular value of R1, from above, and its right singular vector: five steps of inverse iteration
-    /// with `R1^T R1`, each two triangular solves. 1 and nothing for no rank at all.
+    /// An upper estimate of the smallest singular value of R1 and its right singular vector, by five steps of inverse iteration with
+    /// `R1^T R1`, each two triangular solves. Returns 1 and an empty vector if the rank is 0.
     pub(crate) fn smallest_singular_value(&self) -> (f64, Vec<f64>) {
         if self.rank == 0 {
             return (1.0, Vec::new());
@@ -105,7 +105,7 @@ impl Factor {
 /// Steps of inverse iteration.
 const STEPS: usize = 5;
 
-/// Without overflow on the way.
+/// The 2-norm, without overflow of intermediate results.
 pub(crate) fn norm(x: &[f64]) -> f64 {
     let largest = x.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     if largest == 0.0 || !largest.is_finite() {
@@ -119,13 +119,13 @@ fn normalize(x: &mut [f64]) {
     x.iter_mut().for_each(|v| *v /= norm);
 }
 
-/// `max |x_i| / |x|`, 1 for nothing.
+/// `max |x_i| / |x|`; 1 if x is zero or empty.
 pub(crate) fn part_of_largest(x: &[f64]) -> f64 {
     let largest = x.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     if largest > 0.0 { largest / norm(x) } else { 1.0 }
 }
 
-/// The place of the number of the largest size, the first of equals.
+/// The index of the entry of largest magnitude, the first one among equals.
 pub(crate) fn largest_place(x: &[f64]) -> Option<usize> {
     (0..x.len()).max_by(|&a, &b| x[a].abs().total_cmp(&x[b].abs()).then(b.cmp(&a)))
 }

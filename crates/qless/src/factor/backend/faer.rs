@@ -11,8 +11,11 @@ use faer::linalg::householder::{
 use faer::linalg::qr::col_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
 use faer::{Conj, Mat, Par, Spec};
 
-use super::{Backend, BackendError, Factor, check_block, dense_len};
+use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
+
+/// The most entries of a dense block: 2 GiB.
+const DENSE_LIMIT: usize = 1 << 28;
 
 /// Dense QR with column pivoting as a [`Backend`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,7 +38,10 @@ impl Backend for Faer {
         let (m, n) = (columns.cols, columns.rows());
         check_block(columns, rhs, tolerance)?;
         let k = rhs.len().checked_div(m).unwrap_or(0);
-        dense_len("faer", m, n + k)?;
+        if m.saturating_mul(n + k) > DENSE_LIMIT {
+            let advice = "; keep presolve on, or use a sparse backend (sparse, spqr)";
+            return Err(BackendError::OutOfMemory { backend: "faer", rows: m, cols: n + k, advice });
+        }
         if m == 0 || n == 0 {
             return Ok(empty(n, rhs, k));
         }
@@ -49,12 +55,12 @@ impl Backend for Faer {
     }
 }
 
-/// Pivots below this times the first of a stage are chosen anew: norms of what remains are updated, not computed, and below
-/// about 1e-8 of the first they are rounding.
+/// Pivots below this times the first one of a stage are chosen again in the next stage: faer updates the norms of the remaining
+/// columns, and below about 1e-8 of the first norm the updated values are rounding.
 const GRADE: f64 = 1e-6;
 
-/// `A <- R` above its diagonal, `B <- Q^T B`; returns P and the rank. In stages, so that the columns that remain are compared by
-/// norms computed from what is left of them: one stage where no pivot is small.
+/// `A <- R` above its diagonal, `B <- Q^T B`; returns P and the rank. Each stage computes the norms of the remaining columns afresh. If
+/// no pivot is small, one stage is enough.
 fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
     let (n, steps) = (a.ncols(), a.nrows().min(a.ncols()));
     let (mut order, mut rank) = stage(a, b, tolerance);
@@ -78,15 +84,15 @@ fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<u
     (order, rank)
 }
 
-/// The largest norm of what remains of a column.
+/// The largest norm of a remaining column below row `rank`.
 fn largest_left(r: &Mat<f64>, rank: usize) -> f64 {
     let steps = r.nrows().min(r.ncols());
     let norm = |j: usize| (rank..=j.min(steps - 1)).map(|i| r[(i, j)].powi(2)).sum::<f64>().sqrt();
     (rank..r.ncols()).map(norm).fold(0.0, f64::max)
 }
 
-/// QR with column pivoting as faer does it; returns P and how many pivots are surely the best. One thread, so that bits never
-/// depend on threads. Only reflectors of pivots that are not zero are applied: others are not defined.
+/// QR with column pivoting by faer; returns P and the number of pivots that are large enough to be reliable. One thread, so that bits do
+/// not depend on the number of threads. Only reflections of nonzero pivots are applied, as the others are undefined.
 fn stage(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
     let (m, n, steps) = (a.nrows(), a.ncols(), a.nrows().min(a.ncols()));
     let block = recommended_block_size::<f64>(m, n);
@@ -99,15 +105,15 @@ fn stage(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usi
     qr_in_place(a.as_mut(), coefficients.as_mut(), &mut order, &mut inverse, Par::Seq, stack, params);
     let limit = tolerance.max(GRADE * a[(0, 0)].abs());
     let sure = (0..steps).take_while(|&i| a[(i, i)].abs() > limit).count();
-    // What is left is turned only where it counts.
-    let turns = if sure < steps && largest_left(a, sure) > tolerance {
+    // The remaining rows of B are transformed only if another stage follows.
+    let reflections = if sure < steps && largest_left(a, sure) > tolerance {
         (0..steps).take_while(|&i| a[(i, i)] != 0.0).count()
     } else {
         sure
     };
-    if turns > 0 {
-        let basis = a.as_ref().get(.., ..turns);
-        apply_transpose(basis, coefficients.as_ref().get(.., ..turns), Conj::No, b.as_mut(), Par::Seq, stack);
+    if reflections > 0 {
+        let basis = a.as_ref().get(.., ..reflections);
+        apply_transpose(basis, coefficients.as_ref().get(.., ..reflections), Conj::No, b.as_mut(), Par::Seq, stack);
     }
     (order, sure)
 }
@@ -151,7 +157,7 @@ mod tests {
         crate::factor::backend::check::families(&super::Faer);
     }
 
-    /// Columns that leave 1e-8 to 1e-13 of themselves, in no order: updated norms are rounding there.
+    /// Columns with remainders from 1e-8 to 1e-13, unsorted: updated norms are rounding there.
     #[test]
     fn pivots_descend_below_the_root_of_rounding() {
         let mut random = crate::factor::backend::check::Random(5);

@@ -1,8 +1,7 @@
-//! `A P = Q R`, Q never formed (Eq. 21-24): the one thing a backend does.
+//! A backend computes `A P = Q R` without forming Q (Eq. 21-24).
 //!
-//! A backend factors one block A (m x n, any shape, any rank) and returns plain owned data. It knows
-//! nothing of slaves, scaling or decks. Rather than Q it applies it: any nonsingular row transform W with
-//! `W A P = [R1 R2; 0 0]` serves the callers, so that Gauss elimination is a backend too (W = L^-1).
+//! It factors one block A (m x n, any shape, any rank) and returns plain owned data. It knows nothing about slaves, scaling or decks.
+//! The callers need `W A P = [R1 R2; 0 0]` and `W B` for any nonsingular W. So Gauss elimination (W = L^-1) is a backend too.
 
 use crate::common::argument::numbers;
 use crate::{ArgumentError, Csr};
@@ -19,19 +18,18 @@ pub(crate) mod null;
 pub mod sparse;
 #[cfg(feature = "spqr")]
 pub mod spqr;
-mod tall;
 
-/// The most entries that a dense backend will hold: 2 GiB.
-const DENSE_LIMIT: usize = 1 << 28;
-
-/// m n up to which blocks are dense where there is a choice: pivoting finds ranks more surely, and costs nothing there.
+/// Blocks with m n up to this are factored densely if there is a choice: column pivoting finds the rank more reliably and is fast there.
 pub(crate) const SMALL: usize = 1 << 14;
 
-/// Refuses a dense m x n array that would not fit.
-fn dense_len(backend: &'static str, rows: usize, cols: usize) -> Result<usize, BackendError> {
-    let advice = "; keep presolve on, or use a sparse backend (sparse, spqr)";
-    let fits = rows.checked_mul(cols).filter(|&len| len <= DENSE_LIMIT);
-    fits.ok_or(BackendError::OutOfMemory { backend, rows, cols, advice })
+/// Refuses an m x n block that needs more bytes than the limit.
+fn check_limit(
+    backend: &'static str,
+    (rows, cols): (usize, usize),
+    needed: usize,
+    limit: usize,
+) -> Result<(), BackendError> {
+    if needed > limit { Err(BackendError::OverLimit { backend, rows, cols, needed, limit }) } else { Ok(()) }
 }
 
 /// Refuses numbers that are not finite, a B that is not m x k, and a tolerance below zero.
@@ -47,36 +45,36 @@ fn check_block(columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<(), Argumen
 
 /// Rank-revealing factorization of one block.
 pub trait Backend: Send + Sync {
-    /// The name users choose it by: `faer`, `spqr`, `gauss`.
+    /// The name by which users choose it: `faer`, `sparse`, `spqr`, `gauss`.
     fn name(&self) -> &'static str;
 
-    /// Name and version of the library that does the work, as the report prints it.
+    /// Name and version of the library that computes the factorization, for the report.
     fn version(&self) -> String;
 
-    /// Whether W is orthogonal, so that R has the singular values of A.
+    /// Whether W is orthogonal: then R has the singular values of A.
     fn is_orthogonal(&self) -> bool {
         true
     }
 
-    /// Whether it takes the best columns of a block of this size (column pivoting), not just the first independent ones.
+    /// Whether it pivots columns for a block of this size, instead of keeping the first independent ones.
     fn pivots(&self, _rows: usize, _cols: usize) -> bool {
         false
     }
 
-    /// Factors A, given by its columns (row j of `columns` is column j of A), and transforms B.
+    /// Factors A and transforms B. Row j of `columns` is column j of A.
     ///
-    /// `rhs` is B, m x k by columns (its length is a multiple of m). A column of A whose remaining part is at most
-    /// `tolerance` in 2-norm (absolute, as A is given) counts as dependent.
+    /// `rhs` is B, m x k by columns (its length is a multiple of m). A column of A is dependent if the 2-norm of its remainder is at
+    /// most `tolerance`, an absolute value.
     ///
     /// # Errors
-    /// [`BackendError`]; no error leaves memory behind, and the next call works.
+    /// [`BackendError`]; after an error all memory is freed and the backend can be called again.
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError>;
 }
 
 /// `W A P = [R1 R2; 0 0]` and `W B`, with R1 upper triangular and nonsingular.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
-    /// r, the number of columns found independent; R1 is r x r.
+    /// r, the number of independent columns; R1 is r x r.
     pub rank: usize,
     /// P: `order[k]` is the column of A at position k, independent ones first; length n.
     pub order: Vec<usize>,
@@ -84,9 +82,9 @@ pub struct Factor {
     pub r: Csr,
     /// First r rows of W B, r x k by columns.
     pub rhs: Vec<f64>,
-    /// For each of the k right-hand sides the 2-norm of the rest of W B: what the equations cannot meet.
+    /// For each of the k right-hand sides the 2-norm of the remaining rows of W B: the residual.
     pub rest: Vec<f64>,
-    /// 2-norm (Frobenius) of what was treated as zero to find the rank.
+    /// Frobenius norm of the entries that were treated as zero to find the rank.
     pub dropped: f64,
 }
 
@@ -94,7 +92,7 @@ pub struct Factor {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BackendError {
-    /// The block needs more memory than there is or than is allowed.
+    /// The block needs more memory than is available.
     #[error("{backend}: a block of {rows} x {cols} needs more memory than is available{advice}")]
     OutOfMemory {
         /// Which backend.
@@ -103,7 +101,7 @@ pub enum BackendError {
         rows: usize,
         /// Columns of the block.
         cols: usize,
-        /// What the user can do, opening with "; ", or nothing.
+        /// What the user can do, starting with "; ", or empty.
         advice: &'static str,
     },
     /// The block needs more memory than the caller allows ([`crate::Options::memory`]).
@@ -118,12 +116,12 @@ pub enum BackendError {
         rows: usize,
         /// Columns of the block.
         cols: usize,
-        /// Bytes needed, as far as known when it stopped.
+        /// Bytes needed, a lower bound if the factorization stopped early.
         needed: usize,
         /// Bytes allowed.
         limit: usize,
     },
-    /// The block is larger than the backend's index type.
+    /// The block has more rows or columns than the backend's index type can count.
     #[error("{backend}: a block of {rows} x {cols} is larger than its indices can count")]
     TooLarge {
         /// Which backend.
@@ -134,20 +132,20 @@ pub enum BackendError {
         cols: usize,
     },
     /// The backend was not compiled in.
-    #[error("{backend}: this build does not have it; rebuild with `--features {backend}`")]
+    #[error("{backend}: this build does not include it; rebuild with `--features {backend}`")]
     NotCompiledIn {
         /// Which backend.
         backend: &'static str,
     },
-    /// Numbers that are not finite, right-hand sides that do not fit to the block, or a tolerance that is no distance.
+    /// A number that is not finite, right-hand sides whose length is not a multiple of m, or a tolerance below zero.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// Anything else, in the library's own words.
+    /// Another error, with the message of the library.
     #[error("{backend}: {message}")]
     Failed {
         /// Which backend.
         backend: &'static str,
-        /// What it said.
+        /// The message.
         message: String,
     },
 }

@@ -1,54 +1,64 @@
-//! Right singular vectors of R1 that belong to its smallest values: what a QR without pivoting kept and should not have.
+//! Columns that a QR without pivoting kept although they nearly depend on others.
 //!
-//! Block inverse iteration `X <- orth(R1^-1 R1^-T X)` with a Ritz step (Foster and Davis 2013, Algorithm 933), the block
-//! made wider until it holds a value above the limit. O(nnz(R1) k) for k values, all columns of X in parallel.
+//! They are found by the right singular vectors of R1 for its smallest singular values: block inverse iteration
+//! `X <- orth(R1^-1 R1^-T X)` with a Ritz step (Foster and Davis 2013, Algorithm 933). The block is widened until it contains a value
+//! above the limit. O(nnz(R1) k) for k values, the columns of X in parallel. Dense factorizations run on one thread, so that bits do not
+//! depend on the number of threads.
 
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::householder::{
+    apply_block_householder_sequence_on_the_left_in_place_scratch as apply_scratch,
+    apply_block_householder_sequence_on_the_left_in_place_with_conj as apply,
+};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
+use faer::linalg::svd::{ComputeSvdVectors, SvdParams, svd, svd_scratch};
+use faer::{Accum, Conj, Mat, Par, Spec};
 use rayon::prelude::*;
 
 use super::faer::Faer;
 use super::many::{Slab, WIDTH, slabs};
-use super::tall::{Tall, singular};
 use super::{Backend, BackendError, Factor};
 use crate::Csr;
 use crate::common::random::randoms;
 
-/// Steps of inverse iteration: values well below the limit stand out after the first.
+/// Steps of inverse iteration: values far below the limit separate in the first step.
 const STEPS: usize = 2;
-/// Values below the limit that lie below all others by this factor have converged.
+/// Values below the limit have converged if they are smaller than all others by this factor.
 const CLEAR: f64 = 1e3;
-/// Vectors at first, ...
+/// Number of vectors at first, ...
 const BLOCK: usize = WIDTH;
-/// ... and how many times more where those are not enough.
+/// ... the factor by which it grows if those are not enough, ...
 const GROWTH: usize = 4;
-/// Most of them: a matrix that has more such values is no near miss.
+/// ... and its maximum: a matrix with more small singular values is not nearly of full rank.
 const MOST: usize = 512;
 
 /// Columns of R1 that are nearly combinations of others.
 pub(crate) struct Weak {
-    /// Their positions.
+    /// Positions of the columns.
     pub columns: Vec<usize>,
-    /// An orthonormal basis of the near null space of R1, r x k, k columns being weak.
+    /// An orthonormal basis of the near null space of R1, r x k for k weak columns.
     pub null: Mat<f64>,
 }
 
 impl Factor {
-    /// Columns without which the singular values of R1 at most `limit` are gone; as many as there are such values, those by which
-    /// the singular vectors differ most. None if there are too many to count; `expected` tells where to begin.
+    /// As many columns as R1 has singular values of at most `limit`: without them these singular values vanish. The columns in which
+    /// the singular vectors are most independent are chosen. `expected` is the number of values to start with. None if there are more
+    /// than [`MOST`].
     pub(crate) fn weak_columns(&self, limit: f64, expected: usize) -> Result<Option<Weak>, BackendError> {
         let Some(null) = self.near_null(limit, expected) else { return Ok(None) };
         if null.ncols() == 0 {
             return Ok(Some(Weak { columns: Vec::new(), null }));
         }
-        // N^T, k x r, by its columns: QR with pivoting takes the k that are most independent.
+        // QR with pivoting of N^T (k x r) chooses its k most independent columns.
         let mut rows = Csr::empty(null.ncols());
         (0..null.nrows()).for_each(|i| rows.append((0..null.ncols()).map(|k| (k, null[(i, k)]))));
         let factor = Faer.factor(&rows, &[], 0.0)?;
         Ok(Some(Weak { columns: factor.order[..factor.rank].to_vec(), null }))
     }
 
-    /// An orthonormal basis, r x k. Blocks of vectors grow until one holds a value above the limit.
+    /// An orthonormal basis of the near null space, r x k.
     fn near_null(&self, limit: f64, expected: usize) -> Option<Mat<f64>> {
         let mut width = (expected + BLOCK).next_multiple_of(BLOCK).min(MOST).min(self.rank);
         while width > 0 {
@@ -74,22 +84,23 @@ impl Factor {
             if x.iter().flatten().flatten().any(|v| !v.is_finite()) {
                 return None;
             }
-            let basis = Tall::new(joined(&x, width)).basis();
+            let basis = orthonormal_basis(joined(&x, width));
             x = slabs(width, self.rank, |c, i| basis[(i, c)]);
             let products: Vec<Slab> = x.par_iter().map(|slab| self.times_slab(slab)).collect();
-            let (values, vectors) = singular(&Tall::new(joined(&products, width)).triangle())?;
+            let (values, vectors) = singular(&triangle(joined(&products, width)))?;
             let small = values.partition_point(|&value| value > limit);
-            let parted = small == 0 || small == width || values[small - 1] > CLEAR * values[small].max(limit / CLEAR);
-            if step == STEPS || parted {
-                let mut turned = Mat::zeros(self.rank, width);
-                matmul(turned.as_mut(), Accum::Replace, &basis, &vectors, 1.0, Par::Seq);
-                return Some((turned, values));
+            let separated =
+                small == 0 || small == width || values[small - 1] > CLEAR * values[small].max(limit / CLEAR);
+            if step == STEPS || separated {
+                let mut rotated = Mat::zeros(self.rank, width);
+                matmul(rotated.as_mut(), Accum::Replace, &basis, &vectors, 1.0, Par::Seq);
+                return Some((rotated, values));
             }
         }
         None
     }
 
-    /// `X <- R1^-1 R1^-T X`, each vector brought to size 1.
+    /// `X <- R1^-1 R1^-T X`, each vector scaled to a largest entry of 1.
     fn inverse_step(&self, x: &mut Slab) {
         self.solve_slab_transposed(x);
         self.solve_slab(x);
@@ -103,12 +114,54 @@ fn joined(slabs: &[Slab], width: usize) -> Mat<f64> {
     Mat::from_fn(slabs[0].len(), width, |i, c| slabs[c / WIDTH][i][c % WIDTH])
 }
 
+/// `A <- Q R` for an m x k matrix, m >= k; returns the coefficients of the reflections.
+fn qr(a: &mut Mat<f64>) -> Mat<f64> {
+    let (m, k) = a.shape();
+    let block = recommended_block_size::<f64>(m, k);
+    let mut coefficients = Mat::zeros(block, k.min(m));
+    let params = Spec::default();
+    let mut memory = MemBuffer::new(qr_in_place_scratch::<f64>(m, k, block, Par::Seq, params));
+    qr_in_place(a.as_mut(), coefficients.as_mut(), Par::Seq, MemStack::new(&mut memory), params);
+    coefficients
+}
+
+/// The first k columns of Q.
+fn orthonormal_basis(mut a: Mat<f64>) -> Mat<f64> {
+    let coefficients = qr(&mut a);
+    let (m, k) = a.shape();
+    let mut q = Mat::identity(m, k);
+    let mut memory = MemBuffer::new(apply_scratch::<f64>(m, coefficients.nrows(), k));
+    apply(a.as_ref(), coefficients.as_ref(), Conj::No, q.as_mut(), Par::Seq, MemStack::new(&mut memory));
+    q
+}
+
+/// R, k x k.
+fn triangle(mut a: Mat<f64>) -> Mat<f64> {
+    qr(&mut a);
+    let k = a.ncols();
+    Mat::from_fn(k, k, |i, j| if i <= j { a[(i, j)] } else { 0.0 })
+}
+
+/// Singular values, descending, and right singular vectors of a small square matrix. The QR algorithm is used at every size: from 128
+/// rows on faer would divide and conquer, which returned 2e-5 for one of many zeros.
+fn singular(a: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+    let k = a.ncols();
+    let mut params = Spec::<SvdParams, f64>::default();
+    params.config.recursion_threshold = usize::MAX;
+    let (mut values, mut vectors) = (Diag::zeros(k), Mat::zeros(k, k));
+    let (none, all) = (ComputeSvdVectors::No, ComputeSvdVectors::Full);
+    let mut memory = MemBuffer::new(svd_scratch::<f64>(k, k, none, all, Par::Seq, params));
+    svd(a.as_ref(), values.as_mut(), None, Some(vectors.as_mut()), Par::Seq, MemStack::new(&mut memory), params)
+        .ok()?;
+    Some((values.column_vector().iter().copied().collect(), vectors))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::check::Random;
     use super::*;
 
-    /// R1 of full rank with sums of earlier columns, which a QR without pivoting keeps when their remainders are `left`.
+    /// R1 of full rank in which `sums` columns are sums of two others plus a remainder `left`; a QR without pivoting keeps them.
     fn with_sums(rank: usize, sums: usize, left: f64) -> Factor {
         let mut random = Random(3);
         let mut columns: Vec<Vec<f64>> = Vec::new();
@@ -134,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_that_are_sums_of_others_are_found_whatever_their_number() {
+    fn any_number_of_columns_that_are_sums_of_others_is_found() {
         for sums in [1, 5, 8, 9, 40] {
             let factor = with_sums(120, sums, 1e-9);
             let weak = factor.weak_columns(1e-6, 0).expect("a small dense QR").expect("not too many").columns;
@@ -149,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn sound_factors_have_none() {
+    fn well_conditioned_factors_have_no_weak_columns() {
         for (sums, left) in [(0, 0.0), (4, 1e-3)] {
             let weak =
                 with_sums(60, sums, left).weak_columns(1e-6, 0).expect("a small dense QR").expect("not too many");

@@ -1,13 +1,13 @@
 //! `A P = Q R` by multifrontal QR in Rust ([`qless_qr`]) with Heath's rank detection, like SuiteSparseQR's.
 //!
-//! The memory that the pattern asks for is known before anything is allocated; more than the limit is refused.
+//! The memory for a pattern is known before anything is allocated; a block above the limit is refused.
 
 use qless_qr::{Error, FactorParts, Options, Symbolic, Tolerance};
 
 use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
 
-/// Sparse QR as a [`Backend`], whatever the size of the block.
+/// Sparse QR as a [`Backend`], for blocks of every size.
 #[derive(Clone, Copy, Debug)]
 pub struct Sparse {
     /// Bytes that a factorization may allocate.
@@ -25,7 +25,13 @@ impl Backend for Sparse {
 
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
         check_block(columns, rhs, tolerance)?;
-        self.factor_analysed(&analyse(columns)?, columns, rhs, tolerance)
+        let options = Options::new().tolerance(Tolerance::Absolute(tolerance)).memory(self.memory);
+        let factor = analyse(columns)?.factor(&columns.val, rhs, options);
+        let factor = factor.map_err(|error| refused(&error, columns.cols, columns.rows()))?;
+        let (rank, dropped) = (factor.rank(), factor.dropped());
+        let FactorParts { order, r, rhs, rest, .. } = factor.into_parts();
+        let r = Csr { cols: columns.rows(), start: r.start, col: r.col, val: r.val };
+        Ok(Factor { rank, order, r, rhs, rest, dropped })
     }
 }
 
@@ -35,28 +41,9 @@ pub(super) fn analyse(columns: &Csr) -> Result<Symbolic, BackendError> {
     Symbolic::analyse(m, n, &columns.start, &columns.col).map_err(|error| refused(&error, m, n))
 }
 
-/// An order of the columns in which they fill little.
+/// A fill-reducing order of the columns.
 pub(crate) fn order(columns: &Csr) -> Result<Vec<usize>, BackendError> {
     Ok(analyse(columns)?.order().iter().map(|&j| j as usize).collect())
-}
-
-impl Sparse {
-    /// As [`Backend::factor`], with the analysis made before.
-    pub(super) fn factor_analysed(
-        self,
-        symbolic: &Symbolic,
-        columns: &Csr,
-        rhs: &[f64],
-        tolerance: f64,
-    ) -> Result<Factor, BackendError> {
-        let options = Options::new().tolerance(Tolerance::Absolute(tolerance)).memory(self.memory);
-        let factor = symbolic.factor(&columns.val, rhs, options);
-        let factor = factor.map_err(|error| refused(&error, columns.cols, columns.rows()))?;
-        let (rank, dropped) = (factor.rank(), factor.dropped());
-        let FactorParts { order, r, rhs, rest, .. } = factor.into_parts();
-        let r = Csr { cols: columns.rows(), start: r.start, col: r.col, val: r.val };
-        Ok(Factor { rank, order, r, rhs, rest, dropped })
-    }
 }
 
 fn refused(error: &Error, rows: usize, cols: usize) -> BackendError {

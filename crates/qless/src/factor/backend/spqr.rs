@@ -1,14 +1,14 @@
 //! `Q^T A P = [R1 R2; 0 0]` and `Q^T B` by SuiteSparseQR (Davis 2011, Algorithm 915), so W = Q^T.
 //!
-//! Multifrontal Householder QR with Heath's rank detection. One call of its C interface factors A and
-//! transforms B; Q is neither formed nor kept. Results are copied to owned data and the C memory is freed
-//! before the call returns, so that nothing here holds a C pointer and threads need no care.
+//! Multifrontal Householder QR with Heath's rank detection. One call of its C interface factors A and transforms B; Q is neither
+//! formed nor kept. Results are copied to owned data and the C memory is freed before the call returns. So no value here holds a C
+//! pointer, and all of them can be sent to other threads.
 //! SuiteSparseQR is GPL-2.0-or-later; a binary built with the feature `spqr` is too.
 
 mod call;
 
 use super::sparse::analyse;
-use super::{Backend, BackendError, Factor, check_block};
+use super::{Backend, BackendError, Factor, check_block, check_limit, norm};
 use crate::Csr;
 use call::{Call, collected};
 use std::collections::TryReserveError;
@@ -22,32 +22,33 @@ pub use spqr_sys::memory::faults;
 
 const NAME: &str = "spqr";
 
-/// Bytes for each of m n numbers that a factorization takes at most: a front that holds all, R beside it twice.
+/// Upper bound of the bytes per entry of a dense m x n block: one front with all of them, and two copies of R.
 const FULL: usize = 3 * size_of::<f64>();
 
 /// SuiteSparseQR, ordering by its own default (COLAMD, AMD or METIS).
 ///
-/// One BLAS thread, whatever the process uses elsewhere, so that results are the same to the last bit for every number of
-/// `threads`. These need the feature `tbb` and SuiteSparseQR 2.1; elsewhere the tasks run in sequence ([`Spqr::trees`]).
+/// BLAS runs on one thread during a factorization, so the results are the same to the last bit for every value of `threads`. Several
+/// threads need the feature `tbb` and SuiteSparseQR 2.1; otherwise the tasks run in sequence ([`Spqr::has_trees`]).
 ///
-/// Without memory it returns [`BackendError::OutOfMemory`], whichever allocation fails, of SuiteSparse, of OpenBLAS or of its task
-/// tree; it leaves the hooks of SuiteSparse and the `cholmod_common` of others in the process alone (`spqr_sys::memory`). OpenBLAS itself
-/// starts threads when a program is loaded, unless the program says that it wants none (`spqr_sys::blas`).
+/// It returns [`BackendError::OutOfMemory`] if any allocation of SuiteSparse, OpenBLAS or the task tree fails. It does not change the
+/// hooks of SuiteSparse or the `cholmod_common` of other users in the process (`spqr_sys::memory`). OpenBLAS starts threads when a
+/// program is loaded, unless the program prevents that (`spqr_sys::blas`).
 ///
-/// A program that factors large systems again and again saves up to a fifth of the time if freed memory stays in the process: glibc gives
-/// arrays above 32 MB back and gets zeroed pages for the next ones, unless it is started with
+/// A program that factors large systems repeatedly saves up to a fifth of the time if freed memory stays in the process. By default glibc
+/// returns arrays above 32 MB to the system and requests zeroed pages for the next ones. These settings prevent that:
 /// `GLIBC_TUNABLES=glibc.malloc.mmap_threshold=8000000000:glibc.malloc.trim_threshold=32000000000:glibc.malloc.top_pad=1000000000`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spqr {
-    /// Threads for the task tree of one factorization; 0 for as many as the caller's rayon pool has. Default: 1, which makes
-    /// no tree.
+    /// Threads for the task tree of one factorization; 0 for the number of threads of the caller's rayon pool. Default: 1, without a
+    /// tree.
     pub threads: usize,
-    /// The work of the whole over that of a task at least. Default: 5, whatever the threads; more makes smaller tasks.
+    /// Lower bound of the ratio of all work to the work of one task. Larger values make smaller tasks. Default: 5, for any number of
+    /// threads.
     pub grain: f64,
-    /// Operations of a task at least. Default: 1e6, below which a thread costs more than it does.
+    /// Lower bound of the operations of a task. Default: 1e6; starting a thread for less costs more than it saves.
     pub small: f64,
-    /// Bytes that a factorization may take by the forecast of [`super::sparse`] for the same pattern; more is refused before the
-    /// work. The forecast is for our own order of the columns, so that SuiteSparseQR can take more or less. Default: no limit.
+    /// Limit of the bytes that [`super::sparse`] predicts for the same pattern; a block above it is refused before the work. The
+    /// prediction assumes qless' own column order, so SuiteSparseQR can use more or less. Default: no limit.
     pub memory: usize,
 }
 
@@ -57,28 +58,28 @@ impl Default for Spqr {
     }
 }
 
-/// What one factorization took.
+/// Tasks, memory and time of one factorization.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// Tasks in the tree; 1 for a factorization in sequence.
     pub tasks: usize,
-    /// Bytes that CHOLMOD held at most.
+    /// Peak memory of CHOLMOD, in bytes.
     pub memory: usize,
     /// Seconds of the symbolic analysis, ...
     pub analysis: f64,
     /// ... of the factorization alone, ...
     pub factorization: f64,
-    /// ... and of the whole call, the copy of the results included.
+    /// ... and of the whole call, including the copy of the results.
     pub total: f64,
 }
 
 impl Spqr {
-    /// So many threads for each factorization.
+    /// SuiteSparseQR with this number of threads for each factorization.
     pub fn on(threads: usize) -> Self {
         Self { threads, ..Self::default() }
     }
 
-    /// How many task trees have run in this process.
+    /// Number of task trees that have run in this process.
     pub fn trees() -> u64 {
         spqr_sys::tree::count()
     }
@@ -88,7 +89,7 @@ impl Spqr {
         spqr_sys::tree::is_active()
     }
 
-    /// [`Backend::factor`], and what it took.
+    /// [`Backend::factor`] with its statistics.
     ///
     /// # Errors
     /// [`BackendError`].
@@ -99,15 +100,15 @@ impl Spqr {
         tolerance: f64,
     ) -> Result<(Factor, Statistics), BackendError> {
         if tolerance.is_nan() || tolerance < 0.0 {
-            // SuiteSparseQR reads those as other settings.
-            return Err(failed(format!("the tolerance {tolerance} is no distance")));
+            // SuiteSparseQR gives negative tolerances a special meaning.
+            return Err(failed(format!("the tolerance {tolerance} is negative or not a number")));
         }
         spqr_sys::version().map_err(|mismatch| failed(mismatch.to_string()))?;
         let (m, n) = (columns.cols, columns.rows());
         if u32::try_from(n).is_err() || i64::try_from(m).is_err() {
             return Err(BackendError::TooLarge { backend: NAME, rows: m, cols: n });
         }
-        // SuiteSparseQR takes a NaN for an independent entry and reports success.
+        // SuiteSparseQR treats a NaN as an independent entry and reports success.
         check_block(columns, rhs, tolerance)?;
         let tall = TallRhs { rows: m, count: rhs.len().checked_div(m).unwrap_or(0), values: rhs };
         if columns.nnz() == 0 {
@@ -120,7 +121,7 @@ impl Spqr {
         Ok((factor, Statistics { total: start.elapsed().as_secs_f64(), ..statistics }))
     }
 
-    /// Refuses what is foreseen to need more than the limit. What fits even if full is not analysed.
+    /// Refuses a block whose predicted memory is above the limit. A block that would fit even if dense is not analysed.
     fn allow(self, columns: &Csr, rhs: usize) -> Result<(), BackendError> {
         let (rows, cols, limit) = (columns.cols, columns.rows(), self.memory);
         let full = rows.saturating_mul(cols.saturating_add(rhs)).saturating_mul(FULL);
@@ -128,10 +129,7 @@ impl Spqr {
             return Ok(());
         }
         let needed = analyse(columns)?.memory(rhs);
-        if needed > limit {
-            return Err(BackendError::OverLimit { backend: NAME, rows, cols, needed, limit });
-        }
-        Ok(())
+        check_limit(NAME, (rows, cols), needed, limit)
     }
 
     fn factor_in_c(self, columns: &Csr, b: TallRhs, tolerance: f64) -> Result<(Factor, Statistics), BackendError> {
@@ -197,19 +195,13 @@ fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|v| v.is_finite())
 }
 
-/// The 2-norm; scaled, so that squares neither overflow nor vanish.
-fn norm(x: &[f64]) -> f64 {
-    let largest = x.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
-    if largest == 0.0 { 0.0 } else { largest * x.iter().map(|v| (v / largest).powi(2)).sum::<f64>().sqrt() }
-}
-
-/// A = 0 or without rows or columns: W = I. C is not asked, it does not take every empty matrix.
+/// W = I, for A = 0 or A without rows or columns. The C code does not accept every empty matrix.
 fn nothing_to_factor(n: usize, b: TallRhs) -> Result<Factor, TryReserveError> {
     let (order, r) = (collected(n, 0..n)?, Csr::empty(n));
     Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })
 }
 
-/// Row i begins at column i: then R1 is upper triangular and nonsingular.
+/// Whether row i starts at column i: then R1 is upper triangular and nonsingular.
 fn is_trapezoidal(r: &Csr) -> bool {
     (0..r.rows()).all(|i| r.row(i).next().is_some_and(|(j, _)| j == i))
 }

@@ -1,9 +1,9 @@
-//! Bytes allocated so far, and how many may be.
+//! Counts allocated bytes against a limit.
 
 use crate::Csr;
-use crate::factor::backend::BackendError;
+use crate::factor::backend::{BackendError, check_limit};
 
-/// What the elimination of one m x n block may still allocate.
+/// Bytes that the elimination of one m x n block has allocated, and the limit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ledger {
     rows: usize,
@@ -17,32 +17,31 @@ impl Ledger {
         Self { rows: columns.cols, cols: columns.rows(), used: 0, limit }
     }
 
-    /// Counts `count` values of type T, before they are allocated.
+    /// Counts `count` values of type T before they are allocated.
     pub fn take<T>(&mut self, count: usize) -> Result<(), BackendError> {
-        let (rows, cols, limit) = (self.rows, self.cols, self.limit);
         let needed = self.used.saturating_add(count.saturating_mul(size_of::<T>()));
-        if needed > limit {
-            return Err(BackendError::OverLimit { backend: "gauss", rows, cols, needed, limit });
-        }
+        check_limit("gauss", (self.rows, self.cols), needed, self.limit)?;
         self.used = needed;
         Ok(())
     }
 
     /// Counts `count` values of type T that were freed.
-    pub fn give<T>(&mut self, count: usize) {
+    fn give<T>(&mut self, count: usize) {
         self.used -= count * size_of::<T>();
     }
 
-    /// Makes room for `more` values, half as much again where it has to grow, so that pushing them cannot allocate.
+    /// Reserves room for `more` values, so that pushing them cannot allocate; a list that grows grows by half at least.
     pub fn reserve<T>(&mut self, list: &mut Vec<T>, more: usize) -> Result<(), BackendError> {
         let before = list.capacity();
         if list.len() + more <= before {
             return Ok(());
         }
         let wanted = (list.len() + more).max(before + before / 2);
-        // While it moves, the old list is there too.
+        // During the move both lists exist.
         self.take::<T>(wanted)?;
-        list.try_reserve_exact(wanted - list.len()).map_err(|_| self.out_of_memory())?;
+        let Self { rows, cols, .. } = *self;
+        let refused = |_| BackendError::OutOfMemory { backend: "gauss", rows, cols, advice: "" };
+        list.try_reserve_exact(wanted - list.len()).map_err(refused)?;
         self.take::<T>(list.capacity() - wanted)?;
         self.give::<T>(before);
         Ok(())
@@ -68,14 +67,10 @@ impl Ledger {
         drop(list);
     }
 
-    /// Frees what a list does not fill.
+    /// Frees the unused capacity of a list.
     pub fn shrink<T>(&mut self, list: &mut Vec<T>) {
         let before = list.capacity();
         list.shrink_to_fit();
         self.give::<T>(before - list.capacity());
-    }
-
-    fn out_of_memory(&self) -> BackendError {
-        BackendError::OutOfMemory { backend: "gauss", rows: self.rows, cols: self.cols, advice: "" }
     }
 }

@@ -1,19 +1,18 @@
 //! Sparse rows, `row <- row - factor pivot`, and the lists of rows by column.
 
 use super::ledger::Ledger;
-use super::queue::Queue;
 use crate::Csr;
 use crate::factor::backend::BackendError;
 
-/// An entry at most `2^-50` (8.9e-16) of the largest number that went into it is rounding.
+/// An entry of at most `2^-50` (8.9e-16) times the largest term of its sum is rounding.
 const ROUNDING_BITS: u32 = 50;
 const ABSENT: u32 = u32::MAX;
 
-/// One number of a row; the entries of a row stand in no order.
+/// One entry of a row; the entries of a row are not sorted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GaussEntry {
     pub col: u32,
-    /// Exponent of the largest number that went into `value`, as f64 stores it.
+    /// Exponent of the largest term that was added to `value`, as f64 stores it.
     peak: u32,
     pub value: f64,
 }
@@ -43,15 +42,15 @@ pub(super) fn largest(row: &[GaussEntry]) -> f64 {
     row.iter().fold(0.0, |most, entry| most.max(entry.value.abs()))
 }
 
-/// The pivot row, and where in it each column is.
-pub(super) struct Pivot {
+/// The pivot row with the position of each column in it.
+pub(super) struct PivotRow {
     pub entries: Vec<GaussEntry>,
     place: Vec<u32>,
-    /// Which of its entries a row met.
+    /// Whether the row that is updated has an entry in the same column.
     met: Vec<bool>,
 }
 
-impl Pivot {
+impl PivotRow {
     pub fn new(cols: usize, ledger: &mut Ledger) -> Result<Self, BackendError> {
         Ok(Self { entries: Vec::new(), place: ledger.filled(ABSENT, cols)?, met: ledger.filled(false, cols)? })
     }
@@ -66,7 +65,7 @@ impl Pivot {
         std::mem::take(&mut self.entries)
     }
 
-    /// `row i <- row i - factor pivot`; returns the sum of the squares of what cancelled.
+    /// `row i <- row i - factor pivot`; returns the sum of the squares of the entries that cancelled.
     pub fn subtract_from(
         &mut self,
         row: &mut Vec<GaussEntry>,
@@ -96,7 +95,7 @@ impl Pivot {
         Ok(cancelled)
     }
 
-    /// Appends `-factor pivot` in the `count` columns that the row did not meet.
+    /// Appends `-factor pivot` in the `count` columns in which the row has no entry.
     fn fill(
         &mut self,
         row: &mut Vec<GaussEntry>,
@@ -109,7 +108,7 @@ impl Pivot {
         ledger.reserve(row, count)?;
         for (entry, met) in self.entries.iter().zip(&mut self.met) {
             let fill = GaussEntry::new(entry.col, -factor * entry.value);
-            // A product too small for a double is no entry.
+            // A product that underflows to zero is not stored.
             if !std::mem::take(met) && fill.value != 0.0 {
                 columns.add(fill.col, i, ledger)?;
                 row.push(fill);
@@ -119,7 +118,7 @@ impl Pivot {
     }
 }
 
-/// For each column the waiting rows that have an entry in it. A list may name rows that no longer have one; the count is exact.
+/// For each column the waiting rows that have an entry in it. A list may include rows that no longer have one; the count is exact.
 pub(super) struct WaitingRows {
     lists: Vec<Vec<u32>>,
     count: Vec<u32>,
@@ -142,7 +141,7 @@ impl WaitingRows {
         self.lists.len()
     }
 
-    /// How many waiting rows hold the column.
+    /// Number of waiting rows with an entry in the column.
     pub fn count(&self, col: u32) -> u32 {
         self.count[col as usize]
     }
@@ -155,7 +154,7 @@ impl WaitingRows {
         Ok(())
     }
 
-    /// A row no longer holds the column or no longer waits; its name stays in the list until that is read.
+    /// A row lost its entry in the column or no longer waits; `read` removes it from the list.
     pub fn forget(&mut self, col: u32) {
         self.count[col as usize] -= 1;
     }
@@ -164,15 +163,21 @@ impl WaitingRows {
         ledger.free(std::mem::take(&mut self.lists[col as usize]));
     }
 
-    /// The waiting rows that hold the column and where in the row it stands, by ascending row.
-    pub fn read(&mut self, col: u32, rows: &[Vec<GaussEntry>], queue: &Queue, found: &mut Vec<(u32, u32)>) {
+    /// Writes the waiting rows with an entry in the column, ascending, and the position of the entry in each.
+    pub fn read(
+        &mut self,
+        col: u32,
+        rows: &[Vec<GaussEntry>],
+        waits: impl Fn(u32) -> bool,
+        found: &mut Vec<(u32, u32)>,
+    ) {
         let list = &mut self.lists[col as usize];
         list.sort_unstable();
         list.dedup();
         found.clear();
         list.retain(|&i| {
             let place = || rows[i as usize].iter().position(|entry| entry.col == col);
-            let place = if queue.waits(i) { place() } else { None };
+            let place = if waits(i) { place() } else { None };
             found.extend(place.map(|place| (i, place as u32)));
             place.is_some()
         });
@@ -189,15 +194,15 @@ mod tests {
     }
 
     #[test]
-    fn what_cancels_to_rounding_leaves_the_row_and_the_rest_stays() -> Result<(), BackendError> {
+    fn entries_that_cancel_are_removed_and_the_others_stay() -> Result<(), BackendError> {
         let mut a = Csr::empty(1);
         [0.3, 1.0, 0.0, 1e100].iter().for_each(|&v| a.append([(0, v)]));
         let mut ledger = Ledger::new(&a, usize::MAX);
-        let (mut columns, mut pivot) = (WaitingRows::new(&a, &mut ledger)?, Pivot::new(4, &mut ledger)?);
+        let (mut columns, mut pivot) = (WaitingRows::new(&a, &mut ledger)?, PivotRow::new(4, &mut ledger)?);
         pivot.load(row(&[(0, 0.1), (1, (1.0 - 1e-14) / 3.0), (2, 2.0)]));
         let mut target = row(&[(0, 0.3), (1, 1.0), (3, 1e100)]);
         let cancelled = pivot.subtract_from(&mut target, 3.0, 0, &mut columns, &mut ledger)?;
-        // 0.3 - 3 * 0.1 is -5.6e-17; 1 - (1 - 1e-14) is a number with two digits; column 2 fills in; column 3 is not met.
+        // 0.3 - 3 * 0.1 is -5.6e-17; 1 - (1 - 1e-14) is a number with two digits; column 2 fills in; column 3 is not in the pivot row.
         assert!(cancelled > 0.0 && cancelled < 1e-32, "{cancelled:e}");
         let mut left: Vec<_> = target.iter().map(|entry| (entry.col, entry.value)).collect();
         left.sort_unstable_by_key(|entry| entry.0);
@@ -208,16 +213,16 @@ mod tests {
     }
 
     #[test]
-    fn sizes_are_those_of_all_parts_that_went_in() -> Result<(), BackendError> {
+    fn rounding_is_measured_by_the_largest_term() -> Result<(), BackendError> {
         let mut a = Csr::empty(1);
         a.append([(0, 1.0)]);
         let mut ledger = Ledger::new(&a, usize::MAX);
-        let (mut columns, mut pivot) = (WaitingRows::new(&a, &mut ledger)?, Pivot::new(1, &mut ledger)?);
+        let (mut columns, mut pivot) = (WaitingRows::new(&a, &mut ledger)?, PivotRow::new(1, &mut ledger)?);
         let mut target = row(&[(0, 1.0)]);
         pivot.load(row(&[(0, 1.0)]));
         pivot.subtract_from(&mut target, 1.0 - 1e-12, 0, &mut columns, &mut ledger)?;
         assert_eq!(target.len(), 1);
-        // Of 1e-12 with an error of 1e-16, 1e-16 is left.
+        // 1e-12 has an error of 1e-16, so the 1e-16 that remains of it is rounding.
         let left = target[0].value;
         pivot.subtract_from(&mut target, left - 1e-16, 0, &mut columns, &mut ledger)?;
         assert!(target.is_empty(), "{target:?}");

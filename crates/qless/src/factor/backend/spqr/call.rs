@@ -1,4 +1,4 @@
-//! One call of SuiteSparseQR's C interface: what goes in, what comes out, and who frees it.
+//! One call of SuiteSparseQR's C interface: its input, its results, and the release of its memory.
 #![allow(unsafe_code, reason = "the one module that calls spqr-sys")]
 
 use std::collections::TryReserveError;
@@ -13,7 +13,7 @@ use super::{Statistics, TallRhs, all_finite, error_of, failed, is_trapezoidal};
 use crate::Csr;
 use crate::factor::backend::{BackendError, Factor};
 
-/// What C allocates for one factorization. Dropping it frees all of it, however the call went.
+/// The memory that C allocates for one factorization; freed on drop, whether the call succeeded or not.
 pub(super) struct Call {
     pub common: Common,
     z: *mut cholmod_dense,
@@ -23,13 +23,13 @@ pub(super) struct Call {
 }
 
 impl Call {
-    /// None without memory.
+    /// None if memory is exhausted.
     pub fn start(order_length: usize) -> Option<Self> {
         let common = Common::start()?;
         Some(Self { common, z: null_mut(), r: null_mut(), order: null_mut(), order_length })
     }
 
-    /// The rank, or CHOLMOD's status. The order must be asked for: without it SPQR 2.1 frees a deficient R twice.
+    /// The rank, or CHOLMOD's status. The column order is always requested: without it SPQR 2.1 frees a rank-deficient R twice.
     pub fn run(&mut self, columns: &Csr, b: TallRhs, tolerance: f64) -> Result<usize, i32> {
         let no_memory = |_| spqr_sys::CHOLMOD_OUT_OF_MEMORY;
         let starts = columns.start.iter().map(|&entry| entry as i64);
@@ -40,10 +40,10 @@ impl Call {
         let mut dense = dense_view(b);
         let (b_in, z_out) =
             if b.count == 0 { (null_mut(), null_mut()) } else { (from_mut(&mut dense), &raw mut self.z) };
-        // econ = m keeps every row of Q^T B; R has entries in its first rows only, so this costs nothing.
+        // econ = m keeps every row of Q^T B. The additional rows of R are empty, so this costs nothing.
         let econ = b.rows as i64;
-        // SAFETY: the views outlive the call, which reads them only; outputs are null or owned by `self`; Z is
-        // asked for dense exactly when B is given; H, HPinv and HTau may be null.
+        // SAFETY: the views outlive the call, which only reads them. Outputs are null or owned by `self`. A dense Z is
+        // requested exactly if B is not empty. H, HPinv and HTau may be null.
         let rank = unsafe {
             spqr_sys::SuiteSparseQR_C(
                 spqr_sys::SPQR_ORDERING_DEFAULT,
@@ -71,11 +71,11 @@ impl Call {
         usize::try_from(rank).ok().filter(|_| accepted).ok_or(self.common.status)
     }
 
-    /// Copies the results, on so many threads of the caller's pool.
+    /// Copies the results, on this number of threads of the caller's pool.
     pub fn read(&self, rank: usize, columns: &Csr, b: TallRhs, threads: usize) -> Result<Factor, BackendError> {
         let (m, n) = (columns.cols, columns.rows());
         let in_columns = self.r(n);
-        // For less the threads take longer to wake up.
+        // Below this size, waking threads takes longer than the copy.
         let threads = if in_columns.row.len() < 1 << 18 { 1 } else { threads };
         let no_memory = |_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n);
         let r = in_columns.by_rows(rank, threads).map_err(no_memory)?;
@@ -103,7 +103,7 @@ impl Call {
         }
     }
 
-    /// P; C returns it for `[A B]`, B last, and returns nothing for the identity.
+    /// P. C returns the order of `[A B]` with B last, or a null pointer for the identity.
     fn order(&self, n: usize) -> Result<Vec<usize>, TryReserveError> {
         if self.order.is_null() {
             return collected(n, 0..n);
@@ -113,7 +113,7 @@ impl Call {
     }
 
     fn r(&self, n: usize) -> InColumns<'_> {
-        // SAFETY: after `run`, R is packed, real, of 64-bit indices: n + 1 starts and as many entries as they say.
+        // SAFETY: after `run`, R is packed and real with 64-bit indices: n + 1 starts, the last of which is the number of entries.
         unsafe {
             let r = &*self.r;
             let start = slice(r.p.cast::<i64>(), n + 1);
@@ -136,7 +136,7 @@ impl Call {
 impl Drop for Call {
     fn drop(&mut self) {
         let common = self.common.as_mut_ptr();
-        // SAFETY: each pointer is null or was allocated by SPQR under this `common`; freeing null does nothing.
+        // SAFETY: each pointer is null or was allocated by SPQR with this `common`; freeing null does nothing.
         unsafe {
             spqr_sys::cholmod_l_free_sparse(&raw mut self.r, common);
             spqr_sys::cholmod_l_free_dense(&raw mut self.z, common);
@@ -145,12 +145,12 @@ impl Drop for Call {
     }
 }
 
-/// To 24 bits: the parts of this norm are summed task by task, so that its last bits depend on the tree, as nothing else does.
+/// Rounds to 24 bits. SuiteSparseQR sums this norm task by task, so its last bits depend on the tree; no other result does.
 fn without_last_bits(norm: f64) -> f64 {
     f64::from_bits((norm.to_bits() + (1 << 28)) & !((1 << 29) - 1))
 }
 
-/// At most `length` values, in memory that may not be there.
+/// Collects at most `length` values; an error if the allocation fails.
 pub(super) fn collected<T>(length: usize, values: impl Iterator<Item = T>) -> Result<Vec<T>, TryReserveError> {
     let mut collected = reserved(length)?;
     collected.extend(values.take(length));
@@ -166,7 +166,7 @@ fn reserved<T>(length: usize) -> Result<Vec<T>, TryReserveError> {
 /// # Safety
 /// `data` has `length` entries, or `length` is 0.
 unsafe fn slice<'a, T>(data: *const T, length: usize) -> &'a [T] {
-    // SAFETY: the caller's promise; C may leave the pointer of an empty array null, Rust may not.
+    // SAFETY: the caller's promise. C may use a null pointer for an empty array; Rust may not.
     if length == 0 { &[] } else { unsafe { std::slice::from_raw_parts(data, length) } }
 }
 
@@ -190,7 +190,7 @@ fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_s
     }
 }
 
-/// B as CHOLMOD sees it; read only too.
+/// B as CHOLMOD sees it; C only reads it.
 fn dense_view(b: TallRhs) -> cholmod_dense {
     cholmod_dense {
         nrow: b.rows,
@@ -204,7 +204,7 @@ fn dense_view(b: TallRhs) -> cholmod_dense {
     }
 }
 
-/// R as C returns it: where each column starts, the row of each entry (in no promised order), its value.
+/// R as C returns it: the start of each column, and the row (not sorted) and value of each entry.
 #[derive(Clone, Copy)]
 struct InColumns<'a> {
     start: &'a [i64],
@@ -212,21 +212,21 @@ struct InColumns<'a> {
     value: &'a [f64],
 }
 
-/// Where the entries of the result go.
+/// Destination of the entries of R by rows.
 #[derive(Clone, Copy)]
 struct Places {
     col: *mut u32,
     val: *mut f64,
 }
 
-// SAFETY: threads write to places of their own, see `fill`.
+// SAFETY: no two threads write to the same place, see `fill`.
 unsafe impl Sync for Places {}
 
 impl InColumns<'_> {
-    /// Rows 0..rank without exact zeros, on so many threads of the caller's pool.
+    /// Rows 0..rank without exact zeros, on this number of threads of the caller's pool.
     ///
-    /// By far the largest result, so it is written once, and may find no memory. Each thread takes some columns, and writes the
-    /// part of each row that is in them behind the parts before.
+    /// R is by far the largest result, so it is written only once, and its allocation can fail. Each thread takes a range of columns
+    /// and writes its entries of each row after those of the ranges before.
     fn by_rows(self, rank: usize, threads: usize) -> Result<Csr, TryReserveError> {
         let parts = self.split(threads.max(1));
         let zeros = |_| collected(rank, std::iter::repeat(0));
@@ -236,7 +236,7 @@ impl InColumns<'_> {
         let start = starts(rank, &mut places)?;
         let (mut col, mut val) = (reserved::<u32>(start[rank])?, reserved::<f64>(start[rank])?);
         let to = Places { col: col.as_mut_ptr(), val: val.as_mut_ptr() };
-        // SAFETY: entry by entry as `count` counted them, so each has a place of its own below start[rank], which is reserved.
+        // SAFETY: `count` counted the same entries, so each one has its own place below start[rank], which is reserved.
         let filling = |(part, next): (&Range<usize>, &mut Vec<usize>)| unsafe { self.fill(part.clone(), next, &to) };
         in_parallel(threads, &parts, &mut places, filling);
         // SAFETY: all places were written.
@@ -247,7 +247,7 @@ impl InColumns<'_> {
         Ok(Csr { cols: self.start.len() - 1, start, col, val })
     }
 
-    /// Consecutive columns of about as many entries each.
+    /// Splits the columns into ranges with about the same number of entries.
     fn split(self, count: usize) -> Vec<Range<usize>> {
         let columns = self.start.len() - 1;
         let bound = |part: usize| self.start.partition_point(|&at| (at as usize) < self.row.len() / count * part);
@@ -260,7 +260,7 @@ impl InColumns<'_> {
         self.row[range.clone()].iter().map(|&row| row as usize).zip(self.value[range].iter().copied())
     }
 
-    /// Adds up how many entries that count each row has in these columns.
+    /// Counts the nonzero entries of each row in these columns.
     fn count(self, columns: Range<usize>, counts: &mut [usize]) {
         for (row, value) in self.entries(columns) {
             if value != 0.0 && row < counts.len() {
@@ -270,7 +270,7 @@ impl InColumns<'_> {
     }
 
     /// # Safety
-    /// From `next[row]` on there are as many places as the row has entries in these columns, and they are nobody else's.
+    /// From `next[row]` on there is a place for each entry of the row in these columns, and no other thread writes to these places.
     unsafe fn fill(self, columns: Range<usize>, next: &mut [usize], to: &Places) {
         for j in columns {
             for (row, value) in self.entries(j..j + 1) {
@@ -288,7 +288,7 @@ impl InColumns<'_> {
     }
 }
 
-/// Where each row starts; turns counts, by part and row, into the first place of each.
+/// The start of each row; replaces the counts, by range and row, by the first place of each.
 fn starts(rank: usize, counts: &mut [Vec<usize>]) -> Result<Vec<usize>, TryReserveError> {
     let mut start = reserved(rank + 1)?;
     let mut place = 0;
@@ -316,7 +316,7 @@ mod tests {
         let (mut start, mut row, mut value) = (vec![0], Vec::new(), Vec::new());
         let mut expected = vec![Vec::new(); rank];
         for j in 0..columns {
-            // Not ascending, with exact zeros, and beyond the rank.
+            // Rows that do not ascend, exact zeros, and rows beyond the rank.
             for i in (0..=j).rev().filter(|i| (i * 7 + j * 5) % 11 < 4) {
                 let entry = if (i + j) % 13 == 0 { 0.0 } else { (1 + i) as f64 / (1 + j) as f64 };
                 row.push(i as i64);
