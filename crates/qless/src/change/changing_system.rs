@@ -1,13 +1,13 @@
-//! Constraints that come and go: contact, staged construction.
+//! Equations that are added and removed between steps: contact, staged construction.
 //!
 //! ```text
 //! add, remove, change, prescribe, release  ->  equations and DOFs touched
-//! update  ->  blocks that hold them, split or joined anew  ->  analyse and reduce these  ->  kinds, u_s = T u_q + G u_p + g
+//! update  ->  blocks that contain them, split or joined  ->  analyse and reduce these  ->  kinds, u_s = T u_q + G u_p + g
 //! ```
 //!
-//! Equations that share a free DOF form a block, and blocks know nothing of each other: what a change costs depends on the blocks that
-//! it touches, not on the model. A block's system holds its equations in the order in which they were added and its DOFs in
-//! ascending order, so that the results are those of a fresh run, to the last bit.
+//! Equations that share a free DOF are in the same block, and blocks are independent. So the cost of a change depends on the blocks that it
+//! touches, not on the model. A block has its equations in the order of their addition and its DOFs in ascending order, so that the
+//! results equal those of a new analysis, to the last bit.
 
 use rayon::prelude::*;
 
@@ -24,7 +24,7 @@ use crate::{Kind, Options};
 /// set.add([(0, 1.0), (1, -1.0)], 0.0)?;
 /// set.add([(2, 1.0), (3, -1.0)], 0.0)?;
 /// assert_eq!(set.update()?, 2);
-/// // Contact closes the ring of the first two DOFs; the other block is not touched.
+/// // Contact adds a second equation on the first two DOFs; the other block is not touched.
 /// let closing = set.add([(0, 2.0), (1, -2.0)], 0.5)?;
 /// assert_eq!(set.update()?, 1);
 /// assert_eq!(set.kind(closing), Some(Kind::Conflicting));
@@ -38,13 +38,14 @@ pub struct ChangingSystem {
     network: Network,
     options: Options,
     blocks: Vec<Option<SolvedBlock>>,
-    /// Places in `blocks` that are free.
+    /// Indices of unused entries of `blocks`.
     free: Vec<u32>,
     rank: usize,
 }
 
 impl ChangingSystem {
-    /// No equations on DOFs 0 to `dofs - 1`. Preferences of the options are not used: they number whole systems.
+    /// A set without equations on DOFs 0 to `dofs - 1`. The preferences of the options are ignored, because their equation numbers refer
+    /// to a fixed system.
     ///
     /// # Errors
     /// [`ChangeError::TooMany`] DOFs.
@@ -56,12 +57,12 @@ impl ChangingSystem {
     /// Adds `sum a_j u_j = rhs`; repeated DOFs are summed.
     ///
     /// # Errors
-    /// [`ChangeError`] for a DOF out of range, a number that is not finite or one equation too many; then nothing changes.
+    /// [`ChangeError`] for a DOF out of range, a number that is not finite or too many equations; then nothing changes.
     pub fn add(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, rhs: f64) -> Result<EquationId, ChangeError> {
         self.network.add(terms.into_iter().collect(), rhs)
     }
 
-    /// Takes an equation out.
+    /// Removes an equation.
     ///
     /// # Errors
     /// [`ChangeError::Gone`], [`ChangeError::Foreign`].
@@ -69,7 +70,7 @@ impl ChangingSystem {
         self.network.remove(equation)
     }
 
-    /// Gives an equation another right-hand side.
+    /// Changes the right-hand side of an equation.
     ///
     /// # Errors
     /// [`ChangeError::Gone`], [`ChangeError::Foreign`], [`ChangeError::NotFinite`].
@@ -77,7 +78,7 @@ impl ChangingSystem {
         self.network.set_rhs(equation, rhs)
     }
 
-    /// Gives an equation other terms.
+    /// Replaces the terms of an equation.
     ///
     /// # Errors
     /// [`ChangeError`]; then nothing changes.
@@ -89,7 +90,7 @@ impl ChangingSystem {
         self.network.set_terms(equation, terms.into_iter().collect())
     }
 
-    /// Gives a DOF a value, whether it had one or not.
+    /// Prescribes the value of a DOF, free or prescribed.
     ///
     /// # Errors
     /// [`ChangeError::DofOutOfRange`], [`ChangeError::NotFinite`].
@@ -105,15 +106,15 @@ impl ChangingSystem {
         self.network.prescribe(dof, None)
     }
 
-    /// Analyses and reduces what the changes since the last update touch; the number of blocks that were done.
+    /// Analyses and reduces the blocks that changed since the last update; returns their number.
     ///
     /// # Errors
-    /// [`ChangeError::System`], [`ChangeError::Analysis`]; the changes stay to be done, the results are those before.
+    /// [`ChangeError::System`], [`ChangeError::Analysis`]. Then the results are unchanged, and the next update tries again.
     pub fn update(&mut self) -> Result<usize, ChangeError> {
         let region = self.network.region(&|place| self.blocks[place as usize].as_ref().map(SolvedBlock::equations));
         let parts = self.network.parts(&region.equations);
         let solve = |part: &Vec<EquationId>| SolvedBlock::new(part, &self.network, &self.options);
-        // A single block may have parallel work of its own; many share the threads between them.
+        // A single block uses the threads itself; many blocks run in parallel.
         let solved: Result<Vec<SolvedBlock>, ChangeError> =
             if parts.len() < 2 { parts.iter().map(solve).collect() } else { parts.par_iter().map(solve).collect() };
         let solved = solved?;
@@ -134,17 +135,17 @@ impl ChangingSystem {
                 self.blocks[place as usize] = Some(block);
             }
         }
-        self.network.settled();
+        self.network.clear_changes();
         Ok(done)
     }
 
-    /// What an equation is since the last update; none if it is not there, newer, or of another set.
+    /// The kind of an equation as of the last update; None if it was removed, added later, or belongs to another set.
     pub fn kind(&self, equation: EquationId) -> Option<Kind> {
         self.block_of(equation).and_then(|block| block.kind(equation))
     }
 
-    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs; empty for an independent one and for
-    /// one that is newer than the last update.
+    /// The certificate of a dependent equation: `row_k = sum c_i row_i` on the free DOFs. Empty for an independent equation and for one
+    /// that was added after the last update.
     ///
     /// # Errors
     /// [`ChangeError::Gone`], [`ChangeError::Foreign`].
@@ -153,7 +154,7 @@ impl ChangingSystem {
         Ok(self.block_of(equation).map_or_else(Vec::new, |block| block.because(equation)))
     }
 
-    /// The block of an equation since the last update.
+    /// The block of an equation as of the last update.
     pub fn block_of(&self, equation: EquationId) -> Option<&SolvedBlock> {
         self.blocks.get(self.network.place_of(equation)? as usize)?.as_ref()
     }
@@ -176,10 +177,10 @@ impl ChangingSystem {
     /// Sets slaves and prescribed DOFs of all blocks in `u`, which holds the masters.
     ///
     /// # Errors
-    /// [`ArgumentError`](crate::ArgumentError) if `u` does not have a number for each DOF, or one that is not finite; slaves may then have been set.
+    /// [`ArgumentError`](crate::ArgumentError) if `u` has a wrong length or a number that is not finite; some slaves may then be set already.
     pub fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
         long("u", u.len(), self.network.dofs())?;
-        self.network.given().for_each(|(dof, value)| u[dof] = value);
+        self.network.prescribed_dofs().for_each(|(dof, value)| u[dof] = value);
         self.blocks().try_for_each(|block| block.expand(u))
     }
 }

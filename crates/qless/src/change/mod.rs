@@ -1,10 +1,10 @@
-//! After the first analysis: other values, other equations.
+//! Changes after the first analysis: new values, new equations.
 //!
 //! | what changes | use | cost |
 //! | --- | --- | --- |
 //! | b and `u_p`, for a code that works with `u = L u_q + u_0` | [`crate::Elimination::update`] | O(nnz C) |
-//! | b and `u_p`, for a bare [`crate::Reduction`] | [`Refresher`], on which `update` is built | O(nnz C) |
-//! | equations come and go, coefficients change | [`ChangingSystem`] | a new analysis of the parts touched |
+//! | b and `u_p`, for a [`crate::Reduction`] alone | [`Refresher`], which `update` uses | O(nnz C) |
+//! | equations are added or removed, coefficients change | [`ChangingSystem`] | a new analysis of the affected parts |
 
 mod changing_system;
 mod network;
@@ -20,10 +20,10 @@ pub use changing_system::ChangingSystem;
 pub use refresher::{RefreshError, Refreshed, Refresher};
 pub use solved_block::SolvedBlock;
 
-/// An equation of a [`ChangingSystem`]; it keeps its meaning until the equation is removed.
+/// Identifies an equation of a [`ChangingSystem`] until it is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct EquationId {
-    /// The set that gave it.
+    /// The set that the equation belongs to.
     set: Identity,
     number: u32,
 }
@@ -32,41 +32,41 @@ pub struct EquationId {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChangeError {
-    /// A DOF beyond the number given at the start.
-    #[error("DOF {dof} is out of range: there are {dofs}; correct the DOF or start with more")]
+    /// A DOF that is not below the number of DOFs of the set.
+    #[error("DOF {dof} is out of range: there are {dofs}; correct the DOF or create the set with more DOFs")]
     DofOutOfRange {
         /// The DOF.
         dof: usize,
         /// How many there are.
         dofs: usize,
     },
-    /// An equation that was removed before.
-    #[error("equation {0} is not there any more; use the number that adding it gave")]
+    /// An equation that was removed.
+    #[error("equation {0} was removed; use an equation that `add` returned and that is still in the set")]
     Gone(u32),
     /// An equation of another set.
-    #[error("equation {0} is one of another set; use the number that adding it to this one gave")]
+    #[error("equation {0} belongs to another set; use an equation that `add` of this set returned")]
     Foreign(u32),
-    /// More than can be counted, or than the memory holds.
-    #[error("{what}: {found} are more than can be held")]
+    /// More than 32-bit indices can count, or than fit into memory.
+    #[error("{found} {what} are too many: indices have 32 bits, and the memory is limited")]
     TooMany {
-        /// What there is too much of.
+        /// "DOFs" or "equations".
         what: &'static str,
         /// How many.
         found: usize,
     },
     /// A number that is not finite.
-    #[error("{0} is no finite number; correct it")]
+    #[error("{0} is not a finite number; correct it")]
     NotFinite(f64),
-    /// A block's numbers are no system.
+    /// The equations of a block are not a valid system.
     #[error(transparent)]
     System(#[from] SystemError),
     /// A block could not be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
-    /// A block could not be reduced; rows and DOFs of the error are counted within the block.
+    /// A block could not be reduced; the error has row and DOF numbers of the block.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
-    /// The values given do not fit.
+    /// A list of the wrong length, or a number that is not finite.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
 }

@@ -1,4 +1,4 @@
-//! Equations and DOFs, which of them meet, and which were touched since the last update.
+//! The graph of equations and DOFs, and the equations that changed since the last update.
 
 use std::collections::BTreeSet;
 
@@ -10,9 +10,9 @@ const NO_BLOCK: u32 = u32::MAX;
 #[derive(Debug)]
 struct NetworkEquation {
     /// Ascending by DOF, each once, none zero.
-    terms: Box<[(u32, f64)]>,
+    terms: NetworkTerms,
     rhs: f64,
-    /// Place of its block.
+    /// Index of its block.
     block: u32,
 }
 
@@ -24,13 +24,13 @@ pub(super) struct Network {
     /// Equations by DOF.
     on_dof: Vec<Vec<u32>>,
     prescribed: Vec<Option<f64>>,
-    /// Equations that changed or that share a DOF with what did.
+    /// Equations that changed, or whose DOFs were prescribed or released.
     touched: BTreeSet<u32>,
-    /// Blocks of equations that were taken out or changed.
+    /// Blocks of equations that were removed or changed.
     stale: BTreeSet<u32>,
 }
 
-/// What an update has to do again.
+/// The equations and blocks that an update has to analyse again.
 pub(super) struct Region {
     /// Ascending.
     pub equations: Vec<EquationId>,
@@ -62,7 +62,7 @@ impl Network {
         })
     }
 
-    /// The number of one of its equations.
+    /// The number of an equation of this set.
     pub fn number(&self, id: EquationId) -> Result<u32, ChangeError> {
         self.own(id)?;
         if self.get(id.number).is_some() { Ok(id.number) } else { Err(ChangeError::Gone(id.number)) }
@@ -122,7 +122,7 @@ impl Network {
         Ok(())
     }
 
-    /// Gives a DOF a value, or none.
+    /// Prescribes a DOF, or releases it.
     pub fn prescribe(&mut self, dof: usize, value: Option<f64>) -> Result<(), ChangeError> {
         value.map_or(Ok(()), finite)?;
         let dofs = self.dofs();
@@ -174,13 +174,13 @@ impl Network {
         self.get(id.number).map_or(0.0, |equation| equation.rhs)
     }
 
-    /// The value of a DOF that has one.
+    /// The value of a prescribed DOF.
     pub fn value(&self, dof: u32) -> Option<f64> {
         self.prescribed[dof as usize]
     }
 
-    /// All prescribed DOFs.
-    pub fn given(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+    /// All prescribed DOFs with their values.
+    pub fn prescribed_dofs(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.prescribed.iter().enumerate().filter_map(|(dof, value)| value.map(|value| (dof, value)))
     }
 
@@ -197,7 +197,7 @@ impl Network {
         self.get(id.number).map(|equation| equation.block).filter(|&block| block != NO_BLOCK)
     }
 
-    /// Says where the block of equations is.
+    /// Sets the block index of some equations.
     pub fn place(&mut self, equations: &[EquationId], place: u32) {
         for &id in equations {
             if let Some(equation) = self.equations[id.number as usize].as_mut() {
@@ -206,13 +206,13 @@ impl Network {
         }
     }
 
-    /// Everything is done.
-    pub fn settled(&mut self) {
+    /// Forgets the changes after an update.
+    pub fn clear_changes(&mut self) {
         self.touched.clear();
         self.stale.clear();
     }
 
-    /// Touched equations, all of the blocks that they are or were in, and what they meet now.
+    /// The changed equations, the equations of all blocks that they are or were in, and the equations connected with them now.
     pub fn region<'a>(&self, members: &dyn Fn(u32) -> Option<&'a [EquationId]>) -> Region {
         let mut blocks = self.stale.clone();
         let mut equations = self.touched.clone();
@@ -242,19 +242,19 @@ impl Network {
         Region { equations, blocks: blocks.into_iter().collect() }
     }
 
-    /// The equations by connected parts: those that share a free DOF. Parts and their equations ascend.
+    /// Splits equations into parts, connected by free DOFs. Parts and their equations ascend.
     pub fn parts(&self, equations: &[EquationId]) -> Vec<Vec<EquationId>> {
-        let mut left: std::collections::HashSet<u32> = equations.iter().map(|id| id.number).collect();
+        let mut remaining: std::collections::HashSet<u32> = equations.iter().map(|id| id.number).collect();
         let mut parts = Vec::new();
         for &EquationId { number: first, .. } in equations {
-            if !left.remove(&first) {
+            if !remaining.remove(&first) {
                 continue;
             }
             let (mut part, mut waiting) = (Vec::new(), vec![first]);
             while let Some(id) = waiting.pop() {
                 part.push(self.id(id));
                 for &(j, _) in self.terms(self.id(id)).iter().filter(|(j, _)| self.value(*j).is_none()) {
-                    waiting.extend(self.on_dof[j as usize].iter().filter(|other| left.remove(other)));
+                    waiting.extend(self.on_dof[j as usize].iter().filter(|other| remaining.remove(other)));
                 }
             }
             part.sort_unstable();

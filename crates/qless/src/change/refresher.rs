@@ -1,16 +1,16 @@
-//! New b and u_p for the same C: `g = u_s - T u_q` for any u with `C u = b` and `u_p = 0`, without a new factorization.
+//! Computes g for new b and u_p and the same C, without a new factorization: `g = u_s - T u_q` for any u with `C u = b` and `u_p = 0`.
 //!
 //! ```text
 //! analyse, reduction  ->  T, G     once
-//! Refresher::new      ->  the square matrices of the blocks' slaves, factored     once
+//! Refresher::new      ->  factors of the square matrix of each block's slaves     once
 //! Refresher::refresh  ->  g, redundant or conflicting, fixed values     for each b and u_p, O(nnz)
 //! ```
 //!
-//! T, G, the slaves and the independent equations depend on C only and stay as they are, to the last bit.
+//! T, G, the slaves and the independent equations depend on C only and do not change.
 
 use std::sync::Arc;
 
-use super::replay::{Replay, Square};
+use super::replay::{BlockSolver, Replay};
 use crate::common::argument::numbers;
 use crate::diagnosis::classify::{Dependent, Kind, Source};
 use crate::factor::backend::BackendError;
@@ -20,18 +20,18 @@ use crate::presolve::eliminated::Mismatch;
 use crate::reduction::residual_check;
 use crate::{Analysis, ArgumentError, ConstraintSystem, Reduction, ReductionError};
 
-/// A constant that cancels to within this, relative to its parts, is rounding.
+/// A sum below this, relative to its largest term, is rounding.
 const NOISE: f64 = 1e-14;
 
-/// Makes g and the kinds of the equations for new right-hand sides.
+/// Computes g and the kinds of the equations for new right-hand sides.
 ///
-/// It owns its analysis, or shares it: both can be stored together, and sent to other threads.
+/// It owns or shares its analysis, so it can be stored beside it and sent to other threads.
 pub struct Refresher {
     analysis: Arc<Analysis>,
-    /// The coefficients of the slaves of the peeled equations.
+    /// The coefficient of the slave in each peeled equation.
     pivots: Vec<f64>,
-    squares: Vec<Square>,
-    /// By which powers of two blocks scaled the rows that went through elimination.
+    solvers: Vec<BlockSolver>,
+    /// By row that presolve eliminated from, the exponent of the scaling by its block.
     exponents: Vec<i32>,
 }
 
@@ -41,33 +41,32 @@ impl std::fmt::Debug for Refresher {
     }
 }
 
-/// What depends on the right-hand side, beside g.
+/// The results that depend on the right-hand side, except g.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Refreshed {
-    /// What each equation is; length m. Which are independent never changes.
+    /// Kind of each equation; length m. The independent equations are always the same.
     pub kinds: Vec<Kind>,
-    /// For each of [`Analysis::dependent`]: `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    /// For each of [`Analysis::dependent`]: `b_k - sum c_i b_i` in the units of the equation, with prescribed DOFs moved into b.
     pub mismatches: Vec<f64>,
     /// Free DOFs that the equations fix, and their values; ascending.
     pub generated: Vec<(usize, f64)>,
 }
 
-/// Why a right-hand side was refused. The reduction is left as it was.
+/// Errors of a refresh; the reduction is then unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RefreshError {
     /// A list of the wrong length, a number that is not finite, or a reduction of another analysis.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// The new g does not meet the equations, or leaves the range of doubles.
+    /// The new g does not meet the equations, or exceeds the range of doubles.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
 }
 
 impl Refresher {
-    /// Prepares for new right-hand sides and prescribed values of the system that was analysed. Takes an [`Analysis`], or an
-    /// `Arc` of one that is used elsewhere too.
+    /// Prepares an analysis (or a shared `Arc` of one) for new right-hand sides and prescribed values.
     ///
     /// ```
     /// use qless::{Kind, Options, SystemBuilder, analyse};
@@ -98,16 +97,16 @@ impl Refresher {
         let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
         let peeled = basis.peeled.iter().zip(basis.slaves());
         let pivots = peeled.map(|(&row, &slave)| local.coefficient(row as usize, slave)).collect();
-        let square = |(block, kept)| Square::new(block, kept, scaling, options.memory);
-        let squares: Vec<Square> = blocks.iter().zip(&basis.blocks).map(square).collect::<Result<_, _>>()?;
+        let solver = |(block, kept)| BlockSolver::new(block, kept, scaling, options.memory);
+        let solvers = blocks.iter().zip(&basis.blocks).map(solver).collect::<Result<_, _>>()?;
         let mut exponents = vec![0; history.rows.len()];
         for block in blocks {
             block.rows.iter().zip(&block.exponents).for_each(|(&row, &shift)| exponents[row as usize] = shift);
         }
-        Ok(Self { analysis, pivots, squares, exponents })
+        Ok(Self { analysis, pivots, solvers, exponents })
     }
 
-    /// What it refreshes.
+    /// The analysis.
     pub fn analysis(&self) -> &Arc<Analysis> {
         &self.analysis
     }
@@ -132,7 +131,7 @@ impl Refresher {
         let mut replay = Replay::new(&self.analysis, rhs, prescribed);
         let dependent = &self.analysis.dependent;
         let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay)).collect();
-        // As in the analysis: equations given up for ones that they contradict leave no trace in the constants.
+        // As in the analysis: an equation that was dropped for a preferred one and conflicts with it must not change g.
         let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
         let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
         let excess: Vec<_> = overruled.map(|(d, _)| (d.row, d.mismatch)).collect();
@@ -172,7 +171,7 @@ impl Refresher {
         Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), self.analysis.options.tolerance.value())
     }
 
-    /// `b_k - sum y_i b_i` over rows of a block, where the certificate is rounded too.
+    /// `b_k - sum y_i b_i` over rows of a block, with a bound of the errors of the certificate.
     fn traced(&self, k: u32, because: &[(u32, f64)], units: f64, replay: &Replay) -> Mismatch {
         let shift = |i: u32| self.exponents[k as usize] - self.exponents[i as usize];
         let largest = because.iter().fold(0.0, |most: f64, &(i, y)| most.max(ldexp(y.abs(), shift(i))));
@@ -185,7 +184,7 @@ impl Refresher {
         rest
     }
 
-    /// The constant of each row that presolve made.
+    /// The constant of each peeled or eliminated row.
     fn constants(&self, replay: &Replay) -> Vec<f64> {
         let (basis, scaling) = (&self.analysis.basis, &self.analysis.scaling);
         let peeled = basis.peeled.iter().zip(&self.pivots).map(|(&row, pivot)| replay.rhs[row as usize] / pivot);
@@ -197,28 +196,28 @@ impl Refresher {
         constants
     }
 
-    /// u in local numbers, with zero or the given values of prescribed DOFs; masters are zero.
-    fn complete(&self, replay: &Replay, given: Option<&[f64]>) -> Vec<f64> {
+    /// u in local numbers; masters are zero, prescribed DOFs are zero or have the given values.
+    fn complete(&self, replay: &Replay, prescribed: Option<&[f64]>) -> Vec<f64> {
         let (basis, local) = (&self.analysis.basis, self.local());
         let mut u = vec![0.0; local.dofs()];
-        if let Some(given) = given {
-            local.prescribed_places().for_each(|(l, place)| u[l] = given[place]);
+        if let Some(values) = prescribed {
+            local.prescribed_places().for_each(|(l, place)| u[l] = values[place]);
         }
-        for (square, kept) in self.squares.iter().zip(&basis.blocks) {
+        for (solver, kept) in self.solvers.iter().zip(&basis.blocks) {
             let side = |&row: &u32| {
                 let side = replay.row(row);
-                if given.is_some() { side.effective.value } else { side.rhs }
+                if prescribed.is_some() { side.effective.value } else { side.rhs }
             };
-            square.solve(kept.rows.iter().map(side).collect(), &mut u);
+            solver.solve(kept.rows.iter().map(side).collect(), &mut u);
         }
         basis.complete_with(local, &self.constants(replay), &mut u);
         u
     }
 
-    /// `g = u_s - T u_q`, which must pass the gate; else the old g stays.
+    /// Writes `g = u_s - T u_q`; restores the old g if the residuals are too large.
     fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
         let old = reduction.g.clone();
-        let sides = self.put(replay, reduction);
+        let sides = self.write_unchecked(replay, reduction);
         let local = self.analysis.numbering.view(self.system(), replay.rhs);
         let found =
             residual_check::residuals_of_g(local, reduction, &self.analysis.independent(), &self.analysis.scaling);
@@ -229,8 +228,8 @@ impl Refresher {
         Ok(())
     }
 
-    /// Returns the right-hand sides that factored blocks had before.
-    fn put(&self, replay: &Replay, reduction: &mut Reduction) -> Vec<Vec<f64>> {
+    /// Writes g; returns the old right-hand sides of the factored blocks.
+    fn write_unchecked(&self, replay: &Replay, reduction: &mut Reduction) -> Vec<Vec<f64>> {
         let mut u = vec![0.0; self.system().dofs()];
         let local = self.complete(replay, None);
         local.iter().zip(&self.analysis.numbering.dofs).for_each(|(&v, &j)| u[j as usize] = v);

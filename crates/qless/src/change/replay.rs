@@ -1,4 +1,4 @@
-//! What elimination did to the right-hand sides, done again: `b_k <- b_k - factor b_p`, in order of time.
+//! Repeats the elimination on new right-hand sides: `b_k <- b_k - factor b_p`, in the order of the steps.
 
 use crate::Analysis;
 use crate::factor::backend::BackendError;
@@ -14,32 +14,32 @@ use crate::reduction::block::may_be_slaves;
 
 /// The right-hand side of a row.
 #[derive(Clone, Copy, Default)]
-pub struct Side {
+pub struct RowRhs {
     /// b.
     pub rhs: f64,
     /// `b - C_p u_p`.
     pub effective: Mismatch,
 }
 
-impl Side {
+impl RowRhs {
     fn subtract(&mut self, factor: f64, other: Self) {
         self.rhs -= factor * other.rhs;
         self.effective.subtract(factor, other.effective);
-        // The factor is rounded too.
+        // The rounding error of the factor.
         self.effective.error += f64::EPSILON * (factor * other.effective.value).abs();
     }
 }
 
-/// All that is known of one b and u_p.
+/// The right-hand sides of all rows for one b and u_p.
 pub struct Replay<'a> {
     analysis: &'a Analysis,
     local: LocalSystem<'a>,
-    /// b as given.
+    /// b of the user.
     pub rhs: &'a [f64],
     /// Values of prescribed DOFs, in local numbers.
     values: Vec<f64>,
-    /// What each step of the elimination held.
-    pub steps: Vec<Side>,
+    /// The right-hand side of the pivot row of each step.
+    pub steps: Vec<RowRhs>,
 }
 
 impl<'a> Replay<'a> {
@@ -56,8 +56,8 @@ impl<'a> Replay<'a> {
         replay
     }
 
-    /// Row `i` of those that went through elimination, after all steps, in scaled units.
-    pub fn row(&self, i: u32) -> Side {
+    /// Row `i` of the rows that presolve eliminated from, after all steps, scaled.
+    pub fn row(&self, i: u32) -> RowRhs {
         let history = &self.analysis.history;
         let user = history.rows[i as usize] as usize;
         let mut side = self.side(user, true);
@@ -65,33 +65,32 @@ impl<'a> Replay<'a> {
         side
     }
 
-    /// `b - C_p u_p` of an equation as the user gave it.
+    /// `b - C_p u_p` of an equation of the user, unscaled.
     pub fn of_user(&self, row: usize) -> Mismatch {
         self.side(row, false).effective
     }
 
-    fn side(&self, row: usize, scaled: bool) -> Side {
+    fn side(&self, row: usize, scaled: bool) -> RowRhs {
         let exponent = if scaled { self.analysis.scaling.row[row] } else { 0 };
         let mut sum = Row::new(ldexp(self.rhs[row], exponent));
         if !self.values.is_empty() {
             let fixed = self.local.row(row).filter(|&(j, _)| !self.local.free()[j]);
             fixed.for_each(|(j, v)| sum.prescribe(ldexp(v, exponent) * self.values[j]));
         }
-        Side { rhs: sum.rhs, effective: Mismatch::of(&sum) }
+        RowRhs { rhs: sum.rhs, effective: Mismatch::of(&sum) }
     }
 }
 
-/// The kept rows of a block, solved for slaves.
-pub struct Square {
+/// Solves the kept rows of a block for their slaves.
+pub struct BlockSolver {
     /// Exponents of the kept rows.
     exponents: Vec<i32>,
     solver: SlaveSolver,
-    /// Local DOF of each number of a solution, and the exponent of its scaling.
+    /// Local DOF of each entry of a solution, and the exponent of its scaling.
     slaves: Vec<(u32, i32)>,
 }
 
-impl Square {
-    /// A block, factored.
+impl BlockSolver {
     pub fn new(block: &Block, kept: &Kept, scaling: &Scaling, memory: usize) -> Result<Self, BackendError> {
         let rows: Vec<usize> = kept.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
         let matrix = block.select(&rows);
@@ -99,13 +98,13 @@ impl Square {
         let may = may_be_slaves(block, kept, memory)?;
         let lu = lu::factor(&matrix, &order, |j| may[j], memory)
             .map_err(|error| error.of_block("refresher", &matrix, memory))?;
-        let of = |&j: &u32| (block.dofs[j as usize], scaling.col(block.dofs[j as usize] as usize));
-        let slaves = lu.slaves.iter().map(of).collect();
+        let slave = |&j: &u32| (block.dofs[j as usize], scaling.col(block.dofs[j as usize] as usize));
+        let slaves = lu.slaves.iter().map(slave).collect();
         let exponents = rows.iter().map(|&i| block.exponents[i]).collect();
         Ok(Self { exponents, solver: SlaveSolver::new(&matrix, lu), slaves })
     }
 
-    /// Sets the slaves in u (local), all other DOFs of the block being zero; `b` has a number for each kept row.
+    /// Sets the slaves in u (local) for the right-hand sides b of the kept rows; the other DOFs of the block are zero.
     pub fn solve(&self, mut b: Vec<f64>, u: &mut [f64]) {
         b.iter_mut().zip(&self.exponents).for_each(|(b, &shift)| *b = ldexp(*b, shift));
         let x = self.solver.solve_dense(&b);

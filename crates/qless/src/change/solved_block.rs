@@ -1,15 +1,15 @@
-//! One block, analysed and reduced: plain results in the numbers of the whole.
+//! The results of one block of a changing system, in the DOF numbers of the whole system.
 
 use super::network::Network;
 use super::{ChangeError, EquationId};
 use crate::{Form, Kind, Options, Reduction, SystemBuilder, analyse};
 
-/// The results of one block. DOFs are those of the whole.
+/// The results of one block. DOFs are those of the whole system.
 #[derive(Clone, Debug)]
 pub struct SolvedBlock {
     equations: Vec<EquationId>,
     kinds: Vec<Kind>,
-    /// Certificates of the dependent equations, in their order.
+    /// Certificates of the dependent equations, ascending.
     certificates: Vec<(EquationId, Vec<(EquationId, f64)>)>,
     slaves: Vec<usize>,
     masters: Vec<usize>,
@@ -74,8 +74,8 @@ impl SolvedBlock {
         &self.prescribed
     }
 
-    /// `u_s = T u_q + G u_p + g`, in [`Form::Auto`]: where T would fill it stays factors. Slaves, masters and prescribed DOFs are in the
-    /// order of those above, but it counts the DOFs of the block only.
+    /// `u_s = T u_q + G u_p + g` in [`Form::Auto`]. It numbers the DOFs of the block only; slaves, masters and prescribed DOFs have the
+    /// same order as in [`SolvedBlock::slaves`], [`SolvedBlock::masters`] and [`SolvedBlock::prescribed`].
     pub fn reduction(&self) -> &Reduction {
         &self.reduction
     }
@@ -99,14 +99,14 @@ impl SolvedBlock {
         found.map_or_else(|_| Vec::new(), |k| self.certificates[k].1.clone())
     }
 
-    /// `u_s = T u_q + G u_p + g`.
+    /// Sets `u_s = T u_q + G u_p + g` in u.
     pub(super) fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
-        // The master of an equation without terms is none of the whole.
+        // The single DOF of an equation without terms is not a DOF of the whole system.
         if self.slaves.is_empty() && self.masters.is_empty() {
             return Ok(());
         }
-        let of = |dofs: &[usize]| dofs.iter().map(|&j| u[j]).collect::<Vec<f64>>();
-        let own = self.reduction.expand(&of(&self.masters), &of(&self.prescribed))?;
+        let values = |dofs: &[usize]| dofs.iter().map(|&j| u[j]).collect::<Vec<f64>>();
+        let own = self.reduction.expand(&values(&self.masters), &values(&self.prescribed))?;
         self.slaves.iter().zip(&self.reduction.slaves).for_each(|(&j, &k)| u[j] = own[k]);
         Ok(())
     }

@@ -308,7 +308,7 @@ impl Pipeline<'_> {
     /// One run of the stages. Rows held back skip presolve and go to the backend.
     fn run_stages(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
         let Self { local, columns, scaling, preferences, uncertain, context, started } = *self;
-        let peeled = peel(local, columns, scaling, preferences, Some(held_back));
+        let peeled = peel(local, columns, scaling, preferences, held_back);
         let remaining = (0..local.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();
         let presolve_group = |names: Vec<u32>| {
             gather(local, names, scaling, uncertain).map(|gathered| eliminate(gathered, context.tolerance, held_back))

@@ -12,7 +12,7 @@ use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
-use crate::presolve::basis::{Basis, Part};
+use crate::presolve::basis::{Basis, RowOrigin};
 
 /// A sum of parts that cancels to within this, relative to the parts, is zero.
 const NOISE: f64 = 1e-11;
@@ -99,14 +99,14 @@ impl Explainer<'_> {
             if time == u32::MAX {
                 break;
             }
-            match self.basis.part(time as usize) {
-                Part::Block(block) => of_blocks.extend(self.take_block(&mut rest, block)?),
+            match self.basis.origin(time as usize) {
+                RowOrigin::Block(block) => of_blocks.extend(self.take_block(&mut rest, block)?),
                 part => {
                     rest.parts.pop_first();
                     let t = time as usize;
                     let terms = self.basis.row(self.system, t).entries();
                     terms.for_each(|(j, v)| rest.add(self.time[j as usize], j, value * v));
-                    if part == Part::Peeled {
+                    if part == RowOrigin::Peeled {
                         let row = self.basis.peeled[t];
                         let coefficient = value / self.system.coefficient(row as usize, dof);
                         own.push(CertificateTerm { row: row as usize, coefficient });

@@ -1,13 +1,13 @@
-//! What presolve's elimination leaves: pivots, dependent rows, and the core for the backend.
+//! The result of elimination: pivots, dependent rows, and the core for the backend.
 
 use super::rows::Row;
 use crate::input::components::components;
 use crate::input::scale::ldexp;
 
-/// One pivot: the row as it was when it became the equation of its slave.
+/// One pivot, with its row at the time of the elimination.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
-    /// Index into the rows given.
+    /// Index into the rows that were passed to the elimination.
     pub row: u32,
     /// The slave.
     pub dof: u32,
@@ -20,23 +20,23 @@ pub(crate) struct Step {
     pub reach: f64,
 }
 
-/// A row without a free part.
+/// A row whose free coefficients vanished.
 #[derive(Clone, Debug)]
-pub(crate) struct Dead {
+pub(crate) struct DependentRow {
     pub row: u32,
-    /// What was dropped to call it dependent, relative to its parts; 0 if no more than rounding was.
+    /// Largest coefficient that was dropped, relative to the size of the row; 0 if only rounding was dropped.
     pub dropped: f64,
     /// As [`Row::reach`].
     pub reach: f64,
-    /// `b - C_p u_p` minus the same of its certificate.
+    /// `b - C_p u_p` of the row minus that of its certificate.
     pub mismatch: Mismatch,
 }
 
-/// How far the right-hand side of a dependent row is from that of its certificate.
+/// Difference between the right-hand side of a dependent row and that of its certificate.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mismatch {
     pub value: f64,
-    /// Largest part that went into it.
+    /// Largest term of the sum.
     pub size: f64,
     /// Bound of its rounding error.
     pub error: f64,
@@ -62,23 +62,24 @@ impl Mismatch {
     }
 }
 
-/// What elimination leaves.
+/// The result of the elimination.
 #[derive(Default)]
 pub(crate) struct Eliminated {
-    /// The user's row of each row given.
+    /// The user's row of each row.
     pub names: Vec<u32>,
     pub steps: Vec<Step>,
-    /// For each row given, the steps subtracted from it and the factors, in order of time.
+    /// For each row, the steps subtracted from it and their factors, in the order of the subtractions.
     pub factors: Vec<Vec<(u32, f64)>>,
-    pub dead: Vec<Dead>,
+    pub dead: Vec<DependentRow>,
     /// Rows left for the backend, ascending.
     pub core: Vec<u32>,
-    /// The rows as they are now; only those of the core still have entries.
+    /// The rows after elimination; only rows of the core have entries.
     pub rows: Vec<Row>,
 }
 
 impl Eliminated {
-    /// Of groups of rows that share no free DOF, together: rows by the user's number, as if they had been eliminated at once.
+    /// Joins the results of groups of rows that share no free DOF. Rows are sorted by the user's number, as if all had been eliminated
+    /// together.
     pub fn join(mut groups: Vec<Self>) -> Self {
         if groups.len() < 2 {
             return groups.pop().unwrap_or_default();
@@ -103,14 +104,14 @@ impl Eliminated {
         for (group, number) in groups.into_iter().zip(&number) {
             let renamed = |row: u32| number[row as usize];
             all.steps.extend(group.steps.into_iter().map(|step| Step { row: renamed(step.row), ..step }));
-            all.dead.extend(group.dead.into_iter().map(|dead| Dead { row: renamed(dead.row), ..dead }));
+            all.dead.extend(group.dead.into_iter().map(|dead| DependentRow { row: renamed(dead.row), ..dead }));
             all.core.extend(group.core.into_iter().map(renamed));
         }
         all.core.sort_unstable();
         all
     }
 
-    /// The rows of the core that are connected, part by part; `is_free` by the DOFs of the result.
+    /// The rows of the core by part; `is_free` is indexed by the DOFs of the result.
     pub fn components(&self, is_free: &[bool]) -> Vec<Vec<u32>> {
         let free = |i: u32| self.rows[i as usize].entries.iter().map(|e| e.dof).filter(|&j| is_free[j as usize]);
         components(&self.core, is_free.len(), free)

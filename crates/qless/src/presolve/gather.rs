@@ -1,25 +1,26 @@
-//! The rows that peeling leaves, scaled, with prescribed DOFs moved into b, over numbers of their own DOFs.
+//! Gathers the rows that remain after peeling: scaled, with prescribed DOFs moved into b, and with their own DOF numbers.
 
 use std::collections::HashSet;
 
-use super::rows::Row;
+use super::rows::{Entry, Row, bound};
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 
 /// Rows for elimination.
 pub(crate) struct Gathered {
-    /// The user's row of each.
+    /// The user's row of each row.
     pub names: Vec<u32>,
     /// Local DOF of each number used in `rows`.
     pub dofs: Vec<u32>,
     /// Whether each of them is free.
     pub free: Vec<bool>,
-    /// A prescribed DOF may be in any unit: in `rows` it counts in `2^-power` of that, so that its coefficients are of the size of others.
+    /// In `rows`, coefficients of DOF j are multiplied by `2^power[j]`. A prescribed DOF may have any unit; this makes its coefficients
+    /// comparable with the others.
     pub power: Vec<i32>,
     pub rows: Vec<Row>,
 }
 
-/// The scaled right-hand side of this row leaves the range of doubles.
+/// The row (of the user) whose scaled right-hand side or coefficients leave the range of doubles.
 pub(crate) struct OutOfRange(pub usize);
 
 pub(crate) fn gather(
@@ -33,8 +34,8 @@ pub(crate) fn gather(
     if out.names.is_empty() {
         return Ok(out);
     }
-    let mut value = vec![0.0; system.dofs()];
-    system.prescribed().iter().for_each(|&(j, v)| value[j] = v);
+    let mut prescribed = vec![0.0; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, v)| prescribed[j] = v);
     let powers = powers(system, &out.names, scaling);
     let mut number = vec![u32::MAX; system.dofs()];
     for &name in &out.names {
@@ -49,16 +50,15 @@ pub(crate) fn gather(
                 out.free.push(free);
                 out.power.push(powers.get(j).copied().unwrap_or(0));
             }
-            let counted = ldexp(entry, out.power[number[j] as usize]);
-            if !uncertain.is_empty() && uncertain.contains(&(name, j as u32)) {
-                row.push_uncertain(number[j], counted);
-            } else {
-                row.push(number[j], counted);
-            }
+            let value = ldexp(entry, out.power[number[j] as usize]);
+            // A typed coefficient is exact to the last place; an uncertain one may be nothing but rounding.
+            let is_uncertain = !uncertain.is_empty() && uncertain.contains(&(name, j as u32));
+            let relative = if is_uncertain { 1.0 } else { f64::EPSILON };
+            row.insert(Entry { dof: number[j], value, error: bound(relative * value.abs()) });
             if free {
                 row.size = row.size.max(entry.abs());
             } else {
-                row.prescribe(entry * value[j]);
+                row.prescribe(entry * prescribed[j]);
             }
         }
         if !(row.effective.is_finite() && row.effective_size.is_finite() && row.size.is_finite()) {
@@ -69,8 +69,8 @@ pub(crate) fn gather(
     Ok(out)
 }
 
-/// By local DOF, the power of two that brings the largest coefficient of a prescribed one to one, whatever the order of equations; 0 for free
-/// ones. Empty where none is prescribed.
+/// By local DOF, the power of two that scales the largest coefficient of a prescribed DOF to about 1; 0 for free DOFs. It does not depend
+/// on the order of the equations. Empty if no DOF is prescribed.
 fn powers(system: LocalSystem, names: &[u32], scaling: &Scaling) -> Vec<i32> {
     if system.prescribed().is_empty() {
         return Vec::new();
@@ -80,6 +80,6 @@ fn powers(system: LocalSystem, names: &[u32], scaling: &Scaling) -> Vec<i32> {
         let prescribed = system.row(i).filter(|&(j, _)| !system.free()[j]);
         prescribed.for_each(|(j, v)| largest[j] = largest[j].max(scaling.entry(i, j, v).abs()));
     }
-    // Scaled, all of them may have left the range of doubles.
+    // Scaling can make every coefficient zero or infinite.
     largest.iter().map(|&v| if v > 0.0 && v.is_finite() { -exponent(v) } else { 0 }).collect()
 }

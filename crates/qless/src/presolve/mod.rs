@@ -1,7 +1,7 @@
-//! What needs no factorization at all: most equations of real models.
+//! Elimination without a factorization; it handles most equations of real models.
 //!
-//! [`peel`] takes column singletons without touching a coefficient; [`eliminate`] takes what else can go
-//! with little fill. The rest is the core, for the backend.
+//! [`peel`] removes equations with a DOF that occurs in no other equation, without changing a coefficient. [`eliminate`] removes further
+//! equations that cause little fill. The remaining equations are the core, which the backend factors.
 
 pub(crate) mod basis;
 pub(crate) mod eliminate;

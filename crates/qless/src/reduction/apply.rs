@@ -1,11 +1,11 @@
-//! What a reduction is for: `u = [T G] [u_q; u_p] + g`, `T^T f`, rows and columns of T.
+//! Uses of a reduction: `u = [T G] [u_q; u_p] + g`, `T^T f`, rows and columns of T.
 
 use super::Reduction;
 use crate::ArgumentError;
 use crate::common::argument::{in_range, numbers, within};
 
 impl Reduction {
-    /// All DOFs from masters (length of [`Reduction::masters`]) and prescribed values (length of [`Reduction::prescribed`]).
+    /// Expands masters and prescribed values (in the order of [`Reduction::masters`] and [`Reduction::prescribed`]) to all DOFs.
     ///
     /// ```
     /// use qless::{ArgumentError, Options, SystemBuilder, analyse};
@@ -20,35 +20,35 @@ impl Reduction {
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] for a wrong length, a number that is not finite, or a result that is none.
+    /// [`ArgumentError`] for a wrong length, or a number or result that is not finite.
     pub fn expand(&self, masters: &[f64], prescribed: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         numbers("the list of masters", masters, self.masters.len())?;
         numbers("the list of prescribed values", prescribed, self.prescribed.len())?;
         in_range("u", self.combined(masters, prescribed, |i| self.g[i]))
     }
 
-    /// `T du_q` at slaves: not as a difference of two expansions, which would lose what is small beside g.
+    /// `u = [T du_q; du_q; 0]`. The difference of two expansions would lose digits beside a large g.
     pub(crate) fn increment(&self, masters: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         numbers("the list of masters", masters, self.masters.len())?;
         in_range("u", self.combined(masters, &vec![0.0; self.prescribed.len()], |_| 0.0))
     }
 
-    /// All DOFs, with constants by slave.
+    /// All DOFs; `constant` is g by slave.
     fn combined(&self, masters: &[f64], prescribed: &[f64], constant: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut u = vec![0.0; self.dofs()];
         self.masters.iter().zip(masters).for_each(|(&j, &v)| u[j] = v);
         self.prescribed.iter().zip(prescribed).for_each(|(&j, &v)| u[j] = v);
         let (t, g) = (self.t.product(masters), self.g_matrix.product(prescribed));
         self.factored.iter().for_each(|block| block.set_slaves(&mut u));
-        // Rows of factored blocks are empty: nothing is lost by adding them.
+        // T and G have empty rows for slaves of factored blocks, so the sums do not change these.
         self.slaves.iter().enumerate().for_each(|(i, &j)| u[j] += t[i] + g[i] + constant(i));
         u
     }
 
-    /// `f_q = T^T f_s`: what forces on slaves (length of [`Reduction::slaves`]) are worth at the masters.
+    /// `f_q = T^T f_s`: forces on slaves (in the order of [`Reduction::slaves`]) transferred to the masters.
     ///
     /// # Errors
-    /// [`ArgumentError`] for a wrong length, a number that is not finite, or a result that is none.
+    /// [`ArgumentError`] for a wrong length, or a number or result that is not finite.
     pub fn apply_transposed(&self, slaves: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         numbers("the list of forces", slaves, self.slaves.len())?;
         let mut f = vec![0.0; self.dofs()];
@@ -61,7 +61,7 @@ impl Reduction {
         in_range("T^T f", sum)
     }
 
-    /// Row i of T, ascending: how slave i of [`Reduction::slaves`] follows the masters.
+    /// Row i of T, ascending: the coefficients of slave i of [`Reduction::slaves`].
     ///
     /// # Errors
     /// [`ArgumentError::OutOfRange`].
@@ -75,7 +75,7 @@ impl Reduction {
         })
     }
 
-    /// Column q of T, ascending: how the slaves follow master q of [`Reduction::masters`].
+    /// Column q of T, ascending: the coefficients of master q of [`Reduction::masters`].
     ///
     /// # Errors
     /// [`ArgumentError::OutOfRange`].

@@ -1,23 +1,20 @@
-//! `C P = Q [R1 R2]` on independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
+//! T, G and g of a block from `C P = Q [R1 R2]` on its independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
 
 use crate::Csr;
 use crate::factor::backend::faer::Faer;
 use crate::factor::backend::{Backend, BackendError, Factor, SMALL};
 use crate::factor::block::Block;
 use crate::factor::block::tableau::Tableau;
-use crate::factor::lu;
-use crate::factor::lu::LuError;
+use crate::factor::lu::{self, LuError, SparseLu};
 use crate::factor::solver::{NOISE, SlaveSolver};
 use crate::presolve::basis::{Kept, Solved};
 
-//PUB pub(crate) use slaves::{may_be_slaves, solve};
-
-/// A row of T all below this many units in the last place times the condition is zero: the DOF is fixed ...
+/// A row of T is zero, and its slave fixed, if all its entries are below this many units in the last place times the condition ...
 const ZERO_UNITS: f64 = 8.0;
-/// ... but a larger entry than this is kept, however bad the condition.
+/// ... and below this limit, for any condition.
 const ZERO_LIMIT: f64 = 1e-8;
 
-/// Column pivoting bounds T in practice; slaves are exchanged where it does not.
+/// Bound of the entries of T. Column pivoting meets it in practice; otherwise slaves are exchanged.
 const GROWTH: f64 = 4.0;
 
 /// Solves the kept rows of a block for their slaves; a sparse factorization may allocate `memory` bytes.
@@ -26,7 +23,8 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
     let rows: Vec<usize> = kept.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
     let (r, n) = (rows.len(), block.matrix.cols);
     if r.saturating_mul(n) > SMALL
-        && let Some(Large { slaves, masters, columns, constant }) = relation_by_lu(block, &rows, &kept.order, memory)?
+        && let Some(LuRelation { slaves, masters, columns, constant }) =
+            relation_by_lu(block, &rows, &kept.order, memory)?
     {
         let relation = columns.transposed();
         let relation = clean((0..r).map(|i| relation.row(i)), (masters.len(), &units(block, masters.len())), zero);
@@ -39,7 +37,7 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
     Ok(solved(block, &tableau.basic, &tableau.free, relation))
 }
 
-/// Which DOFs of a block may be slaves so that they are those of [`solve`]: all where sparse LU looks for them.
+/// The DOFs that may become slaves, so that the slaves are those of [`solve`]: all DOFs if sparse LU chooses the slaves.
 pub(crate) fn may_be_slaves(block: &Block, kept: &Kept, memory: usize) -> Result<Vec<bool>, BackendError> {
     if kept.rows.len().saturating_mul(block.matrix.cols) > SMALL {
         return Ok(vec![true; block.dofs.len()]);
@@ -58,11 +56,11 @@ fn solved(block: &Block, slaves: &[u32], masters: &[u32], (relation, constant): 
     }
 }
 
-/// The relation that a factor gives, refined.
+/// The relation of a factor, after refinement.
 fn relate(block: &Block, kept: &[usize], factor: &Factor) -> Result<Tableau, BackendError> {
     let mut tableau = relation_by_qr(block, factor);
     tableau.limit(GROWTH);
-    // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
+    // Among equally good slaves the earlier DOF is preferred: users tend to write the slave first.
     tableau.prefer(|candidate, holder| candidate < holder);
     refine(block, kept, &mut tableau)?;
     Ok(tableau)
@@ -79,7 +77,7 @@ fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
     (block.select(kept).transposed(), rhs)
 }
 
-/// `u_s` over masters, prescribed DOFs and the constant.
+/// `u_s` by masters, prescribed DOFs and the constant.
 fn relation_by_qr(block: &Block, factor: &Factor) -> Tableau {
     let (r, k) = (factor.rank, block.prescribed.len());
     let masters = factor.all_coefficients();
@@ -100,7 +98,7 @@ fn relation_by_qr(block: &Block, factor: &Factor) -> Tableau {
     }
 }
 
-/// Splits the constant, without rounding, off.
+/// The relation without rounding, and the constant.
 fn sparse(tableau: &Tableau, units: &[f64], zero: f64) -> (Csr, Vec<f64>) {
     let width = tableau.width - 1;
     let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
@@ -108,7 +106,7 @@ fn sparse(tableau: &Tableau, units: &[f64], zero: f64) -> (Csr, Vec<f64>) {
     (clean(rows, (tableau.free.len(), units), zero), without_rounding(constant))
 }
 
-/// What a coefficient of each column of the relation is measured by: masters are scaled, prescribed DOFs are in units of their own.
+/// The unit of each column of the relation: 1 for masters, which are scaled; the largest coefficient for a prescribed DOF.
 fn units(block: &Block, masters: usize) -> Vec<f64> {
     let mut units = vec![0.0_f64; block.prescribed.len()];
     let entries = (0..block.fixed.rows()).flat_map(|i| block.fixed.row(i));
@@ -116,7 +114,7 @@ fn units(block: &Block, masters: usize) -> Vec<f64> {
     std::iter::repeat_n(1.0, masters).chain(units).collect()
 }
 
-/// Drops rounding, on the free and on the prescribed side.
+/// Drops entries that are rounding, separately for masters and for prescribed DOFs.
 fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
     rows: impl Iterator<Item = R>,
     (masters, units): (usize, &[f64]),
@@ -142,10 +140,11 @@ fn without_rounding(mut constant: Vec<f64>) -> Vec<f64> {
     constant
 }
 
-/// Residuals up to this, relative to the parts of their equation, are left alone.
+/// Residuals up to this, relative to the terms of the equation, need no refinement.
 const GOOD: f64 = 1e-14;
 
-pub(super) fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Result<(), BackendError> {
+/// One step of iterative refinement, unless it makes the residual larger.
+fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Result<(), BackendError> {
     let (rest, worst) = residual(block, kept, tableau);
     if worst <= GOOD {
         return Ok(());
@@ -168,7 +167,7 @@ pub(super) fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Re
     Ok(())
 }
 
-/// `C_S X - B` by columns, and the largest entry relative to the sum of its parts' sizes.
+/// `C_S X - B` by columns, and the largest entry relative to the magnitudes of its terms.
 fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64) {
     let (r, width) = (kept.len(), tableau.width);
     let mut slave = vec![usize::MAX; block.dofs.len()];
@@ -209,31 +208,27 @@ fn slave_columns(block: &Block, kept: &[usize], tableau: &Tableau) -> Csr {
     columns
 }
 
-/// A block's slaves by its masters.
-pub(super) struct Large {
+/// The relation of a block by sparse LU.
+struct LuRelation {
     /// DOFs of the block.
-    pub slaves: Vec<u32>,
-    pub masters: Vec<u32>,
+    slaves: Vec<u32>,
+    masters: Vec<u32>,
     /// A row for each master, then for each prescribed DOF; columns as `slaves`.
-    pub columns: Csr,
-    /// One number for each slave.
-    pub constant: Vec<f64>,
+    columns: Csr,
+    /// By slave.
+    constant: Vec<f64>,
 }
 
-/// `kept` are independent rows, `order` is one that fills little. None where the factors do not find them independent.
-pub(super) fn relation_by_lu(
+/// `kept` are independent rows, `order` is fill-reducing. None if the LU factorization does not find the rows independent.
+fn relation_by_lu(
     block: &Block,
     kept: &[usize],
     order: &[u32],
     memory: usize,
-) -> Result<Option<Large>, BackendError> {
+) -> Result<Option<LuRelation>, BackendError> {
     let rows = block.select(kept);
     let order: Vec<usize> = order.iter().map(|&k| k as usize).collect();
-    let lu = match lu::factor(&rows, &order, |_| true, memory) {
-        Ok(lu) => lu,
-        Err(LuError::Dependent) => return Ok(None),
-        Err(error) => return Err(error.of_block("sparse LU", &rows, memory)),
-    };
+    let Some(lu) = independent_lu(&rows, &order, |_| true, memory)? else { return Ok(None) };
     let solver = SlaveSolver::new(&rows, lu);
     let slaves = solver.slaves().to_vec();
     let mut is_slave = vec![false; block.matrix.cols];
@@ -242,7 +237,21 @@ pub(super) fn relation_by_lu(
     let columns = solver.solve(&right_sides(block, kept, &rows, &masters));
     let b: Vec<f64> = kept.iter().map(|&i| block.rhs[i]).collect();
     let constant = solver.solve_dense(&b);
-    Ok(Some(Large { slaves, masters, columns, constant }))
+    Ok(Some(LuRelation { slaves, masters, columns, constant }))
+}
+
+/// [`lu::factor`]; None if the rows are not independent.
+pub(super) fn independent_lu(
+    rows: &Csr,
+    order: &[usize],
+    may: impl Fn(usize) -> bool,
+    memory: usize,
+) -> Result<Option<SparseLu>, BackendError> {
+    match lu::factor(rows, order, may, memory) {
+        Ok(lu) => Ok(Some(lu)),
+        Err(LuError::Dependent) => Ok(None),
+        Err(error) => Err(error.of_block("sparse LU", rows, memory)),
+    }
 }
 
 /// `-[C_M C_p]` by columns.

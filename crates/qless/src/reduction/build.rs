@@ -1,4 +1,4 @@
-//! From a diagnosis to a reduction: which parts become numbers and which stay factors.
+//! Builds a reduction from a diagnosis, and decides which parts are explicit and which are factored.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
@@ -17,16 +17,16 @@ use crate::input::preferences::{Preferences, Wish, Wishes};
 use crate::presolve::basis::{Basis, Solved};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
-/// T is numbers where it has at most this many times the nonzeros of its equations, or of its factors, ...
+/// A part is explicit if its rows of T have at most this many times the nonzeros of its equations, or of its factors, ...
 const MULTIPLE: usize = 4;
-/// ... or so few that nobody minds.
+/// ... or at most this many.
 const FEW: usize = 1 << 12;
 
-/// A residual above this is worth computing T again from the user's equations.
+/// If a residual is above this, T is computed again from the user's equations.
 const LOSS: f64 = 1e-13;
 
 impl Analysis {
-    /// `u_s = T u_q + G u_p + g`, all of T as numbers: [`Analysis::reduction_in`].
+    /// `u_s = T u_q + G u_p + g` with all rows of T explicit: [`Analysis::reduction_in`].
     ///
     /// # Errors
     /// [`ReductionError`].
@@ -36,11 +36,11 @@ impl Analysis {
 
     /// `u_s = T u_q + G u_p + g`.
     ///
-    /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
+    /// Conflicting equations are left out like redundant ones; the caller decides whether that is acceptable.
     ///
     /// ```
     /// use qless::{Form, Options, SystemBuilder, analyse};
-    /// // A chain: its T has as many nonzeros as its equations, and stays numbers.
+    /// // A chain: T has about as many nonzeros as the equations, so it is explicit.
     /// let mut builder = SystemBuilder::new(4);
     /// (0..3).for_each(|i| {
     ///     builder.equation([(i, 1.0), (i + 1, -1.0)], 0.0);
@@ -55,8 +55,8 @@ impl Analysis {
     /// ```
     ///
     /// # Errors
-    /// [`ReductionError`] where [`Analysis::residual`] would be above 1e-10, or a number beyond the range of doubles: what is
-    /// returned meets the independent equations.
+    /// [`ReductionError`] if [`Analysis::residual`] would be above 1e-10, or an entry would exceed the range of doubles. So every
+    /// reduction that is returned meets the independent equations.
     pub fn reduction_in(&self, form: Form) -> Result<Reduction, ReductionError> {
         let local = self.numbering.view(&self.system, &self.rhs);
         if form == Form::Explicit {
@@ -87,19 +87,19 @@ impl Analysis {
                 }
                 done => return done,
             };
-            // What factors cannot do numbers may, for this part alone: there slaves are chosen in another way.
+            // An explicit T of this part may be accurate enough, because its slaves are chosen in another way.
             as_numbers[labels.of_row[failed] as usize] = true;
         }
     }
 
-    /// How well a reduction meets the independent equations: for random u_q and u_p, the parts T, G and g each on their own,
-    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`, where s_j is the sum of the sizes of the parts that make
-    /// u_j, D the scaling of columns (1 unless units mix) and j runs over the DOFs connected with equation i.
+    /// The relative residual of the independent equations, separately for T u_q, G u_p and g with random u_q and u_p:
+    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`. Here s_j is the sum of the magnitudes of the terms of u_j, D is the
+    /// scaling of columns (1 unless units mix), and j runs over the DOFs of the part of equation i.
     ///
     /// About 1e-16 times the condition of the kept equations, `1 / confidence.sigma_kept`. One pass over C and T.
     ///
     /// # Errors
-    /// [`ArgumentError`] if it is a reduction of other DOFs; of the same DOFs it may be anybody's ([`Reduction::from_parts`]).
+    /// [`ArgumentError`] if the reduction has other DOFs. It may have been computed elsewhere ([`Reduction::from_parts`]).
     pub fn residual(&self, reduction: &Reduction) -> Result<f64, ArgumentError> {
         reduction.fits(&self.system)?;
         let local = self.numbering.view(&self.system, &self.rhs);
@@ -154,7 +154,7 @@ impl Analysis {
         wanted.par_iter().map(solve).collect()
     }
 
-    /// The user's equation of row t of a diagnosis' basis.
+    /// The user's equation of row t of the basis of the diagnosis.
     fn row_of(&self, t: usize) -> usize {
         let first = self.basis.peeled.len();
         match self.basis.peeled.get(t) {
@@ -167,7 +167,7 @@ impl Analysis {
         self.history.rows[self.blocks[k].rows[0] as usize] as usize
     }
 
-    /// The parts that stay factors, by label.
+    /// The factored parts, by label.
     fn factored(
         &self,
         local: LocalSystem,
@@ -188,17 +188,17 @@ impl Analysis {
                 equations[label as usize].push(i);
             }
         }
-        let make = |(label, equations): (usize, &Vec<usize>)| {
+        let factor_part = |(label, equations): (usize, &Vec<usize>)| {
             if equations.is_empty() {
                 return Ok(None);
             }
             let block = factor(local, equations, input, predicted[label].predicted)?;
             Ok(block.filter(|block| form == Form::Factored || block.predicted > (MULTIPLE * block.nnz()).max(FEW)))
         };
-        equations.par_iter().enumerate().map(|(label, rows)| make((label, rows))).collect()
+        equations.par_iter().enumerate().map(factor_part).collect()
     }
 
-    /// Parts in which the user has a say: there slaves are chosen by exchanges on numbers.
+    /// The parts with preferred DOFs; these are explicit, because exchanges of slaves need explicit rows.
     fn wished(local: LocalSystem, labels: &Labels, wishes: &Wishes) -> Vec<bool> {
         let mut wished = vec![false; labels.count];
         if wishes.any() {
@@ -209,7 +209,7 @@ impl Analysis {
         wished
     }
 
-    /// The basis of the parts that become numbers, with empty rows for the slaves of the others.
+    /// The basis of the explicit parts, with empty rows for the slaves of factored parts.
     fn rest(&self, local: LocalSystem, labels: &Labels, blocks: &[FactoredBlock]) -> Result<Basis, BackendError> {
         let mut is_factored = vec![false; labels.count];
         blocks.iter().for_each(|block| is_factored[labels.of_row[block.equations[0]] as usize] = true);
@@ -220,15 +220,14 @@ impl Analysis {
         let mut constants = HashMap::new();
         blocks.iter().for_each(|block| constants.extend(block.slaves.iter().copied().zip(block.constants())));
         for (&j, l) in local.numbering.dofs.iter().zip(0..) {
-            constants.get(&(j as usize)).into_iter().for_each(|&constant| basis.place(l, constant));
+            constants.get(&(j as usize)).into_iter().for_each(|&constant| basis.close(l, constant));
         }
         Ok(basis)
     }
 }
 
-/// Builds T, G and g; exchanges slaves and masters until the wishes are met and `max |T_ij|` is below the bound. What leaves has
-/// passed the gate.
-pub(crate) fn build(
+/// Builds T, G and g, exchanges slaves and masters to meet the preferences and the bound of `max |T_ij|`, and checks the residuals.
+fn build(
     system: &ConstraintSystem,
     local: LocalSystem,
     input: &ReductionInput,
@@ -243,7 +242,7 @@ pub(crate) fn build(
     checked(Reduction { growth, exchanges, factored, ..reduction }, local, input)
 }
 
-/// The reduction, computed again component by component where it has lost digits and that brings some back, if it passes the gate.
+/// Checks the residuals. Parts with large residuals are computed again, and replaced if that reduces the residual.
 fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput) -> Result<Reduction, ReductionError> {
     let ReductionInput { scaling, ref independent, memory, .. } = *input;
     let residuals = |reduction: &Reduction| residual_check::residuals(local, reduction, independent, scaling, LOSS);
@@ -260,7 +259,7 @@ fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput)
     retry::replace(&mut tried, &rows);
     let after = worst_by_part(&residuals(&tried), &labels);
     drop(tried);
-    // What has become no better stays as it was, whatever the others have become.
+    // A part whose residual did not decrease keeps its rows.
     let part = part_of_slaves(local, &reduction, &labels);
     rows.iter_mut()
         .zip(&part)
@@ -274,7 +273,7 @@ fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput)
     residual_check::pass(&residuals(&reduction), &reduction).map(|()| reduction)
 }
 
-/// The largest residual of each connected part that has one above what was asked for.
+/// The largest listed residual of each part.
 fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
     let mut worst = BTreeMap::new();
     for &(row, residual) in &found.above {
@@ -284,9 +283,9 @@ fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
     worst
 }
 
-/// The connected part of each slave.
+/// The part of each slave.
 fn part_of_slaves(local: LocalSystem, reduction: &Reduction, labels: &Labels) -> Vec<u32> {
-    let mut part = vec![0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+    let mut part = vec![0; reduction.dofs()];
     for (i, &label) in labels.of_row.iter().enumerate() {
         let free = local.row(i).filter(|&(j, _)| local.free()[j]);
         free.for_each(|(j, _)| part[local.numbering.dofs[j] as usize] = label);
@@ -295,7 +294,7 @@ fn part_of_slaves(local: LocalSystem, reduction: &Reduction, labels: &Labels) ->
 }
 
 impl Reduction {
-    /// Compares the slaves with what was wanted.
+    /// Lists the preferences that the slaves do not meet.
     pub(crate) fn compare(mut self, preferences: &Preferences) -> Self {
         let listed = |numbers: &[usize], unmet: &dyn Fn(usize) -> bool| {
             let mut all: Vec<usize> = numbers.iter().copied().filter(|&j| unmet(j)).collect();

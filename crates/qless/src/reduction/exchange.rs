@@ -1,13 +1,13 @@
-//! A slave and a master change places: `u_q = (u_s - sum_{l != q} T_sl u_l) / T_sq`, and q is replaced in all other rows.
+//! Exchanges a slave s and a master q: `u_q = (u_s - sum_{l != q} T_sl u_l) / T_sq`, and q is replaced in all other rows.
 
 use std::collections::HashMap;
 
 use super::relation::Relation;
 
-/// The relation with the rows that hold each master.
+/// The relation with an index from masters to rows.
 pub(super) struct Exchange<'a, 'b> {
     pub relation: &'a mut Relation<'b>,
-    /// Rows that may hold a master: a superset.
+    /// The rows that may contain a master: a superset.
     holders: HashMap<u32, Vec<u32>>,
 }
 
@@ -24,12 +24,12 @@ impl<'a, 'b> Exchange<'a, 'b> {
         self.relation.system.free()[dof as usize]
     }
 
-    /// The coefficient of a master in row i; it may have vanished beside others of its equation, and yet be there.
+    /// The coefficient of a master in row i, if it is stored; it may be zero.
     fn entry(&self, i: u32, master: u32) -> Option<f64> {
         self.relation.row(i as usize).entries().find(|&(j, _)| j == master).map(|(_, v)| v)
     }
 
-    /// Rows that hold a master, ascending, with its coefficient.
+    /// Rows that contain a master, ascending, with its coefficient.
     pub fn holding(&self, master: u32) -> Vec<(u32, f64)> {
         let mut rows = self.holders.get(&master).cloned().unwrap_or_default();
         rows.sort_unstable();
@@ -64,7 +64,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
         changed
     }
 
-    /// Row i as an equation of its master.
+    /// Row i solved for a master.
     fn solved_for(&self, i: u32, master: u32) -> (Vec<(u32, f64)>, f64) {
         let (pivot, slave) = (self.entry(i, master).unwrap_or_default(), self.relation.slave[i as usize]);
         let old = self.relation.sorted(i as usize);
@@ -74,7 +74,8 @@ impl<'a, 'b> Exchange<'a, 'b> {
         (row, -self.relation.constant[i as usize] / pivot)
     }
 }
-/// `old - (its entry at master) + factor row`, ascending, without what cancels to rounding.
+
+/// `old - (its entry at master) + factor row`, ascending, without entries that cancel to rounding.
 fn merge(old: &[(u32, f64)], master: u32, factor: f64, row: &[(u32, f64)]) -> Vec<(u32, f64)> {
     let mut merged = Vec::with_capacity(old.len() + row.len());
     let (mut a, mut b) = (old.iter().filter(|e| e.0 != master).peekable(), row.iter().peekable());

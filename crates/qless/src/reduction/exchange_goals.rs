@@ -1,9 +1,8 @@
-//! Growth `max |T_ij|`, kept below a bound by exchanging slaves and masters.
+//! Exchanges slaves and masters to meet preferences and to keep the growth `max |T_ij|` below a bound.
 //!
-//! Where `|T_sq| > bound`, master q becomes the slave and s a master. The determinant of the slaves' columns grows by
-//! `|T_sq| > 1` each time, so the exchanges end (Gu and Eisenstat 1996), and any bound above 1 can be reached, as far
-//! as no preference stands against it. At 1 itself coefficients that rounding puts above it would be exchanged for ever, so
-//! the bound is [`LEAST`] there.
+//! If `|T_sq| > bound`, master q becomes the slave and s a master. Each exchange multiplies the determinant of the slaves' columns by
+//! `|T_sq| > 1`, so the exchanges end (Gu and Eisenstat 1996). Any bound above 1 can be met unless preferences prevent it. With a bound
+//! of exactly 1, coefficients that exceed 1 by rounding would be exchanged forever, so the smallest bound is [`LEAST`].
 
 use std::collections::BTreeSet;
 
@@ -11,13 +10,13 @@ use super::exchange::Exchange;
 use super::relation::Relation;
 use crate::input::preferences::{Wish, Wishes};
 
-/// A slave with this part of the steepest coefficient may take its place.
+/// A slave may be exchanged if its coefficient is at least this fraction of the largest one of the master.
 const NEARLY: f64 = 0.5;
 
-/// The least bound that is enforced: further above 1 than rounding of T.
+/// The smallest bound that is enforced; it exceeds 1 by more than the rounding errors of T.
 pub(super) const LEAST: f64 = 1.0 + 1e-9;
 
-/// Returns the number of exchanges made, those before included.
+/// Returns the number of exchanges, including the `exchanged` ones before.
 pub(super) fn bound_growth(relation: &mut Relation, limit: f64, wishes: &Wishes, exchanged: usize) -> usize {
     if exchanged > 0 {
         list_steep(relation, limit);
@@ -49,8 +48,8 @@ fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, wishes
     count
 }
 
-/// Of all slaves that follow a master nearly as steeply as the steepest, which settles most at once, the one with the
-/// shortest row, which fills least. By a coefficient of 1 two DOFs could change places for ever.
+/// The row whose slave is exchanged for `master`. Among the rows with nearly the largest coefficient of the master, which reduces most
+/// entries at once, the shortest row causes the least fill. With a coefficient of 1 two DOFs could be exchanged forever.
 fn pivot_row(exchange: &Exchange, master: u32, wishes: &Wishes) -> Option<u32> {
     let mut rows = exchange.holding(master);
     rows.retain(|&(k, _)| wishes.of(master) >= wishes.of(exchange.relation.slave[k as usize]));
@@ -60,7 +59,7 @@ fn pivot_row(exchange: &Exchange, master: u32, wishes: &Wishes) -> Option<u32> {
     fit.min_by_key(|&k| exchange.relation.row(k as usize).len())
 }
 
-/// The master with the largest coefficient in row i that may become a slave, if that is above the bound.
+/// The master with the largest coefficient above the bound in row i, among those that may become slaves.
 fn excess(exchange: &Exchange, i: u32, limit: f64, wishes: &Wishes) -> Option<u32> {
     let own = wishes.of(exchange.relation.slave[i as usize]);
     let mut best: Option<(u32, f64)> = None;
@@ -73,10 +72,10 @@ fn excess(exchange: &Exchange, i: u32, limit: f64, wishes: &Wishes) -> Option<u3
     best.map(|(j, _)| j)
 }
 
-/// Entries below this, relative to the largest of their row, are too small to divide by.
+/// Entries below this, relative to the largest of their row, are too small for a pivot.
 const SMALL: f64 = 1e-8;
 
-/// Meets the wishes as far as they can be met; returns the number of exchanges.
+/// Meets the preferences that the equations allow; returns the number of exchanges.
 pub(super) fn meet_preferences(relation: &mut Relation, wishes: &Wishes, limit: f64) -> usize {
     if !wishes.any() {
         return 0;
@@ -108,7 +107,7 @@ fn release(exchange: &mut Exchange, slave: u32, wishes: &Wishes) -> bool {
     })
 }
 
-/// Makes a master a slave in the row that follows it most steeply, unless that adds too much growth.
+/// Makes a master a slave, in the row with its largest coefficient, unless that adds too much growth.
 fn engage(exchange: &mut Exchange, master: u32, wishes: &Wishes, limit: f64) -> bool {
     let rows = exchange.holding(master).into_iter();
     let fit =

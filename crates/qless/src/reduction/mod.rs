@@ -1,4 +1,4 @@
-//! `u_s = T u_q + G u_p + g` (Eq. 23-26): slaves by masters, prescribed DOFs and a constant.
+//! `u_s = T u_q + G u_p + g` (Eq. 23-26): slaves expressed by masters, prescribed DOFs and a constant.
 
 mod apply;
 pub(crate) mod block;
@@ -19,37 +19,38 @@ use crate::{ArgumentError, ConstraintSystem, Csr};
 
 pub use factored::{FactoredBlock, Parts};
 
-/// How T is wanted.
+/// The form of T: explicit entries or factors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Form {
-    /// All of it as numbers.
+    /// All rows are explicit.
     #[default]
     Explicit,
-    /// Connected parts whose rows are more than single equations solved for a DOF stay factors.
+    /// Parts are factored if their rows of T need substitution or a factorization.
     Factored,
-    /// Parts stay factors if T would have more than 4 times the nonzeros of their equations and of their factors, and more than 4,096.
+    /// Parts are factored if their rows of T would have more than 4,096 nonzeros, and more than 4 times those of the equations and of
+    /// the factors.
     Auto,
 }
 
-/// Why there is no reduction: none that is wrong leaves the library.
+/// Errors of a reduction; a reduction that does not meet the equations is never returned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReductionError {
     /// T, G and g do not meet an equation.
     #[error(
-        "row {row}: the reduced form leaves {residual:.1e} of the equation where 1e-10 is allowed; the equations are too nearly \
-         dependent to be solved for slaves: see their confidence, and rescale or leave out what is nearly said twice"
+        "row {row}: the reduced form has a relative residual of {residual:.1e}, but at most 1e-10 is allowed; the equations are too nearly \
+         dependent to be solved for slaves: check their confidence, and rescale them or remove equations that nearly repeat others"
     )]
     Residual {
-        /// The equation that is met worst, 0-based.
+        /// The equation with the largest residual, 0-based.
         row: usize,
-        /// Its residual, relative to the parts of its component.
+        /// Its residual, relative to the DOFs of its part.
         residual: f64,
     },
-    /// A number of T, G or g beyond the range of doubles.
-    #[error("DOF {dof}: the equations give it a value beyond 1e308; rescale them")]
+    /// An entry of T, G or g exceeds the range of doubles.
+    #[error("DOF {dof}: its value or a coefficient exceeds 1e308; rescale the equations")]
     NotFinite {
         /// The slave, 0-based.
         dof: usize,
@@ -62,7 +63,7 @@ pub enum ReductionError {
 /// The reduced form of a constraint system.
 ///
 /// `C u = b` holds for every `u_q`, and for every `u_p` for which the redundant equations are consistent.
-/// DOFs are 0-based; `masters` are all free DOFs that are not slaves, those outside all equations included.
+/// DOFs are 0-based; `masters` are all free DOFs that are not slaves, including those that occur in no equation.
 #[derive(Clone, Debug, Default)]
 pub struct Reduction {
     /// The analysis that made it.
@@ -81,8 +82,8 @@ pub struct Reduction {
 }
 
 impl Reduction {
-    /// A reduction that something else made, to be judged ([`crate::Analysis::residual`]) and used as any other; no
-    /// [`crate::change::Refresher`] takes it.
+    /// A reduction that was computed elsewhere. It can be checked ([`crate::Analysis::residual`]) and used like any other, but a
+    /// [`crate::change::Refresher`] does not accept it.
     ///
     /// ```
     /// use qless::{Csr, Options, Reduction, SystemBuilder, analyse};
@@ -97,8 +98,8 @@ impl Reduction {
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] unless slaves, masters and prescribed DOFs each ascend and together are all DOFs from 0 on, once each, and
-    /// T, G and g have a row for each slave and a column for each master and prescribed DOF.
+    /// [`ArgumentError`] unless slaves, masters and prescribed DOFs each ascend and together contain each DOF once, T, G and g have a
+    /// row for each slave, T has a column for each master, and G has a column for each prescribed DOF.
     pub fn from_parts(dofs: [Vec<usize>; 3], t: Csr, g_matrix: Csr, g: Vec<f64>) -> Result<Self, ArgumentError> {
         let [slaves, masters, prescribed] = dofs;
         once([("slaves", &slaves), ("masters", &masters), ("prescribed DOFs", &prescribed)])?;
@@ -144,38 +145,38 @@ impl Reduction {
         &self.g
     }
 
-    /// DOFs of [`crate::Preferences::masters`] that are slaves all the same, ascending: no choice avoids that.
+    /// DOFs of [`crate::Preferences::masters`] that are slaves because no choice of slaves avoids it, ascending.
     pub fn unmet_masters(&self) -> &[usize] {
         &self.unmet_masters
     }
 
-    /// DOFs of [`crate::Preferences::slaves`] that are not slaves, ascending: prescribed, in no equation, or at the cost of
-    /// other such DOFs or of growth beyond the bound only.
+    /// DOFs of [`crate::Preferences::slaves`] that are not slaves, ascending. They are prescribed or in no equation, or they could only
+    /// replace other preferred slaves or exceed the bound of growth.
     pub fn unmet_slaves(&self) -> &[usize] {
         &self.unmet_slaves
     }
 
-    /// `max |T_ij|`; of factored blocks the largest entry that was found.
+    /// `max |T_ij|`; for factored parts the largest entry that the search found.
     pub fn growth(&self) -> f64 {
         self.growth
     }
 
-    /// How many times a slave and a master changed places to keep the growth down.
+    /// Number of exchanges of a slave and a master that kept the growth within the bound.
     pub fn exchanges(&self) -> usize {
         self.exchanges
     }
 
-    /// Connected parts that stay factors: [`crate::Form`].
+    /// The factored parts: [`crate::Form`].
     pub fn factored(&self) -> &[FactoredBlock] {
         &self.factored
     }
 
-    /// Whether all of T is numbers.
+    /// Whether all rows of T are explicit.
     pub fn is_explicit(&self) -> bool {
         self.factored.is_empty()
     }
 
-    /// Whether it is one of the DOFs of a system, and of those that are prescribed there.
+    /// Checks that the reduction has the DOFs and the prescribed DOFs of a system.
     pub(crate) fn fits(&self, system: &ConstraintSystem) -> Result<(), ArgumentError> {
         long("the reduction's list of DOFs", self.dofs(), system.dofs())?;
         let same = self.prescribed.iter().eq(system.prescribed().iter().map(|(j, _)| j));
@@ -183,7 +184,7 @@ impl Reduction {
     }
 }
 
-/// Lists that ascend and together hold `0..n`, once each.
+/// Checks that the lists ascend and together contain each of `0..n` once.
 fn once(lists: [(&'static str, &[usize]); 3]) -> Result<(), ArgumentError> {
     let count: usize = lists.iter().map(|(_, list)| list.len()).sum();
     let mut seen = vec![false; count];

@@ -1,22 +1,22 @@
-//! Rows in the order in which they were made, written to places in any order, on all threads of the pool.
+//! Writes rows to places in another order, on all threads of the pool.
 //!
-//! Each thread owns a range of the places, goes over all rows and takes those that belong there: reading in order costs little,
-//! and no two threads write to the same memory, so that the result is the same for any number of them.
+//! Each thread owns a range of the places, reads all rows in their order and writes those that belong to its range. Sequential reads are
+//! cheap, and no two threads write to the same memory.
 
 use crate::Csr;
 use crate::common::pool::WORTH_A_THREAD;
 use crate::common::prefetch::{BATCH, IN_CACHE};
 
-/// Where each row goes.
+/// The place of each row.
 pub(super) struct SlaveOrder<'a> {
     slave: &'a [u32],
     place: &'a [u32],
-    /// Places of one thread: those of thread k start at k times this.
+    /// Number of places of one thread: those of thread k start at k times this.
     pub together: usize,
 }
 
 impl<'a> SlaveOrder<'a> {
-    /// Row i goes to `place[slave[i]]`.
+    /// Row i has the place `place[slave[i]]`.
     pub fn new(slave: &'a [u32], place: &'a [u32]) -> Self {
         let threads = rayon::current_num_threads().min(slave.len() / WORTH_A_THREAD).max(1);
         Self { slave, place, together: slave.len().div_ceil(threads).max(1) }
@@ -26,7 +26,7 @@ impl<'a> SlaveOrder<'a> {
         self.slave.len()
     }
 
-    /// The rows of thread k, in order and in batches: number of the row, place among those of the thread.
+    /// Visits the rows of thread k in batches, in order: number of the row, place relative to the first place of the thread.
     #[inline]
     pub fn visit(&self, k: usize, mut visit: impl FnMut(&[(u32, u32)])) {
         let (first, length) = ((k * self.together) as u32, self.together as u32);
@@ -34,7 +34,7 @@ impl<'a> SlaveOrder<'a> {
         let mut count = 0;
         for (&slave, i) in self.slave.iter().zip(0..) {
             let place = self.place[slave as usize].wrapping_sub(first);
-            // Without a branch, which nobody could predict.
+            // Without a branch, because it would be unpredictable.
             batch[count] = (i, place);
             count += usize::from(place < length);
             if count == BATCH {
@@ -46,41 +46,40 @@ impl<'a> SlaveOrder<'a> {
     }
 }
 
-/// Rows of a matrix that one thread writes.
-pub(super) struct Slab<'a> {
+/// Consecutive rows of a matrix that one thread writes.
+pub(super) struct RowRange<'a> {
     start: &'a [usize],
     col: &'a mut [u32],
     val: &'a mut [f64],
 }
 
-/// So many rows in each.
-pub(super) fn slabs(matrix: &mut Csr, together: usize) -> Vec<Slab<'_>> {
+/// Splits a matrix into ranges of `together` rows.
+pub(super) fn row_ranges(matrix: &mut Csr, together: usize) -> Vec<RowRange<'_>> {
     let Csr { start, col, val, .. } = matrix;
     let (mut col, mut val) = (col.as_mut_slice(), val.as_mut_slice());
     let rows = start.len() - 1;
-    let mut slabs = Vec::new();
+    let mut ranges = Vec::new();
     for first in (0..rows).step_by(together) {
         let start = &start[first..=(first + together).min(rows)];
         let length = start[start.len() - 1] - start[0];
         let (of_col, others) = col.split_at_mut(length);
         let (of_val, other_values) = val.split_at_mut(length);
         (col, val) = (others, other_values);
-        slabs.push(Slab { start, col: of_col, val: of_val });
+        ranges.push(RowRange { start, col: of_col, val: of_val });
     }
-    slabs
+    ranges
 }
 
-impl Slab<'_> {
-    /// Asks for the memory of these rows, none of which is written yet.
+impl RowRange<'_> {
+    /// Prefetches the memory of these rows, none of which is written yet.
     #[inline]
-    pub fn ask_for(&mut self, batch: &[(u32, u32)]) {
+    pub fn prefetch(&mut self, batch: &[(u32, u32)]) {
         if self.start.len() > IN_CACHE {
             batch.iter().for_each(|&(_, row)| self.touch(row as usize));
         }
     }
 
-    /// Writes a zero where the row holds zeros: memory that is new to the process has no pages yet, and reading it would map
-    /// a page that the next write has to replace.
+    /// Writes a zero, which the row already contains. A read would map a shared zero page that the next write has to replace.
     #[inline]
     fn touch(&mut self, row: usize) {
         let [start, end] = [row, row + 1].map(|row| self.start[row] - self.start[0]);
@@ -91,8 +90,7 @@ impl Slab<'_> {
 
     /// Writes a row of this length, ascending.
     ///
-    /// The length comes from the caller: where rows are written in any order, a loop that had to wait for `start` to learn
-    /// where it ends would hold up all that follows.
+    /// The caller passes the length: a loop that reads its end from `start` would wait for memory before every row.
     #[inline]
     pub fn fill(&mut self, row: usize, length: usize, sorted: bool, entries: impl Iterator<Item = (u32, f64)>) {
         let start = self.start[row] - self.start[0];
@@ -134,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn slabs_are_the_matrix_cut_between_rows() {
+    fn row_ranges_cover_the_matrix() {
         let lengths = [3, 0, 1, 4, 0, 2, 5];
         let start: Vec<usize> = std::iter::once(0)
             .chain(lengths.iter().scan(0, |sum, &n| {
@@ -144,13 +142,13 @@ mod tests {
             .collect();
         for together in 1..10 {
             let mut matrix = Csr { cols: 9, start: start.clone(), col: vec![0; 15], val: vec![0.0; 15] };
-            for (k, mut slab) in slabs(&mut matrix, together).into_iter().enumerate() {
-                // From the last on, so that touching an empty row would spoil the one after it.
+            for (k, mut range) in row_ranges(&mut matrix, together).into_iter().enumerate() {
+                // In descending order, so that a write to an empty row would destroy the row after it.
                 for (row, &length) in lengths.iter().skip(k * together).take(together).enumerate().rev() {
-                    slab.touch(row);
+                    range.touch(row);
                     let entries =
                         (0..length as u32).map(|j| (j, (10 * (k * together + row) + 1) as f64 + f64::from(j)));
-                    slab.fill(row, length, false, entries.rev());
+                    range.fill(row, length, false, entries.rev());
                 }
             }
             for (i, &length) in lengths.iter().enumerate() {

@@ -1,10 +1,10 @@
 //! `[T G g]` in the user's numbers: rows by ascending slave, columns by ascending master and prescribed DOF.
 //!
-//! Rows are taken in the order in which they were made, and each is written to its place: the user's numbers may be in any order,
-//! and independent writes cost far less than reads that wait for one another. O(nnz + n).
+//! Rows are read in the order of the basis and written to their places, because independent writes to random places cost far less than
+//! dependent reads. O(nnz + n).
 
 use super::Reduction;
-use super::order::{Slab, SlaveOrder, slabs};
+use super::order::{RowRange, SlaveOrder, row_ranges};
 use super::relation::Relation;
 use crate::common::pool::{each, gather};
 use crate::{ConstraintSystem, Csr};
@@ -15,7 +15,7 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     relation.slave.iter().for_each(|&s| side[dofs[s as usize] as usize] = SLAVE);
     system.prescribed().iter().for_each(|&(j, _)| side[j] = PRESCRIBED);
     let (places, [slaves, masters, prescribed]) = sides(&side, relation.rows(), system.prescribed().len());
-    // Place within its side of every DOF that occurs.
+    // By local DOF, its place among the slaves, masters or prescribed DOFs.
     let place = gather(&places, dofs);
     drop(places);
     let order = SlaveOrder::new(&relation.slave, &place);
@@ -26,10 +26,11 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     };
     let mut g = vec![0.0; slaves.len()];
     let constants = g.chunks_mut(order.together);
-    let parts = slabs(&mut t, order.together).into_iter().zip(slabs(&mut g_matrix, order.together)).zip(constants);
+    let parts = row_ranges(&mut t, order.together).into_iter();
+    let parts = parts.zip(row_ranges(&mut g_matrix, order.together)).zip(constants);
     each(parts.enumerate().collect(), |(k, ((mut t, mut g_matrix), g))| {
         order.visit(k, |batch| {
-            t.ask_for(batch);
+            t.prefetch(batch);
             batch
                 .iter()
                 .for_each(|&(i, row)| write_row(relation, &place, i as usize, row as usize, &mut t, &mut g_matrix, g));
@@ -45,12 +46,12 @@ fn write_row(
     place: &[u32],
     i: usize,
     row: usize,
-    t: &mut Slab,
-    g_matrix: &mut Slab,
+    t: &mut RowRange,
+    g_matrix: &mut RowRange,
     g: &mut [f64],
 ) {
     let (dofs, is_free) = (&relation.system.numbering.dofs, relation.system.free());
-    // Memory that need not be touched costs nothing; most constants are zero.
+    // Most constants are zero, and untouched memory costs nothing.
     if relation.constant[i] != 0.0 {
         g[row] = relation.constant[i];
     }
@@ -71,10 +72,10 @@ const SLAVE: u8 = 0;
 const MASTER: u8 = 1;
 const PRESCRIBED: u8 = 2;
 
-/// The place of each DOF within its side, and the DOFs of each side, ascending; `slaves` and `prescribed` say how many there are.
+/// The place of each DOF within its side, and the DOFs of each side, ascending; `slaves` and `prescribed` are their numbers.
 fn sides(side: &[u8], slaves: usize, prescribed: usize) -> (Vec<u32>, [Vec<usize>; 3]) {
     let counts = [slaves, side.len() - slaves - prescribed, prescribed];
-    // Each DOF is written to the next place of every side and stays on its own: without a branch, which nobody could predict.
+    // Each DOF is written to the next place of every side, and kept on its own: a branch would be unpredictable.
     let mut sides = counts.map(|count| vec![0; count + 1]);
     let mut next = [0; 3];
     let mut places = Vec::with_capacity(side.len());
@@ -87,7 +88,7 @@ fn sides(side: &[u8], slaves: usize, prescribed: usize) -> (Vec<u32>, [Vec<usize
     (places, sides)
 }
 
-/// A matrix with nothing in its rows, which are as long as `length` says of the relation's.
+/// A matrix of zeros whose rows have the lengths of the relation's rows.
 fn sized(order: &SlaveOrder, cols: usize, length: impl Fn(usize) -> usize + Sync) -> Csr {
     let rows = order.rows();
     let mut start = vec![0; rows + 1];

@@ -1,21 +1,21 @@
 //! Rows of `[T G g]` by substitution, from the last row of the [`Basis`] to the first.
 //!
-//! A slave whose equation names no other slave needs none: its row is the basis' own, which is not copied.
+//! If the equation of a slave contains no other slave, its row is the row of the basis, which is not copied.
 
 use crate::input::numbering::LocalSystem;
 use crate::input::preferences::Wishes;
 use crate::input::scale::Scaling;
 use crate::presolve::basis::{Basis, Row};
 
-/// Entries below this, relative to the largest part that went into them, are rounding.
+/// A sum below this, relative to its largest term, is rounding.
 const NOISE: f64 = 1e-14;
 
-/// What [`build`] needs to know of an analysis.
+/// The data of an analysis for a reduction.
 pub(crate) struct ReductionInput<'a> {
     pub basis: &'a Basis,
-    /// Bounds of the rows of T, infinite where slaves are to be replaced.
+    /// Bounds of the rows of T; infinite for rows that need substitution.
     pub bounds: &'a [f64],
-    /// Local DOFs that move with no master; empty if there are none.
+    /// Whether each local DOF is fixed; empty if none is.
     pub fixed: Vec<bool>,
     pub wishes: Wishes,
     /// The bound of growth.
@@ -27,7 +27,7 @@ pub(crate) struct ReductionInput<'a> {
     pub memory: usize,
 }
 
-/// `u_s = sum entries + constant` by rows over masters and prescribed DOFs, in local numbers; rows as in the basis.
+/// `u_s = sum entries + constant` by masters and prescribed DOFs, in local numbers; row i belongs to row i of the basis.
 pub(crate) struct Relation<'a> {
     pub system: LocalSystem<'a>,
     basis: &'a Basis,
@@ -35,23 +35,23 @@ pub(crate) struct Relation<'a> {
     pub row_of: Vec<u32>,
     /// Slave of each row.
     pub slave: Vec<u32>,
-    /// Place in [`Relation::own`] of each row that is not the basis'; [`OF_BASIS`] for the others, which are most.
+    /// Index into `own` for each row that differs from the basis; [`OF_BASIS`] for the others, which are most.
     place: Vec<u32>,
-    own: Vec<RelationOwn>,
+    own: Vec<OwnRow>,
     dofs: Vec<u32>,
     values: Vec<f64>,
     pub constant: Vec<f64>,
-    /// `max |T_ij|` as assembled, ...
+    /// `max |T_ij|`, ...
     pub growth: f64,
-    /// ... and the rows that hold more than the limit.
+    /// ... and the rows with a coefficient above the limit.
     pub steep: Vec<u32>,
 }
 
 const OF_BASIS: u32 = u32::MAX;
 
-/// Where the entries of a row are that is not the basis'.
-enum RelationOwn {
-    /// Part of [`Relation::dofs`] and [`Relation::values`].
+/// The entries of a row that differs from the basis.
+enum OwnRow {
+    /// A range of [`Relation::dofs`] and [`Relation::values`].
     Stored { start: usize, len: u32 },
     /// Changed by an exchange; ascending.
     Changed(Box<(Vec<u32>, Vec<f64>)>),
@@ -62,7 +62,7 @@ impl Relation<'_> {
         self.slave.len()
     }
 
-    /// Whether row i is an equation of the user's, solved for a DOF: its terms ascend by the user's numbers.
+    /// Whether row i is an equation of the user, solved for a DOF: then its terms ascend by the user's numbers.
     pub fn is_users(&self, i: usize) -> bool {
         i < self.basis.peeled.len() && self.place[i] == OF_BASIS
     }
@@ -79,11 +79,11 @@ impl Relation<'_> {
 
     fn own_row(&self, i: usize) -> Row<'_> {
         match self.own[self.place[i] as usize] {
-            RelationOwn::Stored { start, len } => {
+            OwnRow::Stored { start, len } => {
                 let range = start..start + len as usize;
                 Row::new(&self.dofs[range.clone()], &self.values[range])
             }
-            RelationOwn::Changed(ref row) => Row::new(&row.0, &row.1),
+            OwnRow::Changed(ref row) => Row::new(&row.0, &row.1),
         }
     }
 
@@ -93,7 +93,7 @@ impl Relation<'_> {
         if self.place[i] == OF_BASIS { self.basis.length(self.system, i) } else { self.row(i).len() }
     }
 
-    /// How many DOFs of row i are prescribed.
+    /// Number of prescribed DOFs in row i.
     #[inline]
     pub fn prescribed_in(&self, i: usize) -> usize {
         let free = self.system.free();
@@ -115,10 +115,10 @@ impl Relation<'_> {
     }
 
     pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
-        self.set(i, RelationOwn::Changed(Box::new(row.iter().copied().unzip())));
+        self.set(i, OwnRow::Changed(Box::new(row.iter().copied().unzip())));
     }
 
-    fn set(&mut self, i: usize, own: RelationOwn) {
+    fn set(&mut self, i: usize, own: OwnRow) {
         if self.place[i] == OF_BASIS {
             self.place[i] = self.own.len() as u32;
             self.own.push(own);
@@ -128,17 +128,17 @@ impl Relation<'_> {
     }
 }
 
-/// A row being summed.
+/// Accumulates one row.
 #[derive(Default)]
-struct RelationSum {
-    /// Place of each DOF among the parts, from 1; nothing before the first row is summed, which many systems do without.
+struct RowSum {
+    /// Index of each DOF into `parts`, plus 1; 0 if it has none. Empty until the first row is summed, which many systems never need.
     place: Vec<u32>,
-    /// Value and size of the largest part, by place.
+    /// Sum of the terms, and magnitude of the largest term.
     parts: Vec<(f64, f64)>,
     dofs: Vec<u32>,
 }
 
-impl RelationSum {
+impl RowSum {
     fn add(&mut self, j: u32, part: f64) {
         let place = &mut self.place[j as usize];
         if *place == 0 {
@@ -152,7 +152,7 @@ impl RelationSum {
     }
 }
 
-/// Rows of slaves that are fixed keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
+/// Builds the relation. Rows of fixed slaves keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
 pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, limit: f64) -> Relation<'a> {
     let ReductionInput { basis, bounds, ref fixed, .. } = *input;
     let rank = basis.rows();
@@ -169,7 +169,7 @@ pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, 
         growth: 0.0,
         steep: Vec::new(),
     };
-    let mut sum = RelationSum::default();
+    let mut sum = RowSum::default();
     for t in (0..rank).rev() {
         let slave = basis.slave(t);
         let is_fixed = fixed.get(slave as usize).is_some_and(|&fixed| fixed);
@@ -189,7 +189,7 @@ pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, 
 }
 
 /// Replaces the slaves among the terms of row t by their own rows.
-fn substitute(relation: &mut Relation, sum: &mut RelationSum, t: usize, fixed: bool) {
+fn substitute(relation: &mut Relation, sum: &mut RowSum, t: usize, fixed: bool) {
     if sum.place.is_empty() {
         sum.place = vec![0; relation.system.dofs()];
     }
@@ -217,5 +217,5 @@ fn substitute(relation: &mut Relation, sum: &mut RelationSum, t: usize, fixed: b
         }
     }
     sum.parts.clear();
-    relation.set(t, RelationOwn::Stored { start, len: (relation.dofs.len() - start) as u32 });
+    relation.set(t, OwnRow::Stored { start, len: (relation.dofs.len() - start) as u32 });
 }

@@ -1,7 +1,7 @@
-//! `[T G g] = C_S^-1 [-C_M -C_p b]` from the user's equations for slaves that are chosen, component by component.
+//! Recomputes `[T G g] = C_S^-1 [-C_M -C_p b]` of some parts from the user's equations, for the slaves that were chosen.
 //!
-//! What presolve and exchanges have left of T may have lost digits. The slaves it led to are good all the same: with them T is
-//! computed anew, by sparse LU with a step of refinement.
+//! Presolve and exchanges can lose digits of T, but their slaves are still good. With these slaves T is computed again, by sparse LU with a
+//! step of refinement.
 
 use super::{Reduction, ReductionError};
 use crate::Csr;
@@ -12,18 +12,18 @@ use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 
-/// What each DOF is.
+/// The place of a DOF in the reduction.
 #[derive(Clone, Copy)]
-enum RetriedRole {
-    /// Place among the slaves.
+enum DofPlace {
+    /// Index among the slaves.
     Slave(u32),
-    /// Place among the masters.
+    /// Index among the masters.
     Master(u32),
-    /// Place among the prescribed DOFs.
+    /// Index among the prescribed DOFs.
     Prescribed(u32),
 }
 
-/// Rows of T, G and g of some components (labels, ascending), computed anew; those that cannot be are left out.
+/// Computes the rows of T, G and g of the parts with the labels `wanted` (ascending). A row is None if it was not computed.
 pub(super) fn compute(
     local: LocalSystem,
     reduction: &Reduction,
@@ -31,7 +31,7 @@ pub(super) fn compute(
     scaling: &Scaling,
     wanted: &[u32],
     memory: usize,
-) -> Vec<Option<Row>> {
+) -> Vec<Option<RecomputedRow>> {
     let mut equations = vec![Vec::new(); wanted.len()];
     for i in (0..local.equations()).filter(|&i| independent[i]) {
         if let Ok(place) = wanted.binary_search(&labels.of_row[i]) {
@@ -41,7 +41,7 @@ pub(super) fn compute(
     let roles = roles(local, reduction);
     let mut rows = vec![None; reduction.slaves.len()];
     for equations in equations {
-        let part = RetriedComponent::new(local, &equations, &roles, scaling);
+        let part = PartToSolve::new(local, &equations, &roles, scaling);
         let Ok(order) = crate::factor::backend::sparse::order(&part.slaves) else { continue };
         let Ok(lu) = lu::factor(&part.slaves, &order, |_| true, memory) else { continue };
         let solver = SlaveSolver::new(&part.slaves, lu);
@@ -51,38 +51,35 @@ pub(super) fn compute(
     rows
 }
 
-/// A row of T, one of G, and a number of g.
-pub(super) type Row = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64);
+/// A row of T, a row of G, and an entry of g.
+pub(super) type RecomputedRow = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64);
 
-fn roles(local: LocalSystem, reduction: &Reduction) -> Vec<RetriedRole> {
+fn roles(local: LocalSystem, reduction: &Reduction) -> Vec<DofPlace> {
     let dofs = &local.numbering.dofs;
     let role = |&j: &u32| {
         let find = |list: &[usize]| list.binary_search(&(j as usize)).ok().map(|place| place as u32);
-        let free = || {
-            find(&reduction.slaves)
-                .map(RetriedRole::Slave)
-                .or_else(|| find(&reduction.masters).map(RetriedRole::Master))
-        };
-        free().unwrap_or_else(|| RetriedRole::Prescribed(find(&reduction.prescribed).unwrap_or_default()))
+        let free =
+            || find(&reduction.slaves).map(DofPlace::Slave).or_else(|| find(&reduction.masters).map(DofPlace::Master));
+        free().unwrap_or_else(|| DofPlace::Prescribed(find(&reduction.prescribed).unwrap_or_default()))
     };
     dofs.iter().map(role).collect()
 }
 
-/// Some components, with numbers of their own; scaled.
-struct RetriedComponent {
+/// The scaled equations of a part, with their own DOF numbers.
+struct PartToSolve {
     /// C_S by rows: slaves in ascending order.
     slaves: Csr,
     /// `-[C_M C_p]` by columns.
     right: Csr,
     rhs: Vec<f64>,
-    /// Places in the reduction of the slaves, and exponents of their scaling, ...
+    /// Index of each slave in the reduction, and the exponent of its scaling.
     places: Vec<(u32, i32)>,
-    /// ... the same of the columns of `right`: masters, then prescribed DOFs.
-    others: Vec<(RetriedRole, i32)>,
+    /// Place of each column of `right`, a master or a prescribed DOF, and the exponent of its scaling.
+    others: Vec<(DofPlace, i32)>,
 }
 
-impl RetriedComponent {
-    fn new(local: LocalSystem, equations: &[usize], roles: &[RetriedRole], scaling: &Scaling) -> Self {
+impl PartToSolve {
+    fn new(local: LocalSystem, equations: &[usize], roles: &[DofPlace], scaling: &Scaling) -> Self {
         let mut dofs: Vec<u32> = equations.iter().flat_map(|&i| local.parts(i).0).copied().collect();
         dofs.sort_unstable();
         dofs.dedup();
@@ -90,7 +87,7 @@ impl RetriedComponent {
         let (mut places, mut others) = (Vec::new(), Vec::new());
         for &j in &dofs {
             let (role, exponent) = (roles[j as usize], scaling.col(j as usize));
-            if let RetriedRole::Slave(place) = role {
+            if let DofPlace::Slave(place) = role {
                 number[j as usize] = places.len();
                 places.push((place, exponent));
             } else {
@@ -99,19 +96,19 @@ impl RetriedComponent {
             }
         }
         let (mut slaves, mut rest) = (Csr::empty(places.len()), Csr::empty(others.len()));
-        let is_slave = |j: usize| matches!(roles[j], RetriedRole::Slave(_));
+        let is_slave = |j: usize| matches!(roles[j], DofPlace::Slave(_));
         for &i in equations {
             let scaled = |(j, v): (usize, f64)| (number[j], scaling.entry(i, j, v));
             slaves.append(local.row(i).filter(|&(j, _)| is_slave(j)).map(scaled));
             rest.append(local.row(i).filter(|&(j, _)| !is_slave(j)).map(scaled).map(|(j, v)| (j, -v)));
         }
         let rhs = equations.iter().map(|&i| ldexp(local.rhs()[i], scaling.row[i])).collect();
-        // Local numbers do not ascend within rows: transposing twice sorts them.
+        // Entries do not ascend within rows; transposing twice sorts them.
         Self { slaves: slaves.transposed().transposed(), right: rest.transposed(), rhs, places, others }
     }
 
-    /// Rows of the reduction, by place; row k of `solved` belongs to the slave of step k.
-    fn write(&self, rows: &mut [Option<Row>], solver: &SlaveSolver, solved: &Csr, g: &[f64]) {
+    /// Writes the rows of the reduction; row k of `solved` belongs to the slave of step k.
+    fn write(&self, rows: &mut [Option<RecomputedRow>], solver: &SlaveSolver, solved: &Csr, g: &[f64]) {
         for (k, &slave) in solver.slaves().iter().enumerate() {
             let (place, exponent) = self.places[slave as usize];
             let (mut t, mut g_matrix) = (Vec::new(), Vec::new());
@@ -119,8 +116,8 @@ impl RetriedComponent {
                 let (role, own) = self.others[c];
                 let value = ldexp(v, exponent - own);
                 match role {
-                    RetriedRole::Prescribed(column) => g_matrix.push((column as usize, value)),
-                    RetriedRole::Master(column) | RetriedRole::Slave(column) => t.push((column as usize, value)),
+                    DofPlace::Prescribed(column) => g_matrix.push((column as usize, value)),
+                    DofPlace::Master(column) | DofPlace::Slave(column) => t.push((column as usize, value)),
                 }
             }
             t.sort_unstable_by_key(|&(j, _)| j);
@@ -130,8 +127,8 @@ impl RetriedComponent {
     }
 }
 
-/// Puts the rows that there are into the reduction.
-pub(super) fn replace(reduction: &mut Reduction, rows: &[Option<Row>]) {
+/// Replaces the rows that were computed.
+pub(super) fn replace(reduction: &mut Reduction, rows: &[Option<RecomputedRow>]) {
     let (mut t, mut g_matrix) = (Csr::empty(reduction.t.cols), Csr::empty(reduction.g_matrix.cols));
     for (i, row) in rows.iter().enumerate() {
         if let Some((of_t, of_g, g)) = row {

@@ -42,7 +42,8 @@ impl Backend for Faer {
             let advice = "; keep presolve on, or use a sparse backend (sparse, spqr)";
             return Err(BackendError::OutOfMemory { backend: "faer", rows: m, cols: n + k, advice });
         }
-        if m == 0 || n == 0 {
+        // faer's reflections of a zero matrix are not numbers.
+        if columns.val.iter().all(|&v| v == 0.0) {
             return Ok(empty(n, rhs, k));
         }
         let mut a = Mat::zeros(m, n);

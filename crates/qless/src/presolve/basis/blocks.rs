@@ -1,29 +1,29 @@
-//! What blocks of equations that presolve leaves become: plain data, which a factorization fills in.
+//! Results for the blocks of equations that remain after presolve: plain data, computed by a factorization.
 
 use crate::Csr;
 use crate::presolve::eliminated::Mismatch;
 
-/// Kept equations that a change of one coefficient by less than this makes dependent are near dependence, whatever the tolerance.
+/// Kept equations are nearly dependent if a change of one coefficient by less than this makes them dependent, for any tolerance.
 pub(crate) const NEAR: f64 = 3e-6;
 
 /// A dependent row of a block.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockDependent {
     pub row: u32,
-    /// `row = sum y_i row_i` over kept rows of the block (indices among those that went through presolve).
+    /// Terms of `row = sum y_i row_i` over kept rows of the block; rows are indices into the rows that presolve eliminated from.
     pub because: Vec<(u32, f64)>,
-    /// In units of the block, each y_i may be off by this many units in the last place of the largest.
+    /// Error bound of each y_i, in the units of the block: this many units in the last place of the largest y_i.
     pub units: f64,
-    /// What was left of the row, relative to its size.
+    /// Remainder of the row, relative to its size.
     pub dropped: f64,
-    /// `b - C_p u_p` minus the same of its certificate.
+    /// `b - C_p u_p` of the row minus that of its certificate.
     pub mismatch: Mismatch,
 }
 
-/// The diagnosis of a block. No slave is chosen and no relation formed.
+/// The diagnosis of a block, without slaves and without T.
 pub(crate) struct Diagnosed {
     pub kept: Vec<u32>,
-    /// Indices of `kept` in an order in which they fill little.
+    /// Indices of `kept` in a fill-reducing order.
     pub order: Vec<u32>,
     pub dependent: Vec<BlockDependent>,
     /// How near to dependence the kept rows are.
@@ -45,26 +45,26 @@ pub(crate) struct Solved {
 /// Vectors over the DOFs of a block.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Vectors {
-    /// Random vectors of the null space of the kept rows: how DOFs can move.
+    /// Random vectors of the null space of the kept rows: admissible motions of the DOFs.
     pub moves: [Vec<f64>; 2],
-    /// Shortest solution for the random right-hand side ...
+    /// Minimum-norm solution for the random right-hand side ...
     pub sample: Vec<f64>,
     /// ... and for `b - C_p u_p`.
     pub particular: Vec<f64>,
 }
 
-/// How near to dependence rows are that were kept, in units of the largest coefficient of each.
+/// Distance of the kept rows from dependence, each row scaled to a largest coefficient of 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearness {
     /// Estimate of the smallest singular value.
     pub sigma: f64,
-    /// Estimate of the smallest change of one coefficient that makes them dependent; at least sigma. Of a chain it does not fall
-    /// with the length.
+    /// Estimate of the smallest change of one coefficient that makes them dependent; at least sigma. For a chain it does not decrease
+    /// with the length of the chain.
     pub distance: f64,
 }
 
 impl Nearness {
-    /// Whether no doubt is due; what is no number is no distance.
+    /// Whether the rank is not in doubt; false if the distance is NaN.
     pub fn is_sound(self) -> bool {
         self.distance >= NEAR
     }

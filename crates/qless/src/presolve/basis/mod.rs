@@ -1,9 +1,9 @@
-//! The kept equations, each solved for its slave, in an order in which that can be done: peeled rows, eliminated rows, blocks.
+//! The kept equations, each solved for its slave: first the peeled rows, then the eliminated rows, then the blocks.
 //!
-//! `u_s = sum_k value_k u_k + constant`, where no slave occurs in a later row. Going from the last row to the first, a vector
-//! of masters and prescribed values is completed without T, in O(nnz). All in local numbers and the user's units.
+//! Each row is `u_s = sum_k value_k u_k + constant`, and no slave occurs in a later row. So substitution from the last row to the first
+//! computes the slaves from masters and prescribed values without T, in O(nnz). DOFs have local numbers; values are in the user's units.
 //!
-//! Peeled rows, which are most, are the user's equations as they are: they are read where they stand and never copied.
+//! Most rows are peeled: they are the user's equations, read in place and never copied.
 
 mod blocks;
 mod row;
@@ -17,35 +17,35 @@ use crate::presolve::eliminated::Step;
 pub(crate) use blocks::{BlockDependent, Diagnosed, NEAR, Nearness, Solved, Vectors};
 pub(crate) use row::Row;
 
-/// Everything needed to express slaves by masters. A diagnosis has no rows of blocks: those are added when a reduction is wanted.
+/// The rows that express slaves by masters. A diagnosis has no rows for blocks; a reduction adds them.
 #[derive(Clone, Default)]
 pub(crate) struct Basis {
     slaves: Vec<u32>,
     constants: Vec<f64>,
-    /// The equations of the first rows, which are the user's own and stay where they are, ...
+    /// The user's equations of the peeled rows, ...
     pub peeled: Vec<u32>,
-    /// ... and where the slave of each stands in its equation.
+    /// ... and the position of the slave in each.
     positions: Vec<u32>,
-    /// Where each of the other rows ends in `dofs` and `values`.
+    /// End of each of the other rows in `dofs` and `values`.
     ends: Vec<usize>,
     dofs: Vec<u32>,
     values: Vec<f64>,
-    /// Scaled coefficients by which eliminated rows, which follow the peeled ones, were divided.
+    /// Scaled pivots of the eliminated rows, which follow the peeled ones.
     pivots: Vec<f64>,
     /// As [`Step::reach`].
     reaches: Vec<f64>,
-    /// The blocks, the rows of which come last.
+    /// The blocks; their rows come last.
     pub blocks: Vec<Kept>,
 }
 
-/// What remains of a block beside its rows.
+/// Data of a block other than its rows.
 #[derive(Clone)]
 pub(crate) struct Kept {
-    /// Indices of the kept rows among those that went through elimination.
+    /// The kept rows, as indices into the rows that presolve eliminated from.
     pub rows: Vec<u32>,
-    /// Indices of `rows` in an order in which they fill little.
+    /// Indices of `rows` in a fill-reducing order.
     pub order: Vec<u32>,
-    /// How near to dependence the kept rows are.
+    /// Distance of the kept rows from dependence.
     pub nearness: Nearness,
     /// Its free DOFs, ...
     pub dofs: Vec<u32>,
@@ -53,17 +53,17 @@ pub(crate) struct Kept {
     pub vectors: Vectors,
 }
 
-/// Rows, in order.
+/// The stage that made a row.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Part {
+pub(crate) enum RowOrigin {
     Peeled,
     Eliminated,
-    /// This block.
+    /// The block with this index.
     Block(usize),
 }
 
 impl Basis {
-    /// No rows; room for this many equations.
+    /// Without rows, with room for this many equations.
     pub fn with_capacity(rows: usize) -> Self {
         Self {
             slaves: Vec::with_capacity(rows),
@@ -74,7 +74,7 @@ impl Basis {
         }
     }
 
-    /// Takes equation `row` in, solved for `slave`, which stands at a position in it.
+    /// Appends equation `row`, solved for `slave`, the term at `position`.
     #[inline]
     pub fn peel(&mut self, row: u32, slave: u32, position: usize, constant: f64) {
         self.slaves.push(slave);
@@ -83,7 +83,8 @@ impl Basis {
         self.positions.push(position as u32);
     }
 
-    fn close(&mut self, slave: u32, constant: f64) {
+    /// Ends a row whose terms were pushed to `dofs` and `values`.
+    pub fn close(&mut self, slave: u32, constant: f64) {
         self.slaves.push(slave);
         self.ends.push(self.dofs.len());
         self.constants.push(constant);
@@ -112,7 +113,7 @@ impl Basis {
         }
     }
 
-    /// Appends what elimination found to the peeled rows, in the user's units, and takes note of the blocks.
+    /// Appends the eliminated rows, in the user's units, and the data of the blocks.
     pub fn extend(&mut self, steps: Vec<Step>, blocks: impl Iterator<Item = (Vec<u32>, Diagnosed)>, scaling: &Scaling) {
         steps.into_iter().for_each(|step| self.push_step(&step, scaling));
         let kept = |(dofs, block)| {
@@ -122,14 +123,14 @@ impl Basis {
         self.blocks.extend(blocks.map(kept));
     }
 
-    /// The same with the rows of the blocks.
+    /// A copy with the rows of the blocks appended.
     pub fn with_blocks(&self, blocks: &[Solved], scaling: &Scaling) -> Self {
         let mut all = self.clone();
         blocks.iter().for_each(|block| all.push_block(block, scaling));
         all
     }
 
-    /// Only the rows and blocks for which these hold.
+    /// A copy of the rows and blocks for which the functions return true.
     pub fn only(&self, row: impl Fn(usize) -> bool, block: impl Fn(usize) -> bool) -> Self {
         let mut some = Self::default();
         let first = self.peeled.len();
@@ -148,17 +149,12 @@ impl Basis {
         some
     }
 
-    /// Takes a slave in whose row is empty: it is given elsewhere.
-    pub fn place(&mut self, slave: u32, constant: f64) {
-        self.close(slave, constant);
-    }
-
     /// Number of eliminated rows.
     pub fn steps(&self) -> usize {
         self.pivots.len()
     }
 
-    /// Number of rows that are there.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.slaves.len()
     }
@@ -181,7 +177,7 @@ impl Basis {
         &self.constants
     }
 
-    /// The scaled coefficient by which the row of a step was divided.
+    /// The scaled pivot of a step.
     pub fn pivot_of_step(&self, step: usize) -> f64 {
         self.pivots[step]
     }
@@ -191,7 +187,7 @@ impl Basis {
         self.reaches[step]
     }
 
-    /// The scaled coefficient of row t, peeled or eliminated, the terms of which are given.
+    /// The scaled pivot of row t, which is peeled or eliminated and has these terms.
     #[inline]
     pub fn pivot(&self, t: usize, terms: &Row, scaling: &Scaling) -> f64 {
         match self.peeled.get(t) {
@@ -209,13 +205,13 @@ impl Basis {
         }
     }
 
-    /// Where the terms of a row are that is not the user's.
+    /// Range of the terms of a row that is not peeled.
     fn stored(&self, t: usize) -> Range<usize> {
         let k = t - self.peeled.len();
         (if k == 0 { 0 } else { self.ends[k - 1] })..self.ends[k]
     }
 
-    /// Row t; of the system that was peeled.
+    /// Row t; `system` is the system that was peeled.
     #[expect(clippy::inline_always, reason = "out of line it was a twentieth of the profile of an elimination")]
     #[inline(always)]
     pub fn row<'a>(&'a self, system: LocalSystem<'a>, t: usize) -> Row<'a> {
@@ -227,7 +223,7 @@ impl Basis {
         Row::new(&self.dofs[range.clone()], &self.values[range])
     }
 
-    /// Bounds of the rows of T: their own largest coefficients, infinite where they name other slaves.
+    /// Bounds of the rows of T: the largest coefficient of each row, or infinity if it contains another slave.
     pub fn bounds(&self, system: LocalSystem) -> Vec<f64> {
         let mut is_slave = vec![false; system.dofs()];
         self.slaves.iter().for_each(|&slave| is_slave[slave as usize] = true);
@@ -235,23 +231,23 @@ impl Basis {
         (0..self.rows()).map(|t| self.row(system, t).entries().map(size).fold(0.0, f64::max)).collect()
     }
 
-    /// Where row t comes from, blocks counted as one each.
-    pub fn part(&self, t: usize) -> Part {
+    /// The origin of row t, if each block counts as one row.
+    pub fn origin(&self, t: usize) -> RowOrigin {
         if t < self.peeled.len() {
-            Part::Peeled
+            RowOrigin::Peeled
         } else if t < self.peeled.len() + self.steps() {
-            Part::Eliminated
+            RowOrigin::Eliminated
         } else {
-            Part::Block(t - self.peeled.len() - self.steps())
+            RowOrigin::Block(t - self.peeled.len() - self.steps())
         }
     }
 
-    /// Completes u, in which masters and prescribed DOFs are set.
+    /// Computes the slaves in u, which holds masters and prescribed DOFs.
     pub fn complete(&self, system: LocalSystem, u: &mut [f64]) {
         self.complete_with(system, &self.constants, u);
     }
 
-    /// The same with other constants.
+    /// [`Basis::complete`] with other constants.
     pub fn complete_with(&self, system: LocalSystem, constants: &[f64], u: &mut [f64]) {
         for t in (0..self.rows()).rev() {
             let sum: f64 = self.row(system, t).entries().map(|(j, v)| v * u[j as usize]).sum();

@@ -1,26 +1,25 @@
-//! One row of the basis, as it is read: `u_s = sum_k value_k u_k + constant`.
+//! A view of one row of the basis: `u_s = sum_k value_k u_k + constant`.
 
-/// The terms of a row, which may be those of an equation that still holds its slave: then that one is passed over and the
-/// others are divided by its coefficient when they are read.
+/// The terms of a row. If they are those of an equation that contains its slave, the slave is skipped and the other coefficients are
+/// divided by its negative coefficient when they are read.
 #[derive(Clone, Copy)]
 pub(crate) struct Row<'a> {
     dofs: &'a [u32],
     values: &'a [f64],
-    /// Where the slave stands among them; past the end where it does not.
+    /// Position of the slave among the terms; their number if the slave is not among them.
     slave: usize,
     divisor: f64,
-    /// The reciprocal of the divisor, where it is exact, otherwise no number: most divisors are powers of two, and a product
-    /// takes less time than a quotient.
+    /// The reciprocal of the divisor if it is exact, else NaN. Most divisors are powers of two, and multiplication is faster than division.
     factor: f64,
 }
 
 impl<'a> Row<'a> {
-    /// Terms as they are.
+    /// Terms without the slave.
     pub fn new(dofs: &'a [u32], values: &'a [f64]) -> Self {
         Self { dofs, values, slave: dofs.len(), divisor: 1.0, factor: 1.0 }
     }
 
-    /// An equation, solved for the DOF at a position.
+    /// An equation, solved for the DOF at position `slave`.
     #[inline]
     pub fn solved(dofs: &'a [u32], values: &'a [f64], slave: usize) -> Self {
         let divisor = -values[slave];
@@ -28,7 +27,7 @@ impl<'a> Row<'a> {
         Self { dofs, values, slave, divisor, factor }
     }
 
-    /// What the slave was multiplied by.
+    /// The coefficient of the slave.
     #[inline]
     pub fn pivot(&self) -> f64 {
         -self.divisor
@@ -43,7 +42,7 @@ impl<'a> Row<'a> {
     /// DOF and coefficient of term k.
     #[inline]
     fn term(&self, k: usize) -> (u32, f64) {
-        // Without a branch, which nobody could predict.
+        // Without a branch, because it would be unpredictable.
         let at = k + usize::from(k >= self.slave);
         (self.dofs[at], self.value(self.values[at]))
     }
@@ -59,7 +58,7 @@ impl<'a> Row<'a> {
         (0..self.len()).map(move |k| self.term(k))
     }
 
-    /// DOFs, in the same order.
+    /// DOFs, in the order of the equation.
     #[inline]
     pub fn dofs(self) -> impl Iterator<Item = u32> + Clone + use<'a> {
         self.entries().map(|(j, _)| j)
@@ -84,8 +83,8 @@ mod tests {
     fn coefficients_are_quotients_to_the_last_bit() {
         for pivot in [1.0, -2.0, f64::MIN_POSITIVE, 2f64.powi(1023), 3.0, -1e-300, 5e-324] {
             for v in [1.0, -1e-5, 7e-308, 5e-324, 3.7] {
-                let of = Row::solved(&[0, 1], &[pivot, v], 0).term(0).1;
-                assert_eq!(of.to_bits(), (v / -pivot).to_bits(), "{v} by {pivot}");
+                let value = Row::solved(&[0, 1], &[pivot, v], 0).term(0).1;
+                assert_eq!(value.to_bits(), (v / -pivot).to_bits(), "{v} by {pivot}");
             }
         }
     }

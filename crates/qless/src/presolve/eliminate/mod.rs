@@ -1,13 +1,13 @@
-//! Elimination with little fill: `row_k <- row_k - (a_kj / a_pj) row_p`, first wherever that adds no net entry.
+//! Elimination with little fill: `row_k <- row_k - (a_kj / a_pj) row_p`, first for pivots that do not add entries.
 //!
-//! A pivot (p, j) adds none if row p has one free DOF (j is fixed: a generated boundary condition), if it has two
+//! A pivot (p, j) adds no entries if row p has one free DOF (j is fixed: a generated boundary condition), if it has two
 //! (`a u_i + c u_j = d`: chains, cycles, trees of equal DOFs), or if DOF j occurs in at most two remaining rows.
-//! Long chains take linear time, without recursion. A row whose free part vanishes is dependent. In a connected part that keeps more than
-//! [`LARGE`] rows, DOFs that occur in few rows are then eliminated with some fill, as by Markowitz (1957).
+//! Long chains take linear time, without recursion. A row whose free coefficients all vanish is dependent. If more than [`LARGE`] rows of
+//! a part remain, DOFs that occur in few rows are then eliminated with some fill, by the rule of Markowitz (1957).
 //!
-//! Every coefficient carries a bound of its rounding error, and every row the size of the largest part that went into it.
-//! What cancels to the first is zero; a row all below `tolerance` times the second is dependent too; a row below
-//! [`SUSPECT`] times it is left to the backend, whose rank is checked.
+//! Each coefficient has a bound of its rounding error, and each row has a size: its largest coefficient so far. A coefficient within its
+//! error bound is zero. A row is also dependent if all its coefficients are at most `tolerance` times its size. A row below [`SUSPECT`]
+//! times its size is left to the backend, whose rank is checked.
 
 use std::collections::VecDeque;
 
@@ -19,12 +19,12 @@ use crate::input::scale::ldexp;
 mod order;
 mod pivot;
 
-/// A row whose remaining part is smaller than this, relative to what went into it, is no pivot.
+/// A row whose coefficients are smaller than this, relative to the size of the row, is not a pivot row.
 pub(crate) const SUSPECT: f64 = 1e-3;
-/// A pivot is at least this fraction of the entries that it eliminates, which bounds the multipliers, ...
+/// A pivot is at least this fraction of each entry that it eliminates, which bounds the multipliers, ...
 const THRESHOLD: f64 = 0.1;
-/// ... and at least a fraction of its own row, the strictest first, which bounds the growth of T as long as it can be.
-/// The first levels make no fill; the others follow only while the core is [`LARGE`].
+/// ... and at least a fraction of its row, strict levels first, which bounds the growth of T where possible.
+/// The first levels add no fill; the others are used only while a part has more than [`LARGE`] rows.
 const LEVELS: [FillLevel; 6] = [
     FillLevel { rows: 2, of_row: 1.0 },
     FillLevel { rows: 2, of_row: 0.1 },
@@ -35,21 +35,23 @@ const LEVELS: [FillLevel; 6] = [
 ];
 const WITHOUT_FILL: usize = 3;
 
-/// Most that coefficients along a way from slave to slave may multiply to: with it numbers of T could grow, and lose digits.
+/// Bound of the product of coefficients along a path from slave to slave. Larger products could make entries of T large and inaccurate.
 const PATH: f64 = 1e3;
 
-/// A row with more free DOFs is no pivot for others: each time all of it would go over.
+/// A row with more free DOFs than this is not subtracted from other rows, because that would copy all of it.
 const LONG: u32 = 64;
 
-/// A connected part with more rows than this is worth some fill: factoring it costs more than eliminating from it.
+/// In a part with more rows than this, elimination with some fill costs less than factorization.
 const LARGE: usize = 800;
 
-/// Most entries that one pivot may touch, `(row length - 1) (rows - 1)`, where there is fill.
+/// Bound of the entries that one pivot changes, `(row length - 1) (rows - 1)`, in elimination with fill.
 const MARKOWITZ: u32 = 48;
 
-/// Which DOFs may be eliminated: in at most so many rows, with at least this size relative to their pivot row.
+/// A level of elimination: which pivots are allowed.
 struct FillLevel {
+    /// Bound of the number of rows that contain the DOF.
     rows: u32,
+    /// Lower bound of the pivot relative to the largest coefficient of its row.
     of_row: f64,
 }
 
@@ -57,7 +59,7 @@ struct FillLevel {
 enum EquationState {
     Active,
     Done,
-    /// Too small for a pivot here: for the backend.
+    /// Not used as a pivot row; left to the backend.
     Held,
 }
 
@@ -65,24 +67,24 @@ struct LowFillElimination<'a> {
     out: Eliminated,
     state: Vec<EquationState>,
     is_free: &'a [bool],
-    /// Rows that may hold a DOF: a superset without order; `count` is exact.
+    /// By DOF, the rows that may contain it: an unsorted superset; `count` is exact.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
-    /// For each DOF the largest product of coefficients along a way from a slave to it.
+    /// By DOF, the largest product of coefficients along a path from a slave to it.
     path: Vec<f64>,
-    /// Largest coefficient of a free DOF in each row; no number where the row has changed since it was last asked for.
+    /// Largest coefficient of a free DOF in each row; NaN if the row has changed since the value was computed.
     largest: Vec<f64>,
     short_rows: VecDeque<u32>,
-    /// DOFs in at most two rows; those whose coefficients are too small in their rows wait in the next queue.
+    /// By level, DOFs that occur in few rows; a DOF without an allowed pivot moves to the next level.
     rare_dofs: [VecDeque<u32>; LEVELS.len()],
-    /// Rows that are neither pivots nor dependent; while filling, those of the part that is worked on.
+    /// Number of rows that are neither pivot rows nor dependent; while `filling`, only rows of the current part count.
     active: usize,
     filling: bool,
     tolerance: f64,
 }
 
-/// Eliminates without fill, and with some in large parts. Rows of `held` (by the user's row) are not used as pivots, but are classified if empty.
-/// DOFs of the result are local ones.
+/// Eliminates without fill, and with some fill in large parts. Rows of `held` (by the user's row) are not used as pivot rows, but are
+/// classified if they become empty. DOFs of the result are local.
 pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> Eliminated {
     let Gathered { names, dofs, free: is_free, power, rows } = gathered;
     let m = rows.len();
@@ -135,14 +137,14 @@ impl LowFillElimination<'_> {
         }
     }
 
-    /// Goes on with some fill in each connected part that is large, which no other part has a say in.
+    /// Continues with some fill in each large part. The result for a part does not depend on the other parts.
     fn fill(&mut self) {
         if self.active <= LARGE {
             return;
         }
-        let left: Vec<u32> =
+        let remaining: Vec<u32> =
             (0..self.state.len() as u32).filter(|&i| self.state[i as usize] != EquationState::Done).collect();
-        let parts = components(&left, self.count.len(), |i| {
+        let parts = components(&remaining, self.count.len(), |i| {
             self.out.rows[i as usize].entries.iter().map(|entry| entry.dof).filter(|&j| self.is_free[j as usize])
         });
         self.filling = true;
@@ -166,24 +168,24 @@ impl LowFillElimination<'_> {
         }
     }
 
-    /// DOFs by their numbers and in their units again.
+    /// Translates DOFs to local numbers and the units that they had before gathering.
     fn finish(mut self, names: Vec<u32>, dofs: &[u32], power: &[i32]) -> Eliminated {
-        let of_user = |j: u32, v: f64| (dofs[j as usize], ldexp(v, -power[j as usize]));
+        let restored = |j: u32, v: f64| (dofs[j as usize], ldexp(v, -power[j as usize]));
         self.out.names = names;
-        let left = |&i: &u32| self.state[i as usize] != EquationState::Done;
-        self.out.core = (0..self.out.rows.len() as u32).filter(left).collect();
+        let remains = |&i: &u32| self.state[i as usize] != EquationState::Done;
+        self.out.core = (0..self.out.rows.len() as u32).filter(remains).collect();
         for (row, state) in self.out.rows.iter_mut().zip(&self.state) {
             row.forget_table();
             if *state == EquationState::Done {
                 row.entries = Vec::new();
             }
             for entry in &mut row.entries {
-                (entry.dof, entry.value) = of_user(entry.dof, entry.value);
+                (entry.dof, entry.value) = restored(entry.dof, entry.value);
             }
         }
         for step in &mut self.out.steps {
             step.dof = dofs[step.dof as usize];
-            step.others.iter_mut().for_each(|(j, v)| (*j, *v) = of_user(*j, *v));
+            step.others.iter_mut().for_each(|(j, v)| (*j, *v) = restored(*j, *v));
         }
         self.out
     }

@@ -1,4 +1,4 @@
-//! Which row or DOF comes next, and whether it may be a pivot.
+//! The order of the elimination, and the rules for pivots.
 
 use super::{EquationState, LARGE, LEVELS, LONG, LowFillElimination, MARKOWITZ, PATH, THRESHOLD, WITHOUT_FILL};
 use crate::presolve::rows::Entry;
@@ -9,7 +9,7 @@ impl LowFillElimination<'_> {
         self.rare_dofs[..levels].iter_mut().enumerate().find_map(|(level, queue)| Some((level, queue.pop_front()?)))
     }
 
-    /// Queues a DOF at the first level, from `least` on, that its count allows.
+    /// Queues a DOF at the first level >= `least` that allows the number of its rows.
     pub(super) fn enqueue(&mut self, j: u32, least: usize) {
         let levels = if self.filling { LEVELS.len() } else { WITHOUT_FILL };
         let count = self.count[j as usize];
@@ -32,7 +32,7 @@ impl LowFillElimination<'_> {
         self.pivot(i, dof);
     }
 
-    /// Of `a u_i + c u_j` eliminates the larger coefficient, or, where both will do, the DOF in far fewer rows.
+    /// The pivot of `a u_i + c u_j`: the larger coefficient, or the DOF in far fewer rows if its coefficient is large enough.
     fn better_of(&self, one: Entry, two: Entry) -> u32 {
         let (large, small) = if two.value.abs() > one.value.abs() { (two, one) } else { (one, two) };
         let cheaper = self.count[large.dof as usize] > 4 * self.count[small.dof as usize];
@@ -58,7 +58,7 @@ impl LowFillElimination<'_> {
         }
     }
 
-    /// Rows in play that hold a DOF, with its coefficient; forgets the others.
+    /// Remaining rows that contain a DOF, with its coefficient; removes the other rows from the list of the DOF.
     pub(super) fn holding(&mut self, j: u32) -> Vec<(u32, f64)> {
         let mut list = std::mem::take(&mut self.holders[j as usize]);
         list.sort_unstable();

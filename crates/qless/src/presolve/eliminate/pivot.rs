@@ -1,25 +1,25 @@
-//! What a pivot and a dependent row change in the others.
+//! Elimination of a pivot from the other rows, and removal of dependent rows.
 
 use super::{EquationState, LowFillElimination, SUSPECT};
-use crate::presolve::eliminated::{Dead, Mismatch, Step};
+use crate::presolve::eliminated::{DependentRow, Mismatch, Step};
 use crate::presolve::rows::{Entry, Row, bound};
 
 impl LowFillElimination<'_> {
-    /// Closes a row without free part; holds one that is too small for a pivot. True if the row is out of play.
+    /// Classifies a row without free coefficients as dependent, and holds a row that is too small for a pivot. Returns true in both cases.
     pub(super) fn settle(&mut self, i: u32) -> bool {
-        let left = self.largest(i);
+        let largest = self.largest(i);
         let row = &self.out.rows[i as usize];
-        if left > SUSPECT * row.size {
+        if largest > SUSPECT * row.size {
             return false;
         }
-        if left > self.tolerance * row.size {
+        if largest > self.tolerance * row.size {
             self.state[i as usize] = EquationState::Held;
             return true;
         }
         let free = row.entries.iter().filter(|entry| self.is_free[entry.dof as usize]);
-        let left = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
-        let dropped = if row.size > 0.0 { left / row.size } else { 0.0 };
-        self.out.dead.push(Dead { row: i, dropped, reach: row.reach, mismatch: Mismatch::of(row) });
+        let rest = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
+        let dropped = if row.size > 0.0 { rest / row.size } else { 0.0 };
+        self.out.dead.push(DependentRow { row: i, dropped, reach: row.reach, mismatch: Mismatch::of(row) });
         self.retire(i);
         true
     }
@@ -39,7 +39,7 @@ impl LowFillElimination<'_> {
         self.enqueue(dof, 0);
     }
 
-    /// Row i becomes the equation of DOF j, which leaves all other rows.
+    /// Row i becomes the equation of DOF j, which is eliminated from all other rows.
     pub(super) fn pivot(&mut self, i: u32, j: u32) {
         let targets = self.holding(j);
         self.retire(i);
@@ -51,21 +51,21 @@ impl LowFillElimination<'_> {
         }
         self.count[j as usize] = 0;
         self.holders[j as usize] = Vec::new();
-        let way = self.path[j as usize] / pivot.value.abs();
+        let path_to_pivot = self.path[j as usize] / pivot.value.abs();
         for entry in &row.entries {
             let path = &mut self.path[entry.dof as usize];
-            *path = path.max(way * entry.value.abs());
+            *path = path.max(path_to_pivot * entry.value.abs());
         }
         let others = row.entries.iter().map(|entry| (entry.dof, entry.value)).collect();
         self.out.steps.push(Step { row: i, dof: j, pivot: pivot.value, others, rhs: row.rhs, reach: row.reach });
     }
 
-    /// `row_k <- row_k - factor row`, where `row` no longer holds the pivot.
+    /// `row_k <- row_k - factor row`, where `row` no longer contains the pivot.
     fn subtract(&mut self, k: u32, j: u32, factor: f64, pivot: &Entry, row: &Row) {
         self.out.factors[k as usize].push((self.out.steps.len() as u32, factor));
         self.largest[k as usize] = f64::NAN;
         let target = &mut self.out.rows[k as usize];
-        // Relative error of the factor: that of the pivot, of the entry, and one rounding.
+        // Relative error of the factor: the errors of the pivot and of the entry, and one rounding.
         let mut relative = f64::from(pivot.error) / pivot.value.abs() + f64::EPSILON;
         if let Some(position) = target.position(j) {
             let gone = target.remove(position);
@@ -91,11 +91,11 @@ impl LowFillElimination<'_> {
         let free = self.is_free[l as usize];
         let row = &mut self.out.rows[k as usize];
         if free {
-            // What is known is no measure of what is left: it may be in any unit.
+            // Prescribed DOFs do not count for the size: they may have other units.
             row.size = row.size.max(value.abs());
-            // A product that left the range of doubles was no zero.
-            let lost = if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { 0.0 };
-            row.dropped = row.dropped.max(lost);
+            // A product that underflowed was not zero.
+            let underflow = if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { 0.0 };
+            row.dropped = row.dropped.max(underflow);
         }
         if let Some(position) = row.position(l) {
             if let Some(given_up) = row.add(position, value, error) {

@@ -1,31 +1,31 @@
-//! Slaves of a factored block by sparse LU, exchanged until no entry of T that can be found is above the bound.
+//! Chooses the slaves of a factored block by sparse LU, and exchanges them until the search finds no entry of T above the bound.
 //!
-//! Each entry above the bound is exchanged, which multiplies `|det C_S|` by it.
+//! Each exchange multiplies `|det C_S|` by the entry of T that is above the bound, so the exchanges end.
 
 use super::FactoredBlock;
 use super::finishing::candidates;
 use crate::Csr;
 use crate::factor::backend::BackendError;
-use crate::factor::lu::{self, LuError};
+use crate::factor::lu::SparseLu;
 use crate::factor::solver::SlaveSolver;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
+use crate::reduction::block::independent_lu;
 use crate::reduction::relation::ReductionInput;
 
-/// With a bound of growth from here on slaves are looked for near by first: that takes the least time, and T can be large.
+/// If the bound of growth is at least this, slaves are first chosen locally ([`candidates`]): that is fastest, but T can be large.
 const LOOSE: f64 = 1e3;
-/// Factorizations with other slaves before T is formed after all.
+/// Number of factorizations with exchanged slaves before T is formed explicitly instead.
 const ROUNDS: usize = 8;
 
-/// Factors the independent equations of a connected part. None where its slaves cannot be had within the bound and the wishes: then T
-/// must be numbers.
+/// Factors the independent equations of a part. None if no slaves are found that meet the bound: then T must be explicit.
 pub(crate) fn factor(
     local: LocalSystem,
     equations: &[usize],
     input: &ReductionInput,
     predicted: usize,
 ) -> Result<Option<FactoredBlock>, BackendError> {
-    let part = ComponentToChoose::new(local, equations, input);
+    let part = ScaledPart::new(local, equations, input);
     let every = vec![true; part.dofs.len()];
     let near = (input.growth >= LOOSE).then(|| candidates(&part.plain(input))).filter(|near| *near != every);
     for may in near.into_iter().chain([every]) {
@@ -37,8 +37,8 @@ pub(crate) fn factor(
     Ok(None)
 }
 
-/// A connected part with numbers of its own; scaled. DOFs ascend by the user's numbers.
-struct ComponentToChoose<'a> {
+/// The scaled equations of a part, with their own DOF numbers in ascending order of the user's numbers.
+struct ScaledPart<'a> {
     local: LocalSystem<'a>,
     equations: Vec<usize>,
     /// Local numbers of the free DOFs, the columns of `free`, ...
@@ -50,7 +50,7 @@ struct ComponentToChoose<'a> {
     rhs: Vec<f64>,
 }
 
-impl<'a> ComponentToChoose<'a> {
+impl<'a> ScaledPart<'a> {
     fn new(local: LocalSystem<'a>, equations: &[usize], input: &ReductionInput) -> Self {
         let user = |j: u32| local.numbering.dofs[j as usize];
         let mut all: Vec<u32> = equations.iter().flat_map(|&i| local.parts(i).0).copied().collect();
@@ -78,7 +78,7 @@ impl<'a> ComponentToChoose<'a> {
         part
     }
 
-    /// Factors with slaves among those that may be, exchanged until the growth is within the bound.
+    /// Factors with slaves among the DOFs that `may` allows, exchanged until the growth is within the bound.
     fn within(
         &self,
         mut may: Vec<bool>,
@@ -89,14 +89,10 @@ impl<'a> ComponentToChoose<'a> {
             self.prefer(&mut may, input)?;
         }
         for _ in 0..ROUNDS {
-            // L has no rows for DOFs that are masters in any case.
+            // L needs no rows for DOFs that cannot be slaves.
             let rows = only(&self.free, &may);
             let order = crate::factor::backend::sparse::order(&rows)?;
-            let lu = match lu::factor(&rows, &order, |j| may[j], input.memory) {
-                Ok(lu) => lu,
-                Err(LuError::Dependent) => return Ok(None),
-                Err(error) => return Err(error.of_block("sparse LU", &self.free, input.memory)),
-            };
+            let Some(lu) = independent_lu(&rows, &order, |j| may[j], input.memory)? else { return Ok(None) };
             let mut block = self.block(lu, predicted, input);
             let exchanges = block.search(input.growth);
             if exchanges.is_empty() {
@@ -112,27 +108,23 @@ impl<'a> ComponentToChoose<'a> {
         Ok(None)
     }
 
-    /// Of the DOFs that may be slaves those that are steepest in the user's units, in which T is bounded.
+    /// Restricts `may` to slaves chosen in the user's units, because T is bounded in these.
     fn prefer(&self, may: &mut [bool], input: &ReductionInput) -> Result<(), BackendError> {
         let rows = only(&self.plain(input), may);
         let order = crate::factor::backend::sparse::order(&rows)?;
-        match lu::factor(&rows, &order, |j| may[j], input.memory) {
-            Ok(lu) => {
-                may.fill(false);
-                lu.slaves.iter().for_each(|&j| may[j as usize] = true);
-                Ok(())
-            }
-            Err(LuError::Dependent) => Ok(()),
-            Err(error) => Err(error.of_block("sparse LU", &rows, input.memory)),
+        if let Some(lu) = independent_lu(&rows, &order, |j| may[j], input.memory)? {
+            may.fill(false);
+            lu.slaves.iter().for_each(|&j| may[j as usize] = true);
         }
+        Ok(())
     }
 
-    /// Whether any of its columns is, whatever stands beside it.
+    /// Whether any column of the part is scaled.
     fn is_scaled(&self, input: &ReductionInput) -> bool {
         self.dofs.iter().any(|&j| input.scaling.col(j as usize) != 0)
     }
 
-    /// The equations with columns in the user's units.
+    /// The equations with unscaled columns; each row is scaled again.
     fn plain(&self, input: &ReductionInput) -> Csr {
         let mut plain = self.free.clone();
         if !self.is_scaled(input) {
@@ -152,15 +144,15 @@ impl<'a> ComponentToChoose<'a> {
         self.local.numbering.dofs[local as usize] as usize
     }
 
-    fn block(&self, lu: lu::SparseLu, predicted: usize, input: &ReductionInput) -> FactoredBlock {
+    fn block(&self, lu: SparseLu, predicted: usize, input: &ReductionInput) -> FactoredBlock {
         let mut number = vec![u32::MAX; self.dofs.len()];
         lu.slaves.iter().for_each(|&j| number[j as usize] = 0);
         let masters: Vec<usize> = (0..self.dofs.len()).filter(|&j| number[j] != 0).collect();
         masters.iter().zip(1..).for_each(|(&j, k)| number[j] = k);
         let mut of_masters = Csr::empty(masters.len());
         for i in 0..self.free.rows() {
-            let of = self.free.row(i).filter(|&(j, _)| number[j] != 0);
-            of_masters.append(of.map(|(j, v)| (number[j] as usize - 1, v)));
+            let entries = self.free.row(i).filter(|&(j, _)| number[j] != 0);
+            of_masters.append(entries.map(|(j, v)| (number[j] as usize - 1, v)));
         }
         let local = [
             lu.slaves.iter().map(|&j| self.dofs[j as usize]).collect::<Vec<u32>>(),
@@ -189,7 +181,7 @@ impl<'a> ComponentToChoose<'a> {
     }
 }
 
-/// The equations on some of the free DOFs.
+/// The columns of the equations that `may` allows.
 fn only(equations: &Csr, may: &[bool]) -> Csr {
     let mut rows = Csr::empty(equations.cols);
     (0..equations.rows()).for_each(|i| rows.append(equations.row(i).filter(|&(j, _)| may[j])));

@@ -1,7 +1,7 @@
 //! Rows, columns and the largest entries of a T that is not formed.
 //!
-//! `max |T_ij|` is looked for as in the estimate of a 1-norm (Higham and Tisseur 2000): from a row to the column of its largest entry
-//! and back, until neither grows; from several starts.
+//! The search for `max |T_ij|` is like the estimate of a 1-norm (Higham and Tisseur 2000): it alternates between a row, the column of its
+//! largest entry, and the row of that column's largest entry, until the entry no longer grows. It is repeated from several starts.
 
 use rayon::prelude::*;
 
@@ -9,20 +9,20 @@ use super::FactoredBlock;
 use crate::common::random::signed;
 use crate::factor::backend::largest_place;
 
-/// Starts of the search for the largest entry.
+/// Number of starts of the search for the largest entry.
 const STARTS: u64 = 4;
-/// From this bound on the threshold of the elimination keeps T below it but for rare entries, which are searched for; below it every
-/// column is looked at.
+/// For a bound of at least this, the pivot threshold keeps all but rare entries of T below it, and a search finds those. For a smaller
+/// bound every column is computed.
 const SURE: f64 = 4.0;
-/// Columns of T that are formed to tell how many nonzeros it has.
+/// Number of columns of T that are computed to estimate its nonzeros.
 const SAMPLE: usize = 8;
 /// Entries of a column below this, relative to its largest, are rounding.
 const NOISE: f64 = 1e-14;
-/// Steps from row to column and back.
+/// Maximum number of steps from a row to a column and back.
 const STEPS: usize = 6;
 
 impl FactoredBlock {
-    /// Slaves and masters to exchange: entries of T above the limit, in rows and columns of their own. Sets the growth.
+    /// Slaves and masters to exchange: entries of T above the limit, at most one in each row and column. Updates the growth.
     pub(super) fn search(&mut self, limit: f64) -> Vec<(usize, usize)> {
         let mut found: Vec<(usize, usize)> = Vec::new();
         let entries: Vec<_> = if limit < SURE {
@@ -46,7 +46,7 @@ impl FactoredBlock {
         Some((self.slaves[i], self.masters[j], column[i].abs()))
     }
 
-    /// Nonzeros of T, from some columns.
+    /// An estimate of the nonzeros of T from a sample of its columns.
     pub(super) fn sampled(&self) -> usize {
         let count = self.masters.len();
         let step = count.div_ceil(SAMPLE).max(1);
@@ -59,7 +59,7 @@ impl FactoredBlock {
         places.iter().map(nonzeros).sum::<usize>() * count / places.len().max(1)
     }
 
-    /// From a random combination of rows to an entry of T that is the largest of its row and column.
+    /// Starts at a random combination of rows; returns an entry of T that is the largest of its row and of its column.
     fn climb(&self, seed: u64) -> Option<(usize, usize, f64)> {
         let mut f: Vec<f64> = (0..self.slaves.len() as u64).map(|k| signed(seed, k)).collect();
         let mut best = None;
@@ -79,7 +79,7 @@ impl FactoredBlock {
         best
     }
 
-    /// Row k of T (by slave of the block): masters, ascending, and numbers.
+    /// Row k of T (by slave of the block): masters, ascending, and coefficients.
     pub(crate) fn row(&self, k: usize) -> Vec<(usize, f64)> {
         let mut unit = vec![0.0; self.slaves.len()];
         unit[k] = 1.0;

@@ -1,13 +1,13 @@
-//! The factors for other programs: in the user's units, without a trace of the scaling.
+//! The factors for other programs, in the user's units.
 //!
-//! The scaled equations are `D_r C D_c` with powers of two, and `D_r C_S D_c = U^T L^T`, so that `C_S = V^T M^T` with
-//! `M = D_c^-1 L D_c`, which has ones on its diagonal as L has, and `V = D_c^-1 U D_r^-1`: exact.
+//! The scaled equations are `D_r C D_c` with powers of two, and `D_r C_S D_c = U^T L^T`. So `C_S = V^T M^T` with
+//! `M = D_c^-1 L D_c`, which has ones on its diagonal like L, and `V = D_c^-1 U D_r^-1`. Both are exact.
 
 use super::FactoredBlock;
 use crate::Csr;
 use crate::input::scale::ldexp;
 
-/// The factors of a [`FactoredBlock`]; see [`FactoredBlock::parts`].
+/// The factors of a [`FactoredBlock`]: [`FactoredBlock::parts`].
 #[derive(Clone, Debug)]
 pub struct Parts {
     /// Equation of each row of `C_S`, C_M, C_p and b.
@@ -24,7 +24,7 @@ pub struct Parts {
     pub rhs: Vec<f64>,
 }
 
-/// `2^e x`, or None where that is not exact.
+/// `2^e x`, or None if that is not exact.
 fn exactly(x: f64, e: i32) -> Option<f64> {
     let scaled = ldexp(x, e);
     (e == 0 || (scaled.is_finite() && ldexp(scaled, -e) == x)).then_some(scaled)
@@ -45,10 +45,10 @@ fn rescaled<I: Iterator<Item = (usize, f64)>>(
 }
 
 impl FactoredBlock {
-    /// `C_S = U^T L^T`, C_M, C_p and b, all of the user's equations in the user's units; rows by [`Parts::equations`], in the order of
-    /// the elimination, columns of `C_S` by [`FactoredBlock::slaves`], of C_M by `masters`, of C_p by `prescribed`.
+    /// `C_S = U^T L^T`, C_M, C_p and b of the user's equations in the user's units. Rows are those of [`Parts::equations`], in the order
+    /// of the elimination. Columns of `C_S` are [`FactoredBlock::slaves`], those of C_M `masters`, those of C_p `prescribed`.
     ///
-    /// None where a number of the factors has no place in the range of doubles: units that are more than 1e300 apart.
+    /// None if an entry of the factors leaves the range of doubles, for units that differ by more than 1e300.
     pub fn parts(&self) -> Option<Parts> {
         let lu = self.solver.lu();
         let count = lu.order.len();

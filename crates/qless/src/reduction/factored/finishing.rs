@@ -1,22 +1,22 @@
-//! Slaves from equation to equation: groups of equations that are the last ones of enough DOFs to be solved for them.
+//! Chooses slaves locally: groups of equations that can be solved for DOFs that occur in no other remaining equation.
 //!
-//! A DOF with fewest equations left, those equations, and the DOFs that occur in none of the others: if the equations can be solved for
-//! some of these, nothing of what is left is changed by it. Along a chain of bodies that is one body after the other, from its end,
-//! and `C_S` is a narrow band; what else fills, which is the part of L on masters, is never formed.
+//! Each step takes the DOF with the fewest remaining equations, these equations as a group, and the DOFs that occur only in the group. If
+//! the group can be solved for some of these DOFs, that does not change the other equations. In a chain of bodies the groups are the
+//! bodies one after the other, from an end, and `C_S` is a narrow band. The part of L on masters, which would fill, is never formed.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::Csr;
 
-/// Most equations of a group.
+/// Maximum number of equations in a group.
 const GROUP: usize = 8;
-/// What is left of a slave's coefficient is at least this part of the largest one of its equation.
+/// Lower bound of the pivot of a slave, relative to the largest coefficient of its equation.
 const LEAST: f64 = 0.25;
 
-/// Which DOFs may be slaves: those of groups that are solved, and all in the equations that are left.
+/// The DOFs that may be slaves: the slaves of solved groups, and all DOFs of the remaining equations.
 pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
-    let mut work = FinishingWork::new(equations);
+    let mut work = GroupSearch::new(equations);
     let mut waiting: BinaryHeap<_> = work.count.iter().enumerate().map(|(j, &count)| Reverse((count, j))).collect();
     while let Some(Reverse((count, j))) = waiting.pop() {
         if count == 0 || count != work.count[j] || count > GROUP {
@@ -34,29 +34,29 @@ pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
     work.may
 }
 
-struct FinishingWork<'a> {
+struct GroupSearch<'a> {
     equations: &'a Csr,
     /// By DOF.
     columns: Csr,
     done: Vec<bool>,
-    /// Equations that are left of each DOF.
+    /// Number of remaining equations of each DOF.
     count: Vec<usize>,
     may: Vec<bool>,
 }
 
-impl<'a> FinishingWork<'a> {
+impl<'a> GroupSearch<'a> {
     fn new(equations: &'a Csr) -> Self {
         let columns = equations.transposed();
         let count = (0..equations.cols).map(|j| columns.row(j).len()).collect();
         Self { equations, columns, done: vec![false; equations.rows()], count, may: vec![false; equations.cols] }
     }
 
-    /// The equations that are left of a DOF.
+    /// The remaining equations of a DOF.
     fn group(&self, dof: usize) -> Vec<usize> {
         self.columns.row(dof).map(|(i, _)| i).filter(|&i| !self.done[i]).collect()
     }
 
-    /// A slave for each equation of a group, among the DOFs that occur in no other; none if that cannot be done well.
+    /// A slave for each equation of a group, among the DOFs that occur only in the group; None if a pivot would be too small.
     fn solve(&self, group: &[usize]) -> Option<Vec<usize>> {
         let mut all: Vec<usize> = group.iter().flat_map(|&i| self.equations.row(i)).map(|(j, _)| j).collect();
         all.sort_unstable();
@@ -74,7 +74,7 @@ impl<'a> FinishingWork<'a> {
         Some(pivots(rows)?.into_iter().map(|k| dofs[k]).collect())
     }
 
-    /// Takes a group out; the DOFs of which fewer equations are left.
+    /// Removes a group; returns the DOFs that lost an equation.
     fn remove(&mut self, group: &[usize]) -> Vec<usize> {
         let mut touched = Vec::new();
         for &i in group {
@@ -88,14 +88,14 @@ impl<'a> FinishingWork<'a> {
     }
 }
 
-/// Columns of the pivots of all rows, each the largest number that is left; rows are in units of their largest coefficients.
+/// Pivot columns by elimination with complete pivoting; rows are scaled to a largest coefficient of 1.
 fn pivots(mut rows: Vec<Vec<f64>>) -> Option<Vec<usize>> {
     let mut chosen = Vec::with_capacity(rows.len());
     while !rows.is_empty() {
         let places =
             rows.iter().enumerate().flat_map(|(i, row)| row.iter().enumerate().map(move |(k, v)| (i, k, v.abs())));
         let (i, k, size) = places.max_by(|a, b| a.2.total_cmp(&b.2))?;
-        // What is not a number is no pivot either.
+        // NaN and infinity are not pivots either.
         if size.total_cmp(&LEAST).is_lt() || !size.is_finite() {
             return None;
         }
@@ -115,7 +115,7 @@ mod tests {
     use super::candidates;
     use crate::Csr;
 
-    /// A chain in which each link has two DOFs, one of its own and one that the next one shares.
+    /// A chain in which each link has two DOFs, one of them shared with the next link.
     #[test]
     fn chains_are_solved_from_their_end() {
         let mut rows = Csr::empty(8);
@@ -124,9 +124,9 @@ mod tests {
         assert_eq!(may.iter().filter(|may| **may).count(), 3, "{may:?}");
     }
 
-    /// Equations that are alike on all that they have for themselves are left to others.
+    /// Equations with equal coefficients on their own DOFs cannot be solved for these.
     #[test]
-    fn what_cannot_be_solved_is_left() {
+    fn an_unsolvable_group_is_skipped() {
         let mut rows = Csr::empty(4);
         rows.append([(0, 1.0), (1, 1.0), (2, 1.0)]);
         rows.append([(0, 1.0), (1, 1.0), (2, 2.0)]);

@@ -1,7 +1,7 @@
-//! `u_s = C_S^-1 (b - C_M u_q - C_p u_p)`: a connected part of the equations whose T stays a factor (Eq. 23 without forming it).
+//! `u_s = C_S^-1 (b - C_M u_q - C_p u_p)`: a part of the equations whose T is applied by factors instead of formed (Eq. 23).
 //!
 //! `C_S = U^T L^T` by sparse LU of C^T with threshold pivoting, which chooses well-conditioned slaves among all DOFs of the part.
-//! Each use is two triangular solves and a step of refinement, O(nnz(L) + nnz(U) + nnz(C)).
+//! Each application takes two triangular solves and a step of refinement, O(nnz(L) + nnz(U) + nnz(C)).
 
 mod choose;
 mod entries;
@@ -17,7 +17,7 @@ pub(super) use choose::factor;
 pub use factors::Parts;
 pub(super) use predict::predict;
 
-/// A connected part of the equations in factor form. DOFs are the user's, 0-based.
+/// A part of the equations in factored form. DOFs are the user's, 0-based.
 ///
 /// With `C_S`, `C_M` and `C_p` the columns of slaves, masters and prescribed DOFs of its [`FactoredBlock::equations`]:
 /// `u_s = C_S^-1 (b - C_M u_q - C_p u_p)`, and `T^T f_s = -C_M^T C_S^-T f_s`.
@@ -35,7 +35,7 @@ pub struct FactoredBlock {
     of_prescribed: Csr,
     /// b, scaled.
     pub(crate) rhs: Vec<f64>,
-    /// Exponents of the scaling of slaves, masters and prescribed DOFs; empty where columns are not scaled.
+    /// Exponents of the scaling of slaves, masters and prescribed DOFs; empty if columns are not scaled.
     exponents: [Vec<i32>; 3],
     /// Exponents of the scaling of the equations.
     rows: Vec<i32>,
@@ -57,7 +57,7 @@ impl FactoredBlock {
         &self.slaves
     }
 
-    /// Free DOFs of the part that are no slaves, ascending.
+    /// Free DOFs of the part that are not slaves, ascending.
     pub fn masters(&self) -> &[usize] {
         &self.masters
     }
@@ -67,27 +67,27 @@ impl FactoredBlock {
         &self.prescribed
     }
 
-    /// Nonzeros of its part of T, estimated from a sample of its columns: what it would cost as numbers.
+    /// Number of nonzeros of its rows of T if they were explicit, estimated from a sample of columns.
     pub fn predicted(&self) -> usize {
         self.predicted
     }
 
-    /// Largest entry of T that was found.
+    /// Largest entry of T that the search found.
     pub fn growth(&self) -> f64 {
         self.growth
     }
 
-    /// `u_s = T u_q + G u_p` in u (of all DOFs), in which masters and prescribed DOFs are set.
+    /// Sets `u_s = T u_q + G u_p` in u, which has all DOFs and holds masters and prescribed values.
     pub(crate) fn set_slaves(&self, u: &mut [f64]) {
-        let taken = |dofs: &[usize], exponents: &[i32]| {
+        let scaled = |dofs: &[usize], exponents: &[i32]| {
             let mut x: Vec<f64> = dofs.iter().map(|&j| u[j]).collect();
             rescale(&mut x, exponents, -1);
             x
         };
         let mut right = vec![0.0; self.rhs.len()];
         let sides = [
-            (&self.of_masters, taken(&self.masters, &self.exponents[1])),
-            (&self.of_prescribed, taken(&self.prescribed, &self.exponents[2])),
+            (&self.of_masters, scaled(&self.masters, &self.exponents[1])),
+            (&self.of_prescribed, scaled(&self.prescribed, &self.exponents[2])),
         ];
         for (matrix, x) in sides {
             right.iter_mut().zip(matrix.product(&x)).for_each(|(b, part)| *b -= part);
@@ -120,14 +120,13 @@ impl FactoredBlock {
         }
     }
 
-    /// The same block for another b, which has a number for every equation of the system.
-    /// Returns the b that it had.
+    /// Replaces b by the values of a new right-hand side of the system; returns the old b.
     pub(crate) fn set_rhs(&mut self, rhs: &[f64], row_exponents: &[i32]) -> Vec<f64> {
         let new = self.equations.iter().map(|&i| ldexp(rhs[i], row_exponents[i])).collect();
         std::mem::replace(&mut self.rhs, new)
     }
 
-    /// Numbers that it holds: of L, U, C_M and C_p.
+    /// Number of stored entries: of L, U, C_M and C_p.
     pub fn nnz(&self) -> usize {
         self.solver.nnz() + self.of_masters.nnz() + self.of_prescribed.nnz()
     }

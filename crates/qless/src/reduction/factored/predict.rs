@@ -1,22 +1,22 @@
-//! How many nonzeros T would have, part by part, before any of it is formed.
+//! Bounds the number of nonzeros of T for each part, before any of T is formed.
 
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::presolve::basis::Basis;
 
-/// What is known of a connected part.
+/// Sizes of a part.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Prediction {
     /// Nonzeros of its equations.
     pub given: usize,
     /// Upper bound of the nonzeros of its rows of T.
     pub predicted: usize,
-    /// Whether a row names another slave, or there is a block: T is more than the equations solved.
+    /// Whether T needs substitution: a row contains another slave, or the part has a block.
     pub needs_work: bool,
 }
 
-/// Bounds by part: a row holds no more than its own masters and the rows of its slaves, nor more than there are masters.
-/// `row(t)` is the user's equation of row t of the basis, `block_row(k)` one of block k.
+/// A row of T has at most the entries of its masters and of the rows of its slaves, and at most one per master of the part.
+/// `row(t)` is the user's equation of row t of the basis, `block_row(k)` an equation of block k.
 pub(crate) fn predict(
     local: LocalSystem,
     basis: &Basis,

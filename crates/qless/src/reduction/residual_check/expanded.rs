@@ -1,4 +1,4 @@
-//! All DOFs by one part of a reduction.
+//! Expansion of one term of a reduction, T u_q, G u_p or g, to all DOFs.
 
 use rayon::prelude::*;
 
@@ -9,41 +9,44 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 use crate::reduction::Reduction;
 
-/// All DOFs for one part of the reduction.
+/// The values of all DOFs by one term of the reduction.
 pub struct Expanded {
     pub u: Vec<f64>,
-    /// The sizes of what makes them, where somebody wants a closer look; until then their own sizes, which are not larger.
+    /// For each DOF the sum of the magnitudes of its terms, if it was computed. The magnitude of the DOF itself is a lower bound.
     pub sizes: Option<Vec<f64>>,
-    /// Whether b belongs to this part.
+    /// Whether the equations have the right-hand side b for this term, else 0.
     pub with_rhs: bool,
 }
 
-/// T, G and g, each on its own.
+/// A term of `u_s = T u_q + G u_p + g`.
 #[derive(Clone, Copy)]
-pub enum Part {
+pub enum ReductionTerm {
     Free,
     Prescribed,
     Constant,
 }
 
-/// What a part is expanded from.
+/// The data for the expansion of a term.
 #[derive(Clone, Copy)]
-pub struct Given<'a> {
-    pub part: Part,
+pub struct ExpansionInput<'a> {
+    pub term: ReductionTerm,
     pub local: LocalSystem<'a>,
     pub reduction: &'a Reduction,
     pub scaling: &'a Scaling,
 }
 
 impl Expanded {
-    /// Random masters, random prescribed values, or neither; masters by `keys`, if there are any.
-    pub fn new(given: Given, keys: Option<&RandomKeys>) -> Self {
-        let Given { part, local, reduction, .. } = given;
-        let (u, factored) = (Self::by_rows(given, keys, |v| v), !reduction.is_explicit());
-        let mut expanded = Self { u, sizes: None, with_rhs: matches!(part, Part::Constant) };
-        if factored && !expanded.with_rhs {
+    /// Expands random masters, random prescribed values, or g. With `keys`, the value of a master depends on its key only.
+    pub fn new(input: ExpansionInput, keys: Option<&RandomKeys>) -> Self {
+        let ExpansionInput { term, local, reduction, .. } = input;
+        let mut expanded = Self {
+            u: Self::by_rows(input, keys, |v| v),
+            sizes: None,
+            with_rhs: matches!(term, ReductionTerm::Constant),
+        };
+        if !reduction.is_explicit() && !expanded.with_rhs {
             let named = &local.numbering.dofs;
-            let mut users = vec![0.0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+            let mut users = vec![0.0; reduction.dofs()];
             named.iter().zip(&expanded.u).for_each(|(&j, &u)| users[j as usize] = u);
             reduction.factored.iter().for_each(|block| block.set_slaves(&mut users));
             expanded.u = named.iter().map(|&j| users[j as usize]).collect();
@@ -51,17 +54,17 @@ impl Expanded {
         expanded
     }
 
-    /// Local DOFs, or the sizes of what makes them, by the rows of T, of G, or of g.
-    fn by_rows(given: Given, keys: Option<&RandomKeys>, size: impl Fn(f64) -> f64 + Send + Sync) -> Vec<f64> {
-        let Given { part, local, reduction, scaling } = given;
-        let (dofs, matrix) = match part {
-            Part::Free => (&reduction.masters[..], Some(&reduction.t)),
-            Part::Prescribed => (&reduction.prescribed[..], Some(&reduction.g_matrix)),
-            Part::Constant => (&[][..], None),
+    /// The values of local DOFs by the explicit rows of T, G or g; with `size` = abs, the sums of the magnitudes of their terms.
+    fn by_rows(input: ExpansionInput, keys: Option<&RandomKeys>, size: impl Fn(f64) -> f64 + Send + Sync) -> Vec<f64> {
+        let ExpansionInput { term, local, reduction, scaling } = input;
+        let (dofs, matrix) = match term {
+            ReductionTerm::Free => (&reduction.masters[..], Some(&reduction.t)),
+            ReductionTerm::Prescribed => (&reduction.prescribed[..], Some(&reduction.g_matrix)),
+            ReductionTerm::Constant => (&[][..], None),
         };
-        let x = match (part, keys) {
-            (Part::Free, Some(keys)) => by_keys(local, reduction, keys),
-            (Part::Prescribed, _) => in_units(local, reduction, scaling),
+        let x = match (term, keys) {
+            (ReductionTerm::Free, Some(keys)) => by_keys(local, reduction, keys),
+            (ReductionTerm::Prescribed, _) => in_units(local, reduction, scaling),
             _ => randoms(1).take(dofs.len()).collect(),
         };
         let of_slave = |i: usize| match matrix {
@@ -73,16 +76,16 @@ impl Expanded {
             None => size(reduction.g[i]),
         };
         let slaves = each(reduction.slaves.len(), of_slave);
-        let mut users = vec![0.0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+        let mut users = vec![0.0; reduction.dofs()];
         dofs.iter().zip(&x).for_each(|(&j, &v)| users[j] = v);
         reduction.slaves.iter().zip(slaves).for_each(|(&j, of_slave)| users[j] = of_slave);
         let named = &local.numbering.dofs;
         each(named.len(), |l| users[named[l] as usize])
     }
 
-    /// Takes the sizes of the parts of every DOF.
-    pub fn measure(&mut self, given: Given, keys: &RandomKeys) {
-        let mut sizes = Self::by_rows(given, Some(keys), f64::abs);
+    /// Computes the sizes.
+    pub fn measure(&mut self, input: ExpansionInput, keys: &RandomKeys) {
+        let mut sizes = Self::by_rows(input, Some(keys), f64::abs);
         sizes.iter_mut().zip(&self.u).for_each(|(size, u)| *size = size.max(u.abs()));
         self.sizes = Some(sizes);
     }
@@ -92,29 +95,29 @@ impl Expanded {
     }
 }
 
-/// `0..count` of a function, in their order, by all threads where that is worth it.
-pub fn each<T: Send>(count: usize, of: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+/// The values of a function for `0..count`, in this order; long lists use all threads.
+pub fn each<T: Send>(count: usize, value: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
     if count < WORTH_A_THREAD || rayon::current_num_threads() == 1 {
-        (0..count).map(of).collect()
+        (0..count).map(value).collect()
     } else {
-        (0..count).into_par_iter().map(of).collect()
+        (0..count).into_par_iter().map(value).collect()
     }
 }
 
-/// Units are told apart up to this power of two, so that products stay within the range of doubles.
+/// Bound of the exponent of a unit, so that products stay within the range of doubles.
 const FAR: i32 = 500;
 
-/// A random number for each master, by its place within its component.
-pub fn by_keys(local: LocalSystem, reduction: &Reduction, keys: &RandomKeys) -> Vec<f64> {
-    let mut users = vec![1.0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+/// A random number for each master, determined by its position within its part.
+fn by_keys(local: LocalSystem, reduction: &Reduction, keys: &RandomKeys) -> Vec<f64> {
+    let mut users = vec![1.0; reduction.dofs()];
     let named = local.numbering.dofs.iter().enumerate();
     named.for_each(|(l, &j)| users[j as usize] = signed(1, keys.dof(l)).abs());
     reduction.masters.iter().map(|&j| users[j]).collect()
 }
 
-/// A random number for each prescribed DOF, each in its unit: what `2^60` of one brings must not hide what one of another does.
-pub fn in_units(local: LocalSystem, reduction: &Reduction, scaling: &Scaling) -> Vec<f64> {
-    let mut largest = vec![None; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+/// A random number for each prescribed DOF, in the unit of the DOF: otherwise a DOF with large coefficients would hide the others.
+fn in_units(local: LocalSystem, reduction: &Reduction, scaling: &Scaling) -> Vec<f64> {
+    let mut largest = vec![None; reduction.dofs()];
     for i in 0..local.equations() {
         for (j, v) in local.row(i).filter(|&(j, v)| !local.free()[j] && v != 0.0) {
             let power = &mut largest[local.numbering.dofs[j] as usize];

@@ -1,8 +1,8 @@
-//! The gate: `C T' = 0`, `C G' = -C_p` and `C g' = b`, before a reduction leaves the library.
+//! Every reduction is checked against the user's equations before it is returned: `C_S T = -C_M`, `C_S G = -C_p`, `C_S g = b`.
 //!
-//! With random u_q and u_p, T, G and g are each expanded on their own and put into the user's equations. The residual of an equation is
-//! relative to its coefficients and to the largest sum of the sizes of the parts that make a DOF of its component, each DOF in its
-//! unit. One pass over C, T and G; components are looked for only where an equation does not meet its own parts.
+//! The terms T u_q, G u_p and g are expanded separately, with random u_q and u_p, and inserted into the equations. The residual of an
+//! equation is relative to its coefficients and to the largest DOF of its part, measured by the magnitudes of its terms in the unit of the
+//! DOF. One pass over C, T and G. Parts are computed only if the residual of an equation is not small relative to its own terms.
 
 mod expanded;
 
@@ -13,28 +13,28 @@ use crate::diagnosis::nullspace_probe::RandomKeys;
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
-use expanded::{Expanded, Given, Part, each};
+use expanded::{Expanded, ExpansionInput, ReductionTerm, each};
 
-/// Largest relative residual with which a reduction may leave.
+/// Largest relative residual of a reduction that is returned.
 pub(crate) const LIMIT: f64 = 1e-10;
 
-/// A residual of an equation up to this, relative to its own parts, needs no second look.
+/// A residual up to this, relative to the terms of its own equation, is accepted.
 const FINE: f64 = 1e-13;
 
-/// Residuals up to this part of what is fine are so whatever numbers are drawn.
+/// Residuals up to this fraction of [`FINE`] are accepted for any random numbers.
 const NEARLY: f64 = 0.1;
 
 /// The residuals of the independent equations.
 pub(crate) struct Residuals {
-    /// The largest, ...
+    /// The largest residual, ...
     pub worst: f64,
-    /// ... of this equation.
+    /// ... and its equation.
     pub row: usize,
-    /// Equations above what was asked for, ascending, with their residuals.
+    /// Equations whose residual is above the bound of the caller, ascending, with their residuals.
     pub above: Vec<(usize, f64)>,
 }
 
-/// Residuals, with the equations above `above` listed.
+/// The residuals of all terms; equations with a residual above `above` are listed.
 pub(crate) fn residuals(
     local: LocalSystem,
     reduction: &Reduction,
@@ -43,44 +43,44 @@ pub(crate) fn residuals(
     above: f64,
 ) -> Residuals {
     let has_constant = || local.rhs().iter().any(|&b| b != 0.0) || reduction.g.iter().any(|&g| g != 0.0);
-    let parts = [
-        Some(Part::Free),
-        (!local.prescribed().is_empty()).then_some(Part::Prescribed),
-        has_constant().then_some(Part::Constant),
+    let terms = [
+        Some(ReductionTerm::Free),
+        (!local.prescribed().is_empty()).then_some(ReductionTerm::Prescribed),
+        has_constant().then_some(ReductionTerm::Constant),
     ];
-    judge(parts.into_iter().flatten(), (local, reduction), independent, scaling, above)
+    residuals_of(terms.into_iter().flatten(), (local, reduction), independent, scaling, above)
 }
 
-/// The same of g alone, where T and G have passed before.
+/// The residuals of g alone, for T and G that were checked before.
 pub(crate) fn residuals_of_g(
     local: LocalSystem,
     reduction: &Reduction,
     independent: &[bool],
     scaling: &Scaling,
 ) -> Residuals {
-    judge([Part::Constant].into_iter(), (local, reduction), independent, scaling, f64::INFINITY)
+    residuals_of([ReductionTerm::Constant].into_iter(), (local, reduction), independent, scaling, f64::INFINITY)
 }
 
-fn judge(
-    parts: impl Iterator<Item = Part>,
+fn residuals_of(
+    terms: impl Iterator<Item = ReductionTerm>,
     (local, reduction): (LocalSystem, &Reduction),
     independent: &[bool],
     scaling: &Scaling,
     above: f64,
 ) -> Residuals {
     let mut found = Residuals { worst: 0.0, row: 0, above: Vec::new() };
-    for part in parts {
-        let of_part = Given { part, local, reduction, scaling };
-        let mut expanded = Expanded::new(of_part, None);
+    for term in terms {
+        let input = ExpansionInput { term, local, reduction, scaling };
+        let mut expanded = Expanded::new(input, None);
         let mut own = expanded.residuals(local, independent);
         let is_fine = |own: &[f64]| own.iter().all(|&residual| residual <= FINE);
         if !own.iter().all(|&residual| residual <= NEARLY * FINE) {
-            // Something may hang on how numbers were drawn: once more by places within the components.
+            // The verdict may depend on the random numbers. Numbers by position within the part make it independent of other parts.
             let keys = RandomKeys::within_components(&Labels::of(local), local);
-            expanded = Expanded::new(of_part, Some(&keys));
+            expanded = Expanded::new(input, Some(&keys));
             own = expanded.residuals(local, independent);
             if !is_fine(&own) {
-                expanded.measure(of_part, &keys);
+                expanded.measure(input, &keys);
                 own = expanded.residuals(local, independent);
             }
         }
@@ -99,7 +99,7 @@ fn judge(
     found
 }
 
-/// Refuses what is not within the limit.
+/// Refuses a reduction whose largest residual is above the limit.
 pub(crate) fn pass(found: &Residuals, reduction: &Reduction) -> Result<(), ReductionError> {
     if found.worst <= LIMIT {
         return Ok(());
@@ -115,7 +115,7 @@ pub(crate) fn pass(found: &Residuals, reduction: &Reduction) -> Result<(), Reduc
 }
 
 impl Expanded {
-    /// Relative to the equations' own parts.
+    /// The residual of each equation relative to its own terms.
     pub fn residuals(&self, local: LocalSystem, independent: &[bool]) -> Vec<f64> {
         let sizes = self.sizes.as_ref().unwrap_or(&self.u);
         each(local.equations(), |i| {
@@ -123,13 +123,13 @@ impl Expanded {
                 return 0.0;
             }
             let (sum, size) = self.sums(local, i, 1.0, sizes);
-            // Near the end of the range of doubles the same is asked in another unit.
+            // Near the limit of the range of doubles the sums are computed in another unit.
             let (sum, size) = if size.is_finite() { (sum, size) } else { self.sums(local, i, 1e-100, sizes) };
             relative(sum, size)
         })
     }
 
-    /// Those that are not fine relative to the largest parts of their components.
+    /// Replaces residuals above [`FINE`] by those relative to the largest DOF of their part.
     pub fn relative_to_components(&self, local: LocalSystem, scaling: &Scaling, out: &mut [f64]) {
         let labels = Labels::of(local);
         let mut largest = vec![0.0_f64; labels.count];
@@ -141,7 +141,7 @@ impl Expanded {
         for (i, out) in out.iter_mut().enumerate().filter(|(_, out)| **out > FINE) {
             let b = self.rhs(local, i);
             let sum = local.row(i).fold(-b, |sum, (j, v)| sum + v * self.u[j]);
-            // Prescribed DOFs are in no unit that others share: they count by what they bring into the equation, as b does.
+            // Prescribed DOFs may have any unit, so they count by their term in the equation, as b does.
             let largest = largest[labels.of_row[i] as usize];
             let parts = local.row(i).map(|(j, v)| {
                 if local.free()[j] { ldexp(v.abs(), scaling.col(j)) * largest } else { (v * self.u[j]).abs() }
@@ -150,7 +150,7 @@ impl Expanded {
         }
     }
 
-    /// `C_i u - b_i` and the sum of the sizes of its parts, in a unit; `sizes` are those of the DOFs.
+    /// `C_i u - b_i` and the sum of the magnitudes of its terms, both times `unit`; `sizes` are those of the DOFs.
     #[inline]
     fn sums(&self, local: LocalSystem, i: usize, unit: f64, sizes: &[f64]) -> (f64, f64) {
         let b = self.rhs(local, i) * unit;
@@ -165,7 +165,7 @@ impl Expanded {
     }
 }
 
-/// A sum that is no number, or parts beyond the range of doubles, must not pass for small.
+/// `|sum| / size`; infinite if it is not a finite number, so that NaN and overflow are never small.
 fn relative(sum: f64, size: f64) -> f64 {
     match sum.abs() / size {
         _ if sum == 0.0 => 0.0,
@@ -179,7 +179,7 @@ mod tests {
     use super::relative;
 
     #[test]
-    fn what_cannot_be_compared_is_not_small() {
+    fn nan_and_overflow_are_not_small() {
         assert_eq!((relative(0.0, 0.0), relative(1.0, 4.0)), (0.0, 0.25));
         for (sum, size) in [(1e300, f64::INFINITY), (f64::NAN, 1.0), (f64::INFINITY, f64::INFINITY), (1.0, 0.0)] {
             assert_eq!(relative(sum, size), f64::INFINITY);
