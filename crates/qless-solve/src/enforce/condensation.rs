@@ -35,7 +35,7 @@ impl Condensation {
         let elimination = elimination_of(system, rows)?;
         let condensed = elimination
             .condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), PrescribedDofs::Eliminated)?;
-        let left = condensed.left(&elimination).into_iter().map(|i| rows[i]).collect();
+        let left = condensed.remaining_equations(&elimination).into_iter().map(|i| rows[i]).collect();
         Ok(Self { elimination, condensed, left })
     }
 

@@ -1,4 +1,4 @@
-//! Expand, increment and project, into memory of the caller, on all threads; nothing is allocated where T is numbers.
+//! Expand, increment and restrict into memory of the caller, on all threads. If T is explicit, nothing is allocated.
 
 use rayon::prelude::*;
 
@@ -7,14 +7,14 @@ use super::roles::{Role, product};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers};
 
-/// Fewer numbers than this are not worth a thread of their own.
-const WORTH_A_THREAD: usize = 1 << 14;
+/// Number of entries of a chunk for one thread.
+const CHUNK: usize = 1 << 14;
 
 impl Elimination {
     /// `u = L u_q + u_0`: all DOFs from those of [`Elimination::masters`].
     ///
     /// # Errors
-    /// [`ArgumentError`] for a wrong length, a number that is not finite, or a result that is none (u is then not to be used).
+    /// [`ArgumentError`] for a wrong length, or a number or result that is not finite; u is then invalid.
     pub fn expand_into(&self, masters: &[f64], u: &mut [f64]) -> Result<(), ArgumentError> {
         self.check(masters, u.len())?;
         if !self.reduction.is_explicit() {
@@ -28,7 +28,7 @@ impl Elimination {
         })
     }
 
-    /// `du = L du_q`: the same for increments; prescribed DOFs and constants do not move.
+    /// `du = L du_q`: expands an increment; prescribed DOFs and constants do not change.
     ///
     /// # Errors
     /// As [`Elimination::expand_into`].
@@ -41,18 +41,18 @@ impl Elimination {
         self.spread(masters, du, |_| 0.0)
     }
 
-    /// [`Elimination::expand_increment_into`] for many vectors (modes, say), one after the other in both lists.
+    /// [`Elimination::expand_increment_into`] for many vectors, such as modes, one after the other in both lists.
     ///
     /// # Errors
     /// As [`Elimination::expand_into`]; [`ArgumentError::WrongLength`] unless both lists hold the same number of vectors.
     pub fn expand_increments_into(&self, masters: &[f64], du: &mut [f64]) -> Result<(), ArgumentError> {
         self.check_many(masters.len(), du.len())?;
         let (q, n) = (self.masters().len(), self.dofs());
-        let of = |(k, du): (usize, &mut [f64])| self.expand_increment_into(&masters[k * q..(k + 1) * q], du);
-        du.par_chunks_mut(n).enumerate().try_for_each(of)
+        let expand = |(k, du): (usize, &mut [f64])| self.expand_increment_into(&masters[k * q..(k + 1) * q], du);
+        du.par_chunks_mut(n).enumerate().try_for_each(expand)
     }
 
-    /// `f_q = L^T f`: forces on all DOFs as the masters feel them.
+    /// `f_q = L^T f`: transfers forces on all DOFs to the masters.
     ///
     /// # Errors
     /// As [`Elimination::expand_into`].
@@ -61,8 +61,7 @@ impl Elimination {
         long("the list of masters", masters.len(), self.masters().len())?;
         let (places, slaves, columns) = (self.masters(), self.slaves(), &self.roles.of_masters);
         if self.reduction.is_explicit() {
-            let of = |q: usize| forces[places[q]] + product(columns, q, forces);
-            return fill(masters, "L^T f", of);
+            return fill(masters, "L^T f", |q| forces[places[q]] + product(columns, q, forces));
         }
         let of_slaves: Vec<f64> = slaves.iter().map(|&j| forces[j]).collect();
         let sums = self.reduction.apply_transposed(&of_slaves)?;
@@ -76,11 +75,11 @@ impl Elimination {
     pub fn restrict_many_into(&self, forces: &[f64], masters: &mut [f64]) -> Result<(), ArgumentError> {
         self.check_many(masters.len(), forces.len())?;
         let (q, n) = (self.masters().len(), self.dofs());
-        let of = |(k, masters): (usize, &mut [f64])| self.restrict_into(&forces[k * n..(k + 1) * n], masters);
-        masters.par_chunks_mut(q.max(1)).enumerate().try_for_each(of)
+        let restrict = |(k, masters): (usize, &mut [f64])| self.restrict_into(&forces[k * n..(k + 1) * n], masters);
+        masters.par_chunks_mut(q.max(1)).enumerate().try_for_each(restrict)
     }
 
-    /// Lists over masters and over all DOFs of the same number of vectors.
+    /// Checks that both lists have the same number of vectors.
     fn check_many(&self, masters: usize, all: usize) -> Result<(), ArgumentError> {
         let count = all / self.dofs();
         long("the list of vectors over all DOFs", all, count * self.dofs())?;
@@ -110,27 +109,35 @@ impl Elimination {
     }
 }
 
-/// Number k of a result by a function of k, which must be finite.
-pub(super) fn fill(out: &mut [f64], what: &'static str, of: impl Fn(usize) -> f64 + Sync) -> Result<(), ArgumentError> {
-    let all = |first: usize, out: &mut [f64]| {
+/// Fills a list by a function of the index; an error if a value is not finite.
+pub(super) fn fill(
+    out: &mut [f64],
+    what: &'static str,
+    value: impl Fn(usize) -> f64 + Sync,
+) -> Result<(), ArgumentError> {
+    let fill = |first: usize, out: &mut [f64]| {
         let mut finite = true;
         for (k, out) in out.iter_mut().enumerate() {
-            *out = of(first + k);
+            *out = value(first + k);
             finite &= out.is_finite();
         }
-        if finite { Ok(()) } else { Err(ArgumentError::Overflow { what, place: first }) }
+        finite
     };
-    let done = if out.len() < 2 * WORTH_A_THREAD || rayon::current_num_threads() == 1 {
-        all(0, out)
+    let finite = if out.len() < 2 * CHUNK || rayon::current_num_threads() == 1 {
+        fill(0, out)
     } else {
-        let stretch = |(k, out): (usize, &mut [f64])| all(k * WORTH_A_THREAD, out);
-        out.par_chunks_mut(WORTH_A_THREAD).enumerate().map(stretch).reduce(|| Ok(()), Result::and)
+        let chunk = |(k, out): (usize, &mut [f64])| fill(k * CHUNK, out);
+        out.par_chunks_mut(CHUNK).enumerate().map(chunk).reduce(|| true, |a, b| a & b)
     };
-    let place = |_| out.iter().position(|v| !v.is_finite()).unwrap_or_default();
-    done.map_err(|error| ArgumentError::Overflow { what, place: place(error) })
+    if finite { Ok(()) } else { Err(ArgumentError::Overflow { what, place: first_not_finite(out) }) }
 }
 
-/// The condensed matrix as a product: K is a function that multiplies vectors over all DOFs.
+/// The index of the first number that is not finite.
+pub(super) fn first_not_finite(values: &[f64]) -> usize {
+    values.iter().position(|v| !v.is_finite()).unwrap_or_default()
+}
+
+/// `L^T K L` as an operator: K is a function that multiplies vectors over all DOFs.
 ///
 /// ```
 /// use qless::{Elimination, Options, SystemBuilder};
@@ -139,7 +146,7 @@ pub(super) fn fill(out: &mut [f64], what: &'static str, of: impl Fn(usize) -> f6
 /// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
 /// let mut operator = elimination.operator(|u: &[f64], f: &mut [f64]| f.iter_mut().zip(u).for_each(|(f, u)| *f = 2.0 * u));
 /// let mut product = [0.0; 2];
-/// // u1 = 1 and u2 = 3, which u0 follows.
+/// // u1 = 1 and u0 = u2 = 3.
 /// operator.apply_into(&[1.0, 3.0], &mut product)?;
 /// assert_eq!(product, [2.0, 12.0]);
 /// # Ok::<(), qless::elimination::EliminationError>(())
@@ -158,7 +165,7 @@ impl<K> std::fmt::Debug for Operator<'_, K> {
 }
 
 impl Elimination {
-    /// `L^T K L`; `k(u, f)` writes `f = K u`, f being zero before.
+    /// `L^T K L` as an operator; `k(u, f)` adds `K u` to f, which is zero before.
     pub fn operator<K: FnMut(&[f64], &mut [f64])>(&self, k: K) -> Operator<'_, K> {
         Operator { elimination: self, k, u: vec![0.0; self.dofs()], f: vec![0.0; self.dofs()] }
     }

@@ -1,4 +1,4 @@
-//! Errors of an elimination, and the refusal of conflicting equations.
+//! Errors of an elimination, and the check for conflicting equations.
 
 use crate::backend::BackendError;
 use crate::change::RefreshError;
@@ -8,23 +8,23 @@ use crate::{AnalysisError, ArgumentError, ConstraintSystem, Kind, ReductionError
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EliminationError {
-    /// Equations that contradict others.
-    #[error("equations contradict others: {}; change their right-hand sides, or leave them out", some(.labels))]
+    /// Some equations conflict with others.
+    #[error("equations conflict with others: {}; change their right-hand sides, or remove them", first_labels(.labels))]
     Conflicting {
         /// The equations, 0-based.
         rows: Vec<usize>,
         /// Their labels.
         labels: Vec<String>,
     },
-    /// It was made from a reduction, without equations.
+    /// The elimination was made from a reduction, without equations.
     #[error(
-        "this elimination was made from T, G and g alone: it has no equations; make it by `Elimination::new`, or set g by `set`"
+        "this elimination was made from T, G and g and has no equations; use `Elimination::new` to create it, or `set` to change g"
     )]
     NoEquations,
     /// The equations could not be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
-    /// They could not be solved for slaves.
+    /// The equations could not be solved for slaves.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
     /// New right-hand sides were refused.
@@ -33,7 +33,7 @@ pub enum EliminationError {
     /// A list of the wrong length, or a number that is not finite.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// Arrays that are no matrix of the DOFs.
+    /// Arrays that are not a valid n x n pattern.
     #[error(transparent)]
     Matrix(#[from] SystemError),
     /// A block needs more memory than is allowed, or could not be factored.
@@ -41,14 +41,14 @@ pub enum EliminationError {
     Backend(#[from] BackendError),
 }
 
-/// The first few of many.
-fn some(labels: &[String]) -> String {
+/// The first five labels, and the number of the others.
+fn first_labels(labels: &[String]) -> String {
     const MOST: usize = 5;
     let first = labels[..labels.len().min(MOST)].join(", ");
     if labels.len() > MOST { format!("{first} and {} more", labels.len() - MOST) } else { first }
 }
 
-/// An error if any equation conflicts.
+/// Returns an error if any equation conflicts.
 pub(super) fn refuse_conflicts(kinds: &[Kind], system: &ConstraintSystem) -> Result<(), EliminationError> {
     let rows: Vec<usize> = (0..kinds.len()).filter(|&i| kinds[i] == Kind::Conflicting).collect();
     if rows.is_empty() {

@@ -1,30 +1,29 @@
-//! `C_S^T lambda = (f - K u)_S`: what constraints carry, for any solver's u.
-
-use qless_qr::Symbolic;
+//! Multipliers and reactions, `C_S^T lambda = (f - K u)_S`, for the solution u of any solver.
 
 use super::{Elimination, EliminationError, EliminationSource};
 use crate::common::argument::numbers;
 use crate::factor::backend::BackendError;
+use crate::factor::backend::sparse::order;
 use crate::factor::lu;
 use crate::factor::solver::SlaveSolver;
 use crate::input::scale::{ldexp, where_needed};
 use crate::{ArgumentError, Csr, Kind};
 
-/// The independent equations in the columns of their slaves, factored.
+/// Factors of the independent equations in the columns of their slaves.
 pub(super) struct MultiplierFactors {
     /// The independent equations.
     equations: Vec<usize>,
     solver: SlaveSolver,
-    /// Exponents of the equations ...
+    /// Exponents of the scaling of the equations ...
     of_equations: Vec<i32>,
-    /// ... and of the slaves with which they were factored: units must not decide what is small.
+    /// ... and of the slaves, so that the factorization does not depend on units.
     of_slaves: Vec<i32>,
 }
 
 impl MultiplierFactors {
     fn new(known: &EliminationSource, slaves: &[usize]) -> Result<Self, BackendError> {
         let system = known.analysis.system();
-        // Which equations are independent never changes.
+        // The independent equations never change.
         let equations: Vec<usize> = (0..known.kinds.len()).filter(|&i| known.kinds[i] == Kind::Independent).collect();
         let scaling = where_needed(known.analysis.numbering.view(system, system.rhs()));
         let mut of_slaves = vec![0; slaves.len()];
@@ -42,23 +41,19 @@ impl MultiplierFactors {
         }
         let of_equations = equations.iter().map(|&i| scaling.row[i]).collect();
         let memory = known.analysis.options.memory;
-        let failed =
-            |error: qless_qr::Error| BackendError::Failed { backend: "multipliers", message: error.to_string() };
-        let symbolic = Symbolic::analyse(rows.cols, rows.rows(), &rows.start, &rows.col).map_err(failed)?;
-        let order: Vec<usize> = symbolic.order().iter().map(|&i| i as usize).collect();
-        let factors = lu::factor(&rows, &order, |_| true, memory);
+        let factors = lu::factor(&rows, &order(&rows)?, |_| true, memory);
         let factors = factors.map_err(|error| error.of_block("multipliers", &rows, memory))?;
         Ok(Self { equations, solver: SlaveSolver::new(&rows, factors), of_equations, of_slaves })
     }
 }
 
 impl Elimination {
-    /// lambda of `K u + C^T lambda = f`, by equation, from `residual = f - K u` of any solver's u; zero for dependent equations. The
-    /// equations in the columns of the slaves are factored once, when this is first called.
+    /// lambda of `K u + C^T lambda = f`, by equation, from `residual = f - K u` for the solution u of any solver. It is zero for dependent
+    /// equations. The first call factors the equations in the columns of the slaves.
     ///
     /// ```
     /// use qless::{Elimination, Options, SystemBuilder};
-    /// // u0 = u1 under forces 3 and 1, held at rest: the tie carries what one pushes more than it is held by.
+    /// // u0 = u1 with residual forces 1 and -1: the tie transfers the force 1.
     /// let mut builder = SystemBuilder::new(2);
     /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
     /// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
@@ -92,7 +87,7 @@ impl Elimination {
         Ok(all)
     }
 
-    /// `C^T lambda - (f - K u)` at each prescribed DOF: what holds it. In the order of [`Elimination::prescribed`].
+    /// The reactions `C^T lambda - (f - K u)` at the prescribed DOFs, in the order of [`Elimination::prescribed`].
     ///
     /// # Errors
     /// [`EliminationError::Argument`] for wrong lengths or numbers that are not finite.
@@ -100,16 +95,15 @@ impl Elimination {
         let known = self.equations.as_ref().ok_or(EliminationError::NoEquations)?;
         numbers("the residual", residual, self.dofs())?;
         numbers("the list of multipliers", multipliers, known.kinds.len())?;
-        let mut held = vec![0.0; self.dofs()];
+        let mut forces = vec![0.0; self.dofs()];
         let matrix = known.analysis.system().matrix();
         for (i, lambda) in multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
-            matrix.row(i).for_each(|(j, v)| held[j] += v * lambda);
+            matrix.row(i).for_each(|(j, v)| forces[j] += v * lambda);
         }
-        Ok(self.prescribed().iter().map(|&j| held[j] - residual[j]).collect())
+        Ok(self.prescribed().iter().map(|&j| forces[j] - residual[j]).collect())
     }
 
-    /// `(DOF, force)` for forces on free DOFs that the equations fix (generated boundary conditions): they go into the constraints and
-    /// move nothing.
+    /// `(DOF, force)` for forces on generated boundary conditions: the constraints carry them, so they do not change u.
     ///
     /// # Errors
     /// [`EliminationError::Argument`] for a wrong length or a number that is not finite.

@@ -1,15 +1,16 @@
-//! `u = L u_q + u_0`: what a finite-element code does with its constraints in every step.
+//! `u = L u_q + u_0`: the operations of a finite-element code on its constraints in every step.
 //!
 //! ```text
 //! expand       u  = L u_q + u_0        u_q (masters) -> u (all DOFs)         O(n + nnz T)
-//! increment    du = L du_q             the same without u_0                  O(n + nnz T)
+//! increment    du = L du_q             expand without u_0                    O(n + nnz T)
 //! restrict     f_q = L^T f             forces on all DOFs -> on masters      O(n + nnz T)
 //! condense     K_q = L^T K L,  f_q = L^T (f - K u_0)                         O(nnz K + contributions of slaves)
 //! multipliers  C_S^T lambda = (f - K u)_S                                    O(nnz of the LU of C_S), once factored
 //! update       g for new b and u_p                                           O(nnz C)
 //! ```
 //!
-//! L has a row of the identity for each master, the row of T for each slave and nothing for prescribed DOFs, which are in u_0 with g.
+//! The row of L is a row of the identity for a master, the row of T for a slave, and empty for a prescribed DOF. `u_0` contains g and the
+//! values of prescribed DOFs.
 
 mod apply;
 mod condense;
@@ -34,19 +35,19 @@ pub use condense::{CondensedPattern, PrescribedDofs};
 pub use error::EliminationError;
 pub use view::{Index, Storage, View};
 
-/// The constraints in the form `u = L u_q + u_0`: made once, owned, `Send + Sync`, kept beside the model.
+/// The constraints in the form `u = L u_q + u_0`. It owns its data and is `Send + Sync`; a code creates it once and stores it.
 ///
 /// ```
 /// use qless::{Elimination, Options, SystemBuilder};
 /// use qless::elimination::{PrescribedDofs, View};
-/// // Three springs in a row, u0 = 0 prescribed, u3 tied to u2 by u3 = u2 + 0.5 (said twice).
+/// // Three springs in a row, u0 = 0 prescribed, u3 = u2 + 0.5 given twice.
 /// let mut builder = SystemBuilder::new(4);
 /// builder.equation([(3, 1.0), (2, -1.0)], 0.5);
 /// builder.equation([(3, 2.0), (2, -2.0)], 1.0);
 /// builder.prescribe(0, 0.0);
 /// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
 ///
-/// // K in the caller's arrays; its pattern once, its values in every step.
+/// // K is in the caller's arrays. Its pattern is needed once, its values in every step.
 /// let (starts, columns) = ([0, 2, 5, 8, 10], [0_u32, 1, 0, 1, 2, 1, 2, 3, 2, 3]);
 /// let k = [1.0, -1.0, -1.0, 2.0, -1.0, -1.0, 2.0, -1.0, -1.0, 1.0];
 /// let condensed = elimination.condensed(View::rows(&starts, &columns), PrescribedDofs::Eliminated)?;
@@ -55,7 +56,7 @@ pub use view::{Index, Storage, View};
 /// assert_eq!((elimination.masters(), k_q.as_slice()), ([1, 3].as_slice(), [2.0, -1.0, -1.0, 1.0].as_slice()));
 /// assert_eq!(f_q, [-0.5, 3.5]);
 ///
-/// // u_q = K_q^-1 f_q = (3, 6.5), by any solver, and back.
+/// // Any solver finds u_q = K_q^-1 f_q = (3, 6.5); expand it.
 /// let mut u = vec![0.0; 4];
 /// elimination.expand_into(&[3.0, 6.5], &mut u)?;
 /// assert_eq!(u, [0.0, 3.0, 6.0, 6.5]);
@@ -65,19 +66,19 @@ pub struct Elimination {
     identity: Identity,
     reduction: Reduction,
     roles: Roles,
-    /// Values of the prescribed DOFs, as they are now.
+    /// Current values of the prescribed DOFs.
     prescribed_values: Vec<f64>,
-    /// None if it was made from a reduction alone.
+    /// None if the elimination was made from a reduction.
     equations: Option<EliminationSource>,
 }
 
-/// The equations behind an elimination.
+/// The equations of an elimination.
 struct EliminationSource {
     analysis: Arc<Analysis>,
-    /// b, as it is now.
+    /// Current right-hand sides.
     rhs: Vec<f64>,
     kinds: Vec<Kind>,
-    /// Made when it is first needed.
+    /// Created on first use.
     refresher: OnceLock<Refresher>,
     multipliers: OnceLock<MultiplierFactors>,
 }
@@ -90,16 +91,16 @@ impl std::fmt::Debug for Elimination {
 }
 
 impl Elimination {
-    /// Analyses a system and solves it for its slaves; all of T as numbers.
+    /// Analyses a system and solves it for its slaves, with all rows of T explicit.
     ///
     /// # Errors
-    /// [`EliminationError::Conflicting`] if equations contradict one another; [`EliminationError::Analysis`],
+    /// [`EliminationError::Conflicting`] if equations conflict; [`EliminationError::Analysis`],
     /// [`EliminationError::Reduction`].
     pub fn new(system: &ConstraintSystem, options: &Options) -> Result<Self, EliminationError> {
         Self::from_analysis(analyse(system, options)?, Form::Explicit)
     }
 
-    /// From an analysis, or an `Arc` of one; parts of T may stay factors ([`Form`]).
+    /// From an analysis or a shared `Arc` of one; parts of T may be factored ([`Form`]).
     ///
     /// # Errors
     /// As [`Elimination::new`].
@@ -118,8 +119,8 @@ impl Elimination {
         Ok(Self::build(reduction, values, Some(equations)))
     }
 
-    /// From T, G and g that were computed elsewhere, with values in the order of [`Reduction::prescribed`]. Without the equations there are
-    /// no multipliers and no [`Elimination::update`].
+    /// From T, G and g that were computed elsewhere, with prescribed values in the order of [`Reduction::prescribed`]. Multipliers and
+    /// [`Elimination::update`] need the equations, so they return an error.
     ///
     /// ```
     /// use qless::{Csr, Elimination, Reduction};
@@ -146,22 +147,22 @@ impl Elimination {
         Self { identity: Identity::new(), roles, reduction, prescribed_values, equations }
     }
 
-    /// What is known of the equations: certificates, confidence, generated boundary conditions. None if it was made from a reduction.
+    /// The analysis: certificates, confidence, generated boundary conditions. None if the elimination was made from a reduction.
     pub fn analysis(&self) -> Option<&Arc<Analysis>> {
         self.equations.as_ref().map(|equations| &equations.analysis)
     }
 
-    /// b, as it is now; empty if it was made from a reduction.
+    /// Current b; empty if the elimination was made from a reduction.
     pub fn rhs(&self) -> &[f64] {
         self.equations.as_ref().map_or(&[], |equations| &equations.rhs)
     }
 
-    /// Kind of each equation, for b and u_p as they are now; empty if it was made from a reduction.
+    /// Kind of each equation for the current b and u_p; empty if the elimination was made from a reduction.
     pub fn kinds(&self) -> &[Kind] {
         self.equations.as_ref().map_or(&[], |equations| &equations.kinds)
     }
 
-    /// T, G and g, for b and u_p as they are now.
+    /// T, G and g for the current b and u_p.
     pub fn reduction(&self) -> &Reduction {
         &self.reduction
     }
@@ -186,18 +187,18 @@ impl Elimination {
         self.reduction.prescribed()
     }
 
-    /// Values of u_p, as they are now.
+    /// Current values of u_p.
     pub fn prescribed_values(&self) -> &[f64] {
         &self.prescribed_values
     }
 
-    /// Whether a DOF follows others; no DOF from n on does.
+    /// Whether a DOF is a slave; false for numbers from n on.
     pub fn is_slave(&self, dof: usize) -> bool {
         matches!(self.roles.of.get(dof), Some(Role::Slave(_)))
     }
 
-    /// `u_dof = sum value u_j + g` of a slave: (j, value) for masters and prescribed DOFs, ascending, and g. None for other DOFs, and
-    /// for slaves of factored parts ([`Reduction::row`]).
+    /// The row `u_dof = sum value u_j + g` of a slave: (j, value) for masters and prescribed DOFs, ascending, and g. None for other DOFs
+    /// and for slaves of factored parts; for these see [`Reduction::row`].
     ///
     /// ```
     /// # use qless::{Elimination, Options, SystemBuilder};
@@ -214,7 +215,7 @@ impl Elimination {
     pub fn row(&self, dof: usize) -> Option<(Vec<(usize, f64)>, f64)> {
         let Some(&Role::Slave(i)) = self.roles.of.get(dof) else { return None };
         let (i, reduction) = (i as usize, &self.reduction);
-        if self.roles.is_held(i) {
+        if self.roles.is_factored(i) {
             return None;
         }
         let of_masters = reduction.t.row(i).map(|(q, v)| (reduction.masters[q], v));
@@ -224,7 +225,7 @@ impl Elimination {
         Some((terms, reduction.g[i]))
     }
 
-    /// The masters that a slave follows, ascending; none for other DOFs.
+    /// The masters in the row of a slave, ascending; empty for other DOFs.
     pub fn masters_of(&self, dof: usize) -> Vec<usize> {
         let Some(&Role::Slave(i)) = self.roles.of.get(dof) else { return Vec::new() };
         let row = self.reduction.row(i as usize).unwrap_or_default();

@@ -1,8 +1,8 @@
-//! What each DOF is, and the columns of T and G.
+//! The role of each DOF, and T by columns.
 
 use crate::{Csr, Reduction};
 
-/// A place in the list of masters, of slaves or of prescribed DOFs.
+/// The index of a DOF among the masters, the slaves or the prescribed DOFs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Master(u32),
@@ -10,50 +10,51 @@ pub(super) enum Role {
     Prescribed(u32),
 }
 
-/// By DOF, and by column.
+/// The roles of the DOFs, with data derived from T, G and g.
 pub(super) struct Roles {
+    /// By DOF.
     pub of: Vec<Role>,
     /// `G u_p + g`, by slave.
     pub constants: Vec<f64>,
-    /// `T^T`: for each master the DOFs of the slaves that follow it.
+    /// `T^T`: for each master the DOFs of the slaves whose rows contain it.
     pub of_masters: Csr,
-    /// Slaves of factored parts.
-    held: Vec<bool>,
+    /// Whether each slave belongs to a factored part; empty if T is explicit.
+    factored: Vec<bool>,
 }
 
 impl Roles {
-    pub fn new(reduction: &Reduction, given: &[f64]) -> Self {
+    pub fn new(reduction: &Reduction, prescribed: &[f64]) -> Self {
         let mut of = vec![Role::Master(0); reduction.dofs()];
         reduction.masters.iter().zip(0..).for_each(|(&j, q)| of[j] = Role::Master(q));
         reduction.slaves.iter().zip(0..).for_each(|(&j, i)| of[j] = Role::Slave(i));
         reduction.prescribed.iter().zip(0..).for_each(|(&j, p)| of[j] = Role::Prescribed(p));
-        let mut held = vec![false; if reduction.is_explicit() { 0 } else { reduction.slaves.len() }];
+        let mut factored = vec![false; if reduction.is_explicit() { 0 } else { reduction.slaves.len() }];
         for &j in reduction.factored.iter().flat_map(|block| &block.slaves) {
             if let Role::Slave(i) = of[j] {
-                held[i as usize] = true;
+                factored[i as usize] = true;
             }
         }
         let mut of_masters = reduction.t.transposed();
         of_masters.cols = reduction.dofs();
         of_masters.col.iter_mut().for_each(|i| *i = reduction.slaves[*i as usize] as u32);
-        let mut roles = Self { of, constants: Vec::new(), of_masters, held };
-        roles.refresh(reduction, given);
+        let mut roles = Self { of, constants: Vec::new(), of_masters, factored };
+        roles.refresh(reduction, prescribed);
         roles
     }
 
-    /// The constants, for a new g and new prescribed values.
-    pub fn refresh(&mut self, reduction: &Reduction, given: &[f64]) {
-        self.constants = reduction.g_matrix.product(given);
+    /// Updates the constants for a new g and new prescribed values.
+    pub fn refresh(&mut self, reduction: &Reduction, prescribed: &[f64]) {
+        self.constants = reduction.g_matrix.product(prescribed);
         self.constants.iter_mut().zip(&reduction.g).for_each(|(sum, g)| *sum += g);
     }
 
-    /// Whether the row of slave i is not at hand.
-    pub fn is_held(&self, i: usize) -> bool {
-        self.held.get(i).is_some_and(|&held| held)
+    /// Whether slave i belongs to a factored part.
+    pub fn is_factored(&self, i: usize) -> bool {
+        self.factored.get(i).is_some_and(|&factored| factored)
     }
 }
 
-/// `sum_k a_ik x_k` of row i, in four sums that do not wait for one another.
+/// `sum_k a_ik x_k` for row i, in four independent sums, so that additions overlap.
 #[inline]
 pub(super) fn product(a: &Csr, i: usize, x: &[f64]) -> f64 {
     let range = a.start[i]..a.start[i + 1];

@@ -1,4 +1,4 @@
-//! New right-hand sides and prescribed values: g changes, T and the slaves stay.
+//! New right-hand sides and prescribed values: they change g, but not T and the slaves.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use crate::change::Refresher;
 use crate::common::argument::numbers;
 
 impl Elimination {
-    /// New right-hand sides b (length m) and prescribed values (in the order of [`Elimination::prescribed`]). Slaves and T stay as they are,
-    /// to the last bit.
+    /// Sets new right-hand sides b (length m) and prescribed values (in the order of [`Elimination::prescribed`]). Slaves and T do not
+    /// change.
     ///
     /// ```
     /// # use qless::{Elimination, Options, SystemBuilder};
@@ -29,17 +29,19 @@ impl Elimination {
     /// ```
     ///
     /// # Errors
-    /// [`EliminationError::Refresh`], and [`EliminationError::Conflicting`] if equations contradict one another now; nothing has changed then.
+    /// [`EliminationError::Refresh`], and [`EliminationError::Conflicting`] if equations conflict now; then nothing changes.
     pub fn update(&mut self, rhs: &[f64], prescribed: &[f64]) -> Result<(), EliminationError> {
         let Self { reduction, equations, prescribed_values, .. } = self;
         let EliminationSource { analysis, rhs: old, kinds, refresher, .. } =
             equations.as_mut().ok_or(EliminationError::NoEquations)?;
         let g = reduction.g.clone();
-        if refresher.get().is_none() {
-            // Nobody else can have set it: this is the only reference.
-            let _ = refresher.set(Refresher::new(Arc::clone(analysis)).map_err(EliminationError::Backend)?);
-        }
-        let Some(refresher) = refresher.get() else { return Ok(()) };
+        let refresher = match refresher.get() {
+            Some(refresher) => refresher,
+            None => {
+                let new = Refresher::new(Arc::clone(analysis))?;
+                refresher.get_or_init(|| new)
+            }
+        };
         let refreshed = refresher.refresh(rhs, prescribed, reduction)?;
         if let Err(error) = refuse_conflicts(&refreshed.kinds, analysis.system()) {
             refresher.refresh(old, prescribed_values, reduction)?;
@@ -52,7 +54,7 @@ impl Elimination {
         Ok(())
     }
 
-    /// [`Elimination::update`] by functions of the equation and of the prescribed DOF, at a time that they know.
+    /// [`Elimination::update`] with functions that return the right-hand side of an equation and the value of a prescribed DOF.
     ///
     /// # Errors
     /// As [`Elimination::update`].
@@ -66,10 +68,10 @@ impl Elimination {
         self.update(&rhs, &prescribed)
     }
 
-    /// A new g and new values of the prescribed DOFs; T and G stay.
+    /// Sets a new g and new values of the prescribed DOFs; T and G do not change.
     ///
     /// # Errors
-    /// [`ArgumentError`] for wrong lengths or numbers that are not finite; everything is then as it was.
+    /// [`ArgumentError`] for wrong lengths or numbers that are not finite; then nothing changes.
     pub fn set(&mut self, g: &[f64], prescribed: &[f64]) -> Result<(), ArgumentError> {
         numbers("g", g, self.reduction.g.len())?;
         numbers("the list of prescribed values", prescribed, self.prescribed_values.len())?;

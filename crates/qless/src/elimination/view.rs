@@ -1,4 +1,4 @@
-//! The pattern of anybody's sparse matrix, where it stands: compressed rows or columns, in any index type, counted from 0 or 1.
+//! A borrowed view of the pattern of a sparse matrix: compressed rows or columns, with any index type, counted from 0 or 1.
 
 pub use qless_qr::Index;
 
@@ -7,12 +7,12 @@ use crate::SystemError;
 /// Which entries of a symmetric matrix are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Storage {
-    /// All; the matrix need not be symmetric.
+    /// All entries; the matrix need not be symmetric.
     #[default]
     Full,
-    /// Those with column <= row of a symmetric matrix.
+    /// Entries with column <= row of a symmetric matrix.
     Lower,
-    /// Those with column >= row of a symmetric matrix.
+    /// Entries with column >= row of a symmetric matrix.
     Upper,
 }
 
@@ -44,7 +44,7 @@ impl Storage {
 /// // [0 3]
 /// let view = View::rows(&[1_i32, 3, 4], &[1_i32, 2, 2]).one_based();
 /// assert_eq!(view.checked(2)?.nnz(), 3);
-/// // What faer, sprs and nalgebra-sparse call columns, lower half only:
+/// // The lower half by compressed columns, as in faer, sprs and nalgebra-sparse:
 /// let lower = View::columns(&[0_usize, 2, 3], &[0_u32, 1, 1]).storing(Storage::Lower);
 /// assert!(lower.checked(2).is_ok() && lower.checked(3).is_err());
 /// # Ok::<(), qless::SystemError>(())
@@ -55,7 +55,7 @@ pub struct View<'a, P = usize, I = u32> {
     starts: &'a [P],
     index: &'a [I],
     base: usize,
-    /// Lines without entries after those of the arrays.
+    /// Number of empty lines after those of the arrays.
     empty: usize,
     pub(super) by_columns: bool,
     pub(super) storage: Storage,
@@ -72,17 +72,17 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         Self { by_columns: true, ..Self::rows(starts, rows) }
     }
 
-    /// The same, starts and indices counted from 1.
+    /// The same arrays, with starts and indices counted from 1.
     pub fn one_based(self) -> Self {
         Self { base: 1, ..self }
     }
 
-    /// The same, with what is stored of a symmetric matrix.
+    /// The same arrays, with this half of a symmetric matrix stored.
     pub fn storing(self, storage: Storage) -> Self {
         Self { storage, ..self }
     }
 
-    /// The same, with lines without entries after it: for DOFs that only constraints know, as the rotations of a rigid body.
+    /// The same pattern followed by empty lines, for DOFs that occur only in constraints, like the rotations of a rigid body.
     ///
     /// ```
     /// use qless::elimination::View;
@@ -109,7 +109,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// ```
     ///
     /// # Panics
-    /// If the arrays are no pattern: ask [`View::checked`] first.
+    /// If the arrays are not a valid pattern; [`View::checked`] tests that.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         (0..self.starts.len().saturating_sub(1)).flat_map(move |line| {
             let others = self.range(line).map(|k| self.index(k));
@@ -137,12 +137,12 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         self.index[k].position() - self.base
     }
 
-    /// Whether it is the pattern of an n x n matrix. Indices may be in any order, and repeat; entries at the same place add up.
+    /// Checks that this is the pattern of an n x n matrix. Indices may be in any order and may repeat; repeated entries are summed.
     ///
     /// # Errors
     /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::BadIndex`].
     pub fn checked(self, n: usize) -> Result<Self, SystemError> {
-        // Lines of the arrays: at least none, with one start.
+        // The arrays have one start more than lines.
         let Some(lines) = n.checked_sub(self.empty).filter(|lines| self.starts.len().checked_sub(1) == Some(*lines))
         else {
             let (found, expected) = (self.starts.len(), n.saturating_sub(self.empty).saturating_add(1));

@@ -1,4 +1,4 @@
-//! `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`: elements straight into the condensed matrix, which K never enters.
+//! Assembles elements directly into the condensed matrix, without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`.
 
 use std::ops::Range;
 
@@ -11,20 +11,20 @@ use crate::common::argument::{long, numbers, within};
 use crate::elimination::view::{Storage, View};
 use crate::elimination::{Elimination, EliminationError};
 
-/// A stretch of the lines of K_q and of f_q.
-struct ElementShare<'a> {
+/// A range of lines of K_q, with its entries of f_q.
+struct LineRange<'a> {
     lines: Range<usize>,
     values: &'a mut [f64],
     load: &'a mut [f64],
 }
 
 impl Elimination {
-    /// The pattern of K_q for the elements of a model, element e having DOFs `dofs(e)`: lines are rows.
+    /// The pattern of K_q by rows for the elements of a model; element e has DOFs `dofs(e)`.
     ///
     /// ```
     /// use qless::{Elimination, Options, SystemBuilder};
     /// use qless::elimination::{PrescribedDofs, Storage};
-    /// // A chain of springs, its ends tied together; K is never assembled.
+    /// // A chain of springs whose ends are tied together; K is never assembled.
     /// let mut builder = SystemBuilder::new(4);
     /// builder.equation([(3, 1.0), (0, -1.0)], 0.0);
     /// builder.prescribe(1, 1.0);
@@ -40,20 +40,20 @@ impl Elimination {
     /// ```
     ///
     /// # Errors
-    /// [`EliminationError::Argument`] for a DOF that is not there.
+    /// [`EliminationError::Argument`] for a DOF that is out of range.
     pub fn condensed_for_elements<D: AsRef<[usize]>>(
         &self,
         elements: usize,
         dofs: impl Fn(usize) -> D,
         storage: Storage,
-        given: PrescribedDofs,
+        prescribed: PrescribedDofs,
     ) -> Result<CondensedPattern, EliminationError> {
         let (starts, index) = pattern(self.dofs(), elements, dofs, storage)?;
-        self.condensed(View::rows(&starts, &index).storing(storage), given)
+        self.condensed(View::rows(&starts, &index).storing(storage), prescribed)
     }
 }
 
-/// The pattern of K: DOFs that share an element.
+/// The pattern of K: pairs of DOFs that share an element.
 fn pattern<D: AsRef<[usize]>>(
     n: usize,
     elements: usize,
@@ -92,7 +92,7 @@ fn pattern<D: AsRef<[usize]>>(
     Ok((starts, index))
 }
 
-/// An element as it is added.
+/// The numbers of one element.
 struct Element<'a> {
     dofs: &'a [usize],
     /// By rows.
@@ -101,11 +101,11 @@ struct Element<'a> {
 }
 
 impl CondensedPattern {
-    /// Adds an element to K_q and f_q: its DOFs, `K_e` by rows and `f_e`. Of a symmetric matrix only the stored half is written.
+    /// Adds an element with its DOFs, `K_e` by rows and `f_e` to K_q and f_q. For a symmetric matrix only the stored half is written.
     ///
     /// # Errors
-    /// [`ArgumentError`] for wrong lengths, a DOF that is not there, numbers that are not finite, another map, or DOFs that share no
-    /// entry of the pattern; K_q and f_q are then not to be used.
+    /// [`ArgumentError`] for wrong lengths, a DOF that is out of range, numbers that are not finite, another elimination, or an entry that
+    /// is not in the pattern; K_q and f_q are then invalid.
     pub fn add_element(
         &self,
         elimination: &Elimination,
@@ -117,12 +117,12 @@ impl CondensedPattern {
         self.check(elimination, k_q.len())?;
         long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
         let element = self.checked(Element { dofs, matrix, forces })?;
-        self.add(elimination, &element, &mut ElementShare { lines: 0..self.unknowns(), values: k_q, load: f_q })
+        self.add(elimination, &element, &mut LineRange { lines: 0..self.unknowns(), values: k_q, load: f_q })
     }
 
-    /// `K_q` and `f_q` of all elements, from zero: element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` writes its numbers,
-    /// which are zero before. Each thread has a stretch of the lines and computes the elements that touch it, some at the borders
-    /// twice; sums run in the order of the elements, so that bits do not depend on threads.
+    /// Computes `K_q` and `f_q` from all elements. Element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` adds its numbers to zeros.
+    /// Each thread has a range of lines and computes the elements that contribute to it; elements at the borders are computed by several
+    /// threads. Sums are in the order of the elements, so that bits do not depend on the number of threads.
     ///
     /// # Errors
     /// As [`CondensedPattern::add_element`].
@@ -139,20 +139,20 @@ impl CondensedPattern {
         long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
         k_q.fill(0.0);
         f_q.fill(0.0);
-        let mut parts = Vec::new();
+        let mut ranges = Vec::new();
         let mut load = f_q;
         for (lines, values) in line_ranges(&self.lines.starts, k_q, rayon::current_num_threads()) {
             let (own, rest) = load.split_at_mut(lines.len());
             load = rest;
-            parts.push(ElementShare { lines, values, load: own });
+            ranges.push(LineRange { lines, values, load: own });
         }
-        let all = |mut part: ElementShare| {
+        let all = |mut range: LineRange| {
             let (mut matrix, mut forces) = (Vec::new(), Vec::new());
             (0..elements).try_for_each(|e| {
                 let dofs = dofs(e);
                 let dofs = dofs.as_ref();
                 dofs.iter().try_for_each(|&j| within("DOF", j, self.number.len()))?;
-                if !dofs.iter().any(|&j| self.touches(j, &part.lines)) {
+                if !dofs.iter().any(|&j| self.touches(j, &range.lines)) {
                     return Ok(());
                 }
                 matrix.clear();
@@ -160,10 +160,10 @@ impl CondensedPattern {
                 forces.clear();
                 forces.resize(dofs.len(), 0.0);
                 element(e, &mut matrix, &mut forces);
-                self.add(elimination, &self.checked(Element { dofs, matrix: &matrix, forces: &forces })?, &mut part)
+                self.add(elimination, &self.checked(Element { dofs, matrix: &matrix, forces: &forces })?, &mut range)
             })
         };
-        parts.into_par_iter().map(all).reduce(|| Ok(()), Result::and)
+        ranges.into_par_iter().map(all).reduce(|| Ok(()), Result::and)
     }
 
     fn checked<'a>(&self, element: Element<'a>) -> Result<Element<'a>, ArgumentError> {
@@ -174,24 +174,24 @@ impl CondensedPattern {
         Ok(element)
     }
 
-    /// Whether DOF j stands for an unknown in these lines.
+    /// Whether DOF j contributes to these lines.
     fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
         self.row_of_l(j).any(|(r, _)| lines.contains(&(r as usize)))
     }
 
-    fn add(&self, elimination: &Elimination, element: &Element, part: &mut ElementShare) -> Result<(), ArgumentError> {
+    fn add(&self, elimination: &Elimination, element: &Element, range: &mut LineRange) -> Result<(), ArgumentError> {
         let Element { dofs, matrix, forces } = *element;
         for (a, &i) in dofs.iter().enumerate() {
             let row = &matrix[a * dofs.len()..(a + 1) * dofs.len()];
             let moved: f64 = dofs.iter().zip(row).map(|(&j, v)| v * self.shift(elimination, j)).sum();
             for (q, weight) in self.row_of_l(i).map(|(q, weight)| (q as usize, weight)) {
-                if part.lines.contains(&q) {
-                    let load = &mut part.load[q - part.lines.start];
+                if range.lines.contains(&q) {
+                    let load = &mut range.load[q - range.lines.start];
                     *load += weight * (forces[a] - moved);
                     if !load.is_finite() {
                         return Err(ArgumentError::Overflow { what: "f_q", place: q });
                     }
-                    self.add_row(q, weight, dofs, row, part)?;
+                    self.add_row(q, weight, dofs, row, range)?;
                 }
             }
         }
@@ -205,12 +205,12 @@ impl CondensedPattern {
         weight: f64,
         dofs: &[usize],
         row: &[f64],
-        part: &mut ElementShare,
+        range: &mut LineRange,
     ) -> Result<(), ArgumentError> {
-        let (line, base) = (self.lines.range(q), self.lines.starts[part.lines.start] as usize);
+        let (line, base) = (self.lines.range(q), self.lines.starts[range.lines.start] as usize);
         let index = &self.lines.index[line.clone()];
-        let values = &mut part.values[line.start - base..line.end - base];
-        // DOFs of a node stand side by side: most entries follow the one before.
+        let values = &mut range.values[line.start - base..line.end - base];
+        // The DOFs of a node are adjacent, so most entries follow the previous one.
         let mut next = 0;
         for (&j, &v) in dofs.iter().zip(row) {
             for (r, l) in self.row_of_l(j).filter(|&(r, _)| self.is_stored(q, r)) {

@@ -1,4 +1,4 @@
-//! Compressed lines of K_q, and of what slaves bring into it.
+//! Compressed lines of K_q and W, and work space for their values.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -16,7 +16,7 @@ impl Default for Lines {
 }
 
 impl Lines {
-    /// Ends a line; false if there are more entries than can be counted.
+    /// Ends a line; false if 32 bits cannot count the entries.
     #[must_use]
     pub fn close(&mut self) -> bool {
         self.starts.push(self.index.len() as u32);
@@ -34,9 +34,9 @@ impl Lines {
     }
 }
 
-/// The union of lists, ascending.
+/// Collects the indices of a line, each once.
 pub(super) struct Union {
-    /// The last line that each index was seen in.
+    /// The last line in which each index occurred.
     seen: Vec<u32>,
     line: u32,
     found: Vec<u32>,
@@ -54,7 +54,7 @@ impl Union {
         }
     }
 
-    /// What was added since the last time.
+    /// Appends the indices added since the last call, ascending.
     pub fn take(&mut self, into: &mut Vec<u32>) {
         self.found.sort_unstable();
         into.append(&mut self.found);
@@ -62,19 +62,19 @@ impl Union {
     }
 }
 
-/// As many as were in use at a time.
+/// Reusable work arrays; there are as many as were in use at the same time.
 #[derive(Debug, Default)]
-pub(super) struct Spare(Mutex<Vec<Vec<f64>>>);
+pub(super) struct WorkArrays(Mutex<Vec<Vec<f64>>>);
 
-/// What is spare need not be copied.
-impl Clone for Spare {
+/// A clone starts without arrays.
+impl Clone for WorkArrays {
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
-impl Spare {
-    /// `work` with a list of this length, whatever numbers are in it.
+impl WorkArrays {
+    /// Calls `work` with an array of this length, whose numbers are undefined.
     pub fn with<R>(&self, length: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
         let taken = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut list = taken.unwrap_or_default();

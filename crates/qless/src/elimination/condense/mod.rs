@@ -1,13 +1,13 @@
-//! `K_q = L^T K L` and `f_q = L^T (f - K u_0)`: the pattern once, the values in every step.
+//! `K_q = L^T K L` and `f_q = L^T (f - K u_0)`: the pattern is computed once, the values in every step.
 //!
 //! ```text
-//! pattern    number of each DOF, lines of K_q, and what of K goes where        O(nnz K + contributions of slaves)
-//! W = K_S L       the lines of slaves over what is left                         O(contributions)
-//! K_q(q, :) = K(q, :) L + sum_{a follows q} L_aq W(a, :)                        O(nnz K + contributions)
+//! pattern         numbers of unknowns, lines of K_q, sources of their entries    O(nnz K + contributions of slaves)
+//! W = K_S L       the lines of slaves by unknowns                                O(contributions)
+//! K_q(q, :) = K(q, :) L + sum over slaves a of L_aq W(a, :)                      O(nnz K + contributions)
 //! ```
 //!
-//! Lines of K without slaves or prescribed DOFs, which are most, are copied. Each line of K_q is made by one thread, in one order: the
-//! bits are the same on any number of threads. Lines are rows or columns, as K has them.
+//! Lines of K without slaves and prescribed DOFs, which are most, are copied. One thread computes each line of K_q, in a fixed order, so
+//! bits do not depend on the number of threads. Lines are rows or columns, like those of K.
 
 mod elements;
 mod lines;
@@ -21,49 +21,50 @@ use super::{Elimination, EliminationError};
 use crate::common::argument::{long, numbers, within};
 use crate::common::identity::Identity;
 use crate::{ArgumentError, Csr};
-use lines::{Lines, Spare};
+use lines::{Lines, WorkArrays};
 use plan::CondensePlan;
 
-/// What becomes of prescribed DOFs.
+/// The treatment of prescribed DOFs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PrescribedDofs {
-    /// They are gone from K_q, and their values are in f_q.
+    /// They are eliminated from K_q, and f_q contains their values.
     #[default]
     Eliminated,
-    /// They stay unknowns of K_q, for a solver that prescribes them itself.
+    /// They are unknowns of K_q, for a solver that prescribes them itself.
     Kept,
 }
 
-/// The pattern of K_q, and how K fills it. It serves the elimination that made it, also after [`crate::Elimination::update`].
+/// The pattern of K_q, and the way from values of K to values of K_q. It belongs to the elimination that made it, and stays valid after
+/// [`crate::Elimination::update`].
 #[derive(Clone, Debug)]
 pub struct CondensedPattern {
-    of: Identity,
-    given: PrescribedDofs,
+    elimination: Identity,
+    prescribed: PrescribedDofs,
     storage: Storage,
     by_columns: bool,
     /// `storage` of the transposed matrix if lines are columns: line q holds index r if this holds `(q, r)`.
     half: Storage,
     /// L: a row for each slave, over the unknowns of K_q.
     l: Csr,
-    /// `L^T`: for each unknown the slaves that follow it.
-    followers: Csr,
+    /// `L^T`: for each unknown the slaves whose rows contain it.
+    slaves_of: Csr,
     /// DOF of each unknown, ascending.
     dofs: Vec<usize>,
-    /// Unknown of each DOF; [`NONE`] for slaves and what is eliminated.
+    /// Unknown of each DOF; [`NONE`] for eliminated DOFs.
     number: Vec<u32>,
-    /// Slave (by place) of each DOF; [`NONE`] for others.
+    /// Row of `l` of each DOF; [`NONE`] for DOFs that are not eliminated slaves.
     slave: Vec<u32>,
     lines: Lines,
     plan: CondensePlan,
-    spare: Spare,
+    work: WorkArrays,
 }
 
-/// Marks no place.
+/// Marks a missing index.
 const NONE: u32 = u32::MAX;
 
 impl Elimination {
-    /// The pattern of K_q for matrices of the pattern of K: compressed as K is (rows or columns, the same half if it is symmetric),
-    /// counted from 0, indices ascending.
+    /// The pattern of K_q for matrices K with this pattern. It is compressed like K (rows or columns, the same half if symmetric), with
+    /// indices from 0, ascending.
     ///
     /// ```
     /// use qless::{Elimination, Options, SystemBuilder};
@@ -81,17 +82,17 @@ impl Elimination {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// Slaves of parts of T that stay factors ([`crate::Form`]) are unknowns as well: their equations are left for multipliers
-    /// ([`CondensedPattern::left`]).
+    /// Slaves of factored parts ([`crate::Form`]) are unknowns too: a solver enforces their equations by multipliers
+    /// ([`CondensedPattern::remaining_equations`]).
     ///
     /// # Errors
-    /// [`EliminationError::Matrix`] if the arrays are no n x n pattern.
+    /// [`EliminationError::Matrix`] if the arrays are not a valid n x n pattern.
     pub fn condensed<P: Index, I: Index>(
         &self,
         k: View<P, I>,
-        given: PrescribedDofs,
+        prescribed: PrescribedDofs,
     ) -> Result<CondensedPattern, EliminationError> {
-        CondensedPattern::new(self, k.checked(self.dofs())?, given)
+        CondensedPattern::new(self, k.checked(self.dofs())?, prescribed)
     }
 }
 
@@ -99,9 +100,9 @@ impl CondensedPattern {
     fn new<P: Index, I: Index>(
         elimination: &Elimination,
         k: View<P, I>,
-        given: PrescribedDofs,
+        prescribed: PrescribedDofs,
     ) -> Result<Self, EliminationError> {
-        let kept = given == PrescribedDofs::Kept;
+        let kept = prescribed == PrescribedDofs::Kept;
         let mut dofs = elimination.masters().to_vec();
         if kept {
             dofs.extend(elimination.prescribed());
@@ -115,19 +116,19 @@ impl CondensedPattern {
         eliminated.for_each(|(&j, i)| slave[j] = i);
         let l = rows_over(elimination, &number, dofs.len(), kept);
         let mut condensed = Self {
-            of: elimination.identity,
-            given,
+            elimination: elimination.identity,
+            prescribed,
             storage: k.storage,
             by_columns: k.by_columns,
             half: if k.by_columns { k.storage.transposed() } else { k.storage },
-            followers: l.transposed(),
+            slaves_of: l.transposed(),
             l,
             dofs,
             number,
             slave,
             lines: Lines::default(),
             plan: CondensePlan::default(),
-            spare: Spare::default(),
+            work: WorkArrays::default(),
         };
         condensed.plan(elimination.slaves(), k)?;
         Ok(condensed)
@@ -148,7 +149,7 @@ impl CondensedPattern {
         self.lines.index.len()
     }
 
-    /// Where each line of K_q starts in [`CondensedPattern::index`]; one more than there are unknowns.
+    /// Start of each line of K_q in [`CondensedPattern::index`]; one more than there are unknowns.
     pub fn starts(&self) -> &[u32] {
         &self.lines.starts
     }
@@ -158,7 +159,7 @@ impl CondensedPattern {
         &self.lines.index
     }
 
-    /// `(row, column)` of each stored entry, in the order of the values: for codes that take matrices as triplets.
+    /// `(row, column)` of each stored entry, in the order of the values, for codes that use triplets.
     ///
     /// ```
     /// use qless::{Elimination, Options, SystemBuilder};
@@ -182,20 +183,20 @@ impl CondensedPattern {
         })
     }
 
-    /// Which half is stored; that of K.
+    /// The stored half, which is that of K.
     pub fn storage(&self) -> Storage {
         self.storage
     }
 
-    /// Equations that unknowns have to meet, for multipliers: those of factored parts.
-    pub fn left(&self, elimination: &Elimination) -> Vec<usize> {
-        let mut left: Vec<usize> =
-            elimination.reduction.factored.iter().flat_map(|block| block.equations.clone()).collect();
-        left.sort_unstable();
-        left
+    /// The equations of factored parts, which the unknowns must meet: a solver enforces them by multipliers.
+    pub fn remaining_equations(&self, elimination: &Elimination) -> Vec<usize> {
+        let blocks = elimination.reduction.factored.iter();
+        let mut equations: Vec<usize> = blocks.flat_map(|block| block.equations.clone()).collect();
+        equations.sort_unstable();
+        equations
     }
 
-    /// `sum_j c_j u_j = b` over the unknowns: (unknown, coefficient), ascending, and what is left of b.
+    /// Expresses an equation `sum_j c_j u_j = b` by the unknowns: (unknown, coefficient), ascending, and the new right-hand side.
     ///
     /// ```
     /// use qless::{Elimination, Options, SystemBuilder};
@@ -212,7 +213,7 @@ impl CondensedPattern {
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] for a DOF that is not there, a number that is not finite, or another elimination.
+    /// [`ArgumentError`] for a DOF that is out of range, a number that is not finite, or another elimination.
     pub fn equation(
         &self,
         elimination: &Elimination,
@@ -233,7 +234,7 @@ impl CondensedPattern {
         Ok((sums.into_iter().collect(), rhs))
     }
 
-    /// Whether lines are columns; those of K.
+    /// Whether lines are columns, as in K.
     pub fn is_by_columns(&self) -> bool {
         self.by_columns
     }
@@ -257,7 +258,7 @@ impl CondensedPattern {
         if self.number[dof] != NONE {
             return 0.0;
         }
-        match (elimination.roles.of[dof], self.given) {
+        match (elimination.roles.of[dof], self.prescribed) {
             (super::Role::Slave(i), PrescribedDofs::Eliminated) => elimination.roles.constants[i as usize],
             (super::Role::Slave(i), PrescribedDofs::Kept) => elimination.reduction.g[i as usize],
             (super::Role::Prescribed(p), PrescribedDofs::Eliminated) => elimination.prescribed_values[p as usize],
@@ -267,22 +268,22 @@ impl CondensedPattern {
 
     /// Checks that this elimination made the pattern, and that the values of K_q have the right length.
     fn check(&self, elimination: &Elimination, values: usize) -> Result<(), ArgumentError> {
-        if elimination.identity != self.of {
-            return Err(ArgumentError::Foreign { what: "the map" });
+        if elimination.identity != self.elimination {
+            return Err(ArgumentError::Foreign { what: "the pattern" });
         }
         long("the list of values of K_q", values, self.nnz())
     }
 }
 
-/// T, with G if prescribed DOFs are unknowns too.
+/// T, and G if prescribed DOFs are unknowns too.
 fn rows_over(elimination: &Elimination, number: &[u32], unknowns: usize, kept: bool) -> Csr {
     let reduction = &elimination.reduction;
     let mut rows = Csr::empty(unknowns);
     for i in 0..reduction.slaves.len() {
         let of_masters = reduction.t.row(i).map(|(q, v)| (number[reduction.masters[q]] as usize, v));
         if kept {
-            let of_given = reduction.g_matrix.row(i).map(|(p, v)| (number[reduction.prescribed[p]] as usize, v));
-            let mut all: Vec<_> = of_masters.chain(of_given).collect();
+            let of_prescribed = reduction.g_matrix.row(i).map(|(p, v)| (number[reduction.prescribed[p]] as usize, v));
+            let mut all: Vec<_> = of_masters.chain(of_prescribed).collect();
             all.sort_unstable_by_key(|&(c, _)| c);
             rows.append(all);
         } else {

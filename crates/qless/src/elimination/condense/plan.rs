@@ -1,4 +1,4 @@
-//! What of K goes where: once for a pattern.
+//! The plan of a condensation: for each line of K_q, the entries of K that contribute. Computed once per pattern.
 
 use super::lines::{Lines, Union};
 use super::{CondensedPattern, NONE};
@@ -6,35 +6,35 @@ use crate::SystemError;
 use crate::elimination::EliminationError;
 use crate::elimination::view::{Index, Storage, View};
 
-/// How the values of K_q come about.
+/// The sources of the values of K_q.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CondensePlan {
-    /// Entries of K.
+    /// Number of entries of K.
     pub entries: usize,
-    /// By unknown.
+    /// Source of the line of each unknown.
     pub source: Vec<LineSource>,
-    /// Entries of lines that are not copied.
+    /// Entries of the lines that are not copied.
     pub mixed: Entries,
     /// Entries of the lines of slaves.
     pub of_slaves: Entries,
-    /// Entries of the lines of prescribed DOFs, where `K u_0` is summed by columns.
-    pub of_given: Vec<(u32, Entries)>,
+    /// Entries of the lines of prescribed DOFs, if `K u_0` is summed by columns.
+    pub of_prescribed: Vec<(u32, Entries)>,
     /// Whether lines are columns of a matrix that need not be symmetric.
     pub by_columns: bool,
     /// Pattern of `W = K_S L`.
     pub w: Lines,
 }
 
-/// Where a line of K_q comes from.
+/// The source of a line of K_q.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum LineSource {
-    /// From as many entries of K, from this one on.
+    /// A copy of consecutive entries of K, starting at this one.
     Copied(u32),
-    /// From this line of [`CondensePlan::mixed`], and the slaves that follow the unknown.
+    /// This line of [`CondensePlan::mixed`], and the lines of the slaves that depend on the unknown.
     Mixed(u32),
 }
 
-/// Lists of entries of K and the DOFs of their other index.
+/// By line, entries of K with the DOF of their other index.
 #[derive(Clone, Debug)]
 pub(super) struct Entries {
     starts: Vec<usize>,
@@ -59,7 +59,7 @@ impl Entries {
 }
 
 impl CondensedPattern {
-    /// Makes the pattern and the plan.
+    /// Computes the pattern and the plan.
     pub(super) fn plan<P: Index, I: Index>(&mut self, slaves: &[usize], k: View<P, I>) -> Result<(), EliminationError> {
         let many = |found| EliminationError::Matrix(SystemError::TooLarge { what: "the number of entries", found });
         if u32::try_from(k.nnz()).is_err() {
@@ -77,7 +77,7 @@ impl CondensedPattern {
         };
         let mut union = Union::new(self.unknowns());
         for (i, &dof) in slaves.iter().enumerate() {
-            // Slaves of factored parts are unknowns.
+            // A slave of a factored part is an unknown.
             let is_eliminated = self.number[dof] == NONE;
             plan.of_slaves.push(entries(dof).filter(|_| is_eliminated));
             plan.of_slaves.line(i).iter().for_each(|&(_, j)| self.reached(j, &mut union, |_| true));
@@ -90,7 +90,7 @@ impl CondensedPattern {
             for dof in (0..self.number.len()).filter(|&j| self.number[j] == NONE && self.slave[j] == NONE) {
                 let mut own = Entries::default();
                 own.push(entries(dof));
-                plan.of_given.push((dof as u32, own));
+                plan.of_prescribed.push((dof as u32, own));
             }
         }
         let mut lines = Lines::default();
@@ -98,7 +98,7 @@ impl CondensedPattern {
             let stored = k.range(dof);
             let ascends = || stored.clone().skip(1).all(|e| k.index(e - 1) < k.index(e));
             let plain = stored.clone().all(|e| self.number[k.index(e)] != NONE) && mirrored.line(dof).is_empty();
-            if plain && self.followers.row(q).len() == 0 && ascends() {
+            if plain && self.slaves_of.row(q).len() == 0 && ascends() {
                 plan.source.push(LineSource::Copied(stored.start as u32));
                 lines.index.extend(stored.map(|e| self.number[k.index(e)]));
             } else {
@@ -107,7 +107,7 @@ impl CondensedPattern {
                 let own = plan.mixed.line(plan.mixed.starts.len() - 2);
                 let stored = |r: u32| self.is_stored(q, r);
                 own.iter().for_each(|&(_, j)| self.reached(j, &mut union, stored));
-                for (a, _) in self.followers.row(q) {
+                for (a, _) in self.slaves_of.row(q) {
                     plan.w.line(a).iter().filter(|&&r| stored(r)).for_each(|&r| union.add(r));
                 }
                 union.take(&mut lines.index);
@@ -120,19 +120,19 @@ impl CondensedPattern {
         Ok(())
     }
 
-    /// The unknowns that DOF j stands for.
+    /// Adds the unknowns in row j of L.
     fn reached(&self, j: u32, union: &mut Union, stored: impl Fn(u32) -> bool) {
         self.row_of_l(j as usize).map(|(r, _)| r).filter(|&r| stored(r)).for_each(|r| union.add(r));
     }
 
-    /// Whether line q of K_q holds index r. Columns of a lower half are rows of an upper one.
+    /// Whether line q of K_q contains index r.
     #[inline]
     pub(super) fn is_stored(&self, q: usize, r: u32) -> bool {
         self.half.holds(q, r as usize)
     }
 
-    /// Of a symmetric matrix the entries that are not stored, where their row or column is no unknown: by line, the entries that stand
-    /// for them and the other indices.
+    /// For a symmetric matrix, the entries of the other half whose row or column is not an unknown: by line, the stored entry at the
+    /// transposed place and the other index.
     fn mirrored<P: Index, I: Index>(&self, k: &View<P, I>) -> Entries {
         let n = self.number.len();
         let mut found = Vec::new();

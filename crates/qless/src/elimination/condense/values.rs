@@ -1,4 +1,4 @@
-//! `K_q(q, :) = K(q, :) L + sum_{a follows q} L_aq W(a, :)`, each line by one thread.
+//! Values: `K_q(q, :) = K(q, :) L + sum over slaves a of L_aq W(a, :)`, each line by one thread.
 
 use std::ops::Range;
 
@@ -9,9 +9,9 @@ use super::{CondensedPattern, NONE};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers};
 use crate::elimination::Elimination;
-use crate::elimination::apply::fill;
+use crate::elimination::apply::{fill, first_not_finite};
 
-/// Fewer entries of K_q than this are not worth a thread of their own.
+/// Minimum number of entries of K_q for one thread.
 const ENTRIES_PER_THREAD: usize = 1 << 15;
 
 impl CondensedPattern {
@@ -31,7 +31,7 @@ impl CondensedPattern {
         self.load_into(elimination, k, f, f_q)
     }
 
-    /// `L^T K L` alone: for masses, dampings, and whatever has the pattern of K.
+    /// `L^T K L` alone: for mass, damping and other matrices with the pattern of K.
     ///
     /// # Errors
     /// As [`CondensedPattern::condense_into`].
@@ -43,7 +43,7 @@ impl CondensedPattern {
     ) -> Result<(), ArgumentError> {
         self.check(elimination, k_q.len())?;
         long("the list of values of K", k.len(), self.plan.entries)?;
-        let finite = self.spare.with(self.plan.w.index.len(), |w| {
+        let finite = self.work.with(self.plan.w.index.len(), |w| {
             self.of_slaves(k, w);
             let w = &*w;
             each(&self.lines.starts, k_q, &|range, out: &mut [f64]| self.fill(range, out, k, w))
@@ -53,15 +53,15 @@ impl CondensedPattern {
         }
         match k.iter().position(|v| !v.is_finite()) {
             Some(place) => Err(ArgumentError::NotFinite { what: "the list of values of K", place, value: k[place] }),
-            None => Err(ArgumentError::Overflow { what: "K_q", place: position(k_q) }),
+            None => Err(ArgumentError::Overflow { what: "K_q", place: first_not_finite(k_q) }),
         }
     }
 
-    /// Writes some lines; false if a number is not finite.
+    /// Computes a range of lines; false if a value is not finite.
     fn fill(&self, range: Range<usize>, out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
         let mixed = |source: &LineSource| matches!(source, LineSource::Mixed(_));
         let sums = if self.plan.source[range.clone()].iter().any(mixed) { self.unknowns() } else { 0 };
-        self.spare.with(sums, |sums| self.fill_with(sums, range, out, k, w))
+        self.work.with(sums, |sums| self.fill_with(sums, range, out, k, w))
     }
 
     fn fill_with(&self, sums: &mut [f64], range: Range<usize>, mut out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
@@ -75,7 +75,7 @@ impl CondensedPattern {
                 LineSource::Mixed(m) => {
                     line.iter().for_each(|&r| sums[r as usize] = 0.0);
                     self.add_line(self.plan.mixed.line(m as usize), k, sums, |r| self.is_stored(q, r));
-                    for (a, v) in self.followers.row(q) {
+                    for (a, v) in self.slaves_of.row(q) {
                         let of_slave = self.plan.w.line(a).iter().zip(&w[self.plan.w.range(a)]);
                         of_slave.filter(|(r, _)| self.is_stored(q, **r)).for_each(|(&r, w)| sums[r as usize] += v * w);
                     }
@@ -98,7 +98,7 @@ impl CondensedPattern {
     /// `W = K_S L`.
     fn of_slaves(&self, k: &[f64], values: &mut [f64]) {
         let w = &self.plan.w;
-        let stretch = |range: Range<usize>, mut out: &mut [f64], sums: &mut [f64]| {
+        let lines = |range: Range<usize>, mut out: &mut [f64], sums: &mut [f64]| {
             for a in range {
                 let (own, rest) = out.split_at_mut(w.line(a).len());
                 out = rest;
@@ -108,7 +108,7 @@ impl CondensedPattern {
             }
         };
         each(&w.starts, values, &|range, out: &mut [f64]| {
-            self.spare.with(self.unknowns(), |sums| stretch(range, out, sums));
+            self.work.with(self.unknowns(), |sums| lines(range, out, sums));
             true
         });
     }
@@ -146,11 +146,7 @@ pub(super) fn line_ranges<'a>(
     all
 }
 
-fn position(values: &[f64]) -> usize {
-    values.iter().position(|v| !v.is_finite()).unwrap_or_default()
-}
-
-/// Fewer slaves than this are not worth a thread of their own.
+/// Minimum number of slaves for one thread.
 const SLAVES_PER_THREAD: usize = 1 << 9;
 
 impl CondensedPattern {
@@ -171,9 +167,9 @@ impl CondensedPattern {
         long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
         let (plan, slaves) = (&self.plan, elimination.slaves());
         let columns = if plan.by_columns { elimination.dofs() } else { 0 };
-        self.spare.with(columns, |by_columns| {
+        self.work.with(columns, |by_columns| {
             self.stress_by_columns(elimination, k, by_columns);
-            self.spare.with(slaves.len(), |of_slaves| self.load_of(elimination, (k, f), by_columns, of_slaves, f_q))
+            self.work.with(slaves.len(), |of_slaves| self.load_of(elimination, (k, f), by_columns, of_slaves, f_q))
         })
     }
 
@@ -186,7 +182,7 @@ impl CondensedPattern {
         f_q: &mut [f64],
     ) -> Result<(), ArgumentError> {
         let (plan, slaves) = (&self.plan, elimination.slaves());
-        // `(K u_0)_dof` for a line of K, which may be left out where it has no DOFs that move by themselves.
+        // `(K u_0)_dof` for a line of K; the line may be empty if all its DOFs are unknowns.
         let stress = |dof: usize, line: &[(u32, u32)]| {
             if plan.by_columns {
                 return by_columns[dof];
@@ -204,19 +200,19 @@ impl CondensedPattern {
         fill(f_q, "f_q", |q| {
             let line = if let LineSource::Mixed(m) = plan.source[q] { plan.mixed.line(m as usize) } else { &[] };
             let own = f[self.dofs[q]] - stress(self.dofs[q], line);
-            own + self.followers.row(q).map(|(a, v)| v * of_slaves[a]).sum::<f64>()
+            own + self.slaves_of.row(q).map(|(a, v)| v * of_slaves[a]).sum::<f64>()
         })
     }
 
-    /// `K u_0` at all DOFs, if lines of K are columns.
+    /// Computes `K u_0` at all DOFs if lines of K are columns.
     fn stress_by_columns(&self, elimination: &Elimination, k: &[f64], stress: &mut [f64]) {
         if !self.plan.by_columns {
             return;
         }
         stress.fill(0.0);
         let of_slaves = elimination.slaves().iter().enumerate().map(|(a, &dof)| (dof, self.plan.of_slaves.line(a)));
-        let of_given = self.plan.of_given.iter().map(|(dof, entries)| (*dof as usize, entries.line(0)));
-        for (dof, line) in of_slaves.chain(of_given) {
+        let of_prescribed = self.plan.of_prescribed.iter().map(|(dof, entries)| (*dof as usize, entries.line(0)));
+        for (dof, line) in of_slaves.chain(of_prescribed) {
             let u = self.shift(elimination, dof);
             line.iter().for_each(|&(e, i)| stress[i as usize] += k[e as usize] * u);
         }
