@@ -229,7 +229,7 @@ fn numbers_that_do_not_fit_are_refused() {
     let (mut k_q, mut f_q) = (vec![0.0; pattern.nnz()], vec![0.0; pattern.unknowns()]);
     let (ones, mut bad) = (vec![1.0; n], vec![1.0; n]);
     let foreign = pattern.condense_into(&other, &ones, &ones, &mut k_q, &mut f_q);
-    assert_eq!(foreign, Err(ArgumentError::Foreign { what: "the map" }));
+    assert_eq!(foreign, Err(ArgumentError::Foreign { what: "the pattern" }));
     for place in 0..n {
         bad[place] = f64::NAN;
         let found = pattern.condense_into(&map, &ones, &bad, &mut k_q, &mut f_q).expect_err("a NaN");

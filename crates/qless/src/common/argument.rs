@@ -1,6 +1,6 @@
-//! What can be wrong with lists, places and values that a caller hands to a finished result.
+//! Errors of arguments: lengths, indices and values that a caller passes to a result.
 
-/// An argument that does not fit what it is given to. Places count from 0.
+/// An invalid argument. Indices count from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArgumentError {
@@ -14,12 +14,12 @@ pub enum ArgumentError {
         /// The length that it must have.
         expected: usize,
     },
-    /// A place that is not there.
-    #[error("{what} {found} (from 0) is not there: there are {count}")]
+    /// An index that is out of range.
+    #[error("{what} {found} (from 0) is out of range: there are {count}")]
     OutOfRange {
-        /// What is counted.
+        /// What the index counts.
         what: &'static str,
-        /// The place asked for.
+        /// The index.
         found: usize,
         /// How many there are.
         count: usize,
@@ -34,7 +34,7 @@ pub enum ArgumentError {
         /// The number.
         value: f64,
     },
-    /// A result that was evaluated before the set changed.
+    /// A result of an evaluation before the set changed.
     #[error("{what} were evaluated before the set changed; evaluate again")]
     Outdated {
         /// What.
@@ -48,7 +48,7 @@ pub enum ArgumentError {
         /// The number.
         value: f64,
     },
-    /// Numbers so large that the result leaves the range of doubles.
+    /// A result that exceeds the range of doubles.
     #[error("{what}: number {place} (from 0) is beyond 1e308; give smaller numbers")]
     Overflow {
         /// Which result.
@@ -56,10 +56,8 @@ pub enum ArgumentError {
         /// Where in the result.
         place: usize,
     },
-    /// A list that must ascend, or share nothing with another, and does not.
-    #[error(
-        "{what}: {value} at place {place} (from 0) is out of order or there twice; give each number once, ascending"
-    )]
+    /// A list that does not ascend, or that has a number in common with another list.
+    #[error("{what}: {value} at place {place} (from 0) is out of order or repeated; give each number once, ascending")]
     NotAscending {
         /// Which list.
         what: &'static str,
@@ -68,20 +66,20 @@ pub enum ArgumentError {
         /// The number found there.
         value: usize,
     },
-    /// A result of something else than what it is used with.
-    #[error("{what} was made by another analysis or set; give one that this made")]
+    /// A result that belongs to another analysis or set.
+    #[error("{what} belongs to another analysis or set; use the one that was made by this analysis or set")]
     Foreign {
-        /// What was given.
+        /// Which argument.
         what: &'static str,
     },
 }
 
-/// The right length.
+/// Checks a length.
 pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<(), ArgumentError> {
     if found == expected { Ok(()) } else { Err(ArgumentError::WrongLength { what, found, expected }) }
 }
 
-/// The right length, and finite.
+/// Checks the length of a list, and that its numbers are finite.
 pub(crate) fn numbers(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), ArgumentError> {
     long(what, numbers.len(), expected)?;
     match numbers.iter().position(|v| !v.is_finite()) {
@@ -90,12 +88,12 @@ pub(crate) fn numbers(what: &'static str, numbers: &[f64], expected: usize) -> R
     }
 }
 
-/// A place below `count`.
+/// Checks that an index is below `count`.
 pub(crate) fn within(what: &'static str, found: usize, count: usize) -> Result<(), ArgumentError> {
     if found < count { Ok(()) } else { Err(ArgumentError::OutOfRange { what, found, count }) }
 }
 
-/// A result of finite numbers.
+/// Checks that the numbers of a result are finite.
 pub(crate) fn in_range(what: &'static str, result: Vec<f64>) -> Result<Vec<f64>, ArgumentError> {
     match result.iter().position(|v| !v.is_finite()) {
         Some(place) => Err(ArgumentError::Overflow { what, place }),

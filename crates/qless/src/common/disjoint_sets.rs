@@ -1,6 +1,6 @@
 //! Disjoint sets (union-find): connected components from pairs of neighbours.
 
-/// Sets of the numbers `0..n`, which grow together; the root of a set is its smallest member.
+/// A partition of `0..n` into sets that can be joined; the root of a set is its smallest member.
 ///
 /// Cost of a call: O(log n) amortised, about 4 steps in practice.
 ///
@@ -15,12 +15,12 @@
 pub struct DisjointSets(Vec<u32>);
 
 impl DisjointSets {
-    /// Each of the numbers `0..n` as a set of its own, n being at most 2^32.
+    /// Each of the numbers `0..n` is its own set; n is at most 2^32.
     pub fn new(n: usize) -> Self {
         Self((0..n as u32).collect())
     }
 
-    /// The smallest member of the set of `member`. Halves the path on the way.
+    /// The smallest member of the set of `member`, by path halving.
     #[inline]
     pub fn root(&mut self, member: usize) -> usize {
         let mut k = member as u32;
@@ -39,11 +39,11 @@ impl DisjointSets {
         self.0[a.max(b)] = a.min(b) as u32;
     }
 
-    /// The number of each member's set, counted in order of the smallest members, and the number of sets.
+    /// The index of each member's set, in the order of the smallest members, and the number of sets.
     pub fn numbered(mut self) -> (Vec<u32>, usize) {
         let mut count = 0;
         for k in 0..self.0.len() {
-            // A parent is smaller, so it has its number already.
+            // A parent is smaller, so it is numbered already.
             let parent = self.0[k] as usize;
             self.0[k] = if parent == k { count } else { self.0[parent] };
             count += u32::from(parent == k);

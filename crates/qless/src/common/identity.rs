@@ -1,8 +1,8 @@
-//! Which analysis or set something was made by, so that it is refused by all others.
+//! Identifies the analysis or set that made a result, so that others can refuse it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Which analysis or set something was made by: one for each of a process; copies stay the same.
+/// The identity of an analysis or set, unique in a process; copies are equal.
 ///
 /// ```
 /// let (one, other) = (qless::common::Identity::new(), qless::common::Identity::new());
@@ -12,10 +12,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct Identity(u64);
 
 impl Identity {
-    /// Of none.
+    /// No analysis or set.
     pub const NONE: Self = Self(0);
 
-    /// One that nothing else has.
+    /// A new identity.
     pub fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))
@@ -29,7 +29,7 @@ impl Default for Identity {
 }
 
 impl std::fmt::Debug for Identity {
-    /// Without its number, which depends on what was done before.
+    /// Omits the number, which depends on earlier calls.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("Identity")
     }

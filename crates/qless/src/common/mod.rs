@@ -1,4 +1,4 @@
-//! Small parts that every stage uses, and crates built on this one.
+//! Small helpers for all stages and for crates built on this one.
 
 pub(crate) mod argument;
 mod disjoint_sets;

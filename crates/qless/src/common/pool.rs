@@ -1,8 +1,8 @@
-//! Loops over much memory, shared by all threads of the caller's pool; short ones stay on the thread that asks.
+//! Parallel loops on the caller's thread pool; short loops run on the calling thread.
 
 use rayon::prelude::*;
 
-/// Fewer rows or DOFs than this are not worth a thread of their own.
+/// Minimum number of rows or DOFs for one thread.
 pub(crate) const WORTH_A_THREAD: usize = 1 << 17;
 
 /// `values[at[k]]`.
@@ -11,7 +11,7 @@ pub(crate) fn gather(values: &[u32], at: &[u32]) -> Vec<u32> {
     if at.len() < WORTH_A_THREAD { at.iter().map(value).collect() } else { at.par_iter().map(value).collect() }
 }
 
-/// Does each piece of work, one alone without asking the pool.
+/// Runs a job for each item in parallel; a single item runs on the calling thread.
 pub(crate) fn each<T: Send>(work: Vec<T>, job: impl Fn(T) + Send + Sync) {
     match work.len() {
         0 | 1 => work.into_iter().for_each(job),

@@ -1,11 +1,10 @@
-//! Memory asked for ahead of its use.
+//! Constants for prefetching.
 //!
-//! Where DOFs are numbered in any order, each look into an array over them waits for memory as soon as the array is larger than
-//! the caches. Looks that do not wait for one another take the time of few: a loop that reads the places of a whole batch,
-//! and does nothing else, before the first of them is used.
+//! If DOFs are numbered in random order, each access to an array over DOFs waits for memory once the array exceeds the caches.
+//! Independent accesses overlap, so a loop first reads the places of a whole batch and then uses them.
 
-/// Places asked for at once.
+/// Number of places in a batch.
 pub(crate) const BATCH: usize = 128;
 
-/// Arrays up to this length stay in the caches, and asking for them would only cost time.
+/// Arrays up to this length stay in the caches; prefetching them would only cost time.
 pub(crate) const IN_CACHE: usize = 1 << 17;

@@ -1,15 +1,15 @@
 //! Random numbers that are the same in every run.
 
-/// Numbers in `[0.5, 1.5)`, the same for the same seed: a counter, its bits mixed, so that none waits for the one before.
+/// Numbers in `[0.5, 1.5)` that depend on the seed only. Number k is a mix of the bits of k, so it does not depend on number k - 1.
 pub(crate) fn randoms(seed: u64) -> impl Iterator<Item = f64> {
     (0..).map(move |k| unit(bits(seed, k)))
 }
 
-/// Number k of a seed with a sign: its size lies in `[0.5, 1.5)`, and hardly two cancel.
+/// Number k of a seed, with a random sign and a magnitude in `[0.5, 1.5)`.
 #[inline]
 pub(crate) fn signed(seed: u64, k: u64) -> f64 {
     let bits = bits(seed, k);
-    // Without a branch, which nobody could predict.
+    // Without a branch, because it would be unpredictable.
     f64::from_bits(unit(bits).to_bits() | (bits & 1) << 63)
 }
 

@@ -1,27 +1,27 @@
-//! Which certificates a report holds, given how many terms it may spend.
+//! Chooses the certificates of a report, whose total number of terms is limited.
 
 use super::{Certificate, DependentEquation, GeneratedCondition, Omitted};
 use crate::{Analysis, CertificateTerm, ConstraintSystem, Dependent, Kind};
 
-/// Terms that may still be spent.
+/// The number of terms that remain.
 pub(super) struct Budget<'a> {
     system: &'a ConstraintSystem,
     analysis: &'a Analysis,
-    left: usize,
+    remaining: usize,
 }
 
 impl<'a> Budget<'a> {
-    pub fn new(analysis: &'a Analysis, left: usize) -> Self {
-        Self { system: analysis.system(), analysis, left }
+    pub fn new(analysis: &'a Analysis, remaining: usize) -> Self {
+        Self { system: analysis.system(), analysis, remaining }
     }
 
-    /// Conflicts first, then generated boundary conditions with at most half of what is left, then redundancies.
+    /// Conflicts first, then generated boundary conditions with at most half of the remaining terms, then redundant equations.
     pub fn spend(&mut self) -> (Vec<DependentEquation>, Vec<GeneratedCondition>) {
         let mut dependent = self.equations(Kind::Conflicting);
-        let kept_back = self.left / 2;
-        self.left -= kept_back;
+        let reserved = self.remaining / 2;
+        self.remaining -= reserved;
         let generated = self.analysis.generated.iter().map(|&(dof, value)| self.condition(dof, value)).collect();
-        self.left += kept_back;
+        self.remaining += reserved;
         dependent.extend(self.equations(Kind::Redundant));
         dependent.sort_unstable_by_key(|equation| equation.row);
         (dependent, generated)
@@ -41,22 +41,22 @@ impl<'a> Budget<'a> {
 
     fn condition(&mut self, dof: usize, value: f64) -> GeneratedCondition {
         let (system, analysis) = (self.system, self.analysis);
-        // A pass over all DOFs, and the factorization of a block: about a thousand operations count as a term.
+        // The cost of a pass over all DOFs and of a factorization of a block; a thousand operations count as one term.
         let block = analysis.presolve.largest_block;
         let work = system.dofs() / 8 + block.saturating_pow(3) / 1000;
         let certificate = self.certificate(work, || analysis.because_fixed(dof).ok());
         GeneratedCondition::new(dof + 1, system.dof_label(dof), value, certificate)
     }
 
-    /// Computes a certificate while anything is left, and keeps it if there is room for it.
+    /// Computes a certificate if terms remain, and omits it if it has more terms than remain.
     fn certificate(&mut self, work: usize, compute: impl FnOnce() -> Option<Vec<CertificateTerm>>) -> Certificate {
-        if self.left == 0 {
+        if self.remaining == 0 {
             return Certificate::left_out(Omitted::NotComputed);
         }
-        let before = self.left;
-        self.left = self.left.saturating_sub(work);
+        let before = self.remaining;
+        self.remaining = self.remaining.saturating_sub(work);
         let Some(terms) = compute() else { return Certificate::left_out(Omitted::NotComputed) };
-        self.left = self.left.saturating_sub(terms.len());
+        self.remaining = self.remaining.saturating_sub(terms.len());
         if terms.len() > before {
             return Certificate::left_out(Omitted::Terms(terms.len()));
         }

@@ -1,30 +1,30 @@
-//! `exact_rank`: what exact arithmetic says of the same system, and of which parts the analysis says otherwise.
+//! `exact_rank`: the rank in exact arithmetic, and the parts for which the analysis has another result.
 
 use super::Report;
 use crate::common::argument::{long, within};
 use crate::diagnosis::exact::{ExactRank, PartRank, Reading};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
-/// An [`ExactRank`] beside the analysis.
+/// An [`ExactRank`] and its differences from the analysis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct ExactFinding {
-    /// What number a double was taken for.
+    /// How doubles were converted to exact numbers.
     pub reading: Reading,
     /// Exact rank of the free part of C.
     pub rank: usize,
-    /// Exact rank with the right-hand side as a further column.
+    /// Exact rank of C with the right-hand side as an additional column.
     pub augmented_rank: usize,
-    /// Whether the equations have a solution: whether the two ranks are equal.
+    /// Whether the equations have a solution, that is, the two ranks are equal.
     pub solvable: bool,
-    /// The primes, as text: most readers of JSON round numbers of 61 bits.
+    /// The primes, as text, because most readers of JSON round numbers of 61 bits.
     pub primes: [String; 2],
-    /// Connected parts of which the analysis says otherwise, ascending by row.
+    /// Parts for which the analysis has another result, ascending by row.
     pub differences: Vec<ExactDifference>,
 }
 
-/// A connected part of which exact arithmetic and the analysis do not say the same.
+/// A part for which exact arithmetic and the analysis have different results.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -39,19 +39,19 @@ pub struct ExactDifference {
     pub rank: usize,
     /// Its rank in the analysis.
     pub analysis_rank: usize,
-    /// Whether it has a solution exactly.
+    /// Whether it has a solution in exact arithmetic.
     pub solvable: bool,
     /// Whether it has one in the analysis.
     pub analysis_solvable: bool,
 }
 
 impl Report {
-    /// Adds what exact arithmetic says; `analysis` is that of [`Report::new`], `exact` the rank of its system.
+    /// Adds the exact rank of the system; `analysis` is that of [`Report::new`].
     ///
     /// ```
     /// use qless::exact::{self, Reading};
     /// use qless::{Options, Report, SystemBuilder, analyse};
-    /// // Apart by 1e-13, which the tolerance takes for rounding and exact arithmetic does not.
+    /// // The equations differ by 1e-13, which is below the tolerance but not zero in exact arithmetic.
     /// let mut builder = SystemBuilder::new(2);
     /// builder.equation([(0, 1.0), (1, 1.0)], 0.0);
     /// builder.equation([(0, 1.0), (1, 1.000_000_000_000_1)], 0.0);
@@ -65,7 +65,7 @@ impl Report {
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] if `exact` is of a system with another number of equations.
+    /// [`ArgumentError`] if `exact` belongs to a system with another number of equations.
     pub fn with_exact(mut self, analysis: &Analysis, exact: &ExactRank) -> Result<Self, ArgumentError> {
         long("the list of connected parts", exact.part_of.len(), analysis.kinds.len())?;
         exact.part_of.iter().try_for_each(|&part| within("connected part", part as usize, exact.parts.len()))?;
@@ -83,11 +83,11 @@ impl Report {
 
 fn differences(system: &ConstraintSystem, kinds: &[Kind], exact: &ExactRank) -> Vec<ExactDifference> {
     let found = analysed(kinds, exact);
-    let mut told = vec![false; found.len()];
+    let mut seen = vec![false; found.len()];
     let mut differences = Vec::new();
     for (row, &part) in exact.part_of.iter().enumerate() {
         let part = part as usize;
-        if !std::mem::replace(&mut told[part], true) && found[part] != exact.parts[part] {
+        if !std::mem::replace(&mut seen[part], true) && found[part] != exact.parts[part] {
             let (exact, found) = (exact.parts[part], found[part]);
             differences.push(ExactDifference {
                 row: row + 1,
@@ -103,7 +103,7 @@ fn differences(system: &ConstraintSystem, kinds: &[Kind], exact: &ExactRank) -> 
     differences
 }
 
-/// What the analysis says of each part.
+/// The result of the analysis for each part.
 fn analysed(kinds: &[Kind], exact: &ExactRank) -> Vec<PartRank> {
     let mut parts = vec![PartRank { equations: 0, rank: 0, solvable: true }; exact.parts.len()];
     for (&kind, &part) in kinds.iter().zip(&exact.part_of) {

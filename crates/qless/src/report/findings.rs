@@ -1,8 +1,8 @@
-//! What a report lists: equations, conditions and coefficients, with their reasons.
+//! The lists of a report: equations, generated boundary conditions and coefficients.
 
 use crate::{CertificateTerm, ConstraintSystem, Kind};
 
-/// A coefficient below 1.4e-14 of the largest of its equation, of a DOF that counts in others.
+/// A coefficient below 1.4e-14 of the largest one of its equation; its DOF has larger coefficients in other equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -26,9 +26,9 @@ pub struct DependentEquation {
     pub label: String,
     /// Redundant or conflicting.
     pub kind: Kind,
-    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    /// `b_k - sum c_i b_i` in the units of the equation, with prescribed DOFs moved into b.
     pub mismatch: f64,
-    /// `because`, and `because_omitted` where it is left out.
+    /// `because`, and `because_omitted` if it is omitted.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
@@ -42,21 +42,21 @@ pub struct GeneratedCondition {
     pub dof: usize,
     /// Its label.
     pub label: String,
-    /// The only value that the equations leave it.
+    /// Its value.
     pub value: f64,
-    /// `because`, and `because_omitted` where it is left out.
+    /// `because`, and `because_omitted` if it is omitted.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
 
-/// A certificate, or how much of it was left out.
+/// A certificate, or the reason why it is omitted.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Certificate {
-    /// The equations combined, ascending; empty for `0 = b` as well, which needs none.
+    /// The terms, ascending. Also empty for the equation `0 = b`, which is a combination of no equations.
     pub because: Vec<Term>,
-    /// What is not in `because`.
+    /// Whether terms are omitted.
     #[cfg_attr(feature = "serde", serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing"))]
     pub omitted: Omitted,
 }
@@ -74,14 +74,14 @@ pub struct Term {
     pub coefficient: f64,
 }
 
-/// What a report left out of a certificate.
+/// The omitted part of a certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Omitted {
-    /// Nothing; the key is then absent.
+    /// Nothing: the JSON key is absent.
     Nothing,
-    /// All of its terms, this many.
+    /// All terms; this is their number.
     Terms(usize),
-    /// It was not computed; serializes as null.
+    /// The certificate was not computed; serializes as null.
     NotComputed,
 }
 
@@ -103,14 +103,14 @@ impl serde::Serialize for Omitted {
 }
 
 impl DependentEquation {
-    /// The row counts from 1.
+    /// `row` counts from 1.
     pub fn new(row: usize, label: String, kind: Kind, mismatch: f64, certificate: Certificate) -> Self {
         Self { row, label, kind, mismatch, certificate }
     }
 }
 
 impl GeneratedCondition {
-    /// The DOF counts from 1.
+    /// `dof` counts from 1.
     pub fn new(dof: usize, label: String, value: f64, certificate: Certificate) -> Self {
         Self { dof, label, value, certificate }
     }
@@ -135,7 +135,7 @@ impl Certificate {
 }
 
 impl Term {
-    /// The row counts from 1.
+    /// `row` counts from 1.
     pub fn new(row: usize, label: String, coefficient: f64) -> Self {
         Self { row, label, coefficient }
     }

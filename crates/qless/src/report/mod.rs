@@ -1,13 +1,11 @@
-//! `qless.report/2`: a diagnosis as one plain value; with the feature `serde` it serializes to the JSON object that scripts read.
+//! `qless.report/2`: a diagnosis as plain data; with the feature `serde` it serializes to the JSON report.
 //!
-//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` lists kept equations whose combination with
-//! the given coefficients is the dependent equation on the free DOFs (or the fixed DOF itself):
-//! `row_k = sum_i coefficient_i row_i`.
+//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` lists kept equations with coefficients; their combination is the
+//! dependent equation on the free DOFs, `row_k = sum_i coefficient_i row_i`, or the row of the identity for a fixed DOF.
 //!
-//! Certificates can be long: that of the equation which closes a ring of a million names all the others. A report
-//! therefore spends a limited number of terms, first on conflicts, then on generated boundary conditions (at most
-//! half of what is left), then on redundant equations. Where a certificate is left out, `because` is empty and
-//! `because_omitted` holds its number of terms, or null if it was not computed.
+//! Certificates can be long: an equation that closes a ring of a million equations depends on all the others. So the total number of terms
+//! of a report is limited. Conflicts come first, then generated boundary conditions (at most half of the remaining terms), then redundant
+//! equations. If a certificate is omitted, `because` is empty and `because_omitted` is its number of terms, or null if it was not computed.
 
 mod budget;
 mod exact;
@@ -27,7 +25,7 @@ pub use findings::{Certificate, DependentEquation, GeneratedCondition, IgnoredCo
 pub use near_dependence::{NearDependenceFinding, NearEquation};
 pub use sizes::{BackendUsed, Counts, FactoredSizes, InputSizes, Milliseconds, ReductionSizes, Unmet};
 
-/// The worst that is said of any equation, or that not all of them are known.
+/// The worst kind of any equation, or that some constraints were not read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
@@ -35,15 +33,15 @@ pub use sizes::{BackendUsed, Counts, FactoredSizes, InputSizes, Milliseconds, Re
 pub enum Status {
     /// All equations are independent.
     Independent,
-    /// Some are combinations of others, and consistent with them.
+    /// Some equations are combinations of others and consistent with them; none conflicts.
     Redundant,
-    /// Some contradict others: so they do whatever was left out.
+    /// Some equations conflict with others, whether constraints were skipped or not.
     Conflicting,
-    /// No conflict was found, but something that constrains was left out, with which there may be one.
+    /// No equation conflicts, but some constraints were skipped, and these may conflict.
     Incomplete,
 }
 
-/// The diagnosis of a system, 1-based, with labels; numbers that are not finite serialize as null.
+/// The diagnosis of a system with labels and 1-based numbers; values that are not finite serialize as null.
 ///
 /// ```
 /// use qless::{Options, Report, SystemBuilder, analyse};
@@ -65,9 +63,9 @@ pub enum Status {
 pub struct Report {
     /// [`Report::SCHEMA`].
     pub schema: &'static str,
-    /// Sizes of what was diagnosed.
+    /// Sizes of the system.
     pub input: InputSizes,
-    /// Conflicting if any equation is, else incomplete if anything was left out, else redundant if any equation is, else independent.
+    /// Conflicting if any equation is, else incomplete if constraints were skipped, else redundant if any equation is, else independent.
     pub status: Status,
     /// Rank of the free part of C.
     pub rank: usize,
@@ -77,50 +75,49 @@ pub struct Report {
     pub dependent: Vec<DependentEquation>,
     /// Free DOFs that the equations fix, ascending.
     pub generated_boundary_conditions: Vec<GeneratedCondition>,
-    /// How sure the rank is.
+    /// The confidence in the rank.
     pub confidence: Confidence,
-    /// What constrains and was left out of C; left out where there is nothing. All else holds of what was read.
+    /// Constraints that were skipped; the key is absent if there are none. The rest of the report is about the constraints that were read.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub incomplete: Vec<String>,
-    /// The rank in exact arithmetic, where it was taken.
+    /// The rank in exact arithmetic, if it was computed.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub exact_rank: Option<ExactFinding>,
-    /// The rank as probably meant, where that is less than as typed.
+    /// Near-dependences: the rank that the user probably meant, if it is less than the rank of the typed numbers.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub meant: Option<NearDependenceFinding>,
-    /// The reduced form, where it was computed.
+    /// The reduced form, if it was computed.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub reduction: Option<ReductionSizes>,
-    /// Preferences that the equations do not allow; left out where all are met.
+    /// Preferences that are not met; the key is absent if all are met.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Unmet::is_empty"))]
     pub unmet_preferences: Unmet,
-    /// Coefficients that are rounding of their equations, from which nothing was concluded; left out where there are none.
+    /// Coefficients that may be rounding, so no conclusion depends on them; the key is absent if there are none.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub ignored_coefficients: Vec<IgnoredCoefficient>,
-    /// What needed no factorization, where that is known.
+    /// Statistics of presolve, if they are known.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub presolve: Option<PresolveStatistics>,
-    /// Ranks that analysed it together, if there were several.
+    /// Number of MPI ranks, for an analysis over several.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub ranks: Option<usize>,
-    /// What factored the rest.
+    /// The backend.
     pub backend: BackendUsed,
-    /// Time spent, in milliseconds.
+    /// Times in milliseconds.
     pub timings_ms: Milliseconds,
 }
 
 impl Report {
-    /// The version of the form; it changes when a reader of the old form would fail.
+    /// The version of the schema; it changes if a reader of the old version would fail.
     pub const SCHEMA: &'static str = "qless.report/2";
 
-    /// Terms of certificates that a JSON report spends unless told otherwise.
+    /// Default limit of the terms of all certificates in a JSON report.
     pub const TERMS: usize = 1_000_000;
 
     /// Reports an analysis, with certificates of at most `terms` terms in total.
     ///
-    /// No certificate is computed after the limit is reached, so `terms` bounds the time as well; one for a generated
-    /// boundary condition counts for the factorization that it may take. Reading and reduction are not in it yet:
-    /// see [`Report::with_reduction`] and [`Report::with_timings`].
+    /// No certificate is computed after the limit is reached, so `terms` bounds the time too. For a generated boundary condition the cost of
+    /// a factorization counts as terms. [`Report::with_reduction`] and [`Report::with_timings`] add the reduction and the other times.
     pub fn new(analysis: &Analysis, terms: usize) -> Self {
         let (system, times) = (analysis.system(), &analysis.timings);
         let sizes =
@@ -152,7 +149,7 @@ impl Report {
         }
     }
 
-    /// Adds what is to be said of the reduced form; `residual` is that of [`Analysis::residual`].
+    /// Adds the sizes of the reduced form and its [`Analysis::residual`].
     #[must_use]
     pub fn with_reduction(mut self, reduction: &Reduction, residual: f64) -> Self {
         self.reduction = Some(ReductionSizes {
@@ -180,14 +177,14 @@ impl Report {
         self
     }
 
-    /// Says in which form the reduction was asked for; else it is the form that it has.
+    /// Sets the requested form of the reduction; the default is its actual form.
     #[must_use]
     pub fn with_form(mut self, form: Form) -> Self {
         self.reduction.iter_mut().for_each(|reduction| reduction.form = form);
         self
     }
 
-    /// Adds the times that only the caller knows: reading, reduction (zero if there was none) and all together.
+    /// Adds the times of reading and reduction (zero if there was none), and the total time.
     #[must_use]
     pub fn with_timings(mut self, read: Duration, reduce: Duration, total: Duration) -> Self {
         let (read, reduce, total) = (milliseconds(read), milliseconds(reduce), milliseconds(total));
@@ -195,7 +192,7 @@ impl Report {
         self
     }
 
-    /// Says what constrains and was left out of the system.
+    /// Adds descriptions of the constraints that were skipped.
     ///
     /// ```
     /// use qless::{Options, Report, Status, SystemBuilder, analyse};
@@ -217,7 +214,7 @@ impl Report {
         self
     }
 
-    /// A report of an analysis that `ranks` ranks made together, without lists: its fields are public. What presolve did is not known.
+    /// A report of an analysis over `ranks` MPI ranks, with empty lists and without statistics of presolve; the caller fills the lists.
     ///
     /// ```
     /// use qless::{Confidence, Kind, Report, Status};

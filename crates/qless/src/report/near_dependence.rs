@@ -1,20 +1,20 @@
-//! `meant`: the second reading of a system with near-dependences.
+//! `meant`: the near-dependences of a system.
 
 use super::{Certificate, Omitted, Report};
 use crate::common::argument::within;
 use crate::diagnosis::NearDependent;
 use crate::{Analysis, ArgumentError, ConstraintSystem, NearDependence};
 
-/// A [`NearDependence`], counted from 1 and with labels.
+/// A [`NearDependence`] with 1-based numbers and labels.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct NearDependenceFinding {
-    /// Rank as meant; [`Report::rank`] is the rank as typed.
+    /// Rank if the near-dependent equations are dependent; [`Report::rank`] is the rank of the typed numbers.
     pub rank: usize,
-    /// Decimals to which all of the equations agree with others.
+    /// Number of decimals to which all these equations agree with their combinations.
     pub digits: u32,
-    /// The equations that are then combinations of others, ascending.
+    /// The near-dependent equations, ascending.
     pub equations: Vec<NearEquation>,
 }
 
@@ -27,17 +27,17 @@ pub struct NearEquation {
     pub row: usize,
     /// Its label.
     pub label: String,
-    /// Decimals at which it and its combination part.
+    /// Number of decimals to which it agrees with its combination.
     pub digits: u32,
-    /// About the smallest relative change of one coefficient that makes it a combination.
+    /// Estimate of the smallest relative change of one coefficient that makes it a combination.
     pub distance: f64,
-    /// `because`, and `because_omitted` where it is left out.
+    /// `because`, and `because_omitted` if it is omitted.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
 
 impl Report {
-    /// Adds the second reading of the system, with combinations of at most `terms` terms in total.
+    /// Adds the near-dependences, with combinations of at most `terms` terms in total.
     ///
     /// ```
     /// use qless::{Options, Report, SystemBuilder, analyse};

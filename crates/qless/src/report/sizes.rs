@@ -1,4 +1,4 @@
-//! What a report counts: sizes, kinds, entries, time.
+//! The counts of a report: sizes, kinds, entries, times.
 
 use std::time::Duration;
 
@@ -12,13 +12,13 @@ use crate::Form;
 pub struct InputSizes {
     /// Equations.
     pub rows: usize,
-    /// DOFs, prescribed ones included.
+    /// All DOFs, including prescribed ones.
     pub dofs: usize,
     /// Coefficients that are not zero.
     pub nnz: usize,
-    /// DOFs that are not prescribed.
+    /// Free DOFs.
     pub free: usize,
-    /// DOFs that are.
+    /// Prescribed DOFs.
     pub prescribed: usize,
 }
 
@@ -29,16 +29,16 @@ impl InputSizes {
     }
 }
 
-/// Equations of each kind; they sum to all, and `independent` is the rank.
+/// Number of equations of each kind; `independent` is the rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Counts {
     /// Kept equations.
     pub independent: usize,
-    /// Combinations of kept equations that are consistent with them.
+    /// Equations that are combinations of kept ones and consistent with them.
     pub redundant: usize,
-    /// Combinations of kept equations that contradict them.
+    /// Equations that are combinations of kept ones and conflict with them.
     pub conflicting: usize,
 }
 
@@ -66,21 +66,21 @@ pub struct ReductionSizes {
     pub slaves: usize,
     /// Number of masters u_q.
     pub masters: usize,
-    /// `max |T_ij|`; of factored parts the largest entry that was found.
+    /// `max |T_ij|`; for factored parts the largest entry that the search found.
     pub growth: f64,
-    /// How well it meets the independent equations, see [`crate::Analysis::residual`].
+    /// Its residual: [`crate::Analysis::residual`].
     pub residual: f64,
     /// Entries of T and G.
     pub nnz: usize,
-    /// How many times a slave and a master changed places to keep the growth down.
+    /// Number of exchanges of a slave and a master that kept the growth within the bound.
     pub exchanges: usize,
-    /// The form that was asked for.
+    /// The requested form.
     pub form: Form,
-    /// Connected parts that stay factors: their rows are not in T and G.
+    /// Factored parts: their rows of T and G are not explicit.
     pub factored: Vec<FactoredSizes>,
 }
 
-/// The size of a connected part that stays factors, see [`crate::reduction::FactoredBlock`].
+/// The sizes of a factored part: [`crate::reduction::FactoredBlock`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -91,22 +91,22 @@ pub struct FactoredSizes {
     pub slaves: usize,
     /// Its masters.
     pub masters: usize,
-    /// Numbers that it holds: of L, U, C_M and C_p.
+    /// Entries of L, U, C_M and C_p.
     pub nnz: usize,
-    /// Numbers that its part of T would have, estimated.
+    /// Estimate of the entries of T if its rows were explicit.
     pub predicted: usize,
 }
 
-/// Preferences that are not met, counted from 1.
+/// Preferences that are not met, with 1-based numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Unmet {
-    /// Equations that are dependent though they were to be kept.
+    /// Equations that should be kept but are dependent.
     pub equations: Vec<usize>,
-    /// DOFs that are slaves though they must not be.
+    /// DOFs that must not be slaves but are.
     pub masters: Vec<usize>,
-    /// DOFs that are not slaves though that was preferred.
+    /// DOFs that are preferred as slaves but are not slaves.
     pub slaves: Vec<usize>,
 }
 
@@ -121,20 +121,20 @@ pub(super) fn from_one(numbers: &[usize]) -> Vec<usize> {
     numbers.iter().map(|k| k + 1).collect()
 }
 
-/// What factored the blocks.
+/// The backend that factored the blocks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct BackendUsed {
-    /// `faer`, `spqr` or `gauss`.
+    /// `faer`, `sparse`, `spqr` or `gauss`.
     pub name: &'static str,
-    /// Threads at work.
+    /// Number of threads.
     pub threads: usize,
     /// Name and version of the library behind it.
     pub version: String,
 }
 
-/// Time spent in each stage, 0 for a stage that did not run.
+/// Time of each stage, 0 for a stage that did not run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -149,17 +149,17 @@ pub struct Milliseconds {
     pub classify: f64,
     /// T, G and g.
     pub reduce: f64,
-    /// From start to end, with what is in no stage.
+    /// Total, including time outside of these stages.
     pub total: f64,
 }
 
-/// To the microsecond.
+/// Rounded to microseconds.
 pub(super) fn milliseconds(time: Duration) -> f64 {
     (time.as_secs_f64() * 1e6).round() / 1e3
 }
 
 impl BackendUsed {
-    /// As [`backend::Backend`](crate::backend::Backend) tells them, and threads at work.
+    /// Name and version as in [`backend::Backend`](crate::backend::Backend).
     pub fn new(name: &'static str, threads: usize, version: String) -> Self {
         Self { name, threads, version }
     }
