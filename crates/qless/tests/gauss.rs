@@ -1,5 +1,5 @@
-//! Six hundred seeded sparse matrices, tall, wide and deficient, through the backend `gauss`: `W A P = [R1 R2; 0 0]`, what
-//! follows from it, and the rank of dense QR with column pivoting.
+//! The backend `gauss` on six hundred random sparse matrices, tall, wide and rank-deficient: `W A P = [R1 R2; 0 0]`, its consequences, and
+//! the rank of dense QR with column pivoting.
 
 use qless::Csr;
 use qless::backend::faer::Faer;
@@ -52,7 +52,7 @@ fn combine_rows(columns: &mut Columns, random: &mut Random) {
     columns.iter_mut().for_each(|column| column[to] = 0.7 * column[a] + column[b]);
 }
 
-/// Every fourth is large enough for rows to fill in; up to a fifth of it is spoilt.
+/// Every fourth matrix is large enough for fill; up to a fifth of its rows and columns become dependent.
 fn matrix(seed: u64) -> Columns {
     let mut random = Random::new(seed);
     let most = if seed.is_multiple_of(4) { 90 } else { 20 };
@@ -92,7 +92,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
     for i in 0..factor.rank {
         let row: Vec<_> = factor.r.row(i).collect();
         assert!(row[0].0 == i && row.is_sorted_by(|a, b| a.0 < b.0), "{name}: row {i} of R is {row:?}");
-        // Half the largest of its row, by the choice of pivots.
+        // The pivot rule: at least half the largest entry of the row.
         assert!(2.0 * row[0].1.abs() >= largest(row.iter().map(|e| e.1)), "{name}: pivot {i} of {row:?}");
     }
 }
@@ -147,7 +147,7 @@ fn identities_hold_and_ranks_agree() {
     (0..600).for_each(check);
 }
 
-/// The matrices are what they should be, or the test above says little.
+/// The matrices have the shapes and ranks that the test above needs.
 #[test]
 fn the_matrices_are_of_every_kind() {
     let kind = |seed: u64| {
@@ -162,7 +162,7 @@ fn the_matrices_are_of_every_kind() {
     }
 }
 
-/// Products of whole numbers, of low rank: what their rows leave of one another is rounding, and no pivot at 2e-14 of the largest.
+/// Integer matrices of low rank: remainders of dependent rows are rounding, and must not become pivots at 2e-14 of the largest entry.
 #[test]
 fn rounding_is_no_pivot() {
     for seed in 0..300 {
@@ -178,7 +178,7 @@ fn rounding_is_no_pivot() {
     }
 }
 
-/// A band of 1e5 rows and 1.5e5 columns costs what it holds: 150 MB would not do for one row in a thousand if it were dense.
+/// The memory for a band of 1e5 rows and 1.5e5 columns follows its nonzeros: 150 MB would not hold one dense row in a thousand.
 #[test]
 fn a_long_band_stays_sparse() {
     let (m, n) = (100_000, 150_000);
@@ -194,7 +194,7 @@ fn a_long_band_stays_sparse() {
     assert!(factor.r.nnz() < 3 * rows.nnz(), "{} entries from {}", factor.r.nnz(), rows.nnz());
 }
 
-/// It stops as fill exceeds what is allowed, and any limit that it accepts gives the same bits.
+/// The elimination stops if fill exceeds the limit; every sufficient limit gives the same bits.
 #[test]
 fn more_memory_than_allowed_is_refused() {
     let mut random = Random::new(11);
@@ -214,7 +214,7 @@ fn more_memory_than_allowed_is_refused() {
         refused += 1;
         memory += 256;
     }
-    // The least that holds A and R; and not several times as much.
+    // At least the bytes of A and R, and not many times as much.
     let least = 16 * a.nnz() + 12 * whole.r.nnz();
     assert!(refused > 10 && (least..12 * least).contains(&memory), "{memory} bytes for {least}");
 }

@@ -1,4 +1,4 @@
-//! What a step calls allocates nothing: every `_into` of a map whose T is numbers, after its first call.
+//! After the first call, no `_into` function of an elimination with explicit T allocates memory.
 
 use qless::elimination::{CondensedPattern, PrescribedDofs, View};
 use qless::{Elimination, Options, SystemBuilder};
@@ -6,7 +6,7 @@ use qless::{Elimination, Options, SystemBuilder};
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
-/// A chain of springs with every seventh DOF tied between its neighbours' neighbours, one prescribed.
+/// n DOFs of which every seventh is the mean of two others, given twice; one DOF is prescribed.
 fn map(n: usize) -> Elimination {
     let mut builder = SystemBuilder::new(n);
     for j in (5..n - 5).step_by(7) {
@@ -17,7 +17,7 @@ fn map(n: usize) -> Elimination {
     Elimination::new(&builder.build().expect("valid"), &Options::default()).expect("consistent")
 }
 
-/// Compressed lines of a matrix with three numbers in each.
+/// Compressed lines of a tridiagonal matrix.
 fn matrix(n: usize) -> (Vec<usize>, Vec<u32>) {
     let line = |i: usize| i.saturating_sub(1)..(i + 2).min(n);
     let mut starts = vec![0];
@@ -29,7 +29,7 @@ fn matrix(n: usize) -> (Vec<usize>, Vec<u32>) {
     (starts, index)
 }
 
-/// Blocks that `work` allocates.
+/// Number of allocations by `work`.
 fn allocated(work: &mut dyn FnMut()) -> u64 {
     work();
     let before = dhat::HeapStats::get().total_blocks;
@@ -70,7 +70,7 @@ fn no_step_allocates() {
         for view in [View::rows(&starts, &index), View::columns(&starts, &index)] {
             for given in [PrescribedDofs::Eliminated, PrescribedDofs::Kept] {
                 let condensed = map.condensed(view, given).expect("a pattern");
-                // Parallel calls hand out their work in lists of the thread pool: what is counted is on one thread.
+                // The thread pool allocates task lists for parallel calls, so the test runs on one thread.
                 let found = one.install(|| steps(&map, &condensed));
                 assert!(found.iter().all(|(_, blocks)| *blocks == 0), "n = {n}: {found:?}");
             }

@@ -1,4 +1,4 @@
-//! SuiteSparseQR's task tree on oneTBB: it runs where it is asked for, and its results are those of the sequence, bit for bit.
+//! SuiteSparseQR's task tree on oneTBB: it runs if requested, and its results equal those without a tree, bit for bit.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -21,7 +21,7 @@ impl Random {
     }
 }
 
-/// By columns: m x n, some columns empty, equal to others, or sums of two, some with one entry in a row of their own.
+/// m x n by columns; some columns are empty, copies of others, sums of two others, or have a single entry.
 fn system(seed: u64) -> (Csr, Vec<f64>) {
     let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let (m, n) = (5 + random.below(150), 5 + random.below(150));
@@ -75,7 +75,7 @@ fn grid(side: usize) -> Csr {
     by_columns(row, columns)
 }
 
-/// Many small tasks.
+/// Settings for many small tasks.
 fn on(threads: usize) -> Spqr {
     Spqr { small: 1.0, grain: 32.0, ..Spqr::on(threads) }
 }
@@ -149,7 +149,7 @@ fn the_version_says_that_there_are_trees() {
     assert!(version.contains("task tree on oneTBB 20"), "{version}");
 }
 
-/// The library in a shared object, called by a program in C that is linked to it.
+/// A C program calls the library in a shared object.
 #[test]
 fn trees_run_in_a_shared_library() {
     let here = std::env::current_exe().expect("this program");

@@ -9,7 +9,7 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::Kept;
 use crate::presolve::eliminated::Mismatch;
-use crate::presolve::rows::Row;
+use crate::presolve::rows::WorkingRow;
 use crate::reduction::block::may_be_slaves;
 
 /// The right-hand side of a row.
@@ -56,7 +56,7 @@ impl<'a> Replay<'a> {
         replay
     }
 
-    /// Row `i` of the rows that presolve eliminated from, after all steps, scaled.
+    /// WorkingRow `i` of the rows that presolve eliminated from, after all steps, scaled.
     pub fn row(&self, i: u32) -> RowRhs {
         let history = &self.analysis.history;
         let user = history.rows[i as usize] as usize;
@@ -72,12 +72,12 @@ impl<'a> Replay<'a> {
 
     fn side(&self, row: usize, scaled: bool) -> RowRhs {
         let exponent = if scaled { self.analysis.scaling.row[row] } else { 0 };
-        let mut sum = Row::new(ldexp(self.rhs[row], exponent));
+        let mut sum = WorkingRow::new(ldexp(self.rhs[row], exponent));
         if !self.values.is_empty() {
             let fixed = self.local.row(row).filter(|&(j, _)| !self.local.free()[j]);
             fixed.for_each(|(j, v)| sum.prescribe(ldexp(v, exponent) * self.values[j]));
         }
-        RowRhs { rhs: sum.rhs, effective: Mismatch::of(&sum) }
+        RowRhs { rhs: sum.rhs, effective: Mismatch::of_row(&sum) }
     }
 }
 

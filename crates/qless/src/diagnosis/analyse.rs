@@ -25,10 +25,10 @@ use super::pass_result::{PassResult, groups, statistics};
 use super::preferred_equations::keep_preferred;
 use super::{Analysis, AnalysisError, confidence, generated, sensitivity};
 use crate::factor::backend::BackendError;
-use crate::factor::block::{self, Block, Means};
+use crate::factor::block::{self, Block, FactorContext};
 use crate::input::components::Labels;
 use crate::input::numbering::{Column, Exponents, LocalSystem, Numbering};
-use crate::input::preferences::Wishes;
+use crate::input::preferences::SlavePreferences;
 use crate::input::rounding;
 use crate::input::scale::{Scaling, Spread, Spreads, balanced, by_rows};
 use crate::presolve::basis::Diagnosed;
@@ -72,7 +72,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let is_relative = matches!(options.tolerance, Tolerance::Relative(_));
     let ignored = if is_relative { rounding::find(local, &exponents) } else { Vec::new() };
     let uncertain = rounding::places(&ignored, local);
-    let preferences = Wishes::new(&options.preferences, &numbering, system.dofs());
+    let preferences = SlavePreferences::new(&options.preferences, &numbering, system.dofs());
     let (rows, spreads) = scale(local, &columns, &exponents, &uncertain, options.tolerance);
     let pipeline = Pipeline {
         local,
@@ -80,7 +80,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         scaling: &rows,
         preferences: &preferences,
         uncertain: &uncertain,
-        context: Means::new(backend.as_ref(), options.tolerance.value(), options.check, options.memory),
+        context: FactorContext::new(backend.as_ref(), options.tolerance.value(), options.check, options.memory),
         started,
     };
     let run_verified = |scaling: &Scaling| Pipeline { scaling, ..pipeline }.run_verified(options.presolve);
@@ -139,10 +139,10 @@ struct Pipeline<'a> {
     local: LocalSystem<'a>,
     columns: &'a [Column],
     scaling: &'a Scaling,
-    preferences: &'a Wishes,
+    preferences: &'a SlavePreferences,
     /// (row, DOF) of coefficients that are rounding.
     uncertain: &'a HashSet<(u32, u32)>,
-    context: Means<'a>,
+    context: FactorContext<'a>,
     started: Instant,
 }
 

@@ -35,12 +35,11 @@ impl Elimination {
         let EliminationSource { analysis, rhs: old, kinds, refresher, .. } =
             equations.as_mut().ok_or(EliminationError::NoEquations)?;
         let g = reduction.g.clone();
-        let refresher = match refresher.get() {
-            Some(refresher) => refresher,
-            None => {
-                let new = Refresher::new(Arc::clone(analysis))?;
-                refresher.get_or_init(|| new)
-            }
+        let refresher = if let Some(refresher) = refresher.get() {
+            refresher
+        } else {
+            let new = Refresher::new(Arc::clone(analysis))?;
+            refresher.get_or_init(|| new)
         };
         let refreshed = refresher.refresh(rhs, prescribed, reduction)?;
         if let Err(error) = refuse_conflicts(&refreshed.kinds, analysis.system()) {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::ConstraintSystem;
 use crate::input::numbering::Numbering;
 
-/// Wishes that hold wherever the equations allow it; what they do not allow is reported
+/// SlavePreferences that hold wherever the equations allow it; what they do not allow is reported
 /// ([`crate::Analysis::unmet_equations`], [`crate::Reduction::unmet_masters`], [`crate::Reduction::unmet_slaves`]).
 ///
 /// Which sets of DOFs can be slaves is given by the rank alone, so that an exchange of a slave for a master, or of a kept
@@ -63,28 +63,28 @@ fn within(what: &'static str, numbers: &[usize], count: usize) -> Result<(), Opt
 
 /// How much a DOF is wanted as a slave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Wish {
+pub(crate) enum SlavePreference {
     Master,
     None,
     Slave,
 }
 
 /// The wish for every local DOF.
-pub(crate) struct Wishes(Vec<Wish>);
+pub(crate) struct SlavePreferences(Vec<SlavePreference>);
 
-impl Wishes {
+impl SlavePreferences {
     pub fn new(preferences: &Preferences, numbering: &Numbering, dofs: usize) -> Self {
         if preferences.masters.is_empty() && preferences.slaves.is_empty() {
             return Self(Vec::new());
         }
-        let mut by_user = vec![Wish::None; dofs];
-        preferences.slaves.iter().for_each(|&j| by_user[j] = Wish::Slave);
-        preferences.masters.iter().for_each(|&j| by_user[j] = Wish::Master);
+        let mut by_user = vec![SlavePreference::None; dofs];
+        preferences.slaves.iter().for_each(|&j| by_user[j] = SlavePreference::Slave);
+        preferences.masters.iter().for_each(|&j| by_user[j] = SlavePreference::Master);
         Self(numbering.dofs.iter().map(|&j| by_user[j as usize]).collect())
     }
 
-    pub fn of(&self, dof: u32) -> Wish {
-        self.0.get(dof as usize).copied().unwrap_or(Wish::None)
+    pub fn of(&self, dof: u32) -> SlavePreference {
+        self.0.get(dof as usize).copied().unwrap_or(SlavePreference::None)
     }
 
     /// Whether there is any.
@@ -93,7 +93,7 @@ impl Wishes {
     }
 
     /// Local DOFs with a wish.
-    pub fn with(&self, wish: Wish) -> impl Iterator<Item = u32> + '_ {
+    pub fn with(&self, wish: SlavePreference) -> impl Iterator<Item = u32> + '_ {
         self.0.iter().zip(0..).filter(move |(w, _)| **w == wish).map(|(_, j)| j)
     }
 }

@@ -1,6 +1,6 @@
 //! The result of elimination: pivots, dependent rows, and the core for the backend.
 
-use super::rows::Row;
+use super::rows::WorkingRow;
 use crate::input::components::components;
 use crate::input::scale::ldexp;
 
@@ -16,7 +16,7 @@ pub(crate) struct Step {
     /// The other entries of the row.
     pub others: Vec<(u32, f64)>,
     pub rhs: f64,
-    /// As [`Row::reach`].
+    /// As [`WorkingRow::reach`].
     pub reach: f64,
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct DependentRow {
     pub row: u32,
     /// Largest coefficient that was dropped, relative to the size of the row; 0 if only rounding was dropped.
     pub dropped: f64,
-    /// As [`Row::reach`].
+    /// As [`WorkingRow::reach`].
     pub reach: f64,
     /// `b - C_p u_p` of the row minus that of its certificate.
     pub mismatch: Mismatch,
@@ -43,7 +43,7 @@ pub(crate) struct Mismatch {
 }
 
 impl Mismatch {
-    pub fn of(row: &Row) -> Self {
+    pub fn of_row(row: &WorkingRow) -> Self {
         Self { value: row.effective, size: row.effective_size, error: row.effective_error }
     }
 
@@ -74,7 +74,7 @@ pub(crate) struct Eliminated {
     /// Rows left for the backend, ascending.
     pub core: Vec<u32>,
     /// The rows after elimination; only rows of the core have entries.
-    pub rows: Vec<Row>,
+    pub rows: Vec<WorkingRow>,
 }
 
 impl Eliminated {

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::rows::{Entry, Row, bound};
+use super::rows::{Entry, WorkingRow, bound};
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 
@@ -17,7 +17,7 @@ pub(crate) struct Gathered {
     /// In `rows`, coefficients of DOF j are multiplied by `2^power[j]`. A prescribed DOF may have any unit; this makes its coefficients
     /// comparable with the others.
     pub power: Vec<i32>,
-    pub rows: Vec<Row>,
+    pub rows: Vec<WorkingRow>,
 }
 
 /// The row (of the user) whose scaled right-hand side or coefficients leave the range of doubles.
@@ -40,7 +40,7 @@ pub(crate) fn gather(
     let mut number = vec![u32::MAX; system.dofs()];
     for &name in &out.names {
         let i = name as usize;
-        let mut row = Row::new(ldexp(system.rhs()[i], scaling.row[i]));
+        let mut row = WorkingRow::new(ldexp(system.rhs()[i], scaling.row[i]));
         row.entries.reserve_exact(system.row(i).len());
         for (j, v) in system.row(i) {
             let (entry, free) = (scaling.entry(i, j, v), system.free()[j]);

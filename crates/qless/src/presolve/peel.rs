@@ -10,7 +10,7 @@
 use std::hint::select_unpredictable;
 
 use crate::input::numbering::{Column, LocalSystem};
-use crate::input::preferences::Wishes;
+use crate::input::preferences::SlavePreferences;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::Basis;
 
@@ -26,7 +26,7 @@ const PRESCRIBED: u32 = 1 << 31;
 struct Peeling<'a> {
     system: LocalSystem<'a>,
     scaling: &'a Scaling,
-    wishes: &'a Wishes,
+    preferences: &'a SlavePreferences,
     columns: Vec<Column>,
     /// A stack of DOFs that became singletons. Each DOF is pushed at most once, so there is room for all. ...
     ready: Vec<u32>,
@@ -45,7 +45,7 @@ pub(crate) fn peel(
     system: LocalSystem,
     columns: &[Column],
     scaling: &Scaling,
-    wishes: &Wishes,
+    preferences: &SlavePreferences,
     held: &[bool],
 ) -> Peeled {
     let m = system.equations();
@@ -54,7 +54,7 @@ pub(crate) fn peel(
     system.prescribed().iter().for_each(|&(j, _)| columns[j].count = PRESCRIBED);
     let out = Peeled { basis, remaining: vec![true; m] };
     let ready = vec![0; system.dofs() + 1];
-    let mut work = Peeling { system, scaling, wishes, columns, ready, top: 0, tried: 0, strictly: true, out };
+    let mut work = Peeling { system, scaling, preferences, columns, ready, top: 0, tried: 0, strictly: true, out };
     for strictly in [true, false] {
         work.strictly = strictly;
         (0..m).filter(|&i| !held[i]).for_each(|i| work.try_with_followers(i));
@@ -107,12 +107,12 @@ impl Peeling<'_> {
 
     /// Position of a singleton with the largest coefficient of the row.
     fn slave(&self, i: usize) -> Option<usize> {
-        if self.scaling.col.is_empty() && !self.wishes.any() {
+        if self.scaling.col.is_empty() && !self.preferences.any() {
             return self.best(i, |_, v| v.abs(), |_, _| false);
         }
         let dofs = self.system.parts(i).0;
         let size = |j: u32, v: f64| ldexp(v.abs(), self.scaling.col(j as usize) + self.scaling.row[i]);
-        self.best(i, size, |j, k| self.wishes.of(j) > self.wishes.of(dofs[k]))
+        self.best(i, size, |j, k| self.preferences.of(j) > self.preferences.of(dofs[k]))
     }
 
     /// [`Peeling::slave`] for the given sizes; `rather` decides between DOFs with equal coefficients.

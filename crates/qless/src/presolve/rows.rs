@@ -33,7 +33,7 @@ pub(crate) const MORE_THAN_ROUNDING: f64 = 2.0;
 
 /// `sum entries = rhs` in scaled coefficients, with bounds of the rounding errors.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Row {
+pub(crate) struct WorkingRow {
     /// Free and prescribed DOFs.
     pub entries: Vec<Entry>,
     /// Number of free DOFs among the entries.
@@ -72,7 +72,7 @@ impl std::hash::Hasher for DofHasher {
     }
 }
 
-impl Row {
+impl WorkingRow {
     /// `0 = rhs`, without terms.
     pub fn new(rhs: f64) -> Self {
         let error = f64::EPSILON * rhs.abs();

@@ -13,7 +13,7 @@ use super::{FactoredBlock, Form, Reduction, ReductionError, block, output, retry
 use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
-use crate::input::preferences::{Preferences, Wish, Wishes};
+use crate::input::preferences::{Preferences, SlavePreference, SlavePreferences};
 use crate::presolve::basis::{Basis, Solved};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
@@ -113,7 +113,7 @@ impl Analysis {
             basis,
             bounds,
             fixed,
-            wishes: Wishes::new(&self.options.preferences, &self.numbering, self.system.dofs()),
+            preferences: SlavePreferences::new(&self.options.preferences, &self.numbering, self.system.dofs()),
             growth: self.options.growth,
             scaling: &self.scaling,
             independent: self.independent(),
@@ -176,11 +176,11 @@ impl Analysis {
         input: &ReductionInput,
     ) -> Result<Vec<Option<FactoredBlock>>, BackendError> {
         let predicted = predict(local, &self.basis, labels, |t| self.row_of(t), |k| self.row_of_block(k));
-        let wished = Self::wished(local, labels, &input.wishes);
+        let has_preferences = Self::has_preferences(local, labels, &input.preferences);
         let is_wanted = |label: usize| {
             let part = predicted[label];
             let large = part.predicted > (MULTIPLE * part.given).max(FEW);
-            part.needs_work && !wished[label] && !as_numbers[label] && (large || form == Form::Factored)
+            part.needs_work && !has_preferences[label] && !as_numbers[label] && (large || form == Form::Factored)
         };
         let mut equations = vec![Vec::new(); labels.count];
         for (i, &label) in labels.of_row.iter().enumerate() {
@@ -199,14 +199,15 @@ impl Analysis {
     }
 
     /// The parts with preferred DOFs; these are explicit, because exchanges of slaves need explicit rows.
-    fn wished(local: LocalSystem, labels: &Labels, wishes: &Wishes) -> Vec<bool> {
-        let mut wished = vec![false; labels.count];
-        if wishes.any() {
+    fn has_preferences(local: LocalSystem, labels: &Labels, preferences: &SlavePreferences) -> Vec<bool> {
+        let mut has_preferences = vec![false; labels.count];
+        if preferences.any() {
             for (i, &label) in labels.of_row.iter().enumerate() {
-                wished[label as usize] |= local.parts(i).0.iter().any(|&j| wishes.of(j) != Wish::None);
+                has_preferences[label as usize] |=
+                    local.parts(i).0.iter().any(|&j| preferences.of(j) != SlavePreference::None);
             }
         }
-        wished
+        has_preferences
     }
 
     /// The basis of the explicit parts, with empty rows for the slaves of factored parts.
@@ -235,8 +236,8 @@ fn build(
 ) -> Result<Reduction, ReductionError> {
     let limit = input.growth.max(exchange_goals::LEAST);
     let mut relation = relation::assemble(local, input, limit);
-    let exchanged = meet_preferences(&mut relation, &input.wishes, limit);
-    let exchanges = bound_growth(&mut relation, limit, &input.wishes, exchanged);
+    let exchanged = meet_preferences(&mut relation, &input.preferences, limit);
+    let exchanges = bound_growth(&mut relation, limit, &input.preferences, exchanged);
     let reduction = output::write(system, &relation);
     let growth = factored.iter().map(|block| block.growth).fold(relation.growth, f64::max);
     checked(Reduction { growth, exchanges, factored, ..reduction }, local, input)

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use super::exchange::Exchange;
 use super::relation::Relation;
-use crate::input::preferences::{Wish, Wishes};
+use crate::input::preferences::{SlavePreference, SlavePreferences};
 
 /// A slave may be exchanged if its coefficient is at least this fraction of the largest one of the master.
 const NEARLY: f64 = 0.5;
@@ -17,7 +17,12 @@ const NEARLY: f64 = 0.5;
 pub(super) const LEAST: f64 = 1.0 + 1e-9;
 
 /// Returns the number of exchanges, including the `exchanged` ones before.
-pub(super) fn bound_growth(relation: &mut Relation, limit: f64, wishes: &Wishes, exchanged: usize) -> usize {
+pub(super) fn bound_growth(
+    relation: &mut Relation,
+    limit: f64,
+    preferences: &SlavePreferences,
+    exchanged: usize,
+) -> usize {
     if exchanged > 0 {
         list_steep(relation, limit);
     }
@@ -25,7 +30,7 @@ pub(super) fn bound_growth(relation: &mut Relation, limit: f64, wishes: &Wishes,
         return exchanged;
     }
     let steep: BTreeSet<u32> = relation.steep.iter().copied().collect();
-    let count = flatten(&mut Exchange::new(relation), steep, limit, wishes);
+    let count = flatten(&mut Exchange::new(relation), steep, limit, preferences);
     list_steep(relation, limit);
     exchanged + count
 }
@@ -36,11 +41,11 @@ fn list_steep(relation: &mut Relation, limit: f64) {
     relation.steep = (0..relation.rows() as u32).filter(|&i| largest[i as usize] > limit).collect();
 }
 
-fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, wishes: &Wishes) -> usize {
+fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, preferences: &SlavePreferences) -> usize {
     let mut count = 0;
     while let Some(i) = queue.pop_last() {
-        while let Some(master) = excess(exchange, i, limit, wishes) {
-            let Some(row) = pivot_row(exchange, master, wishes) else { break };
+        while let Some(master) = excess(exchange, i, limit, preferences) {
+            let Some(row) = pivot_row(exchange, master, preferences) else { break };
             queue.extend(exchange.swap(row, master));
             count += 1;
         }
@@ -50,9 +55,9 @@ fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, wishes
 
 /// The row whose slave is exchanged for `master`. Among the rows with nearly the largest coefficient of the master, which reduces most
 /// entries at once, the shortest row causes the least fill. With a coefficient of 1 two DOFs could be exchanged forever.
-fn pivot_row(exchange: &Exchange, master: u32, wishes: &Wishes) -> Option<u32> {
+fn pivot_row(exchange: &Exchange, master: u32, preferences: &SlavePreferences) -> Option<u32> {
     let mut rows = exchange.holding(master);
-    rows.retain(|&(k, _)| wishes.of(master) >= wishes.of(exchange.relation.slave[k as usize]));
+    rows.retain(|&(k, _)| preferences.of(master) >= preferences.of(exchange.relation.slave[k as usize]));
     let steepest = rows.iter().fold(0.0, |a: f64, (_, v)| a.max(v.abs()));
     let least = (NEARLY * steepest).max(LEAST);
     let fit = rows.iter().filter(|(_, v)| v.abs() >= least).map(|&(k, _)| k);
@@ -60,12 +65,12 @@ fn pivot_row(exchange: &Exchange, master: u32, wishes: &Wishes) -> Option<u32> {
 }
 
 /// The master with the largest coefficient above the bound in row i, among those that may become slaves.
-fn excess(exchange: &Exchange, i: u32, limit: f64, wishes: &Wishes) -> Option<u32> {
-    let own = wishes.of(exchange.relation.slave[i as usize]);
+fn excess(exchange: &Exchange, i: u32, limit: f64, preferences: &SlavePreferences) -> Option<u32> {
+    let own = preferences.of(exchange.relation.slave[i as usize]);
     let mut best: Option<(u32, f64)> = None;
     for (j, v) in exchange.relation.row(i as usize).entries() {
         let larger = best.is_none_or(|(_, most)| v.abs() >= most);
-        if v.abs() > limit && larger && exchange.is_free(j) && wishes.of(j) >= own {
+        if v.abs() > limit && larger && exchange.is_free(j) && preferences.of(j) >= own {
             best = Some((j, v.abs()));
         }
     }
@@ -76,31 +81,34 @@ fn excess(exchange: &Exchange, i: u32, limit: f64, wishes: &Wishes) -> Option<u3
 const SMALL: f64 = 1e-8;
 
 /// Meets the preferences that the equations allow; returns the number of exchanges.
-pub(super) fn meet_preferences(relation: &mut Relation, wishes: &Wishes, limit: f64) -> usize {
-    if !wishes.any() {
+pub(super) fn meet_preferences(relation: &mut Relation, preferences: &SlavePreferences, limit: f64) -> usize {
+    if !preferences.any() {
         return 0;
     }
-    let unwanted = |r: &Relation| wishes.with(Wish::Master).filter(|&j| r.row_of[j as usize] != u32::MAX).collect();
+    let unwanted = |r: &Relation| {
+        preferences.with(SlavePreference::Master).filter(|&j| r.row_of[j as usize] != u32::MAX).collect()
+    };
     let unmet: Vec<u32> = unwanted(relation);
     let idle = |j: &u32| relation.row_of[*j as usize] == u32::MAX && relation.system.free()[*j as usize];
-    let wanted: Vec<u32> = wishes.with(Wish::Slave).filter(idle).collect();
+    let wanted: Vec<u32> = preferences.with(SlavePreference::Slave).filter(idle).collect();
     if unmet.is_empty() && wanted.is_empty() {
         return 0;
     }
     let mut exchange = Exchange::new(relation);
-    let freed = unmet.into_iter().filter(|&slave| release(&mut exchange, slave, wishes)).count();
-    freed + wanted.into_iter().filter(|&master| engage(&mut exchange, master, wishes, limit)).count()
+    let freed = unmet.into_iter().filter(|&slave| release(&mut exchange, slave, preferences)).count();
+    freed + wanted.into_iter().filter(|&master| engage(&mut exchange, master, preferences, limit)).count()
 }
 
 /// Makes a slave a master.
-fn release(exchange: &mut Exchange, slave: u32, wishes: &Wishes) -> bool {
+fn release(exchange: &mut Exchange, slave: u32, preferences: &SlavePreferences) -> bool {
     let row = exchange.relation.row_of[slave as usize];
     let entries = exchange.relation.sorted(row as usize);
     let free = || entries.iter().filter(|&&(j, _)| exchange.is_free(j));
     let least = SMALL * free().fold(0.0, |a: f64, e| a.max(e.1.abs()));
-    let fit = free().filter(|&&(j, v)| wishes.of(j) > Wish::Master && v.abs() > least);
-    let best =
-        fit.max_by(|a, b| (wishes.of(a.0), a.1.abs()).partial_cmp(&(wishes.of(b.0), b.1.abs())).expect("finite"));
+    let fit = free().filter(|&&(j, v)| preferences.of(j) > SlavePreference::Master && v.abs() > least);
+    let best = fit.max_by(|a, b| {
+        (preferences.of(a.0), a.1.abs()).partial_cmp(&(preferences.of(b.0), b.1.abs())).expect("finite")
+    });
     best.map(|&(j, _)| j).is_some_and(|master| {
         exchange.swap(row, master);
         true
@@ -108,10 +116,11 @@ fn release(exchange: &mut Exchange, slave: u32, wishes: &Wishes) -> bool {
 }
 
 /// Makes a master a slave, in the row with its largest coefficient, unless that adds too much growth.
-fn engage(exchange: &mut Exchange, master: u32, wishes: &Wishes, limit: f64) -> bool {
+fn engage(exchange: &mut Exchange, master: u32, preferences: &SlavePreferences, limit: f64) -> bool {
     let rows = exchange.holding(master).into_iter();
-    let fit =
-        rows.filter(|&(i, v)| wishes.of(exchange.relation.slave[i as usize]) < Wish::Slave && v.abs() * limit >= 1.0);
+    let fit = rows.filter(|&(i, v)| {
+        preferences.of(exchange.relation.slave[i as usize]) < SlavePreference::Slave && v.abs() * limit >= 1.0
+    });
     fit.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a }).is_some_and(|(row, _)| {
         exchange.swap(row, master);
         true

@@ -3,9 +3,9 @@
 //! If the equation of a slave contains no other slave, its row is the row of the basis, which is not copied.
 
 use crate::input::numbering::LocalSystem;
-use crate::input::preferences::Wishes;
+use crate::input::preferences::SlavePreferences;
 use crate::input::scale::Scaling;
-use crate::presolve::basis::{Basis, Row};
+use crate::presolve::basis::{Basis, BasisRow};
 
 /// A sum below this, relative to its largest term, is rounding.
 const NOISE: f64 = 1e-14;
@@ -17,7 +17,7 @@ pub(crate) struct ReductionInput<'a> {
     pub bounds: &'a [f64],
     /// Whether each local DOF is fixed; empty if none is.
     pub fixed: Vec<bool>,
-    pub wishes: Wishes,
+    pub preferences: SlavePreferences,
     /// The bound of growth.
     pub growth: f64,
     pub scaling: &'a Scaling,
@@ -31,7 +31,7 @@ pub(crate) struct ReductionInput<'a> {
 pub(crate) struct Relation<'a> {
     pub system: LocalSystem<'a>,
     basis: &'a Basis,
-    /// Row of each slave; `u32::MAX` for other DOFs.
+    /// BasisRow of each slave; `u32::MAX` for other DOFs.
     pub row_of: Vec<u32>,
     /// Slave of each row.
     pub slave: Vec<u32>,
@@ -70,20 +70,20 @@ impl Relation<'_> {
     /// The terms of row i.
     #[expect(clippy::inline_always, reason = "out of line it was a twenty-fifth of that profile")]
     #[inline(always)]
-    pub fn row(&self, i: usize) -> Row<'_> {
+    pub fn row(&self, i: usize) -> BasisRow<'_> {
         if self.place[i] == OF_BASIS {
             return self.basis.row(self.system, i);
         }
         self.own_row(i)
     }
 
-    fn own_row(&self, i: usize) -> Row<'_> {
+    fn own_row(&self, i: usize) -> BasisRow<'_> {
         match self.own[self.place[i] as usize] {
             OwnRow::Stored { start, len } => {
                 let range = start..start + len as usize;
-                Row::new(&self.dofs[range.clone()], &self.values[range])
+                BasisRow::new(&self.dofs[range.clone()], &self.values[range])
             }
-            OwnRow::Changed(ref row) => Row::new(&row.0, &row.1),
+            OwnRow::Changed(ref row) => BasisRow::new(&row.0, &row.1),
         }
     }
 

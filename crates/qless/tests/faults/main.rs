@@ -1,5 +1,5 @@
-//! Every allocation of SuiteSparseQR and of its task tree fails in turn: a typed error or the right answer, no leak, no crash, the
-//! next call works, and two other users of CHOLMOD in the process, who work all the time, do not notice.
+//! Every allocation of SuiteSparseQR and of its task tree fails in turn. The result is a typed error or the right answer, without a leak or
+//! a crash; the next call works; and two other users of CHOLMOD, who run all the time, are not affected.
 #![allow(unsafe_code, reason = "the neighbours call CHOLMOD without a wrapper")]
 
 mod neighbours;
@@ -69,7 +69,7 @@ fn systems() -> Vec<System> {
     systems
 }
 
-/// One test, since the failures are those of the whole process.
+/// A single test, because injected failures affect the whole process.
 #[test]
 fn every_allocation_may_fail() {
     let trees = AtomicUsize::new(0);
@@ -84,10 +84,10 @@ fn every_allocation_may_fail() {
 }
 
 impl System {
-    /// How many tasks there were.
+    /// Number of tasks.
     fn fails_in_turn(&self) -> usize {
         let Self { name, columns, rhs, spqr } = self;
-        // What oneTBB allocates once is not counted.
+        // One-time allocations of oneTBB are not counted.
         spqr.factor(columns, rhs, 1e-10).expect("a factorization");
         let before = faults::asked();
         let (right, statistics) = spqr.factor_measured(columns, rhs, 1e-10).expect("a factorization");

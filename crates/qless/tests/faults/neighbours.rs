@@ -1,4 +1,4 @@
-//! Two other users of CHOLMOD in this process, with allocation functions of their own, each with its answer at the start.
+//! Two other users of CHOLMOD in this process, with their own allocation functions. Each compares its results with its first result.
 
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::mem::zeroed;
@@ -23,7 +23,7 @@ unsafe extern "C" {
     fn dlsym(handle: *mut c_void, name: *const c_char) -> *mut c_void;
 }
 
-/// As SuiteSparse 5 declares it, up to what is used.
+/// The leading members of the struct that SuiteSparse 5 declares.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(unpredictable_function_pointer_comparisons, reason = "copies of one struct")]
@@ -34,13 +34,13 @@ struct Hooks {
     free: unsafe extern "C" fn(*mut c_void),
 }
 
-/// Blocks that went through the hooks below and are not free.
+/// Number of blocks that the hooks below allocated and that are not freed.
 static HELD: AtomicI64 = AtomicI64::new(0);
 static HOOKS: Hooks = Hooks { malloc: my_malloc, calloc: my_calloc, realloc: my_realloc, free: my_free };
 
 unsafe extern "C" fn my_malloc(size: usize) -> *mut c_void {
     HELD.fetch_add(1, SeqCst);
-    // SAFETY: passed on as it came, here and below.
+    // SAFETY: forwards its arguments unchanged; so do the functions below.
     unsafe { malloc(size) }
 }
 
@@ -59,7 +59,7 @@ unsafe extern "C" fn my_free(block: *mut c_void) {
     unsafe { free(block) }
 }
 
-/// Where SuiteSparse 5 keeps its hooks; none with later releases, where nobody can write to them so.
+/// Address of the hooks of SuiteSparse 5; None for later releases, which do not export them.
 fn hooks() -> Option<*mut Hooks> {
     let name: &CStr = c"SuiteSparse_config";
     // SAFETY: the name is a C string; nothing is loaded or called.
@@ -68,10 +68,10 @@ fn hooks() -> Option<*mut Hooks> {
     (!found.is_null() && sys::HEADERS.major <= 5).then_some(found.cast())
 }
 
-/// Does `work` while the neighbours are at it. Each of their results is that of before, their hooks stay, and all blocks, of whoever, are freed.
+/// Runs `work` while the neighbours run. Checks that their results and hooks do not change, and that all blocks are freed.
 pub fn undisturbed(work: impl FnOnce()) {
     if let Some(hooks) = hooks() {
-        // SAFETY: before there are threads, as SuiteSparse wants it; the struct lives as long as the process.
+        // SAFETY: no threads exist yet, as SuiteSparse requires; the struct lives as long as the process.
         unsafe { *hooks = HOOKS };
     }
     let (stop, rounds) = (AtomicBool::new(false), [AtomicU64::new(0), AtomicU64::new(0)]);
@@ -102,7 +102,7 @@ pub fn undisturbed(work: impl FnOnce()) {
     }
 }
 
-/// Also when `work` panics: the threads would never end.
+/// Stops the threads, also if `work` panics.
 struct Stop<'a>(&'a AtomicBool);
 
 impl Drop for Stop<'_> {
@@ -113,9 +113,9 @@ impl Drop for Stop<'_> {
 
 const SIDE: usize = 12;
 
-/// A common of its own for `work`, which leaves nothing behind and no error.
+/// Runs `work` with its own `cholmod_common`; checks that no memory and no error remains.
 fn with_common<T>(work: impl FnOnce(Common) -> T) -> T {
-    // SAFETY: started here, finished here.
+    // SAFETY: started and finished in this function.
     unsafe {
         let mut common: Box<cholmod_common> = Box::new(zeroed());
         sys::cholmod_l_start(&raw mut *common);
@@ -127,7 +127,7 @@ fn with_common<T>(work: impl FnOnce(Common) -> T) -> T {
     }
 }
 
-/// Sparse QR of a grid's incidence: the values of R.
+/// The values of R of a sparse QR of the incidence matrix of a grid.
 fn least_squares() -> Vec<u64> {
     let nodes = SIDE * SIDE;
     let edges: Vec<(usize, usize)> = (0..nodes)
@@ -144,7 +144,7 @@ fn least_squares() -> Vec<u64> {
         edges.iter().enumerate().filter_map(of).collect()
     });
     let mut matrix = Matrix::new(edges.len(), columns, 0);
-    // SAFETY: the matrix outlives the call; R has as many entries as its last start says.
+    // SAFETY: the matrix outlives the call; the last start of R is its number of entries.
     with_common(|common| unsafe {
         let (mut r, mut order) = (null_mut(), null_mut());
         let rank = sys::SuiteSparseQR_C(
@@ -172,7 +172,7 @@ fn least_squares() -> Vec<u64> {
     })
 }
 
-/// The solution with a grid's Laplacian, by CHOLMOD's own Cholesky.
+/// The solution of a system with the Laplacian of a grid, by CHOLMOD's Cholesky factorization.
 fn cholesky() -> Vec<u64> {
     let nodes = SIDE * SIDE;
     let columns = (0..nodes).map(|node| {
@@ -198,7 +198,7 @@ fn cholesky() -> Vec<u64> {
 }
 
 /// # Safety
-/// There are so many numbers.
+/// `values` points to `count` numbers.
 unsafe fn bits(values: *const c_void, count: usize) -> Vec<u64> {
     // SAFETY: the caller's promise.
     unsafe { std::slice::from_raw_parts(values.cast::<u64>(), count) }.to_vec()
@@ -219,7 +219,7 @@ impl Matrix {
             value.extend(column.iter().map(|entry| entry.1));
             start.push(row.len() as i64);
         }
-        // SAFETY: numbers and nullable pointers; zeros are values of them.
+        // SAFETY: the struct has numbers and nullable pointers, for which zero is valid.
         let mut view: cholmod_sparse = unsafe { zeroed() };
         (view.nrow, view.ncol, view.nzmax, view.stype) = (rows, start.len() - 1, row.len(), symmetry);
         (view.itype, view.xtype, view.sorted, view.packed) = (sys::CHOLMOD_LONG, sys::CHOLMOD_REAL, 1, 1);

@@ -7,7 +7,7 @@ use super::certificate::History;
 use crate::common::random::signed;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
-use crate::presolve::basis::{Basis, Kept, Row, Vectors};
+use crate::presolve::basis::{Basis, BasisRow, Kept, Vectors};
 
 pub(crate) use findings::{NullspaceProbe, is_far, is_harmless};
 pub(crate) use random_keys::{RandomKeys, random_sides};
@@ -162,7 +162,7 @@ pub struct Sums {
 
 #[expect(clippy::inline_always, reason = "out of line it was a twentieth of the profile of an elimination")]
 #[inline(always)]
-pub fn sums<const SIZES: bool>(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
+pub fn sums<const SIZES: bool>(terms: BasisRow, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
     let plain = scaling.col.is_empty();
     let own = scaling.col(slave as usize);
     let (mut moves, mut size, mut sample, mut bound, mut of_slaves) = (0.0, 0.0_f64, 0.0, 0.0_f64, 0.0);

@@ -5,7 +5,7 @@ use crate::factor::backend::Backend;
 use crate::factor::backend::dense_or_sparse::DenseOrSparse;
 use crate::input::scale::{exponent, ldexp};
 use crate::presolve::eliminated::Mismatch;
-use crate::presolve::rows::{Entry, Row};
+use crate::presolve::rows::{Entry, WorkingRow};
 
 /// One block as a matrix: m rows over the free DOFs `dofs`, with what stands on the other side.
 pub(crate) struct Block {
@@ -30,7 +30,7 @@ pub(crate) struct Block {
 
 /// What the stages of a block share.
 #[derive(Clone, Copy)]
-pub(crate) struct Means<'a> {
+pub(crate) struct FactorContext<'a> {
     pub backend: &'a dyn Backend,
     pub tolerance: f64,
     /// As in [`crate::Options`].
@@ -39,7 +39,7 @@ pub(crate) struct Means<'a> {
     pub reference: DenseOrSparse,
 }
 
-impl<'a> Means<'a> {
+impl<'a> FactorContext<'a> {
     /// `memory` bounds the bytes of a block.
     pub fn new(backend: &'a dyn Backend, tolerance: f64, check: bool, memory: usize) -> Self {
         Self { backend, tolerance, check, reference: DenseOrSparse::new(memory) }
@@ -65,7 +65,7 @@ impl Block {
     }
 
     /// Gathers the given rows; `random` has a number for every row.
-    pub fn new(rows: &[Row], block: &[u32], is_free: &[bool], random: &[f64]) -> Self {
+    pub fn new(rows: &[WorkingRow], block: &[u32], is_free: &[bool], random: &[f64]) -> Self {
         let all = || block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|entry| entry.dof));
         let sorted = |free: bool| {
             let mut dofs: Vec<u32> = all().filter(|&j| is_free[j as usize] == free).collect();
@@ -90,7 +90,7 @@ impl Block {
         gathered
     }
 
-    fn push(&mut self, row: &Row, random: f64) {
+    fn push(&mut self, row: &WorkingRow, random: f64) {
         let shift = -exponent(row.size.max(f64::MIN_POSITIVE));
         let part = |dofs: &[u32]| {
             let place = |entry: &Entry| Some((dofs.binary_search(&entry.dof).ok()?, ldexp(entry.value, shift)));
@@ -102,7 +102,7 @@ impl Block {
         self.matrix.append(part(&self.dofs));
         self.fixed.append(part(&self.prescribed));
         self.rhs.push(ldexp(row.rhs, shift));
-        self.effective.push(Mismatch::of(row).scaled(shift));
+        self.effective.push(Mismatch::of_row(row).scaled(shift));
         let free = row.entries.iter().filter(|entry| self.dofs.binary_search(&entry.dof).is_ok());
         let certain =
             free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);

@@ -13,10 +13,10 @@ use crate::factor::backend::BackendError;
 use crate::presolve::basis::Diagnosed;
 use dependent::Rows;
 
-pub(crate) use gathered::{Block, Means};
+pub(crate) use gathered::{Block, FactorContext};
 
 /// Which rows of a block depend on which, and how its DOFs can move.
-pub(crate) fn diagnose(block: &Block, means: Means) -> Result<Diagnosed, BackendError> {
+pub(crate) fn diagnose(block: &Block, means: FactorContext) -> Result<Diagnosed, BackendError> {
     let Rows { kept, order, dependent, nearness, triangle } = dependent::find(block, means)?;
     let rows = kept.iter().map(|&i| block.rows[i]).collect();
     let order = order.iter().map(|&k| k as u32).collect();

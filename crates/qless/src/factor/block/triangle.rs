@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::gathered::{Block, Means};
+use super::gathered::{Block, FactorContext};
 use crate::common::random::signed;
 use crate::factor::backend::many::{Slab, WIDTH, slabs};
 use crate::factor::backend::{BackendError, Factor};
@@ -57,7 +57,7 @@ impl Triangle {
 
     /// Factors rows that are known to be independent; those that are not, to the last bit, are left out. With the rows `asked`, of
     /// which certificates will be wanted, as right-hand sides.
-    pub fn of(block: &Block, kept: &[usize], asked: &[usize], means: Means) -> Result<Self, BackendError> {
+    pub fn of(block: &Block, kept: &[usize], asked: &[usize], means: FactorContext) -> Result<Self, BackendError> {
         let mut sides = seeds(block);
         for &k in asked {
             let first = sides.len();

@@ -15,7 +15,7 @@ use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::eliminated::Step;
 
 pub(crate) use blocks::{BlockDependent, Diagnosed, NEAR, Nearness, Solved, Vectors};
-pub(crate) use row::Row;
+pub(crate) use row::BasisRow;
 
 /// The rows that express slaves by masters. A diagnosis has no rows for blocks; a reduction adds them.
 #[derive(Clone, Default)]
@@ -189,7 +189,7 @@ impl Basis {
 
     /// The scaled pivot of row t, which is peeled or eliminated and has these terms.
     #[inline]
-    pub fn pivot(&self, t: usize, terms: &Row, scaling: &Scaling) -> f64 {
+    pub fn pivot(&self, t: usize, terms: &BasisRow, scaling: &Scaling) -> f64 {
         match self.peeled.get(t) {
             Some(&row) => scaling.entry(row as usize, self.slaves[t] as usize, terms.pivot()),
             None => self.pivots[t - self.peeled.len()],
@@ -211,16 +211,16 @@ impl Basis {
         (if k == 0 { 0 } else { self.ends[k - 1] })..self.ends[k]
     }
 
-    /// Row t; `system` is the system that was peeled.
+    /// BasisRow t; `system` is the system that was peeled.
     #[expect(clippy::inline_always, reason = "out of line it was a twentieth of the profile of an elimination")]
     #[inline(always)]
-    pub fn row<'a>(&'a self, system: LocalSystem<'a>, t: usize) -> Row<'a> {
+    pub fn row<'a>(&'a self, system: LocalSystem<'a>, t: usize) -> BasisRow<'a> {
         if let Some(&row) = self.peeled.get(t) {
             let (dofs, values) = system.parts(row as usize);
-            return Row::solved(dofs, values, self.positions[t] as usize);
+            return BasisRow::solved(dofs, values, self.positions[t] as usize);
         }
         let range = self.stored(t);
-        Row::new(&self.dofs[range.clone()], &self.values[range])
+        BasisRow::new(&self.dofs[range.clone()], &self.values[range])
     }
 
     /// Bounds of the rows of T: the largest coefficient of each row, or infinity if it contains another slave.

@@ -3,7 +3,7 @@
 /// The terms of a row. If they are those of an equation that contains its slave, the slave is skipped and the other coefficients are
 /// divided by its negative coefficient when they are read.
 #[derive(Clone, Copy)]
-pub(crate) struct Row<'a> {
+pub(crate) struct BasisRow<'a> {
     dofs: &'a [u32],
     values: &'a [f64],
     /// Position of the slave among the terms; their number if the slave is not among them.
@@ -13,7 +13,7 @@ pub(crate) struct Row<'a> {
     factor: f64,
 }
 
-impl<'a> Row<'a> {
+impl<'a> BasisRow<'a> {
     /// Terms without the slave.
     pub fn new(dofs: &'a [u32], values: &'a [f64]) -> Self {
         Self { dofs, values, slave: dofs.len(), divisor: 1.0, factor: 1.0 }
@@ -72,18 +72,18 @@ mod tests {
     #[test]
     fn an_equation_is_solved_for_any_of_its_dofs() {
         let (dofs, values) = ([4, 7, 9], [3.0, -0.5, 7.0]);
-        let solved = |slave| Row::solved(&dofs, &values, slave).entries().collect::<Vec<_>>();
+        let solved = |slave| BasisRow::solved(&dofs, &values, slave).entries().collect::<Vec<_>>();
         assert_eq!(solved(0), [(7, 0.5 / 3.0), (9, -7.0 / 3.0)]);
         assert_eq!(solved(1), [(4, 6.0), (9, 14.0)]);
         assert_eq!(solved(2), [(4, -3.0 / 7.0), (7, 0.5 / 7.0)]);
-        assert_eq!(Row::new(&dofs, &values).entries().map(|(_, v)| v).collect::<Vec<_>>(), values);
+        assert_eq!(BasisRow::new(&dofs, &values).entries().map(|(_, v)| v).collect::<Vec<_>>(), values);
     }
 
     #[test]
     fn coefficients_are_quotients_to_the_last_bit() {
         for pivot in [1.0, -2.0, f64::MIN_POSITIVE, 2f64.powi(1023), 3.0, -1e-300, 5e-324] {
             for v in [1.0, -1e-5, 7e-308, 5e-324, 3.7] {
-                let value = Row::solved(&[0, 1], &[pivot, v], 0).term(0).1;
+                let value = BasisRow::solved(&[0, 1], &[pivot, v], 0).term(0).1;
                 assert_eq!(value.to_bits(), (v / -pivot).to_bits(), "{v} by {pivot}");
             }
         }

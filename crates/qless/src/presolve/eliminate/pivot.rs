@@ -2,7 +2,7 @@
 
 use super::{EquationState, LowFillElimination, SUSPECT};
 use crate::presolve::eliminated::{DependentRow, Mismatch, Step};
-use crate::presolve::rows::{Entry, Row, bound};
+use crate::presolve::rows::{Entry, WorkingRow, bound};
 
 impl LowFillElimination<'_> {
     /// Classifies a row without free coefficients as dependent, and holds a row that is too small for a pivot. Returns true in both cases.
@@ -19,7 +19,7 @@ impl LowFillElimination<'_> {
         let free = row.entries.iter().filter(|entry| self.is_free[entry.dof as usize]);
         let rest = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
         let dropped = if row.size > 0.0 { rest / row.size } else { 0.0 };
-        self.out.dead.push(DependentRow { row: i, dropped, reach: row.reach, mismatch: Mismatch::of(row) });
+        self.out.dead.push(DependentRow { row: i, dropped, reach: row.reach, mismatch: Mismatch::of_row(row) });
         self.retire(i);
         true
     }
@@ -39,7 +39,7 @@ impl LowFillElimination<'_> {
         self.enqueue(dof, 0);
     }
 
-    /// Row i becomes the equation of DOF j, which is eliminated from all other rows.
+    /// WorkingRow i becomes the equation of DOF j, which is eliminated from all other rows.
     pub(super) fn pivot(&mut self, i: u32, j: u32) {
         let targets = self.holding(j);
         self.retire(i);
@@ -61,7 +61,7 @@ impl LowFillElimination<'_> {
     }
 
     /// `row_k <- row_k - factor row`, where `row` no longer contains the pivot.
-    fn subtract(&mut self, k: u32, j: u32, factor: f64, pivot: &Entry, row: &Row) {
+    fn subtract(&mut self, k: u32, j: u32, factor: f64, pivot: &Entry, row: &WorkingRow) {
         self.out.factors[k as usize].push((self.out.steps.len() as u32, factor));
         self.largest[k as usize] = f64::NAN;
         let target = &mut self.out.rows[k as usize];
@@ -72,8 +72,8 @@ impl LowFillElimination<'_> {
             target.free -= 1;
             relative += f64::from(gone.error) / gone.value.abs();
         }
-        let mut mismatch = Mismatch::of(target);
-        mismatch.subtract(factor, Mismatch::of(row));
+        let mut mismatch = Mismatch::of_row(target);
+        mismatch.subtract(factor, Mismatch::of_row(row));
         target.rhs -= factor * row.rhs;
         target.reach = target.reach.max(factor.abs() * row.reach);
         (target.effective, target.effective_size, target.effective_error) =

@@ -2,7 +2,7 @@
 
 use crate::Csr;
 use crate::factor::backend::{BackendError, Factor, largest_place, part_of_largest};
-use crate::factor::block::gathered::{Block, Means};
+use crate::factor::block::gathered::{Block, FactorContext};
 use crate::factor::block::tableau::Tableau;
 use crate::factor::block::triangle::Triangle;
 use crate::input::scale::ldexp;
@@ -57,7 +57,7 @@ pub(super) struct Weakest {
 
 impl Choice {
     /// What a factor of the whole block kept; factored anew where the backend is not orthogonal.
-    pub fn new(block: &Block, factor: Factor, means: Means) -> Result<Self, BackendError> {
+    pub fn new(block: &Block, factor: Factor, means: FactorContext) -> Result<Self, BackendError> {
         let whole = Triangle::whole(factor);
         if means.backend.is_orthogonal() {
             return Ok(Self::measured(block, whole, means));
@@ -66,7 +66,7 @@ impl Choice {
     }
 
     /// Some rows, those left out that are dependent to the last bit; `asked` are rows of which certificates will be wanted.
-    pub fn of(block: &Block, kept: &[usize], asked: &[usize], means: Means) -> Result<Self, BackendError> {
+    pub fn of(block: &Block, kept: &[usize], asked: &[usize], means: FactorContext) -> Result<Self, BackendError> {
         Ok(Self::measured(block, Triangle::of(block, kept, asked, means)?, means))
     }
 
@@ -78,7 +78,7 @@ impl Choice {
 
     /// `sigma` and, with its singular vectors y of the rows and v of the DOFs, `sigma / (max |y_i| max |v_j|)`: the entry of the
     /// inverse that is largest in the direction in which the rows are nearest to dependence.
-    fn measured(block: &Block, triangle: Triangle, means: Means) -> Self {
+    fn measured(block: &Block, triangle: Triangle, means: FactorContext) -> Self {
         let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
         let place = largest_place(&y);
         let row = place.map_or(0, |k| triangle.rows[k]);
@@ -206,7 +206,7 @@ pub(super) fn later(candidate: u32, holder: u32) -> bool {
 /// stays as it is where that would cost accuracy.
 pub(super) fn in_order(
     block: &Block,
-    means: Means,
+    means: FactorContext,
     mut tableau: Tableau,
     mut choice: Choice,
 ) -> Result<(Tableau, Choice), BackendError> {

@@ -3,7 +3,7 @@
 mod certificate;
 mod weak;
 
-use super::gathered::{Block, Means};
+use super::gathered::{Block, FactorContext};
 use super::tableau::Tableau;
 use super::triangle::{Triangle, seeds};
 use crate::factor::backend::faer::Faer;
@@ -23,15 +23,15 @@ pub(crate) const NO_PIVOT: f64 = 1e-13;
 /// The estimate of a smallest singular value is not above this times the value.
 const ESTIMATE: f64 = 10.0;
 
-pub(super) fn find(block: &Block, means: Means) -> Result<Rows, BackendError> {
+pub(super) fn find(block: &Block, means: FactorContext) -> Result<Rows, BackendError> {
     let mut rows = independent(block, means)?;
     rows.order = rows.order.iter().filter_map(|k| rows.kept.binary_search(k).ok()).collect();
     Ok(rows)
 }
 
 /// As [`find`], with the whole block in `order`.
-fn independent(block: &Block, means: Means) -> Result<Rows, BackendError> {
-    let Means { backend, tolerance, check, .. } = means;
+fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError> {
+    let FactorContext { backend, tolerance, check, .. } = means;
     let factor = backend.factor(&block.matrix, &seeds(block), tolerance)?;
     let order = factor.order.clone();
     let left = beyond_rounding(&factor, block);
@@ -49,7 +49,7 @@ fn independent(block: &Block, means: Means) -> Result<Rows, BackendError> {
         }
     } else if !pivots {
         // The backend may have kept the wrong rows of a sound block: with pivoting the best are kept.
-        let means = Means { backend: &Faer, ..means };
+        let means = FactorContext { backend: &Faer, ..means };
         let other = Faer.factor(&block.matrix, &seeds(block), tolerance)?;
         let left = beyond_rounding(&other, block);
         let better = Choice::new(block, other, means)?;
@@ -63,7 +63,7 @@ fn independent(block: &Block, means: Means) -> Result<Rows, BackendError> {
 /// Of what a backend kept the rows that are sound.
 fn ordered_or_repaired(
     block: &Block,
-    means: Means,
+    means: FactorContext,
     choice: Choice,
     left: f64,
     order: Vec<usize>,
@@ -104,7 +104,7 @@ fn many(block: &Block, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
 
 /// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after
 /// row, the one with the largest part in the smallest singular vector is dropped, until what is kept is independent.
-fn repair(block: &Block, means: Means, mut choice: Choice, order: Vec<usize>) -> Result<Rows, BackendError> {
+fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<usize>) -> Result<Rows, BackendError> {
     while choice.weakest.left <= means.tolerance {
         let Triangle { rows: mut kept, mut dropped, .. } = choice.triangle;
         let place = kept.iter().position(|&i| i == choice.weakest.row).unwrap_or(kept.len() - 1);

@@ -14,7 +14,7 @@ use crate::Csr;
 use crate::factor::backend::faer::Faer;
 use crate::factor::backend::null::Weak;
 use crate::factor::backend::{Backend, BackendError};
-use crate::factor::block::gathered::{Block, Means};
+use crate::factor::block::gathered::{Block, FactorContext};
 use crate::factor::block::tableau::Tableau;
 use crate::factor::block::triangle::Triangle;
 use crate::presolve::basis::NEAR;
@@ -31,7 +31,7 @@ const NOTHING: u32 = u32::MAX;
 /// None where that does not end in a sound choice.
 pub(super) fn without_weak(
     block: &Block,
-    means: Means,
+    means: FactorContext,
     first: &Choice,
     order: &[usize],
 ) -> Result<Option<Rows>, BackendError> {
