@@ -22,7 +22,7 @@ pub(crate) struct Step {
 
 /// A row whose free coefficients vanished.
 #[derive(Clone, Debug)]
-pub(crate) struct DependentRow {
+pub(crate) struct EmptiedRow {
     pub row: u32,
     /// Largest coefficient that was dropped, relative to the size of the row; 0 if only rounding was dropped.
     pub dropped: f64,
@@ -70,7 +70,7 @@ pub(crate) struct Eliminated {
     pub steps: Vec<Step>,
     /// For each row, the steps subtracted from it and their factors, in the order of the subtractions.
     pub factors: Vec<Vec<(u32, f64)>>,
-    pub dead: Vec<DependentRow>,
+    pub dead: Vec<EmptiedRow>,
     /// Rows left for the backend, ascending.
     pub core: Vec<u32>,
     /// The rows after elimination; only rows of the core have entries.
@@ -104,7 +104,7 @@ impl Eliminated {
         for (group, number) in groups.into_iter().zip(&number) {
             let renamed = |row: u32| number[row as usize];
             all.steps.extend(group.steps.into_iter().map(|step| Step { row: renamed(step.row), ..step }));
-            all.dead.extend(group.dead.into_iter().map(|dead| DependentRow { row: renamed(dead.row), ..dead }));
+            all.dead.extend(group.dead.into_iter().map(|dead| EmptiedRow { row: renamed(dead.row), ..dead }));
             all.core.extend(group.core.into_iter().map(renamed));
         }
         all.core.sort_unstable();

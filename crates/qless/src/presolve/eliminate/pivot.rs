@@ -1,7 +1,7 @@
 //! Elimination of a pivot from the other rows, and removal of dependent rows.
 
 use super::{EquationState, LowFillElimination, SUSPECT};
-use crate::presolve::eliminated::{DependentRow, Mismatch, Step};
+use crate::presolve::eliminated::{EmptiedRow, Mismatch, Step};
 use crate::presolve::rows::{Entry, WorkingRow, bound};
 
 impl LowFillElimination<'_> {
@@ -19,7 +19,7 @@ impl LowFillElimination<'_> {
         let free = row.entries.iter().filter(|entry| self.is_free[entry.dof as usize]);
         let rest = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
         let dropped = if row.size > 0.0 { rest / row.size } else { 0.0 };
-        self.out.dead.push(DependentRow { row: i, dropped, reach: row.reach, mismatch: Mismatch::of_row(row) });
+        self.out.dead.push(EmptiedRow { row: i, dropped, reach: row.reach, mismatch: Mismatch::of_row(row) });
         self.retire(i);
         true
     }
