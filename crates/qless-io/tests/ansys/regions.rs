@@ -60,7 +60,7 @@ fn selected_nodes_and_groups() {
     assert_eq!(slaves("NSEL,S,NODE,,2,3\nCM,E,NODE\nALLS\nCP,1,UX,E"), ["3"]);
     assert_eq!(slaves("NSEL,S,NODE,,2,3\nCP,1,UX,ALL"), ["3"]);
     let unknown = of("NSEL,S,LOC,X,0\nCERIG,1,ALL,UX");
-    assert_eq!(left_out(&unknown), ["6: CERIG names ALL, which this reader does not follow: left out"]);
+    assert_eq!(left_out(&unknown), ["6: CERIG names ALL, which this reader does not know: left out"]);
 }
 
 /// A rigid motion fulfils the equations whatever the axes of the nodes are.
@@ -168,5 +168,5 @@ fn new_equations_take_no_number_that_somebody_else_may_take() {
 fn arms_beyond_rounding_make_no_equations() {
     let far = deck("N,1,0,0,0\nN,2,1,0,0\nN,3,0,24,1e300,1,1\nCERIG,1,ALL,UXYZ\n");
     assert!(equations(&far).is_empty());
-    assert_eq!(left_out(&far), ["4: nodes of the region about node 1 are too far apart for numbers: left out"]);
+    assert_eq!(left_out(&far), ["4: nodes of the region about node 1 are too far apart for 64-bit numbers: left out"]);
 }

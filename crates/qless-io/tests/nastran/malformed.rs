@@ -103,7 +103,7 @@ fn cards_are_named() {
         ),
         (
             "CORD2R,4,,,,,,,1.\n,,,3.",
-            "place/deck.bdf:5: CORD2R 4: the three points of the coordinate system lie in a line or coincide; correct the coordinates or the nodes",
+            "place/deck.bdf:5: CORD2R 4: the three points of the coordinate system are collinear or coincide; correct the coordinates or the nodes",
         ),
     ] {
         assert_eq!(message(card), expected);

@@ -56,7 +56,7 @@ pub struct NamedRefusal {
 
 impl CardRefusal {
     /// Adds the name of the card.
-    pub fn of(self, card: &BulkCard) -> NamedRefusal {
+    pub fn in_card(self, card: &BulkCard) -> NamedRefusal {
         NamedRefusal { card: card.title().to_string(), refused: self }
     }
 }
@@ -240,17 +240,17 @@ fn refused(at: FileLine, problem: Problem) -> CardRefusal {
     CardRefusal { at, field: None, problem }
 }
 
-/// Place of a card: file, lines, and the card's name with its number.
+/// Location of a card: file, lines, and the card's name with its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CardPlace {
+pub struct CardLocation {
     pub name: CardName,
     pub file: u32,
     pub line: u32,
     pub lines: u32,
 }
 
-impl CardPlace {
-    pub fn of(card: &BulkCard) -> Self {
+impl CardLocation {
+    pub fn new(card: &BulkCard) -> Self {
         Self { name: card.title(), file: card.file, line: card.line, lines: card.span() }
     }
 

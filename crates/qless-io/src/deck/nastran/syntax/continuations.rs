@@ -125,7 +125,7 @@ impl Continuations {
             match (free, card.as_mut()) {
                 (Some(piece), Some(card)) if solver == Solver::Mystran => {
                     let (at, problem) = (self.pieces[piece].lines[0].0, CardFault::ContinuationDropped.into());
-                    return Err(CardRefusal { at, field: None, problem }.of(card));
+                    return Err(CardRefusal { at, field: None, problem }.in_card(card));
                 }
                 (None, Some(_)) if solver == Solver::Mystran => break,
                 (Some(piece), card) => name = self.take(piece, card, true)?,
@@ -133,7 +133,7 @@ impl Continuations {
                 (None, Some(card)) => {
                     let expected = String::from_utf8_lossy(&name).into();
                     let problem = CardFault::NoContinuation { expected }.into();
-                    return Err(CardRefusal { at: card.last(), field: None, problem }.of(card));
+                    return Err(CardRefusal { at: card.last(), field: None, problem }.in_card(card));
                 }
             }
         }
@@ -146,7 +146,7 @@ impl Continuations {
         piece.is_taken = true;
         if let Some(card) = card {
             for (at, line) in &piece.lines {
-                card.extend(line, *at, is_apart).map_err(|refused| refused.of(card))?;
+                card.extend(line, *at, is_apart).map_err(|refused| refused.in_card(card))?;
             }
         }
         Ok(piece.mark.clone())
