@@ -69,7 +69,7 @@ fn what_is_not_followed_constrains_perhaps() {
         ("*GET,N,NODE,,NUM,MAX\n*DO,I,1,N\nD,I,UX\n*ENDDO\nD,9,UX\n", "3: D is in *IF, *DO or *CREATE"),
         ("*DOWHILE,N\nCE,1,0,1,UX,1\n*ENDDO\n", "2: CE is in *IF, *DO or *CREATE"),
         ("*CREATE,M\nCERIG,1,2\n*END\n", "2: CERIG is in *IF, *DO or *CREATE"),
-        ("*IF,NX(1),EQ,0,THEN\nA=3\n*ENDIF\nD,A,UX\n", "4: D takes A"),
+        ("*IF,NX(1),EQ,0,THEN\nA=3\n*ENDIF\nD,A,UX\n", "4: D uses A"),
         ("A=1\n*IF,A,EQ,1,:END\nD,1,UX\n:END\n", "2: *IF leads to another line"),
         ("*IF,NX(1),EQ,0,THEN\nSOLVE\n*ENDIF\n", "2: SOLVE is in *IF, *DO or *CREATE"),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
@@ -85,7 +85,7 @@ fn what_is_not_followed_constrains_perhaps() {
 fn loops_that_take_too_long() {
     let text = "*DO,I,1,1e9\n*DO,J,1,1e9\nCEDELE,1\n*ENDDO\n*ENDDO\n";
     let error = try_deck(text).expect_err("too long").to_string();
-    assert!(error.contains("the text that loops go through exceeds the limit"), "{error}");
+    assert!(error.contains("the text that loops read again exceeds the limit"), "{error}");
 }
 
 fn cleaned(text: &str) -> (Deck, String) {

@@ -187,7 +187,7 @@ fn copies_say_what_they_copy() {
         "{}",
         message("RBE2,7,1,3,2\n=(2)")
     );
-    assert!(message("RBE2,7,1,3,2\n=,*1,=,=,*1\n,3").contains("expected a card of one line, as what `=` copies"));
+    assert!(message("RBE2,7,1,3,2\n=,*1,=,=,*1\n,3").contains("expected a card of one line, since `=` copies"));
     assert_eq!(message("CQUAD4,1,1,1,2,3,4\n=,*(1),=,*(1)"), "accepted");
 }
 

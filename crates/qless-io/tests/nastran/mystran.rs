@@ -37,9 +37,9 @@ fn it_stops_at_cards() {
         ("SPC,7,3,3,1", "SPC 7: MYSTRAN stops at a value"),
         ("GRID,4,,2.,1.", "GRID 4 repeats the card of deck.bdf:8, where MYSTRAN stops"),
         ("MPCADD,9,2,2", "MPCADD 9 names set 2 twice"),
-        ("SPC1,1,1,9", "SPC1 1 holds point 9, which is not there"),
-        ("SPC,1,9,1", "SPC 1 holds point 9, which is not there"),
-        ("SPC1,1,1,2,THRU,9", "SPC1 1 holds point 9, which is not there"),
+        ("SPC1,1,1,9", "SPC1 1 prescribes point 9, which is not defined"),
+        ("SPC,1,9,1", "SPC 1 prescribes point 9, which is not defined"),
+        ("SPC1,1,1,2,THRU,9", "SPC1 1 prescribes point 9, which is not defined"),
         ("RBE2,51,2,3,3\n=,*1,=,=,4", "MYSTRAN stops at this line of copies"),
     ] {
         let model = mystran(card);
