@@ -64,13 +64,13 @@ impl Frame {
         let size = from.iter().zip(point).fold(0.0, |m: f64, (x, y)| m.max(x.abs()).max(y.abs()));
         match self.kind {
             FrameKind::Rectangular => self.axes,
-            FrameKind::Cylindrical => self.to_global(cylindrical(local, size)),
-            FrameKind::Spherical => self.to_global(spherical(local, size)),
+            FrameKind::Cylindrical => self.global(cylindrical(local, size)),
+            FrameKind::Spherical => self.global(spherical(local, size)),
         }
     }
 
     /// Global components of directions in this frame.
-    fn to_global(&self, directions: [Vector; 3]) -> [Vector; 3] {
+    fn global(&self, directions: [Vector; 3]) -> [Vector; 3] {
         directions.map(|d| (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(self.axes[k], d[k]))))
     }
 }

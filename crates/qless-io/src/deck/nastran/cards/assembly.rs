@@ -178,7 +178,7 @@ impl CardAssembly {
 
     /// Hands the card to the bulk data.
     fn hand_over(&mut self) -> Result<(), NamedRefusal> {
-        if self.solver == Solver::Mystran && self.card.goes_beyond() {
+        if self.solver == Solver::Mystran && self.card.goes_beyond {
             let problem = CardFault::FieldsDropped.into();
             return Err(self.failed(CardRefusal { at: (self.card.file, self.card.line), field: None, problem }));
         }

@@ -144,7 +144,7 @@ impl BulkData {
     }
 
     fn element(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
-        let read = match card.name {
+        let (element, alpha) = match card.name {
             "RBE1" => rbe1(card)?,
             "RBE2" => rbe2(card, self.is_mystran)?,
             "RBE3" => rbe3(card, self.is_mystran)?,
@@ -154,15 +154,14 @@ impl BulkData {
             "RTRPLT1" => rtrplt1(card)?,
             "RJOINT" => rjoint(card)?,
             "RROD" => rrod(card)?,
-            _ => match jointg(card)? {
-                Some(read) => read,
-                None => {
+            _ => {
+                let Some(read) = jointg(card)? else {
                     self.notes.leave_out((card.file, card.line), unread::joint(card));
                     return Ok(());
-                }
-            },
+                };
+                read
+            }
         };
-        let (element, alpha) = read;
         let at = (card.file, card.line);
         if alpha != 0.0 {
             let text = format!("{}: its thermal expansion ALPHA is left out", card.title());

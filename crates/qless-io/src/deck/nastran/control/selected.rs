@@ -122,16 +122,11 @@ fn warn_unused(kind: &str, uses: &SetUses, used: impl Fn(u32) -> bool, model: &m
     model.warn(place.file, place.line, text);
 }
 
-/// The selection of each load case.
+/// The selection of each load case. A deck without case control selects the only set of each kind, with a warning.
 pub fn selections(control: Option<&CaseControl>, bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
-    match control {
-        Some(control) => control.selections(),
-        None => without_control(bulk, model),
+    if let Some(control) = control {
+        return control.selections();
     }
-}
-
-/// The selection of a deck without case control: the only set of each kind, with a warning.
-fn without_control(bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
     let defined = DefinedSets::new(bulk);
     let mpc = only("MPC", &defined.mpc, &bulk.mpc_unions, model);
     let spc = only("SPC", &defined.spc, &bulk.spc_unions, model);

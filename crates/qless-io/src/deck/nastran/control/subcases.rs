@@ -78,7 +78,8 @@ pub struct CaseControl {
     opened: Vec<FileLine>,
     /// Every choice of an MPC set, with its holder.
     pub mpc_choices: Vec<(usize, SetChoice)>,
-    multipliers: Option<FileLine>,
+    /// The line that lets multipliers or stiffness enforce rigid elements, if any.
+    pub multipliers: Option<FileLine>,
     /// Choices of set 0.
     pub zeros: Vec<SetChoice>,
 }
@@ -133,11 +134,6 @@ impl CaseControl {
     /// The MPC set selected before the first subcase.
     pub fn common_choice(&self) -> Option<SetChoice> {
         self.all.in_force().mpc
-    }
-
-    /// The line that lets multipliers or stiffness enforce rigid elements, if any.
-    pub fn multipliers(&self) -> Option<FileLine> {
-        self.multipliers
     }
 
     fn leaves(&self) -> Vec<SubcaseLeaf> {
@@ -275,7 +271,7 @@ mod tests {
         let multiplied = |text: &str| {
             let mut control = CaseControl::default();
             control.line(&DeckLine { file: 0, number: 3, text: text.as_bytes() }).expect("case control");
-            control.multipliers()
+            control.multipliers
         };
         for text in ["RIGID=LAGRAN", "  rigid = Lagrange", "RIGID STIFF"] {
             assert_eq!(multiplied(text), Some((0, 3)), "{text}");

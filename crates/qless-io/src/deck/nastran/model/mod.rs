@@ -15,7 +15,6 @@ use super::cards::points::PointSpan;
 use super::cards::sets::MpcTerm;
 use super::cards::ties::TieCard;
 use super::control::selected::{self, CaseSets};
-use super::control::subcases::CaseControl;
 use super::reader::{NastranContent, read};
 use super::syntax::card::CardLocation;
 use crate::deck::kinematics::body::{CouplingEquation, Poses};
@@ -36,7 +35,7 @@ pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, De
     model.has_separate_cases = true;
     std::mem::take(&mut content.bulk.notes).add_to(&mut model);
     let points = points(&mut content.bulk, &mut model)?;
-    let multiplied = content.control.as_ref().and_then(CaseControl::multipliers);
+    let multiplied = content.control.as_ref().and_then(|control| control.multipliers);
     if let Some((file, line)) = multiplied {
         model.warn(file, line, MULTIPLIERS);
     }

@@ -36,7 +36,7 @@ pub struct BulkCard {
     /// Continuation mark of the last line.
     mark: Vec<u8>,
     /// Whether a line in free field has data beyond its last field.
-    goes_beyond: bool,
+    pub goes_beyond: bool,
 }
 
 /// Place and reason of an error in a card.
@@ -116,11 +116,6 @@ impl BulkCard {
     /// The name of the card's continuation line, in capitals; empty without a name.
     pub fn continues_in(&self) -> Vec<u8> {
         name_in(&self.mark)
-    }
-
-    /// Whether a line in free field has data beyond its last field.
-    pub fn goes_beyond(&self) -> bool {
-        self.goes_beyond
     }
 
     /// Whether the card fills a line; in large field this takes two lines.

@@ -90,7 +90,7 @@ pub fn union(set: u32, members: &[u32]) -> String {
         if k > 0 && (k + 1).is_multiple_of(FIELD) {
             text += "+\n+       ";
         }
-        text.push_str(&format!("{member:>FIELD$}"));
+        text.extend([format!("{member:>FIELD$}")]);
     }
     text + "\n"
 }
