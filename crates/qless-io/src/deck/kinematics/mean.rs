@@ -214,9 +214,9 @@ mod tests {
     }
 
     /// Node k on a unit square about node 9, with global axes.
-    struct Square;
+    struct UnitSquare;
 
-    impl Poses for Square {
+    impl Poses for UnitSquare {
         fn pose(&self, node: u32) -> Result<Pose, Problem> {
             let position = match node {
                 1 => [1.0, 1.0, 0.0],
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn the_middle_of_a_square_moves_as_the_mean_of_its_corners() {
-        let equations = mean("16", &[(2.0, "123", &[1, 2, 3, 4])]).equations(&Square).expect("equations");
+        let equations = mean("16", &[(2.0, "123", &[1, 2, 3, 4])]).equations(&UnitSquare).expect("equations");
         let terms = |i: usize| {
             equations[i].terms.iter().map(|&(dof, value)| (dof.node, dof.component, value)).collect::<Vec<_>>()
         };
@@ -285,19 +285,19 @@ mod tests {
     #[test]
     fn one_point_determines_no_rotation() {
         let undetermined = CardFault::MeanUndetermined { node: 9, component: 6 };
-        assert_eq!(mean("16", &[(1.0, "123", &[5])]).equations(&Square), Err(undetermined.into()));
-        assert_eq!(mean("123", &[(1.0, "123", &[5])]).equations(&Square).map(|equations| equations.len()), Ok(3));
-        assert_eq!(mean("1", &[(1.0, "123", &[])]).equations(&Square), Err(CardFault::NothingConnected.into()));
+        assert_eq!(mean("16", &[(1.0, "123", &[5])]).equations(&UnitSquare), Err(undetermined.into()));
+        assert_eq!(mean("123", &[(1.0, "123", &[5])]).equations(&UnitSquare).map(|equations| equations.len()), Ok(3));
+        assert_eq!(mean("1", &[(1.0, "123", &[])]).equations(&UnitSquare), Err(CardFault::NothingConnected.into()));
         let twice = CardFault::OnBothSides { node: 9, component: 1 };
-        assert_eq!(mean("1", &[(1.0, "123", &[9, 1])]).equations(&Square), Err(twice.into()));
+        assert_eq!(mean("1", &[(1.0, "123", &[9, 1])]).equations(&UnitSquare), Err(twice.into()));
     }
 
     #[test]
     fn um_has_to_be_solvable() {
         let mut element = mean("12", &[(1.0, "123", &[1, 2, 3, 4])]);
         element.dependent = vec![(1, set("3")), (2, set("1"))];
-        assert_eq!(element.equations(&Square), Err(CardFault::UmSingular.into()));
+        assert_eq!(element.equations(&UnitSquare), Err(CardFault::UmSingular.into()));
         element.dependent = vec![(1, set("1"))];
-        assert_eq!(element.equations(&Square), Err(CardFault::UmCount { found: 1, expected: 2 }.into()));
+        assert_eq!(element.equations(&UnitSquare), Err(CardFault::UmCount { found: 1, expected: 2 }.into()));
     }
 }

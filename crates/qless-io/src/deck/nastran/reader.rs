@@ -86,7 +86,7 @@ impl NastranReader {
             "BEGIN" => self.begin(rest, line),
             _ if self.section == DeckSection::Control => {
                 let read = self.control.get_or_insert_default().line(line);
-                let refused = |problem| CardRefusal { at: line.at(), field: None, problem };
+                let refused = |problem| CardRefusal::of_line(line.at(), problem);
                 read.map_err(|problem| error(NamedRefusal { card: word, refused: refused(problem) }, sources))?;
             }
             _ => {}

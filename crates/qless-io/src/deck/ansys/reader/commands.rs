@@ -158,11 +158,11 @@ impl AnsysReader {
 
 /// Whether parameters in the fields of a command are resolved. Those of `RBE3` name arrays, which `RBE3` itself resolves.
 fn is_read(key: CommandKey) -> bool {
-    const READ: [&CommandKey; 13] = [
+    const READ: [&CommandKey; 14] = [
         b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CERI", b"D   ", b"DDEL", b"F   ", b"FDEL", b"N   ", b"NSEL",
-        b"ET  ",
+        b"ET  ", b"KEYO",
     ];
-    READ.contains(&&key) || key == *b"KEYO"
+    READ.contains(&&key)
 }
 
 /// Whether a command sets parameters.

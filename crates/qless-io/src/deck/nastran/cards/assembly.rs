@@ -179,8 +179,8 @@ impl CardAssembly {
     /// Hands the card to the bulk data.
     fn hand_over(&mut self) -> Result<(), NamedRefusal> {
         if self.solver == Solver::Mystran && self.card.goes_beyond {
-            let problem = CardFault::FieldsDropped.into();
-            return Err(self.failed(CardRefusal { at: (self.card.file, self.card.line), field: None, problem }));
+            let at = (self.card.file, self.card.line);
+            return Err(self.failed(CardRefusal::of_line(at, CardFault::FieldsDropped)));
         }
         self.bulk.card(&self.card).map_err(|refused| self.failed(refused))
     }
@@ -204,5 +204,5 @@ impl CardAssembly {
 /// The error that something else was expected in place of the line.
 fn expected(line: &DeckLine, card: &str, expected: &'static str) -> NamedRefusal {
     let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
-    NamedRefusal { card: card.into(), refused: CardRefusal { at: line.at(), field: None, problem } }
+    NamedRefusal { card: card.into(), refused: CardRefusal::of_line(line.at(), problem) }
 }

@@ -135,7 +135,7 @@ fn ties(
     Ok(sets_of)
 }
 
-/// Fixes an `MPC` card that is a copy or has copies: its text must stay.
+/// Marks an `MPC` card as fixed if it is a copy or has copies: its text must stay.
 fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
     if bulk.fixed.contains(&(place.file, place.line)) {
         let card = place.origin(model).card;
@@ -164,11 +164,7 @@ fn equations(element: &NastranElement, points: &Points) -> Result<Vec<CouplingEq
     let expand = |spans: &[PointSpan]| points.expand(spans);
     let equations = match element {
         NastranElement::Star(star) => {
-            let dependent = expand(&star.dependent)?;
-            if dependent.is_empty() {
-                return Err(CardFault::NothingConnected.into());
-            }
-            RigidElement::about(star.centre, dependent, star.components).equations(points)
+            RigidElement::about(star.centre, expand(&star.dependent)?, star.components).equations(points)
         }
         NastranElement::Rigid(element) => element.equations(points),
         NastranElement::Rod(element) => element.equation(points).map(|equation| vec![equation]),
@@ -183,8 +179,7 @@ fn equations(element: &NastranElement, points: &Points) -> Result<Vec<CouplingEq
 
 /// The equations of a joint, whose points must coincide.
 fn joint(element: &RigidElement, points: &Points) -> Result<Vec<CouplingEquation>, Problem> {
-    let ends = element.independent.iter().zip(&element.dependent);
-    for (&(a, _), &(b, _)) in ends {
+    for (&(a, _), &(b, _)) in element.independent.iter().zip(&element.dependent) {
         if minus(points.pose(a)?.position, points.pose(b)?.position) != [0.0; 3] {
             return Err(CardFault::JointApart { a, b }.into());
         }

@@ -55,6 +55,11 @@ pub struct NamedRefusal {
 }
 
 impl CardRefusal {
+    /// An error of a whole line.
+    pub fn of_line(at: FileLine, problem: impl Into<Problem>) -> Self {
+        Self { at, field: None, problem: problem.into() }
+    }
+
     /// Adds the name of the card.
     pub fn in_card(self, card: &BulkCard) -> NamedRefusal {
         NamedRefusal { card: card.title().to_string(), refused: self }
@@ -65,14 +70,14 @@ impl BulkCard {
     /// Starts a new card from a line without its comment.
     pub fn begin(&mut self, name: &'static str, line: &[u8], at: FileLine) -> Result<(), CardRefusal> {
         self.restart(name, at);
-        self.take(&split(line).map_err(|problem| refused(at, problem))?, at, false);
+        self.take(&split(line).map_err(|problem| CardRefusal::of_line(at, problem))?, at, false);
         Ok(())
     }
 
     /// Appends a continuation line; `is_apart` if other cards separate it from the card.
     pub fn extend(&mut self, line: &[u8], at: FileLine, is_apart: bool) -> Result<(), CardRefusal> {
         let was_apart = self.lines.last().is_some_and(|last| last.is_apart);
-        let fields = split(line).map_err(|problem| refused(at, problem))?;
+        let fields = split(line).map_err(|problem| CardRefusal::of_line(at, problem))?;
         self.take(&fields, at, is_apart || was_apart || at.0 != self.file);
         Ok(())
     }
@@ -229,10 +234,6 @@ impl BulkCard {
         let (at, first) = own.map_or(((self.file, self.line), 0), |part| (part.at, part.first as usize));
         CardRefusal { at, field: Some(i - first + 2), problem }
     }
-}
-
-fn refused(at: FileLine, problem: Problem) -> CardRefusal {
-    CardRefusal { at, field: None, problem }
 }
 
 /// Location of a card: file, lines, and the card's name with its number.
