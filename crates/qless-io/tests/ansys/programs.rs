@@ -70,14 +70,14 @@ fn what_is_not_followed_constrains_perhaps() {
         ("*DOWHILE,N\nCE,1,0,1,UX,1\n*ENDDO\n", "2: CE is in *IF, *DO or *CREATE"),
         ("*CREATE,M\nCERIG,1,2\n*END\n", "2: CERIG is in *IF, *DO or *CREATE"),
         ("*IF,NX(1),EQ,0,THEN\nA=3\n*ENDIF\nD,A,UX\n", "4: D uses A"),
-        ("A=1\n*IF,A,EQ,1,:END\nD,1,UX\n:END\n", "2: *IF leads to another line"),
+        ("A=1\n*IF,A,EQ,1,:END\nD,1,UX\n:END\n", "2: *IF jumps to another line"),
         ("*IF,NX(1),EQ,0,THEN\nSOLVE\n*ENDIF\n", "2: SOLVE is in *IF, *DO or *CREATE"),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
     ] {
         let found = left_out(text);
         assert!(found.len() == 1 && found[0].starts_with(expected), "{text:?}: {found:?}");
     }
-    // What is not carried out is no matter.
+    // Commands in a skipped branch are not reported.
     assert!(left_out("A=1\n*IF,A,EQ,2,THEN\nCEINTF\nDSYM,SYMM,X\n*ENDIF\n").is_empty());
 }
 
