@@ -79,6 +79,6 @@ fn searches_that_take_too_long() {
     }
     for (text, again) in [(equation, "CE,1,0,-50000,UX\n"), (set, "CP,1,UX,-1,1,-1,1,-1,1,-1,1\n")] {
         let error = try_deck(&(text + &again.repeat(15_000))).expect_err("too long").to_string();
-        assert!(error.contains("the work of taking terms or nodes away exceeds the limit of 500000000"), "{error}");
+        assert!(error.contains("the work to remove terms or nodes exceeds the limit of 500000000"), "{error}");
     }
 }

@@ -28,8 +28,8 @@ fn an_equation_with_an_unknown_term_is_left_out_whole() {
     assert_eq!(
         left_out(text),
         [
-            "4: CE takes N, a value that this reader does not follow: left out",
-            "5: CE 2 has terms that are not understood: all of it is left out"
+            "4: CE uses N, whose value this reader does not know: left out",
+            "5: CE 2 has a command that could not be read: the whole equation is left out"
         ]
     );
     let text = "*GET,N,NODE,,NUM,MAX\nCP,1,UX,1,2\nCP,1,,N\nD,N,UX\nCEDELE,ALL\n";
@@ -66,18 +66,18 @@ fn conditions_choose() {
 #[test]
 fn what_is_not_followed_constrains_perhaps() {
     for (text, expected) in [
-        ("*GET,N,NODE,,NUM,MAX\n*DO,I,1,N\nD,I,UX\n*ENDDO\nD,9,UX\n", "3: D stands where nobody knows"),
-        ("*DOWHILE,N\nCE,1,0,1,UX,1\n*ENDDO\n", "2: CE stands where nobody knows"),
-        ("*CREATE,M\nCERIG,1,2\n*END\n", "2: CERIG stands where nobody knows"),
-        ("*IF,NX(1),EQ,0,THEN\nA=3\n*ENDIF\nD,A,UX\n", "4: D takes A"),
-        ("A=1\n*IF,A,EQ,1,:END\nD,1,UX\n:END\n", "2: *IF leads to another line"),
-        ("*IF,NX(1),EQ,0,THEN\nSOLVE\n*ENDIF\n", "2: SOLVE stands where nobody knows"),
+        ("*GET,N,NODE,,NUM,MAX\n*DO,I,1,N\nD,I,UX\n*ENDDO\nD,9,UX\n", "3: D is in *IF, *DO or *CREATE"),
+        ("*DOWHILE,N\nCE,1,0,1,UX,1\n*ENDDO\n", "2: CE is in *IF, *DO or *CREATE"),
+        ("*CREATE,M\nCERIG,1,2\n*END\n", "2: CERIG is in *IF, *DO or *CREATE"),
+        ("*IF,NX(1),EQ,0,THEN\nA=3\n*ENDIF\nD,A,UX\n", "4: D uses A"),
+        ("A=1\n*IF,A,EQ,1,:END\nD,1,UX\n:END\n", "2: *IF jumps to another line"),
+        ("*IF,NX(1),EQ,0,THEN\nSOLVE\n*ENDIF\n", "2: SOLVE is in *IF, *DO or *CREATE"),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
     ] {
         let found = left_out(text);
         assert!(found.len() == 1 && found[0].starts_with(expected), "{text:?}: {found:?}");
     }
-    // What is not carried out is no matter.
+    // Commands in a skipped branch are not reported.
     assert!(left_out("A=1\n*IF,A,EQ,2,THEN\nCEINTF\nDSYM,SYMM,X\n*ENDIF\n").is_empty());
 }
 
@@ -85,7 +85,7 @@ fn what_is_not_followed_constrains_perhaps() {
 fn loops_that_take_too_long() {
     let text = "*DO,I,1,1e9\n*DO,J,1,1e9\nCEDELE,1\n*ENDDO\n*ENDDO\n";
     let error = try_deck(text).expect_err("too long").to_string();
-    assert!(error.contains("the text that loops go through exceeds the limit"), "{error}");
+    assert!(error.contains("the text that loops read again exceeds the limit"), "{error}");
 }
 
 fn cleaned(text: &str) -> (Deck, String) {
@@ -113,7 +113,10 @@ fn what_a_loop_makes_is_deleted_below_it() {
 #[test]
 fn a_loop_that_never_ends_is_left_out() {
     let text = "CE,1,0,9,UX,1\n*DO,I,1,3\nCE,NEXT,0,I,UX,1,I+1,UX,-1\n";
-    assert_eq!(left_out(text), ["2: *DO, *IF or *CREATE is never closed: what it would still constrain is left out"]);
+    assert_eq!(
+        left_out(text),
+        ["2: *DO, *IF or *CREATE is never closed: constraints that it may still make are left out"]
+    );
     assert_eq!(left_out("*IF,1,EQ,2,THEN\nCE,1,0,9,UX,1\n").len(), 1);
     assert!(left_out(&format!("{text}*ENDDO\n")).is_empty() && left_out("*IF,1,EQ,1,THEN\nCE,1,0,9,UX,1\n").is_empty());
 }

@@ -103,7 +103,7 @@ fn cards_are_named() {
         ),
         (
             "CORD2R,4,,,,,,,1.\n,,,3.",
-            "place/deck.bdf:5: CORD2R 4: the three points of the coordinate system lie in a line or coincide; correct the coordinates or the nodes",
+            "place/deck.bdf:5: CORD2R 4: the three points of the coordinate system are collinear or coincide; correct the coordinates or the nodes",
         ),
     ] {
         assert_eq!(message(card), expected);
@@ -187,7 +187,7 @@ fn copies_say_what_they_copy() {
         "{}",
         message("RBE2,7,1,3,2\n=(2)")
     );
-    assert!(message("RBE2,7,1,3,2\n=,*1,=,=,*1\n,3").contains("expected a card of one line, as what `=` copies"));
+    assert!(message("RBE2,7,1,3,2\n=,*1,=,=,*1\n,3").contains("expected a card of one line, since `=` copies"));
     assert_eq!(message("CQUAD4,1,1,1,2,3,4\n=,*(1),=,*(1)"), "accepted");
 }
 

@@ -1,4 +1,4 @@
-//! What MYSTRAN refuses, passes over, and reads otherwise than Nastran; `tests/mystran.rs` of the whole runs it.
+//! What MYSTRAN refuses, ignores, and reads otherwise than Nastran; `tests/mystran.rs` of the whole runs it.
 
 use qless_io::deck::{Model, Solver};
 
@@ -17,7 +17,7 @@ fn cards_that_it_does_not_know_constrain_nothing() {
     for card in ["RROD,51,2,3,,1", "RJOINT,51,3,4,1", "RTRPLT,51,2,3,4,123456", "RTRPLT1,51,2,3,4,1,1"] {
         let model = mystran(card);
         let name = card.split(',').next().expect("a name");
-        assert_eq!(warnings(&model), [format!("line 12: MYSTRAN passes over {name} 51: it constrains nothing")]);
+        assert_eq!(warnings(&model), [format!("line 12: MYSTRAN ignores {name} 51: it constrains nothing")]);
         assert_eq!((model.equations(), refusals(&model).len()), (1, 0), "{card}");
     }
     assert_eq!(model(&format!("{CONTROL}{GRIDS}RROD,51,2,3,,1\n")).equations(), 2);
@@ -35,11 +35,11 @@ fn it_stops_at_cards() {
         ("MPC,7,3,3,1,2,3,-1.", "MPC 7: MYSTRAN stops at a coefficient"),
         ("MPC     7       3       3       1       2       3       -1.", "MPC 7: MYSTRAN stops at a coefficient"),
         ("SPC,7,3,3,1", "SPC 7: MYSTRAN stops at a value"),
-        ("GRID,4,,2.,1.", "GRID 4 is that of deck.bdf:8 already, where MYSTRAN stops"),
+        ("GRID,4,,2.,1.", "GRID 4 repeats the card of deck.bdf:8, where MYSTRAN stops"),
         ("MPCADD,9,2,2", "MPCADD 9 names set 2 twice"),
-        ("SPC1,1,1,9", "SPC1 1 holds point 9, which is not there"),
-        ("SPC,1,9,1", "SPC 1 holds point 9, which is not there"),
-        ("SPC1,1,1,2,THRU,9", "SPC1 1 holds point 9, which is not there"),
+        ("SPC1,1,1,9", "SPC1 1 prescribes point 9, which is not defined"),
+        ("SPC,1,9,1", "SPC 1 prescribes point 9, which is not defined"),
+        ("SPC1,1,1,2,THRU,9", "SPC1 1 prescribes point 9, which is not defined"),
         ("RBE2,51,2,3,3\n=,*1,=,=,4", "MYSTRAN stops at this line of copies"),
     ] {
         let model = mystran(card);
@@ -55,7 +55,7 @@ fn it_stops_at_cards() {
 fn it_makes_no_copies() {
     let model = mystran("RBE2    51      2       3       3\n=       *1      =       =       4\n");
     assert_eq!(model.equations(), 2);
-    assert_eq!(warnings(&model), ["line 13: MYSTRAN passes over this line of copies: write the cards out"]);
+    assert_eq!(warnings(&model), ["line 13: MYSTRAN ignores this line of copies; write the cards out"]);
 }
 
 #[test]
@@ -67,8 +67,8 @@ fn it_stops_at_selections() {
         ("SPC=1\nMPC=0\n", "line 3: MYSTRAN stops at a selection of set 0"),
         ("SPC=1\nMPC=7\n", "line 3: MPC = 7 selects set 7, which no MPC card defines, where MYSTRAN stops"),
         ("SPC=7\nMPC=2\n", "line 2: SPC = 7 selects set 7, which no SPC card defines, where MYSTRAN stops"),
-        ("SUBCASE 1\nMPC=2\nSUBCASE 2\nMPC=4\n", "line 5: MPC = 4: MYSTRAN takes one MPC set a run"),
-        ("SUBCASE 1\nSUBCASE 2\nMPC=4\n", "line 4: MPC = 4: MYSTRAN takes one MPC set a run"),
+        ("SUBCASE 1\nMPC=2\nSUBCASE 2\nMPC=4\n", "line 5: MPC = 4: MYSTRAN allows one MPC set per run"),
+        ("SUBCASE 1\nSUBCASE 2\nMPC=4\n", "line 4: MPC = 4: MYSTRAN allows one MPC set per run"),
     ] {
         let found = of(control);
         assert!(found.len() == 1 && found[0].starts_with(why), "{control}: {found:?}");

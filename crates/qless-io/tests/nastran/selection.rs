@@ -73,7 +73,7 @@ fn set_0_takes_back_what_was_selected_above() {
 fn bulk_data_alone_have_their_only_sets() {
     let alone = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nSPC1,4,123,1\n");
     assert_eq!((alone.equations(), alone.cases()[0].prescribed.len()), (1, 3));
-    assert_eq!(warnings(&alone)[0], "line 3: the deck has no case control: MPC set 3, the only one, is taken");
+    assert_eq!(warnings(&alone)[0], "line 3: the deck has no case control: MPC set 3, the only one, is used");
     let several = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nMPC,4,1,2,1.,2,2,-1.\n");
     assert_eq!(several.equations(), 0);
     assert_eq!(warnings(&several), ["line 3: MPC sets that no subcase selects are left out: 3, 4 (2 entries)"]);
@@ -92,8 +92,8 @@ fn superelements_are_left_out_and_named() {
 fn points_without_definition_are_named() {
     let model = model("CEND\nMPC=1\nSPC=1\nBEGIN BULK\nGRID,1\nMPC,1,1,1,1.,7,,-1.\nSPC1,1,0,8,9\n");
     let expected = [
-        "line 6: MPC 1: no GRID or SPOINT defines point 7; taken as it stands",
-        "line 7: SPC1 1: no GRID or SPOINT defines point 8 and 1 more; taken as it stands",
+        "line 6: MPC 1: no GRID or SPOINT defines point 7; its components are used as they are",
+        "line 7: SPC1 1: no GRID or SPOINT defines point 8 and 1 more; its components are used as they are",
     ];
     assert_eq!(warnings(&model), expected);
     assert_eq!(equations(&model), ["1 1:1 -1 7:0"]);

@@ -97,7 +97,7 @@ fn cards_that_are_not_understood_are_named() {
     let expected = [
         "line 2: RSPLINE 9 is an interpolation element of grid points 1, 2, 3, 4; it is not understood and left out",
         "line 3: RBE2GS 8 is a rigid element that searches its grid points; it is not understood and left out",
-        "line 5: SUPORT 1 fixes reference components where there is no inertia relief of grid points 1, 4; it is not understood and left out",
+        "line 5: SUPORT 1 without inertia relief fixes reference components of grid points 1, 4; it is not understood and left out",
         "line 6: CWELD 4 joins its parts by equations; it is not understood and left out",
     ];
     assert_eq!(warnings(&model), expected);

@@ -17,7 +17,7 @@ fn names_that_sound_as_if_they_constrain_make_the_model_incomplete() {
 #[test]
 fn other_unknown_names_are_said_once() {
     let model = model(&format!("{TIE}ZZTOP,1\nCQUAD4,1,1,1,2\nZZTOP,2\n"));
-    let expected = "line 6: ZZTOP: the card is not known; it and all others of its name are passed over";
+    let expected = "line 6: ZZTOP: the card is not known; all cards of this name are ignored";
     assert_eq!(warnings(&model), [expected]);
     assert_eq!(model.left_out().count(), 0);
 }

@@ -1,4 +1,4 @@
-//! What the commands say as a model: equations by their number, then coupled sets, and the load cases.
+//! Builds the model: equations by their number, then coupled sets by theirs, then the load cases.
 
 use std::collections::HashMap;
 
@@ -20,7 +20,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     Ok(reader.model)
 }
 
-/// Positions along the model's axes; none where the deck cannot be read once more.
+/// Global positions; empty if the deck cannot be read again.
 pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
     reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
@@ -34,7 +34,7 @@ pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
     groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
 }
 
-/// Fills the model of a reader and says what each of its equations comes from, if the reader keeps places.
+/// Fills the model of a reader. Returns the owner of each equation if the reader keeps places.
 pub fn fill(reader: &mut AnsysReader) -> Result<Vec<CommandOwner>, DeckError> {
     check_complete(reader)?;
     let (owners, lives) = push_equations(reader);
@@ -52,16 +52,16 @@ fn check_complete(reader: &AnsysReader) -> Result<(), DeckError> {
     Err(DeckError { path: reader.model.files[0].clone(), line: line as usize, card, field: None, problem })
 }
 
-/// Where equations come from, and those that are not in force in all load steps.
+/// Owners of the equations, and the equations that do not hold in all load steps.
 type PushedEquations = (Vec<CommandOwner>, Vec<EquationLife>);
 
-/// Equations by number, coupled sets by number, then what held in earlier load steps.
+/// Adds equations by number, coupled sets by number, then versions of both that held in earlier load steps only.
 fn push_equations(reader: &mut AnsysReader) -> PushedEquations {
     let AnsysReader { model, equations, coupled, places, .. } = reader;
     let mut push = EquationPusher {
         model,
         regions: vec![None; equations.regions.len()],
-        owns: places.is_some(),
+        keeps_owners: places.is_some(),
         pushed: PushedEquations::default(),
     };
     push.model.reserve(equations.sets.len(), equations.terms.len());
@@ -83,28 +83,27 @@ fn push_equations(reader: &mut AnsysReader) -> PushedEquations {
 
 struct EquationPusher<'a> {
     model: &'a mut Model,
-    /// The card of each region, once it has one.
+    /// The card of each region; `None` before its first equation.
     regions: Vec<Option<u32>>,
-    /// Whether anybody asks for owners.
-    owns: bool,
+    keeps_owners: bool,
     pushed: PushedEquations,
 }
 
 impl EquationPusher<'_> {
-    fn equation(&mut self, of: &CeEquations, number: u32, equation: &CeEquation, last: u32) {
+    fn equation(&mut self, all: &CeEquations, number: u32, equation: &CeEquation, last: u32) {
         let model = &mut *self.model;
-        if of.terms.count(&equation.terms) == 0 && equation.constant == 0.0 {
+        if all.terms.count(&equation.terms) == 0 && equation.constant == 0.0 {
             model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
             return;
         }
-        let terms = of.terms.of(&equation.terms);
+        let terms = all.terms.iter(&equation.terms);
         if names_twice(terms.clone()) {
             let text = format!("CE {number} names a DOF more than once: its coefficients are added");
             model.warn(0, equation.line, text);
         }
         let (card, owner) = match equation.region() {
             Some(at) => {
-                let NodeRegion { name, node, line, .. } = of.regions[at];
+                let NodeRegion { name, node, line, .. } = all.regions[at];
                 let new = || model.card(CardName::numbered(name, node), 0, line);
                 (*self.regions[at].get_or_insert_with(new), CommandOwner::Region(at))
             }
@@ -112,20 +111,20 @@ impl EquationPusher<'_> {
         };
         let origin = origin(card, equation.line, equation.last_line);
         model.push(terms, equation.constant, origin);
-        self.own(owner, equation.from(), last);
+        self.note_origin(owner, equation.from(), last);
     }
 
     fn set(&mut self, number: u32, set: &CoupledSet, last: u32) {
         let card = self.model.card(CardName::numbered("CP", number), 0, set.line);
         for equation in set.equations() {
             self.model.push(equation, 0.0, origin(card, set.line, set.last_line));
-            self.own(CommandOwner::Coupled(number), set.from(), last);
+            self.note_origin(CommandOwner::Coupled(number), set.from(), last);
         }
     }
 
-    /// Notes where the equation pushed last comes from, and when it holds.
-    fn own(&mut self, owner: CommandOwner, first: u32, last: u32) {
-        if self.owns {
+    /// Notes the owner of the last equation, and the load steps in which it holds.
+    fn note_origin(&mut self, owner: CommandOwner, first: u32, last: u32) {
+        if self.keeps_owners {
             self.pushed.0.push(owner);
         }
         if first > 0 || last < u32::MAX {
@@ -148,7 +147,7 @@ fn names_twice(terms: impl Iterator<Item = DofCoefficient> + Clone) -> bool {
     dofs.windows(2).any(|pair| pair[0] == pair[1])
 }
 
-/// A node that no command defines: the first equation that names it is at fault.
+/// Rejects the first equation that names a node which no command defines.
 fn check_nodes(reader: &AnsysReader) -> Result<(), DeckError> {
     let (model, nodes) = (&reader.model, &reader.nodes);
     if nodes.numbers.is_empty() || nodes.are_generated {
@@ -171,7 +170,7 @@ fn check_nodes(reader: &AnsysReader) -> Result<(), DeckError> {
     Ok(())
 }
 
-/// Components are along the axes of their node; said where these are not those of the model.
+/// Warns that components are along the axes of their node, if these may differ from the global axes.
 fn warn_of_rotated(reader: &mut AnsysReader) {
     let mut rotated = std::mem::take(&mut reader.nodes.rotated);
     if rotated.is_empty() {

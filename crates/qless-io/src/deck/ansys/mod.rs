@@ -1,8 +1,8 @@
 //! ANSYS archives and plain decks, `.cdb`: `CE` equations, `CP` coupled sets, `D` values.
 //!
-//! `CONST = sum of C_i U_i` in either spelling of `CE`. Values that `D` gives later replace earlier ones. Components 1 to 6 are UX,
-//! UY, UZ, ROTX, ROTY, ROTZ; 7 WARP, 8 PRES, 9 VOLT, 10 MAG, 11 TEMP, and so on (`label`). All of them are along the axes of
-//! their node. Fields are counted from 1 after the name of the command.
+//! Both forms of `CE` define `CONST = sum of C_i U_i`. A later value of `D` replaces an earlier one. Components 1 to 6 are UX, UY,
+//! UZ, ROTX, ROTY, ROTZ; 7 is WARP, 8 PRES, 9 VOLT, 10 MAG, 11 TEMP, and so on (`syntax::label`). All of them are along the axes
+//! of their node. Fields count from 1 after the name of the command.
 //!
 //! ```
 //! # let place = tempfile::tempdir()?;
@@ -14,16 +14,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Lines that begin with a number are data of blocks; only those of `NBLOCK` and of `CMBLOCK` of nodes are read.
+//! Lines that begin with a number are data of blocks. Only those of `NBLOCK`, `ETBLOCK` and `CMBLOCK` of nodes are read.
 //!
 //! | folder | holds |
 //! | --- | --- |
-//! | `syntax` | lines as commands and fields, parameters and what is computed of them |
-//! | `commands` | what each command that constrains does |
-//! | `model` | what the commands have made: nodes, equations by number, load steps |
-//! | `write` | the deck with other equations |
-//!
-//! `reader` goes through the text and hands each command to the one who reads it.
+//! | `syntax` | lines, commands and fields; parameters and expressions; loops and branches |
+//! | `model` | nodes, equations by number, load steps |
+//! | `commands` | the commands that constrain |
+//! | `reader` | reads a text line by line and executes each command |
+//! | `build` | the model of a deck |
+//! | `write` | a deck with changed equations |
 
 mod syntax {
     pub mod archive;

@@ -1,6 +1,5 @@
-//! A deck with other equations: the commands of old ones make way for comments, new ones stand below the last of them.
-//!
-//! The text of equations and of comments on those that are gone.
+//! Writes a deck with changed equations: a comment replaces the commands of each removed equation, and the new equations
+//! follow the last command that makes equations.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,10 +14,10 @@ use super::syntax::label;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
 use crate::deck::{Deck, Dof, Model};
 
-/// The main file with the plan carried out.
+/// The main file after the plan.
 ///
-/// The text of what goes makes way for a comment. Where that would change what other commands mean, and for what a loop makes,
-/// commands that delete it stand below instead.
+/// A comment replaces the commands of a removed equation. If that would change the meaning of other commands, or if a
+/// loop makes the equation, its commands stay and the new text deletes the equation further below.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let text = deck.texts[0].as_slice();
     let mut reader = AnsysReader::with_places(&deck.model.files[0], text)?;
@@ -42,21 +41,25 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let new = equations(plan, numbering);
     let new = new.ok_or_else(|| place(last, "no numbers are left for new equations; number the equations from 1"))?;
     let comments = comments(&deck.model, plan, &owners);
-    let repeated: FxHashSet<CommandOwner> = places.iter().filter(|place| place.repeats).map(|place| place.of).collect();
+    let repeated: FxHashSet<CommandOwner> =
+        places.iter().filter(|place| place.repeats).map(|place| place.owner).collect();
     let is_deleted = |owner: &CommandOwner| repeated.contains(owner);
-    let of = |result: Vec<u8>| says(&result, &reader, deck, plan).then_some(result);
+    let checked = |result: Vec<u8>| is_as_planned(&result, &reader, deck, plan).then_some(result);
     let first = edited(text, &places, last, &comments, is_deleted, &reader.equations.regions, &new);
-    let result =
-        of(first).or_else(|| of(edited(text, &places, last, &comments, |_| true, &reader.equations.regions, &new)));
+    let result = checked(first)
+        .or_else(|| checked(edited(text, &places, last, &comments, |_| true, &reader.equations.regions, &new)));
     result.ok_or_else(|| {
-        place(last, "what commands below make of equations that change cannot be kept; write their numbers")
+        place(
+            last,
+            "commands refer to equations that change in a way that cannot be kept; write explicit equation numbers",
+        )
     })
 }
 
-/// What is said in the place of each equation and set that goes.
+/// The comment for each removed equation or set.
 fn comments(model: &Model, plan: &Plan, owners: &[CommandOwner]) -> FxHashMap<CommandOwner, String> {
     let mut chosen: FxHashMap<CommandOwner, &Removed> = FxHashMap::default();
-    // What is wrong itself says more than what it is wrong with.
+    // A fault of the equation itself is the best explanation, then a connection to a faulty one.
     let weight = |reason: &Reason| match reason {
         Reason::Redundant(_) => 0,
         Reason::Connected => 1,
@@ -71,8 +74,8 @@ fn comments(model: &Model, plan: &Plan, owners: &[CommandOwner]) -> FxHashMap<Co
     chosen.into_iter().map(|(owner, removed)| (owner, comment(model, removed))).collect()
 }
 
-/// The text with comments in the place of what goes, and below line `last` the commands that delete the rest of it and the new
-/// equations.
+/// The text with comments in place of removed commands. After line `last` follow commands that delete the other removed
+/// equations, and the new equations.
 fn edited(
     text: &[u8],
     places: &[CommandPlace],
@@ -83,23 +86,23 @@ fn edited(
     new: &str,
 ) -> Vec<u8> {
     let mut lines: BTreeMap<u32, (String, Vec<Range<usize>>)> = BTreeMap::new();
-    let mut left = comments.clone();
-    left.retain(|owner, _| !is_deleted(owner));
-    let goes = |place: &&CommandPlace| comments.contains_key(&place.of) && !is_deleted(&place.of);
-    for place in places.iter().filter(goes) {
-        let (said, gone) = lines.entry(place.line).or_default();
-        said.push_str(&left.remove(&place.of).unwrap_or_default());
-        gone.push(place.range.clone());
+    let mut unused = comments.clone();
+    unused.retain(|owner, _| !is_deleted(owner));
+    let is_replaced = |place: &&CommandPlace| comments.contains_key(&place.owner) && !is_deleted(&place.owner);
+    for place in places.iter().filter(is_replaced) {
+        let (comment, removed) = lines.entry(place.line).or_default();
+        comment.push_str(&unused.remove(&place.owner).unwrap_or_default());
+        removed.push(place.range.clone());
     }
     let mut edits = Edits::default();
-    for (line, (said, gone)) in lines {
-        edits.replace(line, 1, [said.as_bytes(), &rest(text, line, &gone)].concat());
+    for (line, (comment, removed)) in lines {
+        edits.replace(line, 1, [comment.as_bytes(), &rest(text, line, &removed)].concat());
     }
     let mut deleted: Vec<(&CommandOwner, &String)> = comments.iter().filter(|(owner, _)| is_deleted(owner)).collect();
     deleted.sort_unstable_by_key(|(owner, _)| **owner);
     let mut below = String::new();
-    for (owner, said) in deleted {
-        below.push_str(said);
+    for (owner, comment) in deleted {
+        below.push_str(comment);
         below.push_str(&deletion(owner, regions));
     }
     below.push_str(new);
@@ -109,14 +112,14 @@ fn edited(
     edits.apply(text)
 }
 
-/// The line without the commands that go; empty if there are no others.
-fn rest(text: &[u8], line: u32, gone: &[Range<usize>]) -> Vec<u8> {
-    let Some(first) = gone.first() else { return Vec::new() };
+/// The line without its removed commands; empty if no command is left.
+fn rest(text: &[u8], line: u32, removed: &[Range<usize>]) -> Vec<u8> {
+    let Some(first) = removed.first() else { return Vec::new() };
     let start = memchr::memrchr(b'\n', &text[..first.start]).map_or(0, |end| end + 1);
     let end = memchr::memchr(b'\n', &text[start..]).map_or(text.len(), |end| start + end);
     let AnsysLine::Commands(commands) = parse(&text[start..end], start, line) else { return Vec::new() };
     let kept: Vec<&[u8]> =
-        commands.iter().map(|c| c.range.clone()).filter(|c| !gone.contains(c)).map(|c| &text[c]).collect();
+        commands.iter().map(|c| c.range.clone()).filter(|c| !removed.contains(c)).map(|c| &text[c]).collect();
     if kept.is_empty() {
         return Vec::new();
     }
@@ -125,8 +128,8 @@ fn rest(text: &[u8], line: u32, gone: &[Range<usize>]) -> Vec<u8> {
     [&kept.join(&b" $ "[..]), &b" "[..], comment].concat().trim_ascii_end().iter().copied().chain([b'\n']).collect()
 }
 
-/// Whether the new text, read again, has the equations that are kept and the new ones, and nothing else.
-fn says(text: &[u8], before: &AnsysReader, deck: &Deck, plan: &Plan) -> bool {
+/// Whether the new text, read again, has exactly the kept and the new equations.
+fn is_as_planned(text: &[u8], before: &AnsysReader, deck: &Deck, plan: &Plan) -> bool {
     let Ok(mut after) = AnsysReader::read(&deck.model.files[0], text) else { return false };
     if fill(&mut after).is_err() {
         return false;
@@ -144,24 +147,24 @@ fn says(text: &[u8], before: &AnsysReader, deck: &Deck, plan: &Plan) -> bool {
     expected == found
 }
 
-type ExactTerm = (crate::deck::Dof, u64);
+type ExactTerm = (Dof, u64);
 
-fn bits((dof, value): (crate::deck::Dof, f64)) -> ExactTerm {
+fn bits((dof, value): (Dof, f64)) -> ExactTerm {
     (dof, value.to_bits())
 }
 
 fn terms_of(model: &Model, i: usize) -> (Vec<ExactTerm>, u64) {
     let equation = model.nth(i);
-    let terms_of = equation.columns.iter().map(|&j| model.dofs[j as usize]).zip(equation.coefficients.iter().copied());
-    // A zero has no sign here.
-    (terms_of.map(bits).collect(), (equation.rhs + 0.0).to_bits())
+    let terms = equation.columns.iter().map(|&j| model.dofs[j as usize]).zip(equation.coefficients.iter().copied());
+    // Adding 0 makes -0 equal to 0.
+    (terms.map(bits).collect(), (equation.rhs + 0.0).to_bits())
 }
 
-/// Equations of a certificate that a comment names at most.
+/// Limit on the equations of a certificate that a comment names.
 const NAMED: usize = 8;
 
-/// Why an equation is gone, in a line.
-pub fn comment(model: &Model, removed: &Removed) -> String {
+/// A comment line with the reason why an equation was removed.
+fn comment(model: &Model, removed: &Removed) -> String {
     let name = |i: usize| model.cards.nth(model.nth(i).origin.card).name;
     let what = format!("! qless: {}", name(removed.equation));
     match &removed.reason {
@@ -177,19 +180,19 @@ pub fn comment(model: &Model, removed: &Removed) -> String {
     }
 }
 
-/// How new equations are numbered, so that no number is taken.
-#[derive(Clone, Copy, Debug)]
-pub enum NewNumbers {
-    /// From one above the highest on, in the form of an archive with its tag.
+/// Numbering of new equations with unused numbers.
+#[derive(Clone, Copy)]
+enum NewNumbers {
+    /// Above this highest number, in the format of an archive with this tag.
     Archive(u32, &'static str),
-    /// The same as commands.
+    /// Above this highest number, as commands.
     From(u32),
-    /// By the program, since nobody else knows which are taken.
+    /// `NEXT`: only the program knows which numbers are used.
     Next,
 }
 
-/// The new equations; `None` if there are no numbers left.
-pub fn equations(plan: &Plan, numbering: NewNumbers) -> Option<String> {
+/// The text of the new equations; `None` if no numbers are left.
+fn equations(plan: &Plan, numbering: NewNumbers) -> Option<String> {
     if plan.written.is_empty() {
         return Some(String::new());
     }
@@ -208,8 +211,8 @@ pub fn equations(plan: &Plan, numbering: NewNumbers) -> Option<String> {
     Some(text)
 }
 
-/// The command that deletes equations or a set.
-pub fn deletion(owner: &CommandOwner, regions: &[NodeRegion]) -> String {
+/// The command that deletes the equations of an owner.
+fn deletion(owner: &CommandOwner, regions: &[NodeRegion]) -> String {
     match *owner {
         CommandOwner::Equation(number) => format!("CEDELE,{number}\n"),
         CommandOwner::Coupled(number) => format!("CPDELE,{number}\n"),
@@ -226,7 +229,7 @@ fn in_archive(written: &Written, number: u32, tag: &str) -> String {
     std::iter::once(head).chain(terms.chunks(2).map(line)).collect()
 }
 
-/// Commands of three terms each, the first of which has another word for the number.
+/// Commands of three terms each. `first` and `others` are the number field of the first command and of the others.
 fn as_commands(written: &Written, first: &str, others: &str) -> String {
     let term = |(dof, value): &(Dof, f64)| format!(",{},{},{value:?}", dof.node, label::name(dof.component));
     let rhs = written.rhs + 0.0;
@@ -237,7 +240,7 @@ fn as_commands(written: &Written, first: &str, others: &str) -> String {
     terms(written).chunks(3).enumerate().map(line).collect()
 }
 
-/// The terms with the slave first.
+/// The terms, slave first.
 fn terms(written: &Written) -> Vec<(Dof, f64)> {
     std::iter::once((written.slave, 1.0)).chain(written.terms.iter().copied()).collect()
 }

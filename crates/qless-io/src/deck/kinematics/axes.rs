@@ -1,4 +1,4 @@
-//! Coordinate frames: `x = origin + e1 a + e2 b + e3 c`, where `(a, b, c)` follow from the frame's own coordinates.
+//! Coordinate frames: `x = origin + e1 a + e2 b + e3 c`, where `(a, b, c)` are functions of the frame's coordinates.
 //!
 //! | kind        | coordinates   | (a, b, c)                                        |
 //! | ----------- | ------------- | ------------------------------------------------ |
@@ -12,7 +12,7 @@ use super::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 
 /// Meaning of a frame's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FrameKind {
     Rectangular,
     Cylindrical,
     Spherical,
@@ -21,7 +21,7 @@ pub enum Kind {
 /// A coordinate frame: origin and orthonormal axes, as rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    pub kind: Kind,
+    pub kind: FrameKind,
     pub origin: Vector,
     pub axes: [Vector; 3],
 }
@@ -30,11 +30,11 @@ pub struct Frame {
 pub const BASIC_AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Frame {
-    pub const BASIC: Self = Self { kind: Kind::Rectangular, origin: [0.0; 3], axes: BASIC_AXES };
+    pub const BASIC: Self = Self { kind: FrameKind::Rectangular, origin: [0.0; 3], axes: BASIC_AXES };
 
-    /// The frame with `b - a` as its third axis and `c` in the plane of the first and third axis; `None` if the points
-    /// are on a line.
-    pub fn through(kind: Kind, a: Vector, b: Vector, c: Vector) -> Option<Self> {
+    /// The frame with origin a, third axis `b - a`, and c in the plane of first and third axis; `None` if the points are
+    /// on a line.
+    pub fn through(kind: FrameKind, a: Vector, b: Vector, c: Vector) -> Option<Self> {
         const LEAST_SINE: f64 = 1e-10;
         let third = unit(minus(b, a))?;
         let towards = unit(minus(c, a))?;
@@ -46,37 +46,37 @@ impl Frame {
         Some(Self { kind, origin: a, axes: [cross(second, third), second, third] })
     }
 
-    /// Global coordinates of a point given in this frame.
-    pub fn point(&self, given: Vector) -> Vector {
-        let [p, q, r] = given;
+    /// Global coordinates of the point with these coordinates in the frame.
+    pub fn point(&self, coordinates: Vector) -> Vector {
+        let [p, q, r] = coordinates;
         let local = match self.kind {
-            Kind::Rectangular => given,
-            Kind::Cylindrical => [p * cosine(q), p * sine(q), r],
-            Kind::Spherical => [p * sine(q) * cosine(r), p * sine(q) * sine(r), p * cosine(q)],
+            FrameKind::Rectangular => coordinates,
+            FrameKind::Cylindrical => [p * cosine(q), p * sine(q), r],
+            FrameKind::Spherical => [p * sine(q) * cosine(r), p * sine(q) * sine(r), p * cosine(q)],
         };
         (0..3).fold(self.origin, |sum, k| plus(sum, scaled(self.axes[k], local[k])))
     }
 
-    /// Local axes at a point given in global coordinates.
+    /// Local axes at a point, which is in global coordinates.
     pub fn axes_at(&self, point: Vector) -> [Vector; 3] {
         let from = minus(point, self.origin);
         let local = self.axes.map(|axis| dot(axis, from));
         let size = from.iter().zip(point).fold(0.0, |m: f64, (x, y)| m.max(x.abs()).max(y.abs()));
         match self.kind {
-            Kind::Rectangular => self.axes,
-            Kind::Cylindrical => self.turned(around(local, size)),
-            Kind::Spherical => self.turned(spherical(local, size)),
+            FrameKind::Rectangular => self.axes,
+            FrameKind::Cylindrical => self.global(cylindrical(local, size)),
+            FrameKind::Spherical => self.global(spherical(local, size)),
         }
     }
 
-    /// Global components of directions given in this frame.
-    fn turned(&self, directions: [Vector; 3]) -> [Vector; 3] {
+    /// Global components of directions in this frame.
+    fn global(&self, directions: [Vector; 3]) -> [Vector; 3] {
         directions.map(|d| (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(self.axes[k], d[k]))))
     }
 }
 
-/// Radial, tangential and axial direction. On the axis the angle is taken as 0.
-fn around([a, b, _]: Vector, size: f64) -> [Vector; 3] {
+/// Radial, tangential and axial direction; on the axis the angle is 0.
+fn cylindrical([a, b, _]: Vector, size: f64) -> [Vector; 3] {
     let [cos, sin] = direction(a, b, size);
     [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]
 }
@@ -88,20 +88,20 @@ fn spherical([a, b, c]: Vector, size: f64) -> [Vector; 3] {
     [[sin * cos_phi, sin * sin_phi, cos], [cos * cos_phi, cos * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
 }
 
-/// `(a, b)` scaled to length 1; `(1, 0)` if both are rounding errors of coordinates of this size.
+/// `(a, b)` scaled to length 1; `(1, 0)` if a and b are only rounding errors of coordinates of this size.
 fn direction(a: f64, b: f64, size: f64) -> [f64; 2] {
     let radius = a.hypot(b);
     if radius <= 16.0 * f64::EPSILON * size { [1.0, 0.0] } else { [a / radius, b / radius] }
 }
 
 /// Sine of an angle in degrees; exact at multiples of 90.
-fn sine(degrees: f64) -> f64 {
-    let turn = degrees % 360.0;
-    match turn.abs() {
+pub fn sine(degrees: f64) -> f64 {
+    let angle = degrees % 360.0;
+    match angle.abs() {
         0.0 | 180.0 => 0.0,
-        90.0 => turn.signum(),
-        270.0 => -turn.signum(),
-        _ => turn.to_radians().sin(),
+        90.0 => angle.signum(),
+        270.0 => -angle.signum(),
+        _ => angle.to_radians().sin(),
     }
 }
 
@@ -110,7 +110,7 @@ fn cosine(degrees: f64) -> f64 {
         90.0 | 270.0 => 0.0,
         0.0 => 1.0,
         180.0 => -1.0,
-        turn => turn.to_radians().cos(),
+        angle => angle.to_radians().cos(),
     }
 }
 
@@ -125,21 +125,22 @@ mod tests {
     #[test]
     fn points_in_every_kind_of_frame() {
         let at = |kind| Frame::through(kind, [1.0, 0.0, 0.0], [1.0, 0.0, 2.0], [3.0, 0.0, 1.0]).expect("a frame");
-        near(at(Kind::Rectangular).point([1.0, 2.0, 3.0]), [2.0, 2.0, 3.0]);
-        near(at(Kind::Cylindrical).point([2.0, 90.0, 3.0]), [1.0, 2.0, 3.0]);
-        near(at(Kind::Spherical).point([2.0, 90.0, 180.0]), [-1.0, 0.0, 0.0]);
-        near(at(Kind::Spherical).point([2.0, 0.0, 17.0]), [1.0, 0.0, 2.0]);
+        near(at(FrameKind::Rectangular).point([1.0, 2.0, 3.0]), [2.0, 2.0, 3.0]);
+        near(at(FrameKind::Cylindrical).point([2.0, 90.0, 3.0]), [1.0, 2.0, 3.0]);
+        near(at(FrameKind::Spherical).point([2.0, 90.0, 180.0]), [-1.0, 0.0, 0.0]);
+        near(at(FrameKind::Spherical).point([2.0, 0.0, 17.0]), [1.0, 0.0, 2.0]);
     }
 
     #[test]
     fn directions_follow_the_point() {
-        let frame = Frame::through(Kind::Cylindrical, [0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]).expect("a frame");
+        let frame =
+            Frame::through(FrameKind::Cylindrical, [0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]).expect("a frame");
         let [radial, tangential, axial] = frame.axes_at([0.0, 5.0, 2.0]);
         near(radial, [0.0, 1.0, 0.0]);
         near(tangential, [-1.0, 0.0, 0.0]);
         near(axial, [0.0, 0.0, 1.0]);
         assert_eq!(frame.axes_at([0.0, 0.0, 2.0]), BASIC_AXES);
-        let ball = Frame { kind: Kind::Spherical, ..frame };
+        let ball = Frame { kind: FrameKind::Spherical, ..frame };
         let [radial, theta, phi] = ball.axes_at([0.0, 3.0, 0.0]);
         near(radial, [0.0, 1.0, 0.0]);
         near(theta, [0.0, 0.0, -1.0]);
@@ -149,8 +150,8 @@ mod tests {
     #[test]
     fn axes_are_orthonormal_and_right_handed() {
         let frame =
-            Frame::through(Kind::Rectangular, [1.0, 2.0, 3.0], [4.0, 1.0, 9.0], [0.3, 7.0, 2.0]).expect("a frame");
-        for kind in [Kind::Rectangular, Kind::Cylindrical, Kind::Spherical] {
+            Frame::through(FrameKind::Rectangular, [1.0, 2.0, 3.0], [4.0, 1.0, 9.0], [0.3, 7.0, 2.0]).expect("a frame");
+        for kind in [FrameKind::Rectangular, FrameKind::Cylindrical, FrameKind::Spherical] {
             let [a, b, c] = Frame { kind, ..frame }.axes_at([5.0, -6.0, 7.0]);
             near(cross(a, b), c);
             near(cross(b, c), a);
@@ -159,7 +160,7 @@ mod tests {
 
     #[test]
     fn three_points_in_line_make_no_frame() {
-        let make = |b, c| Frame::through(Kind::Rectangular, [1.0, 1.0, 1.0], b, c);
+        let make = |b, c| Frame::through(FrameKind::Rectangular, [1.0, 1.0, 1.0], b, c);
         assert!(make([1.0, 1.0, 1.0], [2.0, 1.0, 1.0]).is_none());
         assert!(make([2.0, 2.0, 2.0], [-3.0, -3.0, -3.0]).is_none());
         assert!(make([2.0, 2.0, 2.0], [f64::INFINITY, 0.0, 0.0]).is_none());

@@ -1,6 +1,6 @@
 //! Sets of components of a grid point.
 
-/// A set of components 1 to 6 of a grid point. The empty set stands for the `0` of a scalar point.
+/// A set of components 1 to 6 of a grid point. The empty set is component 0 of a scalar point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Components(u8);
 

@@ -3,11 +3,10 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use super::body::clean;
-use super::row::Row;
+use super::body::{CouplingEquation, clean};
 use crate::deck::{CardFault, Dof, Problem};
 
-/// `P A Q = L U`, with the rank found.
+/// Factors `P A Q = L U`, and the rank of A.
 pub struct DenseFactor {
     n: usize,
     rank: usize,
@@ -16,9 +15,9 @@ pub struct DenseFactor {
     columns: Vec<usize>,
 }
 
-/// Pivots below this fraction of the largest entry count as zero.
+/// Pivots up to this fraction of the largest entry count as zero.
 const SINGULAR: f64 = 1e-10;
-/// Largest residual of equations without a pivot, relative to the right-hand side.
+/// Largest residual of equations without a pivot, relative to the largest right-hand side.
 const CONSISTENT: f64 = 1e-9;
 
 impl DenseFactor {
@@ -61,7 +60,7 @@ impl DenseFactor {
         let places = (k..n).flat_map(|i| (k..n).map(move |j| (i, j)));
         let size = |&(i, j): &(usize, usize)| self.lu[i * n + j].abs();
         let Some((row, column)) = places.max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
-        // This also refuses a pivot that is not a number.
+        // A comparison with NaN is false, so this rejects NaN too.
         if size(&(row, column)).partial_cmp(&least) != Some(Ordering::Greater) {
             return false;
         }
@@ -85,13 +84,17 @@ impl DenseFactor {
     }
 }
 
-/// Solves rows for the components `dependent`, one for each row. `size` converts rotations to lengths.
-pub fn solved_for(rows: &[Row], dependent: &[Dof], size: f64) -> Result<Vec<Row>, Problem> {
-    let m = rows.len();
+/// Solves m equations for m dependent components. `size` converts rotations to lengths.
+pub fn solved_for(
+    equations: &[CouplingEquation],
+    dependent: &[Dof],
+    size: f64,
+) -> Result<Vec<CouplingEquation>, Problem> {
+    let m = equations.len();
     if dependent.len() != m {
         return Err(CardFault::UmCount { found: dependent.len(), expected: m }.into());
     }
-    let columns = columns(rows, size);
+    let columns = columns(equations, size);
     let mut matrix = vec![0.0; m * m];
     for (j, dof) in dependent.iter().enumerate() {
         let column = columns.get(dof).ok_or(CardFault::UmSingular)?;
@@ -104,25 +107,25 @@ pub fn solved_for(rows: &[Row], dependent: &[Dof], size: f64) -> Result<Vec<Row>
     let others = columns.iter().filter(|(dof, _)| !dependent.contains(dof));
     let solved: Vec<(Dof, Vec<f64>)> =
         others.map(|(&dof, column)| (dof, factor.solve(column).unwrap_or_default())).collect();
-    Ok((0..m).map(|i| row(i, dependent[i], &solved, size)).collect())
+    Ok((0..m).map(|i| equation(i, dependent[i], &solved, size)).collect())
 }
 
-/// Coefficients of each component in all rows, converted to lengths.
-fn columns(rows: &[Row], size: f64) -> BTreeMap<Dof, Vec<f64>> {
+/// Coefficients of each component in all equations, converted to lengths.
+fn columns(equations: &[CouplingEquation], size: f64) -> BTreeMap<Dof, Vec<f64>> {
     let mut columns = BTreeMap::new();
-    for (i, row) in rows.iter().enumerate() {
-        for &(dof, value) in &row.terms {
-            let column = columns.entry(dof).or_insert_with(|| vec![0.0; rows.len()]);
-            column[i] += value * unit(row.terms[0].0, size) / unit(dof, size);
+    for (i, equation) in equations.iter().enumerate() {
+        for &(dof, value) in &equation.terms {
+            let column = columns.entry(dof).or_insert_with(|| vec![0.0; equations.len()]);
+            column[i] += value * unit(equation.terms[0].0, size) / unit(dof, size);
         }
     }
     columns
 }
 
-fn row(i: usize, dependent: Dof, solved: &[(Dof, Vec<f64>)], size: f64) -> Row {
+fn equation(i: usize, dependent: Dof, solved: &[(Dof, Vec<f64>)], size: f64) -> CouplingEquation {
     let largest = solved.iter().fold(1.0, |m: f64, (_, column)| m.max(column[i].abs()));
     let back = |dof| unit(dof, size) / unit(dependent, size);
-    Row::new(dependent, solved.iter().map(|(dof, column)| (*dof, -clean(column[i], largest) * back(*dof))))
+    CouplingEquation::new(dependent, solved.iter().map(|(dof, column)| (*dof, -clean(column[i], largest) * back(*dof))))
 }
 
 fn unit(dof: Dof, size: f64) -> f64 {
@@ -144,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn singular_systems_are_solved_where_they_can_be() {
+    fn consistent_singular_systems_are_solved() {
         let factor = DenseFactor::new(2, vec![1.0, 2.0, 2.0, 4.0]);
         assert!(!factor.is_regular());
         let x = factor.solve(&[3.0, 6.0]).expect("a solution");

@@ -1,4 +1,5 @@
-//! Equations for points that move together: frames, rigid bodies, rods and weighted means, for decks of all formats.
+//! Equations of points that move together: coordinate frames, rigid elements, rods and weighted means, for decks of all
+//! formats.
 
 pub mod axes;
 pub mod body;
@@ -6,6 +7,4 @@ pub mod components;
 mod dense;
 pub mod mean;
 pub mod rigid;
-pub mod rod;
-pub mod row;
 pub mod vector;

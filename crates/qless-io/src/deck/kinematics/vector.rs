@@ -18,8 +18,8 @@ pub fn plus(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// Difference of two points. A component that is only a rounding error of such coordinates becomes 0, so that points
-/// in one plane stay in it.
+/// Difference of two points. A component that is only a rounding error of the coordinates becomes 0, so that points of
+/// one plane stay in it.
 pub fn minus(a: Vector, b: Vector) -> Vector {
     let rounding = 4.0 * f64::EPSILON * (largest(a) + largest(b));
     std::array::from_fn(|k| {

@@ -1,7 +1,7 @@
 //! Nastran decks, `.bdf`, `.dat`, `.nas`.
 //!
-//! The deck is read once: cards that constrain are kept, all others are skipped. Rigid elements hold in every load case; `MPC` and
-//! `SPC` cards hold in the load cases for which case control selects their set. Equations are homogeneous and use the displacement
+//! The reader keeps cards that constrain and skips all others. Rigid elements hold in every load case; `MPC` and `SPC` cards hold in
+//! the load cases for which case control selects their set. Equations are homogeneous and use the displacement
 //! axes of their grid points, as in Nastran; the first term is the dependent component. The one component of a scalar point is 0.
 //!
 //! | read | cards |
@@ -25,7 +25,7 @@
 //!
 //! Cards that constrain in other ways (such as `RSPLINE`, `CWELD`, superelements) are left out, with a message; the model is then
 //! incomplete. Warnings name sets that no subcase selects, and selected sets that do not exist. A continuation line is found by its
-//! name anywhere in the deck, except for OptiStruct, which takes the next line. Copies by `=` are carried out.
+//! name anywhere in the deck, except for OptiStruct, which takes the next line. Lines that begin with `=` copy the previous card.
 //!
 //! ```
 //! # let place = tempfile::tempdir()?;

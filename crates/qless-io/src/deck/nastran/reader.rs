@@ -34,7 +34,7 @@ impl LineVisitor for NastranReader {
         if self.section != DeckSection::Bulk {
             return Ok(false);
         }
-        // MYSTRAN refuses coefficients that the short way reads.
+        // MYSTRAN refuses coefficients that the fast path accepts.
         if self.cards.bulk.is_mystran && line.text.starts_with(b"MPC") {
             return Ok(false);
         }
@@ -47,7 +47,7 @@ impl LineVisitor for NastranReader {
         match self.section {
             DeckSection::Executive | DeckSection::Control => self.control(line, sources)?,
             DeckSection::Bulk => return self.bulk(line).map_err(|failed| error(failed, sources)),
-            DeckSection::Passed => {
+            DeckSection::Skipped => {
                 let (word, rest) = keyword(line.text);
                 match word.as_str() {
                     "ENDDATA" => return Ok(false),
@@ -81,12 +81,12 @@ impl NastranReader {
             self.landmarks.control.get_or_insert(line.at());
         }
         match word.as_str() {
-            // A second one ends nothing.
+            // A second CEND has no effect.
             "CEND" if self.section == DeckSection::Executive => self.end_executive(line),
             "BEGIN" => self.begin(rest, line),
             _ if self.section == DeckSection::Control => {
                 let read = self.control.get_or_insert_default().line(line);
-                let refused = |problem| CardRefusal { at: line.at(), field: None, problem };
+                let refused = |problem| CardRefusal::of_line(line.at(), problem);
                 read.map_err(|problem| error(NamedRefusal { card: word, refused: refused(problem) }, sources))?;
             }
             _ => {}
@@ -100,7 +100,7 @@ impl NastranReader {
         self.landmarks.control = Some((line.file, line.number + 1));
     }
 
-    /// `BEGIN BULK`, or the part of a superelement.
+    /// `BEGIN BULK`, or `BEGIN` of another section of bulk data.
     fn begin(&mut self, rest: &[u8], line: &DeckLine) {
         let text = String::from_utf8_lossy(rest).trim().to_ascii_uppercase();
         if text.is_empty() || text == "BULK" || text == "BULK SUPER=0" {
@@ -108,7 +108,7 @@ impl NastranReader {
             self.landmarks.bulk.get_or_insert((line.file, line.number + 1));
             return;
         }
-        self.section = DeckSection::Passed;
+        self.section = DeckSection::Skipped;
         let text = format!("BEGIN {text}: this part of the deck is not understood and left out");
         self.cards.bulk.notes.leave_out(line.at(), text);
     }
@@ -166,8 +166,8 @@ pub enum DeckSection {
     /// Up to `BEGIN BULK`.
     Control,
     Bulk,
-    /// Bulk data of a part that this reader does not follow.
-    Passed,
+    /// Bulk data of a superelement or similar, which this reader does not support.
+    Skipped,
 }
 
 /// A deck with neither `CEND` nor `BEGIN BULK`, in the main file or an included one, is bulk data from its first line.
@@ -182,7 +182,7 @@ struct FirstLandmark(DeckSection);
 
 impl LineVisitor for FirstLandmark {
     fn quick(&mut self, line: &DeckLine, _: &Sources) -> Result<bool, DeckError> {
-        // Most lines are grid points and equations.
+        // Most lines are grid points and equations, and neither is a landmark.
         Ok(matches!(line.text.first(), Some(b'G' | b'M')))
     }
 
@@ -198,7 +198,7 @@ impl LineVisitor for FirstLandmark {
 
     fn included(&mut self, _: IncludeLine) {}
 
-    /// Whether it is needed is known when its section is.
+    /// A file of executive control is not needed. Its section is still unknown, so the second reading decides.
     fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError> {
         if matches!(error.problem, Problem::Include { .. }) { Ok(()) } else { Err(error) }
     }

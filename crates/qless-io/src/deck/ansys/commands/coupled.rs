@@ -1,4 +1,4 @@
-//! `CP`: nodes of a set have the same value in one DOF, `u_j - u_1 = 0` for every node j but the first.
+//! `CP`: the nodes of a coupled set have the same value in one component, `u_j - u_1 = 0` for every node j but the first.
 //!
 //! ```text
 //! CP, NSET, Lab, NODE1, NODE2, ... NODE17
@@ -7,7 +7,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered, too_many_taken_away};
+use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered};
 use crate::deck::ansys::model::nodes::AnsysNodes;
 use crate::deck::ansys::model::numbered::NumberedSets;
 use crate::deck::ansys::model::selection::NodeSelection;
@@ -21,13 +21,15 @@ pub struct CoupledSet {
     component: u8,
     nodes: Vec<u32>,
     known: FxHashSet<u32>,
-    /// Where it begins.
+    /// First line.
     pub line: u32,
-    /// Where its last node stands.
+    /// Line of the last node.
     pub last_line: u32,
+    /// Number of nodes that an archive announces.
     promised: Option<usize>,
-    given: usize,
-    /// The first load step that it is solved in.
+    /// Number of nodes read, repeated ones included.
+    count: usize,
+    /// First load step with this version of the set.
     from: StepIndex,
 }
 
@@ -37,27 +39,27 @@ impl StartsAt for CoupledSet {
     }
 }
 
-/// Nodes of sets as they were in earlier load steps, at most: bounds the memory.
+/// Limit on the nodes of earlier versions of sets: bounds the memory.
 const PAST_NODES: usize = 20_000_000;
 
 /// The coupled sets of a deck by their number.
 #[derive(Debug, Default)]
 pub struct CoupledSets {
     pub sets: NumberedSets<CoupledSet>,
-    /// Those of earlier load steps that are gone or have changed since.
+    /// Versions of earlier load steps that were changed or deleted since.
     pub past: Vec<PastVersion<CoupledSet>>,
     past_nodes: usize,
-    /// Load steps solved so far.
+    /// Number of load steps solved so far.
     pub now: StepIndex,
-    /// Sets that commands belong to which are not understood.
+    /// Sets with a command that could not be read.
     unknown: FxHashSet<u32>,
-    /// Why the command read last is left out.
+    /// Reason for leaving out the last command, if it was.
     pub doubt: Option<String>,
-    left: SearchBudget,
+    budget: SearchBudget,
 }
 
 impl CoupledSets {
-    /// `CP` in either spelling; returns the number of the set, none if the command is left out.
+    /// `CP` in either form; returns the number of the set, or `None` if the command is left out.
     pub fn read(
         &mut self,
         command: &AnsysCommand,
@@ -73,24 +75,24 @@ impl CoupledSets {
                 None => {
                     "CP couples all DOFs that the elements have, which this reader does not know: left out".to_owned()
                 }
-                Some(number) => format!("CP {number} has nodes that are not understood: all of it is left out"),
+                Some(number) => format!("CP {number} has a command that could not be read: the whole set is left out"),
             });
             return Ok(None);
         };
-        let word = named(command, 3);
+        let word = group_word(command, 3);
         let members = word.as_deref().map(|word| selection.members(word, nodes));
         if let (Some(word), Some(None)) = (&word, &members) {
-            self.doubt = Some(format!("CP couples the nodes {word}, which this reader does not follow: left out"));
+            self.doubt = Some(format!("CP couples the nodes {word}, which this reader does not know: left out"));
             self.leave_out(command);
             return Ok(None);
         }
-        let mut left = self.left.0;
+        let mut budget = self.budget;
         let set = self.open(command, number, 2)?;
         match members.flatten() {
             Some(members) => members.into_iter().for_each(|node| set.include(node)),
-            None => set.add(command, 3, &mut left)?,
+            None => set.add(command, 3, &mut budget)?,
         }
-        self.left.0 = left;
+        self.budget = budget;
         Ok(Some(number))
     }
 
@@ -99,10 +101,10 @@ impl CoupledSets {
         if command.is(1, "ALL") {
             self.unknown.clear();
         }
-        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.left)
+        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
     }
 
-    /// A set that a command belongs to which is not understood is left out, with all that is said of it elsewhere.
+    /// Leaves out the set of a command that could not be read, and all its other commands.
     pub fn leave_out(&mut self, command: &AnsysCommand) {
         let number = match command.archive_tag() {
             Some(_) => whole(command.field(3)),
@@ -115,13 +117,13 @@ impl CoupledSets {
         }
     }
 
-    /// Keeps a set for the load steps up to now, before it changes.
+    /// Keeps the present version of a set for earlier load steps, before a change.
     fn keep(&mut self, number: u32) -> Result<(), FieldFault> {
         let now = self.now;
         let Some(set) = self.sets.get_mut(number).filter(|set| set.from < now) else { return Ok(()) };
         self.past_nodes += set.nodes.len() + 1;
         if self.past_nodes > PAST_NODES {
-            let advice = "make a deck of each load step";
+            let advice = "make a deck for each load step";
             let what = "the number of nodes in coupled sets of earlier load steps";
             return Err((None, Problem::Limit { what, limit: PAST_NODES, advice }));
         }
@@ -130,30 +132,30 @@ impl CoupledSets {
         Ok(())
     }
 
-    /// The first set with fewer nodes than its archive promises.
+    /// The first set with fewer nodes than its archive announces.
     pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
         self.sets.iter().find_map(|(number, set)| {
-            let promised = set.promised.filter(|&promised| promised > set.given)?;
-            Some((number, set.line, Problem::TooFew { what: "nodes", promised, found: set.given }))
+            let promised = set.promised.filter(|&promised| promised > set.count)?;
+            Some((number, set.line, Problem::TooFew { what: "nodes", promised, found: set.count }))
         })
     }
 
-    /// Every line repeats the head and adds nodes until all are there.
+    /// A line of an archive; every line of a set repeats the first fields and adds nodes.
     fn archive(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let promised = whole(command.field(2)).ok_or_else(|| expected(command, 2, "the number of nodes"))? as usize;
         let number = whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of the coupled set"))?;
-        let mut left = self.left.0;
+        let mut budget = self.budget;
         let set = self.open(command, number, 4)?;
         set.promised = Some(promised);
-        set.add(command, 5, &mut left)?;
-        if set.given > promised {
+        set.add(command, 5, &mut budget)?;
+        if set.count > promised {
             return Err(expected(command, 2, "as many nodes as promised"));
         }
-        self.left.0 = left;
+        self.budget = budget;
         Ok(number)
     }
 
-    /// The set of this number, with the label in field `at`, which may be left out where the set is known.
+    /// The set of this number, created if necessary. Field `at` is its label, which may be blank for an existing set.
     fn open(&mut self, command: &AnsysCommand, number: u32, at: usize) -> Result<&mut CoupledSet, FieldFault> {
         let known = self.sets.get_mut(number).is_some();
         let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };
@@ -167,42 +169,38 @@ impl CoupledSets {
 }
 
 impl CoupledSet {
-    /// The equations of the set; the DOF that the first node keeps is the last term of each.
+    /// The equations of the set; the DOF of the first node is the last term of each.
     pub fn equations(&self) -> impl Iterator<Item = [(Dof, f64); 2]> + '_ {
         let dof = |node: u32| Dof { node, component: self.component };
         let first = self.nodes.first().copied().unwrap_or_default();
         self.nodes.iter().skip(1).map(move |&node| [(dof(node), 1.0), (dof(first), -1.0)])
     }
 
-    fn add(&mut self, command: &AnsysCommand, from: usize, left: &mut usize) -> Result<(), FieldFault> {
+    fn add(&mut self, command: &AnsysCommand, from: usize, budget: &mut SearchBudget) -> Result<(), FieldFault> {
         for at in (from..=command.fields.len()).filter(|&at| !is_nothing(command, at)) {
-            let (node, takes_away) = signed_node(command, at)?;
-            if takes_away {
-                *left = left.checked_sub(self.nodes.len()).ok_or((Some(at), too_many_taken_away()))?;
-                self.take_away(node);
+            let (node, is_removed) = signed_node(command, at)?;
+            if !is_removed {
+                self.include(node);
                 continue;
             }
-            self.include(node);
+            budget.spend(self.nodes.len()).map_err(|problem| (Some(at), problem))?;
+            if self.known.remove(&node) {
+                self.nodes.retain(|&known| known != node);
+            }
         }
         Ok(())
     }
 
     fn include(&mut self, node: u32) {
-        self.given += 1;
+        self.count += 1;
         if self.known.insert(node) {
             self.nodes.push(node);
         }
     }
-
-    fn take_away(&mut self, node: u32) {
-        if self.known.remove(&node) {
-            self.nodes.retain(|&known| known != node);
-        }
-    }
 }
 
-/// A word where a node should stand: `ALL`, `P` or the name of a component.
-fn named(command: &AnsysCommand, at: usize) -> Option<String> {
+/// A word in place of a node: `ALL`, `P` or the name of a component.
+fn group_word(command: &AnsysCommand, at: usize) -> Option<String> {
     let text = command.field(at);
     let starts = text.first().is_some_and(u8::is_ascii_alphabetic);
     starts.then(|| String::from_utf8_lossy(&text[..text.len().min(32)]).into_owned())

@@ -1,4 +1,4 @@
-//! Element types that constrain by equations of their own, which no deck lists.
+//! Element types. Some of them impose equations that the deck does not list.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -14,39 +14,40 @@ const PLANE: [u32; 59] = [
     273, 292, 293, 110, 129, 9, 12, 26, 48,
 ];
 
-/// Elements of models of either kind.
+/// Elements of plane and of spatial models.
 const EITHER: [u32; 15] = [7, 14, 21, 27, 37, 38, 39, 40, 50, 71, 94, 116, 124, 175, 200];
 
-/// Types of contact elements met so far; an option of theirs ties by equations.
+/// Element types of a deck.
 #[derive(Debug, Default)]
 pub struct ElementTypes {
+    /// Numbers of contact types: KEYOPT(2) = 2 makes them impose equations.
     contact: FxHashSet<u32>,
-    /// Whether types by their number are those of plane models.
+    /// Whether a type is of plane models, by its number.
     plane: FxHashMap<u32, bool>,
-    /// Whether lines of data are rows of `ETBLOCK`.
+    /// Whether data lines are rows of `ETBLOCK`.
     pub in_block: bool,
 }
 
 impl ElementTypes {
-    /// Whether the model is plane: it has elements of plane models and none of others.
+    /// Whether the model is plane: it has plane elements and no spatial ones.
     pub fn are_plane(&self) -> bool {
         !self.plane.is_empty() && self.plane.values().all(|is_plane| *is_plane)
     }
 
-    /// `ET, ITYPE, Ename`: a warning for elements that constrain.
+    /// `ET, ITYPE, Ename`; returns a warning if such elements impose equations.
     pub fn element_type(&mut self, command: &AnsysCommand) -> Option<&'static str> {
         let name = command.field(2);
         let digits = name.iter().rposition(|byte| !byte.is_ascii_digit()).map_or(name, |at| &name[at + 1..]);
         self.add(whole(command.field(1))?, whole(digits)?)
     }
 
-    /// `KEYOPT, ITYPE, KNUM, VALUE`: a warning for contact by equations.
+    /// `KEYOPT, ITYPE, KNUM, VALUE`; returns a warning if contact imposes equations.
     pub fn option(&self, command: &AnsysCommand) -> Option<&'static str> {
         let of_contact = whole(command.field(1)).is_some_and(|number| self.contact.contains(&number));
         (of_contact && command.is(2, "2") && command.is(3, "2")).then_some(CONTACT)
     }
 
-    /// A row of `ETBLOCK`: the type's number, the element's, then its options from the first on.
+    /// A row of `ETBLOCK`: number of the type, number of the element, then KEYOPT(1), KEYOPT(2), ...
     pub fn row(&mut self, line: &[u8]) -> Option<&'static str> {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let (number, element) = (whole(words.next()?)?, whole(words.next()?)?);

@@ -1,4 +1,4 @@
-//! `CE`: `CONST = sum of C_i U_i`, as commands that add terms and as an archive writes it.
+//! `CE`: the equation `CONST = sum of C_i U_i`, as commands that add terms, and in the format of archives.
 //!
 //! ```text
 //! CE, NEQN, CONST, NODE1, Lab1, C1, NODE2, Lab2, C2, NODE3, Lab3, C3
@@ -10,7 +10,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered, too_many_taken_away};
+use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered};
 use crate::deck::ansys::model::numbered::NumberedSets;
 use crate::deck::ansys::model::terms::{OwnedTerms, TermStore};
 use crate::deck::ansys::syntax::archive::{ArchiveStatement, DofCoefficient};
@@ -22,20 +22,21 @@ use crate::number;
 /// One equation.
 #[derive(Debug, Default)]
 pub struct CeEquation {
-    /// DOFs and coefficients, none of them zero.
+    /// Terms with nonzero coefficients.
     pub terms: OwnedTerms,
     /// The right-hand side.
     pub constant: f64,
-    /// Where it begins.
+    /// First line.
     pub line: u32,
-    /// Where its last term stands.
+    /// Line of the last term.
     pub last_line: u32,
-    /// Terms that an archive promises, and those it has given.
+    /// Number of terms that an archive announces.
     promised: Option<u32>,
-    given: u32,
-    /// The first load step that it is solved in.
+    /// Number of terms read, those with coefficient 0 included.
+    count: u32,
+    /// First load step with this version of the equation.
     from: StepIndex,
-    /// One more than the index of the region that made it; 0 if none did.
+    /// One more than the index of the region that generated the equation; 0 for other equations.
     region: u32,
 }
 
@@ -45,20 +46,20 @@ impl StartsAt for CeEquation {
     }
 }
 
-/// What made equations of its own: `CERIG` or `RBE3`.
+/// A region: a `CERIG` or `RBE3` command, which generates equations.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeRegion {
-    /// The command.
+    /// Name of the command.
     pub name: &'static str,
-    /// The node that it is about.
+    /// Master node.
     pub node: u32,
     pub line: u32,
-    /// The numbers of its equations.
+    /// First and last number of its equations.
     pub first: u32,
     pub last: u32,
 }
 
-/// Terms of equations as they were in earlier load steps, at most: bounds the memory.
+/// Limit on the terms of earlier versions of equations: bounds the memory.
 const PAST_TERMS: usize = 20_000_000;
 
 /// The equations of a deck by their number.
@@ -66,27 +67,27 @@ const PAST_TERMS: usize = 20_000_000;
 pub struct CeEquations {
     pub sets: NumberedSets<CeEquation>,
     pub terms: TermStore,
-    /// Those of earlier load steps that are gone or have changed since.
+    /// Versions of earlier load steps that were changed or deleted since.
     pub past: Vec<PastVersion<CeEquation>>,
     past_terms: usize,
     pub regions: Vec<NodeRegion>,
-    /// Load steps solved so far.
+    /// Number of load steps solved so far.
     pub now: StepIndex,
-    /// Equations that commands belong to which are not understood.
+    /// Equations with a command that could not be read.
     unknown: FxHashSet<u32>,
-    /// The highest number that any command names, understood or not.
+    /// Highest number of an equation that is left out.
     pub reserved: u32,
-    /// The number of the archive's equation that is being defined.
+    /// Number of the equation that an archive is defining.
     open: u32,
-    /// What should be said about the command read last.
+    /// Remark about the last command.
     pub remark: Option<String>,
-    /// Why what it constrains is not known for sure.
+    /// Reason why the effect of the last command is uncertain.
     pub doubt: Option<String>,
-    left: SearchBudget,
+    budget: SearchBudget,
 }
 
 impl CeEquations {
-    /// `CE` in either spelling; returns the equation's number.
+    /// `CE` in either form; returns the number of the equation.
     pub fn read(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         if command.archive_tag().is_none() {
             return self.command(command);
@@ -98,7 +99,7 @@ impl CeEquations {
         }
     }
 
-    /// `CECMOD, NEQN, CONST`: another constant.
+    /// `CECMOD, NEQN, CONST` changes the constant.
     pub fn change_constant(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let number = whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of an equation"))?;
         let constant = real(command, 2)?;
@@ -115,13 +116,13 @@ impl CeEquations {
     pub fn delete(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         if command.is(1, "ALL") {
             self.unknown.clear();
-        } else if whole(command.field(1)).is_some_and(|number| self.is_made(number)) {
+        } else if whole(command.field(1)).is_some_and(|number| self.is_generated(number)) {
             self.remark_region(whole(command.field(1)).unwrap_or_default());
         }
-        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.left)
+        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
     }
 
-    /// An equation that a command belongs to which is not understood is left out, with all that is said of it elsewhere.
+    /// Leaves out the equation of a command that could not be read, and all its other commands.
     pub fn leave_out(&mut self, command: &AnsysCommand) {
         let archived = command.archive_tag().is_some();
         let number = match (archived, command.is(2, "NODE")) {
@@ -136,50 +137,52 @@ impl CeEquations {
         self.unknown.insert(number);
     }
 
-    /// Adds the equations of a region, numbered from the highest on.
+    /// Adds the equations of a region, numbered above the highest number. Returns the index of the region.
     pub fn region(
         &mut self,
         name: &'static str,
         node: u32,
         line: u32,
-        rows: impl ExactSizeIterator<Item = Vec<DofCoefficient>>,
+        equations: impl ExactSizeIterator<Item = Vec<DofCoefficient>>,
     ) -> Result<Option<usize>, Problem> {
         let advice = "number the equations from 1";
         let limit = Problem::Limit { what: "the number of equations", limit: u32::MAX as usize, advice };
         let first = self.sets.highest().unwrap_or(0).checked_add(1).ok_or(limit.clone())?;
-        let count = u32::try_from(rows.len()).map_err(|_| limit.clone())?;
+        let count = u32::try_from(equations.len()).map_err(|_| limit.clone())?;
         let Some(last) = count.checked_sub(1) else { return Ok(None) };
         let last = first.checked_add(last).ok_or(limit)?;
         self.regions.push(NodeRegion { name, node, line, first, last });
         let (region, from) = (self.regions.len() as u32, self.now);
-        for (number, row) in (first..).zip(rows) {
+        for (number, terms) in (first..).zip(equations) {
             let mut equation = CeEquation { line, last_line: line, from, region, ..CeEquation::default() };
-            row.into_iter().for_each(|term| equation.add(term, &mut self.terms));
+            terms.into_iter().for_each(|term| equation.add(term, &mut self.terms));
             self.unknown.remove(&number);
             self.sets.insert(number, equation);
         }
         Ok(Some(self.regions.len() - 1))
     }
 
-    fn is_made(&mut self, number: u32) -> bool {
+    fn is_generated(&mut self, number: u32) -> bool {
         self.sets.get_mut(number).is_some_and(|equation| equation.region > 0)
     }
 
-    /// Which equation of a region has which number is written nowhere.
+    /// The program does not document how it numbers the equations of a region.
     fn remark_region(&mut self, number: u32) {
-        if self.is_made(number) {
-            let text = format!("CE {number} is one that CERIG or RBE3 makes: which one is taken to be by its order");
+        if self.is_generated(number) {
+            let text = format!(
+                "CE {number} is generated by CERIG or RBE3: this reader numbers such equations in the order of the nodes"
+            );
             self.doubt = Some(text);
         }
     }
 
-    /// Keeps an equation for the load steps up to now, before it changes.
+    /// Keeps the present version of an equation for earlier load steps, before a change.
     fn keep(&mut self, number: u32) -> Result<(), FieldFault> {
         let now = self.now;
         let Some(equation) = self.sets.get_mut(number).filter(|equation| equation.from < now) else { return Ok(()) };
         self.past_terms += self.terms.count(&equation.terms) + 1;
         if self.past_terms > PAST_TERMS {
-            let advice = "make a deck of each load step";
+            let advice = "make a deck for each load step";
             let what = "the number of terms of earlier load steps";
             return Err((None, Problem::Limit { what, limit: PAST_TERMS, advice }));
         }
@@ -190,11 +193,11 @@ impl CeEquations {
         Ok(())
     }
 
-    /// The first equation with another number of terms than its archive promises.
+    /// The first equation with fewer terms than its archive announces.
     pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
         self.sets.iter().find_map(|(number, equation)| {
-            let promised = equation.promised.filter(|&promised| promised > equation.given)? as usize;
-            let found = equation.given as usize;
+            let promised = equation.promised.filter(|&promised| promised > equation.count)? as usize;
+            let found = equation.count as usize;
             Some((number, equation.line, Problem::TooFew { what: "terms", promised, found }))
         })
     }
@@ -202,7 +205,8 @@ impl CeEquations {
     fn command(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let number = numbered(command, 1, &self.sets)?;
         if self.unknown.contains(&number) {
-            self.doubt = Some(format!("CE {number} has terms that are not understood: all of it is left out"));
+            self.doubt =
+                Some(format!("CE {number} has a command that could not be read: the whole equation is left out"));
             return Ok(number);
         }
         self.keep(number)?;
@@ -226,7 +230,7 @@ impl CeEquations {
             return Err(expected(command, beyond + 12, "no more than 3 terms in a command (repeat it to add terms)"));
         }
         for at in [3, 6, 9] {
-            equation.term(command, at, &mut self.terms, &mut self.left.0)?;
+            equation.term(command, at, &mut self.terms, &mut self.budget)?;
         }
         Ok(number)
     }
@@ -234,7 +238,7 @@ impl CeEquations {
     fn define(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let promised = number::whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of terms"))?;
         let number = whole(command.field(4)).ok_or_else(|| expected(command, 4, "the number of the equation"))?;
-        // No deck has as many as are too many to be counted.
+        // No deck has more terms than u32 can count.
         let promised = u32::try_from(promised).unwrap_or(u32::MAX);
         self.keep(number)?;
         self.open(promised, number, real(command, 5)?, command.line);
@@ -253,21 +257,18 @@ impl CeEquations {
         self.open = number;
     }
 
-    /// Takes what a line of an archive says; false where it has to be read the long way.
-    pub fn quick(&mut self, says: &ArchiveStatement, line: u32) -> bool {
-        match says {
+    /// Takes a statement of the fast path; returns false if the line must take the general path.
+    pub fn quick(&mut self, statement: &ArchiveStatement, line: u32) -> bool {
+        match statement {
             ArchiveStatement::Define(promised, number, constant) => self.open(*promised, *number, *constant, line),
             ArchiveStatement::Terms(first, second) => {
                 let Some(equation) = self.sets.last_mut(self.open) else { return false };
-                let given = equation.given + 1 + u32::from(second.is_some());
-                if equation.promised.is_some_and(|promised| given > promised) {
+                let count = equation.count + 1 + u32::from(second.is_some());
+                if equation.promised.is_some_and(|promised| count > promised) {
                     return false;
                 }
                 equation.last_line = line;
-                [Some(first), second.as_ref()]
-                    .into_iter()
-                    .flatten()
-                    .for_each(|term| equation.add(*term, &mut self.terms));
+                std::iter::once(first).chain(second).for_each(|term| equation.add(*term, &mut self.terms));
             }
         }
         true
@@ -275,7 +276,8 @@ impl CeEquations {
 
     fn nodes(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         if self.unknown.contains(&self.open) {
-            self.doubt = Some(format!("CE {} has terms that are not understood: all of it is left out", self.open));
+            self.doubt =
+                Some(format!("CE {} has a command that could not be read: the whole equation is left out", self.open));
             return Ok(self.open);
         }
         let Some(equation) = self.sets.get_mut(self.open) else {
@@ -283,10 +285,10 @@ impl CeEquations {
         };
         equation.last_line = command.line;
         for at in (3..=command.fields.len()).step_by(3) {
-            let before = equation.given;
-            equation.term(command, at, &mut self.terms, &mut self.left.0)?;
-            let is_beyond = |promised| equation.given > promised;
-            if equation.given > before && equation.promised.is_some_and(is_beyond) {
+            let before = equation.count;
+            equation.term(command, at, &mut self.terms, &mut self.budget)?;
+            let is_beyond = |promised| equation.count > promised;
+            if equation.count > before && equation.promised.is_some_and(is_beyond) {
                 return Err(expected(command, at, "no more terms than DEFI promises"));
             }
         }
@@ -295,27 +297,27 @@ impl CeEquations {
 }
 
 impl CeEquation {
-    /// The index of the region that made it.
+    /// Index of the region that generated the equation.
     pub fn region(&self) -> Option<usize> {
         self.region.checked_sub(1).map(|region| region as usize)
     }
 
-    /// The term `node, label, coefficient` from field `at` on. Zero coefficients make none; a negative node takes its term away.
+    /// Reads the term `node, label, coefficient` from field `at` on. A negative node removes the terms of its DOF.
     fn term(
         &mut self,
         command: &AnsysCommand,
         at: usize,
         terms: &mut TermStore,
-        left: &mut usize,
+        budget: &mut SearchBudget,
     ) -> Result<(), FieldFault> {
         if is_nothing(command, at) && command.field(at + 1).is_empty() && is_zero(command, at + 2) {
             return Ok(());
         }
-        let (node, takes_away) = signed_node(command, at)?;
+        let (node, is_removed) = signed_node(command, at)?;
         let dof = Dof { node, component: component(command, at + 1)? };
         let coefficient = real(command, at + 2)?;
-        if takes_away {
-            *left = left.checked_sub(terms.count(&self.terms)).ok_or((Some(at), too_many_taken_away()))?;
+        if is_removed {
+            budget.spend(terms.count(&self.terms)).map_err(|problem| (Some(at), problem))?;
             terms.remove(&mut self.terms, dof);
             return Ok(());
         }
@@ -324,14 +326,14 @@ impl CeEquation {
     }
 
     fn add(&mut self, term: DofCoefficient, terms: &mut TermStore) {
-        self.given += 1;
+        self.count += 1;
         if term.1 != 0.0 {
             terms.push(&mut self.terms, term);
         }
     }
 }
 
-/// Whether field `at` is empty or a zero; a malformed one is not.
+/// Whether field `at` is empty or 0; false for a malformed number.
 fn is_zero(command: &AnsysCommand, at: usize) -> bool {
     real(command, at).is_ok_and(|value| value == 0.0)
 }

@@ -1,16 +1,26 @@
-//! What equations and coupled sets share: numbers, given or `HIGH` or `NEXT`, and a limit on searches.
+//! Numbers, deletion and earlier versions of equations and coupled sets.
 
 use crate::deck::Problem;
 use crate::deck::ansys::model::numbered::NumberedSets;
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{FieldFault, expected, range, whole};
 
-/// Terms or nodes that may still be gone through to find those that are taken away.
-#[derive(Debug)]
-pub struct SearchBudget(pub usize);
+/// Number of terms or nodes that searches for removed ones may still visit.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchBudget(usize);
 
-/// Enough for any deck; bounds the time that a hostile one takes.
+/// Enough for any deck; bounds the time for a hostile one.
 const SEARCHES: usize = 500_000_000;
+
+impl SearchBudget {
+    /// Takes the visits of one search from the budget.
+    pub fn spend(&mut self, visits: usize) -> Result<(), Problem> {
+        let advice = "do not add what is removed again";
+        let limit = Problem::Limit { what: "the work to remove terms or nodes", limit: SEARCHES, advice };
+        self.0 = self.0.checked_sub(visits).ok_or(limit)?;
+        Ok(())
+    }
+}
 
 impl Default for SearchBudget {
     fn default() -> Self {
@@ -21,7 +31,7 @@ impl Default for SearchBudget {
 /// A load step, counted from 0.
 pub type StepIndex = u32;
 
-/// What held up to a load step.
+/// The version of an equation or set that held up to load step `last`.
 #[derive(Debug)]
 pub struct PastVersion<T> {
     pub number: u32,
@@ -29,20 +39,19 @@ pub struct PastVersion<T> {
     pub value: T,
 }
 
-/// What exists from a load step on.
+/// An equation or set whose present version holds from a load step on.
 pub trait StartsAt {
-    /// The first load step that it is solved in.
+    /// First load step of the version.
     fn from(&self) -> StepIndex;
 }
 
-/// Takes away the sets `first, last, step` of a command from field 1 on, or `ALL` of them; those that held in a load step before `now`
-/// are kept for it.
+/// Deletes `first, last, step` (fields 1 to 3) or `ALL`. Versions that held in a load step before `now` are added to `past`.
 pub fn delete<T: StartsAt>(
     command: &AnsysCommand,
     sets: &mut NumberedSets<T>,
     past: &mut Vec<PastVersion<T>>,
     now: StepIndex,
-    left: &mut SearchBudget,
+    budget: &mut SearchBudget,
 ) -> Result<(), FieldFault> {
     let (first, last, step) = if command.is(1, "ALL") {
         (1, u32::MAX, 1)
@@ -55,18 +64,12 @@ pub fn delete<T: StartsAt>(
         return Ok(());
     }
     let numbers = sets.within(first..=last);
-    left.0 = left.0.checked_sub(numbers.len()).ok_or((None, too_many_taken_away()))?;
+    budget.spend(numbers.len()).map_err(|problem| (None, problem))?;
     for number in numbers.into_iter().filter(|number| (number - first).is_multiple_of(step)) {
-        let gone = sets.remove(number).filter(|value| value.from() < now);
-        past.extend(gone.map(|value| PastVersion { number, last: now - 1, value }));
+        let deleted = sets.remove(number).filter(|value| value.from() < now);
+        past.extend(deleted.map(|value| PastVersion { number, last: now - 1, value }));
     }
     Ok(())
-}
-
-/// What is wrong where there are no more.
-pub fn too_many_taken_away() -> Problem {
-    let advice = "leave out what is taken away again";
-    Problem::Limit { what: "the work of taking terms or nodes away", limit: SEARCHES, advice }
 }
 
 /// The number in field `at`: `n`, `HIGH` (the highest so far; also where the field is empty) or `NEXT` (one above).

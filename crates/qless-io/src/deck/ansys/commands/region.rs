@@ -1,12 +1,12 @@
-//! `CERIG` and `RBE3`: equations that the program makes of where nodes are.
+//! `CERIG` and `RBE3`: equations that the program generates from the positions of nodes.
 //!
 //! ```text
 //! CERIG, MASTE, SLAVE, Ldof, Ldof2, ... Ldof5       slave = master + rotation x arm, for each label
 //! RBE3,  MASTER, DOF, Slaves, Wtfact                master = weighted mean of the slaves' translations
 //! ```
 //!
-//! In plane models UX, UY and ROTZ are all that there is. Equations are along the axes of the nodes, and hold for every small motion
-//! of the region as one body. The program numbers them from the highest on.
+//! Plane models have only UX, UY and ROTZ. The components are along the axes of the nodes, and every small rigid motion of the
+//! region satisfies the equations. The program numbers them above the highest number.
 
 use crate::deck::ansys::model::nodes::AnsysNodes;
 use crate::deck::ansys::model::selection::NodeSelection;
@@ -14,31 +14,31 @@ use crate::deck::ansys::syntax::archive::DofCoefficient;
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{FieldFault, expected, whole};
 use crate::deck::ansys::syntax::parameters::ApdlParameters;
+use crate::deck::kinematics::body::CouplingEquation;
 use crate::deck::kinematics::components::Components;
-use crate::deck::kinematics::mean::{Group, Mean};
-use crate::deck::kinematics::rigid::Rigid;
-use crate::deck::kinematics::row::Row;
+use crate::deck::kinematics::mean::{MeanElement, WeightedNodes};
+use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::{CardFault, Problem};
 
-/// Equations of a region at most: bounds the memory.
+/// Limit on the equations of a region: bounds the memory.
 const EQUATIONS: usize = 5_000_000;
-/// Terms of an `RBE3` at most, each of which is in all of its equations.
+/// Limit on the slaves of an `RBE3`, each of which occurs in all of its equations.
 const SLAVES: usize = 500_000;
 
-/// Arms as long as this, of which the translation beside them is the rounding.
+/// Limit on coefficients: beside a longer arm, the coefficient 1 of a translation is a rounding error.
 const ARM: f64 = 1e15;
 
-/// The equations that a command makes, or why there are none.
+/// The equations of a region, or why there are none.
 pub enum RegionOutcome {
-    /// Those of a region about this node.
-    Rows(u32, Vec<Vec<DofCoefficient>>),
-    /// None in the program either.
+    /// The master node, and the equations.
+    Equations(u32, Vec<Vec<DofCoefficient>>),
+    /// The program ignores the command, too.
     Ignored(String),
-    /// What it constrains is not known.
+    /// This reader does not know the equations.
     LeftOut(String),
 }
 
-/// What such a command is read with.
+/// State of the reader that `CERIG` and `RBE3` need.
 pub struct RegionContext<'a> {
     pub nodes: &'a AnsysNodes,
     pub selection: &'a NodeSelection,
@@ -53,35 +53,34 @@ impl RegionContext<'_> {
         let master = node(command)?;
         let slaves = match whole(command.field(2)) {
             Some(slave) => vec![slave],
-            None => match self.named(command.field(2)) {
+            None => match self.members(command.field(2)) {
                 Some(slaves) => slaves,
-                None => return Ok(not_followed(command, 2)),
+                None => return Ok(unknown_name(command, 2)),
             },
         };
-        let dependent: Vec<_> = slaves.into_iter().filter(|slave| *slave != master).map(|slave| (slave, set)).collect();
+        let dependent: Vec<u32> = slaves.into_iter().filter(|slave| *slave != master).collect();
         if dependent.is_empty() {
             return Ok(RegionOutcome::Ignored(
-                "CERIG names no node but its master: no equations come of it".to_owned(),
+                "CERIG names no node but its master, so it makes no equations".to_owned(),
             ));
         }
         if dependent.len().saturating_mul(set.len()) > EQUATIONS {
-            let advice = "make several regions of it";
+            let advice = "split the region";
             return Err((None, Problem::Limit { what: "the number of equations", limit: EQUATIONS, advice }));
         }
-        let rigid = Rigid { independent: vec![(master, Components::ALL)], dependent };
-        Ok(made(master, rigid.rows(self.nodes)))
+        Ok(outcome(master, RigidElement::about(master, dependent, set).equations(self.nodes)))
     }
 
-    /// `RBE3`; slaves and weights are elements of arrays.
+    /// `RBE3`; slaves and weights may be arrays.
     pub fn mean(&self, command: &AnsysCommand) -> Result<RegionOutcome, FieldFault> {
         let Some(components) = self.labels(command, &[2])? else { return Err(no_label(command, 2)) };
         let reference = node(command)?;
-        let Some(slaves) = self.slaves(command.field(3)) else { return Ok(not_followed(command, 3)) };
+        let Some(slaves) = self.slaves(command.field(3)) else { return Ok(unknown_name(command, 3)) };
         let weights = match command.field(4) {
             b"" => None,
             text => match self.parameters.elements(text) {
                 Some(weights) => Some(weights),
-                None => return Ok(not_followed(command, 4)),
+                None => return Ok(unknown_name(command, 4)),
             },
         };
         if slaves.len() > SLAVES {
@@ -93,36 +92,35 @@ impl RegionContext<'_> {
         let translations = if self.is_plane { "12" } else { "123" };
         let translations = Components::parse(translations.as_bytes()).unwrap_or_default();
         let weight = |k: usize| weights.map_or(1.0, |weights| weights.get(k).copied().unwrap_or(0.0));
-        let group = |(k, node): (usize, u32)| Group { weight: weight(k), components: translations, nodes: vec![node] };
-        let groups: Vec<Group> =
+        let group =
+            |(k, node): (usize, u32)| WeightedNodes { weight: weight(k), components: translations, nodes: vec![node] };
+        let groups: Vec<WeightedNodes> =
             slaves.into_iter().enumerate().map(group).filter(|group| group.weight != 0.0).collect();
         if groups.iter().any(|group| !(group.weight > 0.0 && group.weight.is_finite())) {
-            return Ok(RegionOutcome::LeftOut(
-                "RBE3 has weights below zero, or that are not known: left out".to_owned(),
-            ));
+            return Ok(RegionOutcome::LeftOut("RBE3 has negative or unknown weights: left out".to_owned()));
         }
-        let mean = Mean { reference, components, groups, dependent: Vec::new() };
-        let rows = mean.rows(self.nodes);
-        if let Err(Problem::Card(CardFault::MeanUndetermined { .. })) = rows {
-            let text = "RBE3 is ignored, as the program does: its slaves do not determine the motion of the master, as where they are in line";
+        let mean = MeanElement { reference, components, groups, dependent: Vec::new() };
+        let equations = mean.equations(self.nodes);
+        if let Err(Problem::Card(CardFault::MeanUndetermined { .. })) = equations {
+            let text = "RBE3 is ignored, as in the program: its slaves, if they are in line for example, do not determine the master";
             return Ok(RegionOutcome::Ignored(text.to_owned()));
         }
-        Ok(made(reference, rows))
+        Ok(outcome(reference, equations))
     }
 
-    /// The nodes of an array, zeros left out where they end it, or those selected.
+    /// The nodes of an array up to its first 0, or the nodes that a word names; `None` if they are unknown.
     fn slaves(&self, text: &[u8]) -> Option<Vec<u32>> {
-        let Some(elements) = self.parameters.elements(text) else { return self.named(text) };
-        let given = elements.iter().take_while(|value| **value != 0.0);
-        given.map(|value| (1.0..4e9).contains(value).then(|| value.round() as u32)).collect()
+        let Some(elements) = self.parameters.elements(text) else { return self.members(text) };
+        let nodes = elements.iter().take_while(|value| **value != 0.0);
+        nodes.map(|value| (1.0..4e9).contains(value).then(|| value.round() as u32)).collect()
     }
 
-    fn named(&self, word: &[u8]) -> Option<Vec<u32>> {
+    fn members(&self, word: &[u8]) -> Option<Vec<u32>> {
         let members = self.selection.members(&String::from_utf8_lossy(word), self.nodes)?;
         Some(members.into_iter().collect())
     }
 
-    /// The components of labels; `ALL` where the first is left out. None where there is no such label.
+    /// The components of labels; all if the first field is blank. `None` if the model has none of them.
     fn labels(&self, command: &AnsysCommand, at: &[usize]) -> Result<Option<Components>, FieldFault> {
         let mut digits = String::new();
         for (k, &at) in at.iter().enumerate() {
@@ -150,29 +148,28 @@ fn node(command: &AnsysCommand) -> Result<u32, FieldFault> {
     whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of a node"))
 }
 
-fn made(node: u32, rows: Result<Vec<Row>, Problem>) -> RegionOutcome {
-    let rows = match rows {
-        Ok(rows) => rows,
+fn outcome(node: u32, equations: Result<Vec<CouplingEquation>, Problem>) -> RegionOutcome {
+    let equations = match equations {
+        Ok(equations) => equations,
         Err(problem) => {
             return RegionOutcome::LeftOut(format!(
                 "the equations of the region about node {node} are not known: {problem}: left out"
             ));
         }
     };
-    let finite = |row: &Row| row.terms.iter().all(|(_, value)| value.abs() < ARM);
-    if !rows.iter().all(finite) {
+    if !equations.iter().flat_map(|equation| &equation.terms).all(|(_, value)| value.abs() < ARM) {
         return RegionOutcome::LeftOut(format!(
-            "nodes of the region about node {node} are too far apart for numbers: left out"
+            "nodes of the region about node {node} are too far apart for 64-bit numbers: left out"
         ));
     }
-    RegionOutcome::Rows(node, rows.into_iter().map(|row| row.terms).collect())
+    RegionOutcome::Equations(node, equations.into_iter().map(|equation| equation.terms).collect())
 }
 
 fn no_label(command: &AnsysCommand, at: usize) -> FieldFault {
     expected(command, at, "ALL, UXYZ, RXYZ, or one of UX, UY, UZ, ROTX, ROTY, ROTZ that the model has")
 }
 
-fn not_followed(command: &AnsysCommand, at: usize) -> RegionOutcome {
+fn unknown_name(command: &AnsysCommand, at: usize) -> RegionOutcome {
     let text = String::from_utf8_lossy(&command.field(at)[..command.field(at).len().min(32)]).into_owned();
-    RegionOutcome::LeftOut(format!("{} names {text}, which this reader does not follow: left out", command.title()))
+    RegionOutcome::LeftOut(format!("{} names {text}, which this reader does not know: left out", command.title()))
 }

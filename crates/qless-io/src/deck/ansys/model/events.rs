@@ -1,4 +1,4 @@
-//! What is prescribed and loaded, in the order of the deck, and the load cases that come of it.
+//! Commands that prescribe or load DOFs, in the order of the deck, and the load cases that they define.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,31 +6,31 @@ use std::ops::Range;
 use super::nodes::AnsysNodes;
 use crate::deck::{Dof, Load, LoadCase, Model, Origin, Prescribed, Problem};
 
-/// Values that all commands stand for at most: bounds the time.
+/// Limit on the values of all commands together: bounds the time.
 const VALUES: usize = 50_000_000;
-/// Values and loads that all load cases hold at most: bounds the memory.
+/// Limit on the values and loads of all load cases together: bounds the memory.
 const HELD: usize = 20_000_000;
 
-/// Which nodes a command means.
+/// The nodes of a command.
 #[derive(Clone, Debug)]
 pub enum NodeChoice {
     /// First, last and step.
     Range(u32, u32, u32),
     /// Every node.
     All,
-    /// Those of a named group.
+    /// The nodes of a named group.
     Group(Box<str>),
-    /// Those selected.
+    /// The selected nodes.
     Ranges(Box<[(u32, u32, u32)]>),
 }
 
-/// Which components of them, filled up with zeros; all if there are none.
+/// Components of the nodes, followed by zeros; only zeros mean all components.
 pub type ComponentList = [u8; 6];
 
-/// What a command does.
+/// The effect of a command.
 #[derive(Clone, Debug)]
 pub enum EventAction {
-    /// `D`: a value that replaces an earlier one, times a table where one is named.
+    /// `D`: a value that replaces an earlier one, and the table that multiplies it.
     Prescribe(f64, Option<Box<str>>),
     /// `DDELE`.
     Release,
@@ -38,31 +38,31 @@ pub enum EventAction {
     Load,
     /// `FDELE`.
     Unload,
-    /// `SOLVE` or `LSWRITE`: a load case.
+    /// `SOLVE` or `LSWRITE`: ends a load case.
     Solve,
 }
 
-/// One command.
+/// One command that prescribes, loads or solves.
 #[derive(Clone, Debug)]
 pub struct ValueEvent {
     pub action: EventAction,
-    pub which: NodeChoice,
+    pub nodes: NodeChoice,
     pub components: ComponentList,
     pub origin: Origin,
 }
 
 impl ValueEvent {
-    fn is_of_all(&self) -> bool {
+    fn has_all_components(&self) -> bool {
         self.components[0] == 0
     }
 
-    fn named(&self) -> &[u8] {
+    fn listed_components(&self) -> &[u8] {
         let count = self.components.iter().take_while(|component| **component != 0).count();
         &self.components[..count]
     }
 }
 
-/// An equation of the model that is not in force in all load steps: from the first to the last of these.
+/// An equation that holds only in load steps `first..=last`.
 #[derive(Clone, Copy, Debug)]
 pub struct EquationLife {
     pub equation: u32,
@@ -70,7 +70,7 @@ pub struct EquationLife {
     pub last: u32,
 }
 
-/// The load cases: one for each `SOLVE`, and one of what follows the last.
+/// Adds the load cases to the model: one for each `SOLVE`, and one more if anything changes after the last `SOLVE`.
 pub fn cases(
     events: &[ValueEvent],
     nodes: &AnsysNodes,
@@ -89,9 +89,8 @@ pub fn cases(
     }
     let solved = replay.cases.len() as u32;
     let changes = |life: &EquationLife| life.first == solved || life.last.checked_add(1) == Some(solved);
-    let open =
-        !matches!(events.last(), Some(ValueEvent { action: EventAction::Solve, .. })) || lives.iter().any(changes);
-    if open {
+    let ends_solved = matches!(events.last(), Some(ValueEvent { action: EventAction::Solve, .. }));
+    if !ends_solved || lives.iter().any(changes) {
         replay.solve();
     }
     model.cases = replay.cases;
@@ -108,7 +107,8 @@ struct EventReplay<'a> {
     prescribed: BTreeMap<Dof, Prescribed>,
     loads: BTreeMap<Dof, Load>,
     cases: Vec<LoadCase>,
-    left: usize,
+    /// Values that commands may still set.
+    budget: usize,
     /// Values and loads of the load cases so far.
     held: usize,
 }
@@ -125,11 +125,11 @@ impl<'a> EventReplay<'a> {
         Self { nodes, components, ..Self::without_nodes(groups) }
     }
 
-    /// Enough where no command names a node.
+    /// A replay that needs no list of nodes, because no command names one.
     fn without_nodes(groups: &'a AnsysNodes) -> Self {
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
         let (nodes, components, cases) = (Vec::new(), Vec::new(), Vec::new());
-        Self { groups, lives: &[], nodes, components, prescribed, loads, cases, left: VALUES, held: 0 }
+        Self { groups, lives: &[], nodes, components, prescribed, loads, cases, budget: VALUES, held: 0 }
     }
 
     fn event(&mut self, event: &ValueEvent, course: u32) -> Result<(), Problem> {
@@ -137,9 +137,9 @@ impl<'a> EventReplay<'a> {
             self.solve();
             return self.check_held();
         }
-        let all = event.is_of_all().then(|| self.components.clone());
-        let components = all.as_deref().unwrap_or_else(|| event.named());
-        for (first, last, step) in self.ranges(&event.which) {
+        let all = event.has_all_components().then(|| self.components.clone());
+        let components = all.as_deref().unwrap_or_else(|| event.listed_components());
+        for (first, last, step) in self.ranges(&event.nodes) {
             let nodes = self.members(first, last);
             self.spend(nodes.len().saturating_mul(components.len()).saturating_add(1))?;
             for at in nodes {
@@ -148,7 +148,7 @@ impl<'a> EventReplay<'a> {
                     self.node(event, course, node, components);
                 }
             }
-            // A node that neither the deck nor an equation knows matters to nobody but the one who named it.
+            // A node that neither the deck nor an equation defines still counts if the command names it alone.
             if first == last && self.nodes.binary_search(&first).is_err() {
                 self.node(event, course, first, components);
             }
@@ -161,12 +161,12 @@ impl<'a> EventReplay<'a> {
         if self.held + self.prescribed.len() + self.loads.len() <= HELD {
             return Ok(());
         }
-        let advice = "make a deck of each load step, or prescribe fewer nodes";
+        let advice = "make a deck for each load step, or prescribe fewer nodes";
         Err(Problem::Limit { what: "the number of values in all load steps", limit: HELD, advice })
     }
 
-    fn ranges(&self, which: &NodeChoice) -> Vec<(u32, u32, u32)> {
-        match which {
+    fn ranges(&self, choice: &NodeChoice) -> Vec<(u32, u32, u32)> {
+        match choice {
             NodeChoice::Range(first, last, step) => vec![(*first, *last, *step)],
             NodeChoice::All => vec![(1, u32::MAX, 1)],
             NodeChoice::Ranges(ranges) => ranges.to_vec(),
@@ -177,7 +177,7 @@ impl<'a> EventReplay<'a> {
         }
     }
 
-    /// Places of the nodes between two numbers.
+    /// Indices of the nodes between two numbers.
     fn members(&self, first: u32, last: u32) -> Range<usize> {
         self.nodes.partition_point(|&node| node < first)..self.nodes.partition_point(|&node| node <= last)
     }
@@ -185,7 +185,7 @@ impl<'a> EventReplay<'a> {
     fn spend(&mut self, values: usize) -> Result<(), Problem> {
         let limit =
             Problem::Limit { what: "the number of values", limit: VALUES, advice: "name fewer nodes at a time" };
-        self.left = self.left.checked_sub(values).ok_or(limit)?;
+        self.budget = self.budget.checked_sub(values).ok_or(limit)?;
         Ok(())
     }
 
@@ -197,8 +197,8 @@ impl<'a> EventReplay<'a> {
                 self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, course, origin })));
             }
             EventAction::Load => self.loads.extend(dofs.map(|dof| (dof, Load { dof, origin }))),
-            EventAction::Release => take(&mut self.prescribed, event, node, components),
-            EventAction::Unload => take(&mut self.loads, event, node, components),
+            EventAction::Release => remove(&mut self.prescribed, event, node, components),
+            EventAction::Unload => remove(&mut self.loads, event, node, components),
             EventAction::Solve => {}
         }
     }
@@ -218,14 +218,14 @@ impl<'a> EventReplay<'a> {
     }
 }
 
-/// Takes away what is said of components of a node, or all of it.
-fn take<T>(said: &mut BTreeMap<Dof, T>, event: &ValueEvent, node: u32, components: &[u8]) {
-    let dofs: Vec<Dof> = if event.is_of_all() {
-        said.range(Dof { node, component: 0 }..=Dof { node, component: u8::MAX }).map(|(dof, _)| *dof).collect()
+/// Removes the entries of components of a node, or of all its components.
+fn remove<T>(entries: &mut BTreeMap<Dof, T>, event: &ValueEvent, node: u32, components: &[u8]) {
+    let dofs: Vec<Dof> = if event.has_all_components() {
+        entries.range(Dof { node, component: 0 }..=Dof { node, component: u8::MAX }).map(|(dof, _)| *dof).collect()
     } else {
         components.iter().map(|&component| Dof { node, component }).collect()
     };
     for dof in dofs {
-        said.remove(&dof);
+        entries.remove(&dof);
     }
 }

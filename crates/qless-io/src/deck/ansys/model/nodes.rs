@@ -7,37 +7,36 @@ use crate::deck::Problem;
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{FieldFault, expected, real, whole};
 use crate::deck::ansys::syntax::format::BlockFormat;
-use crate::deck::kinematics::body::Pose;
-use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::body::{Pose, Poses};
 use crate::fault::quote;
 use crate::number;
 
-/// What a deck says of its nodes.
+/// The nodes of a deck and their groups.
 #[derive(Debug, Default)]
 pub struct AnsysNodes {
-    /// Their numbers, in the order met.
+    /// Node numbers in the order of the deck; a number may be repeated.
     pub numbers: Vec<u32>,
-    /// Those whose axes are rotated.
+    /// Nodes whose axes are rotated.
     pub rotated: Vec<u32>,
-    /// Named groups as ranges, in capitals.
+    /// Named groups as ranges of nodes; names are in capitals.
     pub groups: FxHashMap<String, Vec<(u32, u32)>>,
     /// Named groups whose members are not known.
     pub unknown_groups: FxHashSet<String>,
-    /// Whether commands may make nodes that this reader does not see.
+    /// Whether commands may generate nodes that this reader does not know.
     pub are_generated: bool,
     pub positions: NodePositions,
     block: DataBlock,
 }
 
-/// What the lines of data belong to.
+/// The block that data lines belong to.
 #[derive(Debug, Default)]
 enum DataBlock {
-    /// Nothing that matters here.
+    /// A block that is not read, or none.
     #[default]
     Other,
-    /// `NBLOCK`, before its format and after it.
+    /// `NBLOCK`; the format is `None` until its line is read.
     Nodes(Option<BlockFormat>),
-    /// `CMBLOCK` of nodes: its name, members left, and the format.
+    /// `CMBLOCK` of nodes: its name, the number of members still to read, and the format.
     Group(String, u32, Option<BlockFormat>),
 }
 
@@ -55,19 +54,19 @@ impl AnsysNodes {
         }
         let items = number::whole(command.field(3)).and_then(|items| u32::try_from(items).ok());
         let items = items.ok_or_else(|| expected(command, 3, "the number of items"))?;
-        let name = name(command.field(1));
+        let name = group_name(command.field(1));
         self.unknown_groups.remove(&name);
         self.groups.insert(name.clone(), Vec::new());
         self.block = DataBlock::Group(name, items, None);
         Ok(())
     }
 
-    /// A command ends what data came before.
+    /// Ends the block: a command follows its data.
     pub fn end(&mut self) {
         self.block = DataBlock::Other;
     }
 
-    /// A line of data, by the format that comes first.
+    /// Reads a data line. The first one of a block is the format of the others.
     pub fn data(&mut self, line: &[u8]) -> Result<(), FieldFault> {
         match std::mem::take(&mut self.block) {
             DataBlock::Other => {}
@@ -77,16 +76,16 @@ impl AnsysNodes {
                     self.block = DataBlock::Nodes(Some(format));
                 }
             }
-            DataBlock::Group(name, left, None) => self.block = DataBlock::Group(name, left, Some(format(line)?)),
-            DataBlock::Group(name, left, Some(format)) => {
-                let left = self.members(&name, left, &format, line)?;
-                self.block = DataBlock::Group(name, left, Some(format));
+            DataBlock::Group(name, count, None) => self.block = DataBlock::Group(name, count, Some(format(line)?)),
+            DataBlock::Group(name, count, Some(format)) => {
+                let count = self.members(&name, count, &format, line)?;
+                self.block = DataBlock::Group(name, count, Some(format));
             }
         }
         Ok(())
     }
 
-    /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`, or a line of an archive: `N, R5.3, LOC, NODE, SOLID, PARM, X, Y, Z`.
+    /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`; in an archive `N, R5.3, LOC, NODE, SOLID, PARM, X, Y, Z`.
     pub fn command(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         let archive = command.archive_tag().is_some();
         let text = command.field(if archive { 3 } else { 1 });
@@ -94,7 +93,7 @@ impl AnsysNodes {
             return Ok(());
         }
         if text.is_empty() {
-            // The number is one above the highest of what else is there.
+            // The program numbers the node one above its highest node, which this reader may not know.
             self.are_generated = true;
             return Ok(());
         }
@@ -109,12 +108,12 @@ impl AnsysNodes {
             if angles != [0.0; 3] {
                 self.rotated.push(node);
             }
-            self.positions.axes_of(node, angles);
+            self.positions.set_axes(node, angles);
         }
         Ok(())
     }
 
-    /// One node; false for the -1 that ends the block.
+    /// Reads one node; returns false at the -1 that ends the block.
     fn row(&mut self, format: &BlockFormat, line: &[u8]) -> Result<bool, FieldFault> {
         let first = format.integers(line).next().unwrap_or_default();
         if first.starts_with(b"-") {
@@ -124,10 +123,10 @@ impl AnsysNodes {
         let node = whole(first).ok_or_else(fault)?;
         self.numbers.push(node);
         self.positions.row(node, format.floats(line));
-        let given = format.floats(line).enumerate().skip(3).filter(|(_, text)| !text.is_empty());
+        let texts = format.floats(line).enumerate().skip(3).filter(|(_, text)| !text.is_empty());
         let offset = format.integers(line).count() + 1;
         let mut angles = [0.0; 3];
-        for (k, text) in given {
+        for (k, text) in texts {
             let angle = match number::real(text) {
                 Err(crate::NumberFault::Underflow) => 0.0,
                 other => other.map_err(|fault| (Some(offset + k), Problem::Number { found: quote(text), fault }))?,
@@ -137,18 +136,19 @@ impl AnsysNodes {
         if angles != [0.0; 3] {
             self.rotated.push(node);
         }
-        self.positions.axes_of(node, angles);
+        self.positions.set_axes(node, angles);
         Ok(true)
     }
 
-    /// The members on a line; a negative one ends the range that the member before it begins.
-    fn members(&mut self, name: &str, mut left: u32, format: &BlockFormat, line: &[u8]) -> Result<u32, FieldFault> {
+    /// Reads at most `count` members from a line, and returns how many are still to read. A negative number is the end of
+    /// the range that the number before it begins.
+    fn members(&mut self, name: &str, mut count: u32, format: &BlockFormat, line: &[u8]) -> Result<u32, FieldFault> {
         let group = self.groups.entry(name.to_owned()).or_default();
         for (k, text) in format.integers(line).enumerate().filter(|(_, text)| !text.is_empty()) {
-            if left == 0 {
+            if count == 0 {
                 break;
             }
-            left -= 1;
+            count -= 1;
             let fault = || (Some(k + 1), Problem::Expected { expected: "the number of a node", found: quote(text) });
             let digits = text.strip_prefix(b"-").unwrap_or(text);
             let node = whole(digits).ok_or_else(fault)?;
@@ -157,19 +157,19 @@ impl AnsysNodes {
                 _ => group.push((node, node)),
             }
         }
-        Ok(left)
+        Ok(count)
     }
 }
 
 impl Poses for AnsysNodes {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
-        let problem = || Problem::Undefined { what: "the place of node", name: node.to_string() };
+        let problem = || Problem::Undefined { what: "the position of node", name: node.to_string() };
         self.positions.pose(node).ok_or_else(problem)
     }
 }
 
-/// The name of a group as it is compared.
-pub fn name(text: &[u8]) -> String {
+/// A group name in capitals: names are compared without case.
+pub fn group_name(text: &[u8]) -> String {
     String::from_utf8_lossy(text).to_ascii_uppercase()
 }
 

@@ -1,89 +1,91 @@
-//! Equations or coupled sets by number. Decks number them upwards, so that they stand in a row; others stand apart.
+//! Equations or coupled sets by number.
+//!
+//! Most decks number them in ascending order. These are appended to a list; a number below the last one goes to a map.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use crate::deck::chunks::Chunks;
 
-/// Things by their number.
+/// Equations or coupled sets by number.
 #[derive(Debug)]
 pub struct NumberedSets<T> {
-    /// Ascending; nothing where one was taken away, but for the last.
-    row: Chunks<(u32, Option<T>)>,
-    /// How many were taken away in `row`.
-    gone: usize,
-    /// Those that came after a higher number.
-    apart: BTreeMap<u32, T>,
+    /// In ascending order; `None` for a removed one. The last one is never removed.
+    list: Chunks<(u32, Option<T>)>,
+    /// Number of `None` in `list`.
+    removed: usize,
+    /// Those that were inserted after a higher number.
+    late: BTreeMap<u32, T>,
 }
 
 impl<T> Default for NumberedSets<T> {
     fn default() -> Self {
-        Self { row: Chunks::default(), gone: 0, apart: BTreeMap::new() }
+        Self { list: Chunks::default(), removed: 0, late: BTreeMap::new() }
     }
 }
 
 impl<T> NumberedSets<T> {
     pub fn len(&self) -> usize {
-        self.row.len() - self.gone + self.apart.len()
+        self.list.len() - self.removed + self.late.len()
     }
 
     /// The highest number.
     pub fn highest(&self) -> Option<u32> {
-        let apart = self.apart.last_key_value().map(|(&number, _)| number);
-        self.row.last().map(|(number, _)| *number).max(apart)
+        let late = self.late.last_key_value().map(|(&number, _)| number);
+        self.list.last().map(|(number, _)| *number).max(late)
     }
 
     pub fn get_mut(&mut self, number: u32) -> Option<&mut T> {
-        match self.place(number).filter(|&place| self.row[place].1.is_some()) {
-            Some(place) => self.row[place].1.as_mut(),
-            None => self.apart.get_mut(&number),
+        match self.index(number).filter(|&index| self.list[index].1.is_some()) {
+            Some(index) => self.list[index].1.as_mut(),
+            None => self.late.get_mut(&number),
         }
     }
 
-    /// What has this number, if it is the last in the row: it mostly is.
+    /// The value of this number if it is the last of the list, which is the usual case.
     pub fn last_mut(&mut self, number: u32) -> Option<&mut T> {
-        self.row.last_mut().filter(|(last, _)| *last == number)?.1.as_mut()
+        self.list.last_mut().filter(|(last, _)| *last == number)?.1.as_mut()
     }
 
-    /// Puts in what has this number from now on, and gives what had it before.
+    /// Sets the value of this number and returns the previous one.
     pub fn insert(&mut self, number: u32, value: T) -> Option<T> {
-        let is_above = self.row.last().is_none_or(|(last, _)| *last < number);
-        if let Some(known) = if is_above { self.apart.get_mut(&number) } else { self.get_mut(number) } {
+        let is_above = self.list.last().is_none_or(|(last, _)| *last < number);
+        if let Some(known) = if is_above { self.late.get_mut(&number) } else { self.get_mut(number) } {
             return Some(std::mem::replace(known, value));
         }
         if is_above {
-            self.row.push((number, Some(value)));
+            self.list.push((number, Some(value)));
         } else {
-            self.apart.insert(number, value);
+            self.late.insert(number, value);
         }
         None
     }
 
-    /// What has this number; `new` if there was nothing.
+    /// The value of this number, which is `new()` if there was none.
     pub fn get_or_insert_with(&mut self, number: u32, new: impl FnOnce() -> T) -> &mut T {
         if self.get_mut(number).is_none() {
             self.insert(number, new());
         }
-        self.get_mut(number).expect("it is there: known before or put in")
+        self.get_mut(number).expect("it was found or inserted")
     }
 
-    /// The numbers within a range, in no order.
+    /// The numbers within a range, in any order.
     pub fn within(&self, range: RangeInclusive<u32>) -> Vec<u32> {
-        let row = self.row.iter_from(self.row.partition_point(|(number, _)| number < range.start()));
-        let row = row.take_while(|(number, _)| number <= range.end());
-        let mut numbers: Vec<u32> = row.filter(|(_, value)| value.is_some()).map(|(number, _)| *number).collect();
-        numbers.extend(self.apart.range(range).map(|(&number, _)| number));
+        let list = self.list.iter_from(self.list.partition_point(|(number, _)| number < range.start()));
+        let list = list.take_while(|(number, _)| number <= range.end());
+        let mut numbers: Vec<u32> = list.filter(|(_, value)| value.is_some()).map(|(number, _)| *number).collect();
+        numbers.extend(self.late.range(range).map(|(&number, _)| number));
         numbers
     }
 
-    /// Takes away what has this number.
+    /// Removes and returns the value of this number.
     pub fn remove(&mut self, number: u32) -> Option<T> {
-        let removed = self.place(number).and_then(|place| self.row[place].1.take());
-        self.gone += usize::from(removed.is_some());
-        let removed = removed.or_else(|| self.apart.remove(&number));
-        // To keep few of those that are gone bounds the time that it takes to pass over them.
-        if 2 * self.gone > self.row.len() || self.row.last().is_some_and(|(_, value)| value.is_none()) {
-            self.forget();
+        let removed = self.index(number).and_then(|index| self.list[index].1.take());
+        self.removed += usize::from(removed.is_some());
+        let removed = removed.or_else(|| self.late.remove(&number));
+        // Few `None` in the list bound the time to skip them.
+        if 2 * self.removed > self.list.len() || self.list.last().is_some_and(|(_, value)| value.is_none()) {
+            self.compact();
         }
         removed
     }
@@ -92,34 +94,34 @@ impl<T> NumberedSets<T> {
         *self = Self::default();
     }
 
-    /// All by ascending number.
+    /// All in ascending order of their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
-        let mut row = self.row.iter().filter_map(|(number, value)| Some((*number, value.as_ref()?))).peekable();
-        let mut apart = self.apart.iter().map(|(&number, value)| (number, value)).peekable();
-        std::iter::from_fn(move || match (row.peek(), apart.peek()) {
-            (Some((first, _)), Some((other, _))) if other < first => apart.next(),
-            (None, _) => apart.next(),
-            _ => row.next(),
+        let mut list = self.list.iter().filter_map(|(number, value)| Some((*number, value.as_ref()?))).peekable();
+        let mut late = self.late.iter().map(|(&number, value)| (number, value)).peekable();
+        std::iter::from_fn(move || match (list.peek(), late.peek()) {
+            (Some((first, _)), Some((other, _))) if other < first => late.next(),
+            (None, _) => late.next(),
+            _ => list.next(),
         })
     }
 
-    fn place(&self, number: u32) -> Option<usize> {
-        let last = self.row.len().checked_sub(1)?;
-        if self.row[last].0 <= number {
-            return (self.row[last].0 == number).then_some(last);
+    fn index(&self, number: u32) -> Option<usize> {
+        let last = self.list.len().checked_sub(1)?;
+        if self.list[last].0 <= number {
+            return (self.list[last].0 == number).then_some(last);
         }
-        let place = self.row.partition_point(|(other, _)| *other < number);
-        (place <= last && self.row[place].0 == number).then_some(place)
+        let index = self.list.partition_point(|(other, _)| *other < number);
+        (index <= last && self.list[index].0 == number).then_some(index)
     }
 
-    fn forget(&mut self) {
-        if 2 * self.gone > self.row.len() {
-            self.row = std::mem::take(&mut self.row).into_items().filter(|(_, value)| value.is_some()).collect();
-            self.gone = 0;
+    fn compact(&mut self) {
+        if 2 * self.removed > self.list.len() {
+            self.list = std::mem::take(&mut self.list).into_items().filter(|(_, value)| value.is_some()).collect();
+            self.removed = 0;
         }
-        while self.row.last().is_some_and(|(_, value)| value.is_none()) {
-            self.row.pop();
-            self.gone -= 1;
+        while self.list.last().is_some_and(|(_, value)| value.is_none()) {
+            self.list.pop();
+            self.removed -= 1;
         }
     }
 }
@@ -128,7 +130,7 @@ impl<T> NumberedSets<T> {
 mod tests {
     use super::*;
 
-    /// The same steps with a map, which cannot be wrong.
+    /// Compares with a map after each of many random operations.
     #[test]
     fn sets_do_what_a_map_does() {
         let (mut sets, mut map) = (NumberedSets::default(), BTreeMap::new());

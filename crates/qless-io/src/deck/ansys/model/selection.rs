@@ -1,4 +1,4 @@
-//! Which nodes and DOFs are selected, as far as it is followed: by number and by component.
+//! Selected nodes and DOFs, as far as this reader follows selections: by number and by component name.
 //!
 //! ```text
 //! NSEL,  Type, Item, Comp, VMIN, VMAX, VINC
@@ -7,19 +7,19 @@
 
 use std::collections::BTreeSet;
 
-use super::nodes::{AnsysNodes, name};
+use super::nodes::{AnsysNodes, group_name};
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{is_nothing, whole};
 
-/// Ranges of a selection at most; what takes more is not followed.
+/// Limit on the ranges of a selection; a selection with more becomes unknown.
 const RANGES: usize = 1000;
-/// Nodes that all commands together name by their selection at most.
+/// Limit on the nodes that a selection is compared with; beyond it the members are unknown.
 const MEMBERS: usize = 5_000_000;
 
 /// First, last and step.
 pub type NodeRange = (u32, u32, u32);
 
-/// Which nodes are selected.
+/// The selected nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SelectedNodes {
     All,
@@ -27,11 +27,11 @@ pub enum SelectedNodes {
     Unknown,
 }
 
-/// Which nodes and DOFs are.
+/// The selected nodes and DOFs.
 #[derive(Clone, Debug)]
 pub struct NodeSelection {
     pub nodes: SelectedNodes,
-    /// Whether all DOFs are.
+    /// Whether all DOFs are selected.
     pub dofs: bool,
 }
 
@@ -58,15 +58,15 @@ impl NodeSelection {
 
     /// `CMSEL`.
     pub fn components_by(&mut self, command: &AnsysCommand, nodes: &AnsysNodes) {
-        let group = nodes.groups.get(&name(command.field(2)));
+        let group = nodes.groups.get(&group_name(command.field(2)));
         let ranges = group.filter(|group| group.len() <= RANGES);
         let ranges = ranges.map(|group| group.iter().map(|&(first, last)| (first, last, 1)).collect());
         self.select(&command.field(1).to_ascii_uppercase(), ranges);
     }
 
-    /// `CM, Cname, NODE`: a group of the selected nodes, where these are followed.
+    /// `CM, Cname, NODE`: names the selected nodes as a group; the group is unknown if the selection is.
     pub fn name_group(&self, command: &AnsysCommand, nodes: &mut AnsysNodes) {
-        let name = name(command.field(1));
+        let name = group_name(command.field(1));
         if let SelectedNodes::Ranges(ranges) = &self.nodes
             && ranges.iter().all(|&(first, last, step)| step == 1 || first == last)
         {
@@ -78,7 +78,7 @@ impl NodeSelection {
         nodes.unknown_groups.insert(name);
     }
 
-    /// Nodes that a word means, ascending: `ALL`, or the name of a group. None where they are not known.
+    /// The nodes of `ALL` or of a group, ascending; `None` if they are unknown.
     pub fn members(&self, word: &str, nodes: &AnsysNodes) -> Option<BTreeSet<u32>> {
         let ranges = match (word.to_ascii_uppercase().as_str(), &self.nodes) {
             ("ALL", SelectedNodes::All) => vec![(1, u32::MAX, 1)],

@@ -1,40 +1,41 @@
-//! Terms of equations, those of all in one row: an equation takes no room of its own unless it goes on after others have begun.
+//! Terms of all equations in one list. An equation needs a list of its own only for terms that are added after another
+//! equation has begun.
 
 use crate::deck::Dof;
 use crate::deck::ansys::syntax::archive::DofCoefficient;
 use crate::deck::chunks::Chunks;
 
-/// The row.
+/// The terms of all equations.
 #[derive(Debug, Default)]
 pub struct TermStore {
-    row: Chunks<DofCoefficient>,
-    /// Terms that came when others stood behind the first ones of their equation.
+    list: Chunks<DofCoefficient>,
+    /// Terms of equations that continue after another equation has begun.
     more: Vec<Vec<DofCoefficient>>,
 }
 
-/// Which terms belong to an equation.
+/// The terms of one equation: a range of the common list, and a list of its own.
 #[derive(Debug, Default)]
 pub struct OwnedTerms {
     start: u32,
     count: u32,
-    /// One more than the index of those that stand apart; 0 if there are none.
+    /// One more than the index in `TermStore::more`; 0 without such a list.
     more: u32,
 }
 
 impl TermStore {
-    /// Number of terms in the row.
+    /// Number of terms in the common list.
     pub fn len(&self) -> usize {
-        self.row.len()
+        self.list.len()
     }
 
     /// Adds a term.
     pub fn push(&mut self, to: &mut OwnedTerms, term: DofCoefficient) {
-        let end = self.row.len() as u32;
+        let end = self.list.len() as u32;
         if to.count == 0 && to.more == 0 {
             to.start = end;
         }
         if to.more == 0 && to.start + to.count == end {
-            self.row.push(term);
+            self.list.push(term);
             to.count += 1;
             return;
         }
@@ -45,40 +46,40 @@ impl TermStore {
         self.more[to.more as usize - 1].push(term);
     }
 
-    /// The same terms once more.
-    pub fn copy(&mut self, of: &OwnedTerms) -> OwnedTerms {
-        let terms: Vec<DofCoefficient> = self.of(of).collect();
+    /// Copies the terms of an equation.
+    pub fn copy(&mut self, owned: &OwnedTerms) -> OwnedTerms {
+        let terms: Vec<DofCoefficient> = self.iter(owned).collect();
         let mut copy = OwnedTerms::default();
         terms.into_iter().for_each(|term| self.push(&mut copy, term));
         copy
     }
 
-    /// Takes away the terms of a DOF.
-    pub fn remove(&mut self, of: &mut OwnedTerms, dof: Dof) {
-        let start = of.start as usize;
+    /// Removes the terms of a DOF.
+    pub fn remove(&mut self, owned: &mut OwnedTerms, dof: Dof) {
+        let start = owned.start as usize;
         let mut kept = start;
-        for k in start..start + of.count as usize {
-            if self.row[k].0 != dof {
-                self.row[kept] = self.row[k];
+        for k in start..start + owned.count as usize {
+            if self.list[k].0 != dof {
+                self.list[kept] = self.list[k];
                 kept += 1;
             }
         }
-        of.count = (kept - start) as u32;
-        if let Some(more) = of.more.checked_sub(1) {
+        owned.count = (kept - start) as u32;
+        if let Some(more) = owned.more.checked_sub(1) {
             self.more[more as usize].retain(|(known, _)| *known != dof);
         }
     }
 
-    /// How many terms.
-    pub fn count(&self, of: &OwnedTerms) -> usize {
-        of.count as usize + of.more.checked_sub(1).map_or(0, |more| self.more[more as usize].len())
+    /// Number of terms of an equation.
+    pub fn count(&self, owned: &OwnedTerms) -> usize {
+        owned.count as usize + owned.more.checked_sub(1).map_or(0, |more| self.more[more as usize].len())
     }
 
-    /// The terms in the order in which they came.
-    pub fn of<'a>(&'a self, owned: &'a OwnedTerms) -> impl Iterator<Item = DofCoefficient> + Clone + 'a {
+    /// The terms of an equation in the order of the deck.
+    pub fn iter<'a>(&'a self, owned: &'a OwnedTerms) -> impl Iterator<Item = DofCoefficient> + Clone + 'a {
         let more = owned.more.checked_sub(1).map_or(&[][..], |more| &self.more[more as usize]);
-        let row = (owned.start..owned.start + owned.count).map(|k| self.row[k as usize]);
-        row.chain(more.iter().copied())
+        let first = (owned.start..owned.start + owned.count).map(|k| self.list[k as usize]);
+        first.chain(more.iter().copied())
     }
 }
 
@@ -91,12 +92,12 @@ mod tests {
     }
 
     fn nodes(terms: &TermStore, owned: &OwnedTerms) -> Vec<u32> {
-        assert_eq!(terms.count(owned), terms.of(owned).count());
-        terms.of(owned).map(|(dof, _)| dof.node).collect()
+        assert_eq!(terms.count(owned), terms.iter(owned).count());
+        terms.iter(owned).map(|(dof, _)| dof.node).collect()
     }
 
     #[test]
-    fn equations_go_on_after_others() {
+    fn equations_continue_after_others_have_begun() {
         let (mut terms, mut a, mut b) = (TermStore::default(), OwnedTerms::default(), OwnedTerms::default());
         for (node, is_first) in [(1, true), (2, true), (3, false), (4, true), (1, true), (5, false)] {
             terms.push(if is_first { &mut a } else { &mut b }, term(node));

@@ -1,9 +1,8 @@
-//! Each command goes to the one who reads it, unless a block passes it over.
-//!
-//! What commands that constrain make of the equations, coupled sets and values so far, and where they stand.
+//! Executes commands: skips those in branches that are not taken, resolves parameters, and updates equations, coupled sets
+//! and values.
 
 use super::{AnsysReader, CommandOwner, CommandPlace};
-use crate::deck::ansys::commands::prescribed::{DofCommand, load, prescribe, release};
+use crate::deck::ansys::commands::prescribed::{DofCommand, Rejection, dof_command, load};
 use crate::deck::ansys::commands::region::{RegionContext, RegionOutcome};
 use crate::deck::ansys::model::events::{ComponentList, EventAction, NodeChoice, ValueEvent};
 use crate::deck::ansys::model::selection::SelectedNodes;
@@ -13,23 +12,24 @@ use crate::deck::ansys::syntax::field::FieldFault;
 use crate::deck::{DeckError, Origin};
 
 impl AnsysReader {
-    /// One command; `next` is the line below, where there is no other command on the line.
+    /// Executes one command. `next` is the start of the next line if this line has no other command.
     pub fn command(&mut self, command: AnsysCommand, next: Option<TextPosition>) -> Result<(), DeckError> {
-        let last = std::mem::take(&mut self.last);
+        let last = std::mem::take(&mut self.last_name);
         let repeats = command.name.is_empty();
         let from = self.places.as_ref().map_or(0, Vec::len);
         let command = command.named_as(&last);
         let mut name = Vec::with_capacity(8);
         name.extend_from_slice(command.name);
         let result = self.named(command, next);
-        self.last = name;
+        self.last_name = name;
         if repeats {
             self.keep_text(from);
         }
         result
     }
 
-    /// The text of a command that begins with a comma cannot go, nor can that of the one whose name it repeats.
+    /// Marks the last places as repeated: a command that begins with a comma repeats the name of the previous one, so the text of
+    /// both must stay.
     fn keep_text(&mut self, from: usize) {
         let places = self.places.iter_mut().flatten().skip(from.saturating_sub(1));
         places.for_each(|place| place.repeats = true);
@@ -44,10 +44,9 @@ impl AnsysReader {
         let (line, title) = (command.line, command.title());
         let constrains = self.constrains(command.key);
         if constrains && self.control.state() == Execution::Unknown {
-            let text = format!(
-                "{title} stands where nobody knows whether it is carried out, in *IF, *DO or *CREATE: left out"
-            );
-            self.forget(&command, text);
+            let text =
+                format!("{title} is in *IF, *DO or *CREATE, and it is not known whether it is executed: left out");
+            self.leave_out_command(&command, text);
             return Ok(());
         }
         if is_read(command.key)
@@ -64,12 +63,12 @@ impl AnsysReader {
         Ok(())
     }
 
-    /// Parameters and blocks of commands; true where nothing else is to be done.
+    /// Handles assignments and control commands. Returns true if the command needs nothing else.
     fn controls(&mut self, command: &AnsysCommand, next: Option<TextPosition>) -> Result<bool, DeckError> {
         let state = self.control.state();
         let unknown = state == Execution::Unknown;
         if memchr::memchr(b'=', command.text).is_some()
-            && state != Execution::PassedOver
+            && state != Execution::Skipped
             && self.parameters.assign(command.text, unknown)
         {
             return Ok(true);
@@ -83,28 +82,27 @@ impl AnsysReader {
             return Ok(true);
         }
         let sets = sets_parameters(command.key);
-        if sets && state != Execution::PassedOver {
+        if sets && state != Execution::Skipped {
             self.parameters.command(command, unknown);
         }
-        Ok(sets || state == Execution::PassedOver)
+        Ok(sets || state == Execution::Skipped)
     }
 
-    /// A command that takes values which are not known.
+    /// Handles a command with a field whose value is unknown.
     fn unresolved(&mut self, command: &AnsysCommand, what: &str) {
         match &command.key {
             b"N   " => self.nodes.are_generated = true,
             b"NSEL" => self.selection.nodes = SelectedNodes::Unknown,
             _ if self.constrains(command.key) => {
-                let text =
-                    format!("{} takes {what}, a value that this reader does not follow: left out", command.title());
-                self.forget(command, text);
+                let text = format!("{} uses {what}, whose value this reader does not know: left out", command.title());
+                self.leave_out_command(command, text);
             }
             _ => {}
         }
     }
 
-    /// Leaves out a command that constrains, with the equation or set that it belongs to.
-    fn forget(&mut self, command: &AnsysCommand, text: String) {
+    /// Leaves out a command that constrains, and the equation or set that it belongs to.
+    fn leave_out_command(&mut self, command: &AnsysCommand, text: String) {
         match &command.key {
             b"CE  " | b"CECM" => self.equations.leave_out(command),
             b"CP  " => self.coupled.leave_out(command),
@@ -119,20 +117,22 @@ impl AnsysReader {
         match &command.key {
             b"CE  " | b"CECM" | b"CEDE" | b"CP  " | b"CPDE" => self.equation(command)?,
             b"CERI" | b"RBE3" => self.region(command)?,
-            b"D   " => {
-                let reading = prescribe(command, &self.nodes, &self.selection)?;
-                self.event(command, reading);
-            }
-            b"DDEL" => {
-                let reading = release(command, &self.nodes, &self.selection)?;
-                self.event(command, reading);
-            }
-            b"F   " | b"FDEL" => {
-                let reading = load(command, &self.nodes, &self.selection, command.key == *b"F   ")?;
-                reading.into_iter().for_each(|reading| self.event(command, reading));
-            }
+            b"D   " | b"DDEL" => match dof_command(command, &self.nodes, &self.selection) {
+                Ok(read) => self.dof_command(command, read),
+                Err(Rejection::LeftOut(why)) => self.leave_out(command.line, format!("{why}: left out")),
+                Err(Rejection::Fault(fault)) => return Err(fault),
+            },
+            b"F   " | b"FDEL" => match load(command, &self.nodes, &self.selection) {
+                Ok(read) => read.into_iter().for_each(|read| self.dof_command(command, read)),
+                // A load of unknown nodes constrains nothing.
+                Err(Rejection::LeftOut(_)) => {}
+                Err(Rejection::Fault(fault)) => return Err(fault),
+            },
             b"SOLV" | b"LSWR" if self.control.state() == Execution::Unknown => {
-                let text = format!("{} stands where nobody knows whether it is carried out", command.title());
+                let text = format!(
+                    "{} is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+                    command.title()
+                );
                 self.leave_out(command.line, text);
             }
             b"SOLV" | b"LSWR" => self.solve(command),
@@ -156,13 +156,13 @@ impl AnsysReader {
     }
 }
 
-/// Whether the fields of a command are read, so that parameters in them matter. Those of `RBE3` name arrays.
+/// Whether parameters in the fields of a command are resolved. Those of `RBE3` name arrays, which `RBE3` itself resolves.
 fn is_read(key: CommandKey) -> bool {
-    const READ: [&CommandKey; 13] = [
+    const READ: [&CommandKey; 14] = [
         b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CERI", b"D   ", b"DDEL", b"F   ", b"FDEL", b"N   ", b"NSEL",
-        b"ET  ",
+        b"ET  ", b"KEYO",
     ];
-    READ.contains(&&key) || key == *b"KEYO"
+    READ.contains(&&key)
 }
 
 /// Whether a command sets parameters.
@@ -175,14 +175,14 @@ fn sets_parameters(key: CommandKey) -> bool {
 }
 
 impl AnsysReader {
-    /// Notes that equations are made or changed at a line.
+    /// Notes that a line makes or changes equations.
     pub fn note(&mut self, line: u32) {
         self.made.is_open = self.control.is_within();
         self.made.line = self.made.line.max(line);
     }
 
-    pub fn equation(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
-        let of = match &command.key {
+    fn equation(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
+        let owner = match &command.key {
             b"CE  " => self.equations.read(command).map(CommandOwner::Equation)?,
             b"CECM" => self.equations.change_constant(command).map(CommandOwner::Equation)?,
             b"CP  " => self
@@ -192,7 +192,7 @@ impl AnsysReader {
             b"CEDE" => self.equations.delete(command).map(|()| CommandOwner::Other)?,
             _ => self.coupled.delete(command).map(|()| CommandOwner::Other)?,
         };
-        self.place(command, of);
+        self.place(command, owner);
         let remark = self.equations.remark.take();
         remark.into_iter().for_each(|text| self.warn(command.line, text));
         let doubt = self.equations.doubt.take().or(self.coupled.doubt.take());
@@ -200,22 +200,22 @@ impl AnsysReader {
         Ok(())
     }
 
-    pub fn region(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
+    fn region(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         if self.nodes.positions.kept.is_none() {
             self.needs_positions = true;
             return Ok(());
         }
         let (nodes, selection, parameters) = (&self.nodes, &self.selection, &self.parameters);
-        let around = RegionContext { nodes, selection, parameters, is_plane: self.elements.are_plane() };
-        let (name, made) = match &command.key {
-            b"CERI" => ("CERIG", around.rigid(command)?),
-            _ => ("RBE3", around.mean(command)?),
+        let context = RegionContext { nodes, selection, parameters, is_plane: self.elements.are_plane() };
+        let (name, outcome) = match &command.key {
+            b"CERI" => ("CERIG", context.rigid(command)?),
+            _ => ("RBE3", context.mean(command)?),
         };
-        let mut of = CommandOwner::Other;
-        match made {
-            RegionOutcome::Rows(node, rows) => {
-                let region = self.equations.region(name, node, command.line, rows.into_iter());
-                of = region.map_err(|problem| (None, problem))?.map_or(CommandOwner::Other, CommandOwner::Region);
+        let mut owner = CommandOwner::Other;
+        match outcome {
+            RegionOutcome::Equations(node, equations) => {
+                let region = self.equations.region(name, node, command.line, equations.into_iter());
+                owner = region.map_err(|problem| (None, problem))?.map_or(CommandOwner::Other, CommandOwner::Region);
             }
             RegionOutcome::Ignored(text) => self.warn(command.line, text),
             RegionOutcome::LeftOut(text) => {
@@ -223,30 +223,24 @@ impl AnsysReader {
                 self.leave_out(command.line, text);
             }
         }
-        self.place(command, of);
+        self.place(command, owner);
         Ok(())
     }
 
-    fn place(&mut self, command: &AnsysCommand, of: CommandOwner) {
+    fn place(&mut self, command: &AnsysCommand, owner: CommandOwner) {
         self.note(command.line);
         if let Some(places) = &mut self.places {
             let repeats = self.control.repeats();
-            places.push(CommandPlace { range: command.range.clone(), line: command.line, of, repeats });
+            places.push(CommandPlace { range: command.range.clone(), line: command.line, owner, repeats });
         }
     }
 
-    pub fn event(&mut self, command: &AnsysCommand, reading: DofCommand) {
-        match reading {
-            DofCommand::Does(action, which, components) => self.push(command, action, which, components),
-            DofCommand::Roughly(action, which, components, text) => {
-                self.push(command, action, which, components);
-                self.warn(command.line, text);
-            }
-            DofCommand::LeftOut(why) => self.leave_out(command.line, format!("{why}: left out")),
-        }
+    fn dof_command(&mut self, command: &AnsysCommand, DofCommand { action, nodes, components, remark }: DofCommand) {
+        self.push(command, action, nodes, components);
+        remark.into_iter().for_each(|text| self.warn(command.line, text));
     }
 
-    pub fn push(&mut self, command: &AnsysCommand, action: EventAction, which: NodeChoice, components: ComponentList) {
+    fn push(&mut self, command: &AnsysCommand, action: EventAction, nodes: NodeChoice, components: ComponentList) {
         let name = match action {
             EventAction::Prescribe(..) => "D",
             EventAction::Release => "DDELE",
@@ -255,11 +249,7 @@ impl AnsysReader {
             EventAction::Solve => "SOLVE",
         };
         let card = self.model.cards.find(name).unwrap_or_else(|| self.model.card(name, 0, command.line));
-        self.events.push(ValueEvent {
-            action,
-            which,
-            components,
-            origin: Origin { card, line: command.line, lines: 1 },
-        });
+        let origin = Origin { card, line: command.line, lines: 1 };
+        self.events.push(ValueEvent { action, nodes, components, origin });
     }
 }

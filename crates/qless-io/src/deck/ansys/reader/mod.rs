@@ -1,4 +1,4 @@
-//! From commands to what they do: equations, coupled sets, nodes, and values in the order of the deck.
+//! Reads the text of a deck: collects equations, coupled sets, nodes, and values in the order of the deck.
 
 mod commands;
 mod unread;
@@ -12,8 +12,7 @@ use super::commands::equations::CeEquations;
 use super::model::events::ValueEvent;
 use super::model::nodes::AnsysNodes;
 use super::model::selection::NodeSelection;
-use super::syntax::archive;
-use super::syntax::archive::ArchiveLine;
+use super::syntax::archive::{self, ArchiveLine};
 use super::syntax::command::{AnsysLine, parse};
 use super::syntax::control::{Execution, FlowControl, TextPosition};
 use super::syntax::field::FieldFault;
@@ -22,41 +21,40 @@ use crate::bytes::LINE;
 use crate::deck::{DeckError, Model, Problem};
 use unread::UnreadCommands;
 
-/// A command that belongs to an equation or a coupled set, for those who change the text.
+/// Place of a command that belongs to an equation or a coupled set; `write` edits these commands.
 #[derive(Clone, Debug)]
 pub struct CommandPlace {
-    /// Its bytes.
+    /// Its bytes in the file.
     pub range: Range<usize>,
     /// Its line, from 1.
     pub line: u32,
-    /// What it belongs to.
-    pub of: CommandOwner,
-    /// Whether a loop carries it out, or a comma repeats its name, so that its text cannot go for one equation alone.
+    pub owner: CommandOwner,
+    /// Whether a loop executes it or a comma repeats its name: then its text cannot be removed for one equation alone.
     pub repeats: bool,
 }
 
-/// An equation or a coupled set by its number, or the region of this index, which made equations of its own.
+/// The owner of a command: an equation or coupled set by number, or a region by index, which generates equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum CommandOwner {
     Equation(u32),
     Coupled(u32),
     Region(usize),
-    /// Others, or none.
+    /// Several of these, or none.
     Other,
 }
 
-/// Where equations are made.
+/// The part of the deck that makes equations.
 #[derive(Debug, Default)]
 pub struct EquationsMade {
-    /// The line after which all of them are, and no block is open.
+    /// The last line that makes equations, or that ends a block which does.
     pub line: u32,
-    /// Whether some are since in a block that is still open.
+    /// Whether a block that is still open makes equations.
     is_open: bool,
-    /// Whether a command that is not followed may have made some.
+    /// Whether an unsupported command may make equations.
     pub unread: bool,
 }
 
-/// What the commands read so far say.
+/// State after the commands read so far.
 #[derive(Debug, Default)]
 pub struct AnsysReader {
     pub model: Model,
@@ -64,24 +62,24 @@ pub struct AnsysReader {
     pub coupled: CoupledSets,
     pub nodes: AnsysNodes,
     pub events: Vec<ValueEvent>,
-    /// Where equations and coupled sets are said, in order, for those who ask.
+    /// Commands of equations and coupled sets, in order; `None` if they are not needed.
     pub places: Option<Vec<CommandPlace>>,
     pub selection: NodeSelection,
     pub elements: ElementTypes,
     pub parameters: ApdlParameters,
     pub control: FlowControl,
     pub made: EquationsMade,
-    /// Whether positions of nodes are needed that were not kept.
+    /// Whether a command needs positions of nodes, which were not kept.
     pub needs_positions: bool,
-    /// Whether the command before constrains, which `*REPEAT` would do again.
+    /// Whether the previous command constrains; `*REPEAT` would repeat it.
     pub constrained: bool,
-    /// The name of the command before, which a line that begins with a comma repeats.
-    pub last: Vec<u8>,
-    /// Whether the rest of the file is not read.
+    /// Name of the previous command; a line that begins with a comma repeats it.
+    pub last_name: Vec<u8>,
+    /// Whether `/EOF` or `/EXIT` has ended the deck.
     pub ended: bool,
-    /// Whether a load step came already.
+    /// Line of the first `SOLVE`.
     pub solved_at: Option<u32>,
-    /// The tag of archives, if the deck is written as they are.
+    /// The archive tag, if the deck has the format of an archive.
     pub archive: Option<&'static str>,
     pub unread: UnreadCommands,
 }
@@ -92,17 +90,17 @@ impl AnsysReader {
         Self::with(path, text, |_| ())
     }
 
-    /// The same, with the places of equations and coupled sets.
+    /// Like `read`; keeps the places of equations and coupled sets.
     pub fn with_places(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
         Self::with(path, text, |reader| reader.places = Some(Vec::new()))
     }
 
-    /// The same, with the positions of nodes.
+    /// Like `read`; keeps the positions of nodes.
     pub fn with_positions(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
         Self::with(path, text, |reader| reader.nodes.positions.keep())
     }
 
-    /// Positions take room, so that they are kept only once a command needs them.
+    /// Positions cost memory: reads the text again to keep them if a command needs them.
     fn with(path: &Path, text: &[u8], set: impl Fn(&mut Self)) -> Result<Self, DeckError> {
         let new = || {
             let mut reader = Self { model: Model::new(vec![path.to_path_buf()]), ..Self::default() };
@@ -135,11 +133,11 @@ impl AnsysReader {
             }
         }
         if let Some(line) = self.control.never_closed().filter(|_| !self.ended) {
-            let text = "*DO, *IF or *CREATE is never closed: what it would still constrain is left out";
+            let text = "*DO, *IF or *CREATE is never closed: constraints that it may still make are left out";
             self.leave_out(line, text.to_owned());
         }
-        if self.unread.unsaid > 0 {
-            let text = format!("and {} more warnings", self.unread.unsaid);
+        if self.unread.omitted > 0 {
+            let text = format!("and {} more warnings", self.unread.omitted);
             if self.unread.leaves_out {
                 self.model.leave_out(0, 0, text);
             } else {
@@ -149,20 +147,20 @@ impl AnsysReader {
         Ok(self)
     }
 
-    /// Reads a line of an archive the short way and gives its length, where that can be and nobody asks for more.
+    /// Reads a line of an archive by the fast path and returns its length; `None` if the line needs the general path.
     fn quick(&mut self, text: &[u8], line: u32) -> Option<usize> {
         if self.control.is_within() || self.places.is_some() || self.solved_at.is_some() {
             return None;
         }
-        let ArchiveLine { tag, length, says } = archive::read(text)?;
-        if !self.equations.quick(&says, line) {
+        let ArchiveLine { tag, length, statement } = archive::read(text)?;
+        if !self.equations.quick(&statement, line) {
             return None;
         }
         self.nodes.end();
         self.elements.in_block = false;
         (self.archive, self.constrained) = (Some(tag), true);
-        self.last.clear();
-        self.last.extend_from_slice(b"CE");
+        self.last_name.clear();
+        self.last_name.extend_from_slice(b"CE");
         let remark = self.equations.remark.take();
         remark.into_iter().for_each(|text| self.warn(line, text));
         Some(length)
@@ -170,12 +168,12 @@ impl AnsysReader {
 
     fn line(&mut self, text: &[u8], start: usize, line: u32) -> Result<(), DeckError> {
         if text.len() > LINE {
-            let advice = "break it up";
+            let advice = "split it";
             let problem = Problem::Limit { what: "the length of the line", limit: LINE, advice };
             return Err(self.error(line, "a line", (None, problem)));
         }
         match parse(text, start, line) {
-            AnsysLine::Data(_) if self.control.state() != Execution::CarriedOut => Ok(()),
+            AnsysLine::Data(_) if self.control.state() != Execution::Executed => Ok(()),
             AnsysLine::Data(text) if self.elements.in_block => {
                 let warning = self.elements.row(text);
                 warning.into_iter().for_each(|text| self.leave_out(line, text.to_owned()));
@@ -187,7 +185,7 @@ impl AnsysReader {
                 let next = (commands.len() == 1).then_some(below);
                 commands.into_iter().try_for_each(|command| match self.control.jump {
                     None => self.command(command, next),
-                    // What stands behind the end of a loop waits for its last turn.
+                    // The loop jumps back first; commands after its end are executed after the last iteration.
                     Some(_) => Ok(()),
                 })
             }

@@ -1,4 +1,5 @@
-//! Commands that are not read: what they change for others, and what is said of them.
+//! Other commands: selections and options that change the meaning of later commands, and warnings about commands that this
+//! reader does not support.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -7,32 +8,32 @@ use crate::deck::ansys::model::selection::SelectedNodes;
 use crate::deck::ansys::syntax::command::{AnsysCommand, CommandKey};
 use crate::deck::ansys::syntax::known::{CommandEffect, effect};
 
-/// Warnings at most; the rest is counted.
+/// Limit on warnings; further ones are only counted.
 const WARNINGS: usize = 1000;
 
-/// What is remembered of commands that are not read.
+/// Unsupported commands met so far, and the number of warnings beyond the limit.
 #[derive(Debug, Default)]
 pub struct UnreadCommands {
     effects: FxHashMap<CommandKey, CommandEffect>,
-    said: FxHashSet<Vec<u8>>,
-    /// Warnings beyond those that are kept.
-    pub unsaid: usize,
-    /// Whether any of these says that something that constrains is left out.
+    warned: FxHashSet<Vec<u8>>,
+    /// Warnings beyond the limit.
+    pub omitted: usize,
+    /// Whether one of these warnings is about a constraint that is left out.
     pub leaves_out: bool,
 }
 
 impl AnsysReader {
-    /// Commands that say what others mean, and those that are not read.
+    /// Handles a command that makes no constraint that this reader supports.
     pub fn other(&mut self, command: &AnsysCommand) {
         match &command.key {
             b"*IF " => {
-                let text = "*IF leads to another line, which is not followed: what it constrains is left out";
+                let text = "*IF jumps to another line, which this reader does not follow: constraints that depend on it are left out";
                 self.leave_out(command.line, text.to_owned());
             }
             b"NUMC" if ["CE", "CP", "NODE", "ALL"].iter().any(|word| command.is(1, word)) => {
                 self.made.unread = true;
                 let text =
-                    "NUMCMP changes numbers, which is not followed: what commands below make of them is left out";
+                    "NUMCMP renumbers, which this reader does not follow: later commands with new numbers are left out";
                 self.leave_out(command.line, text.to_owned());
             }
             b"/EOF" | b"/EXI" => self.ended = true,
@@ -40,11 +41,11 @@ impl AnsysReader {
             b"ALLS" if selects_nodes(command) => self.selection.nodes = SelectedNodes::All,
             b"NSLE" | b"NSLK" | b"NSLL" | b"NSLA" | b"NSLV" => self.selection.nodes = SelectedNodes::Unknown,
             b"CMSE" => self.selection.components_by(command, &self.nodes),
-            b"NROT" | b"NANG" | b"NMOD" | b"NORA" => self.nodes.positions.turn(),
+            b"NROT" | b"NANG" | b"NMOD" | b"NORA" => self.nodes.positions.rotate(),
             b"LSSO" if self.solved_at.is_some() => {}
             b"DOFS" => self.selection.dofs = command.is(1, "ALL") || command.fields.is_empty(),
             b"DCUM" if !command.is(1, "REPL") && !command.field(1).is_empty() => {
-                self.warn(command.line, "DCUM: values of D are taken to replace earlier ones".to_owned());
+                self.warn(command.line, "DCUM is not followed: a later value of D replaces an earlier one".to_owned());
             }
             b"ALLS" | b"DCUM" => {}
             b"ET  " => {
@@ -61,31 +62,37 @@ impl AnsysReader {
         }
     }
 
-    /// A command that is not read: what is known of it, said once where it is unknown.
+    /// Warns of an unsupported command by its effect; of an unknown command only once.
     fn unread(&mut self, command: &AnsysCommand) {
-        self.nodes.positions.axes(command);
+        self.nodes.positions.coordinate_system(command);
         let title = command.title();
         match self.effect(command.key) {
             CommandEffect::Nothing => {}
             CommandEffect::MakesNodes => self.nodes.are_generated = true,
             CommandEffect::Constrains => {
                 self.made.unread = true;
-                self.leave_out(command.line, format!("{title} constrains, but is not understood: left out"));
+                self.leave_out(
+                    command.line,
+                    format!("{title} constrains, but this reader does not support it: left out"),
+                );
             }
-            CommandEffect::BringsOthers if command.key == *b"*REP" && !self.constrained => {}
-            CommandEffect::BringsOthers => {
+            CommandEffect::ReadsOthers if command.key == *b"*REP" && !self.constrained => {}
+            CommandEffect::ReadsOthers => {
                 (self.nodes.are_generated, self.made.unread) = (true, true);
-                self.leave_out(command.line, format!("{title} is not followed: what it constrains is left out"));
+                self.leave_out(
+                    command.line,
+                    format!("{title} is not followed: constraints that it makes are left out"),
+                );
             }
             CommandEffect::Unknown => {
                 self.nodes.are_generated = true;
-                let text = format!("{title} is not known to this reader: if it constrains, that is left out");
+                let text = format!("{title} is not known to this reader: if it makes constraints, they are left out");
                 self.warn_once(command.line, title.as_bytes(), text);
             }
         }
     }
 
-    /// Whether a command constrains, or changes what does.
+    /// Whether a command makes or changes constraints.
     pub fn constrains(&mut self, key: CommandKey) -> bool {
         let read = [b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"D   ", b"DDEL", b"CERI", b"RBE3"];
         read.contains(&&key) || self.effect(key) == CommandEffect::Constrains
@@ -99,28 +106,28 @@ impl AnsysReader {
         if self.model.warnings.len() < WARNINGS {
             self.model.warn(0, line, text);
         } else {
-            self.unread.unsaid += 1;
+            self.unread.omitted += 1;
         }
     }
 
-    /// Says that something that constrains is not read.
+    /// Warns that a constraint is left out, which makes the model incomplete.
     pub fn leave_out(&mut self, line: u32, text: String) {
         if self.model.warnings.len() < WARNINGS {
             self.model.leave_out(0, line, text);
         } else {
-            self.unread.unsaid += 1;
+            self.unread.omitted += 1;
             self.unread.leaves_out = true;
         }
     }
 
     pub fn warn_once(&mut self, line: u32, about: &[u8], text: String) {
-        if self.unread.said.insert(about.to_vec()) {
+        if self.unread.warned.insert(about.to_vec()) {
             self.warn(line, text);
         }
     }
 }
 
-/// `ALLSEL, LabT, Entity`: whether all nodes are selected after it.
+/// Whether `ALLSEL, LabT, Entity` selects all nodes.
 fn selects_nodes(command: &AnsysCommand) -> bool {
     let among =
         |at: usize, words: &[&str]| command.field(at).is_empty() || words.iter().any(|word| command.is(at, word));

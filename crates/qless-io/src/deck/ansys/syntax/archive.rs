@@ -1,33 +1,33 @@
-//! The short way for the two lines that an archive has millions of, with plain numbers and nothing else on the line:
+//! The fast path for the two most frequent lines of archives, with plain numbers and nothing else on the line:
 //!
 //! ```text
 //! CE,R5.0,DEFI, terms, NEQN, CONST
 //! CE,R5.0,NODE, NODE1, Lab1, C1, NODE2, Lab2, C2
 //! ```
 //!
-//! Any other line goes the long way, which also says what is wrong with it.
+//! Every other line takes the general path, which also reports errors.
 
 use super::label;
 use crate::deck::Dof;
 use crate::number::leading;
 
-/// Bytes of such a line at most.
+/// Limit on the bytes of such a line.
 const LINE: usize = 200;
 
 /// A DOF and its coefficient.
 pub type DofCoefficient = (Dof, f64);
 
-/// A line that was read.
+/// A line that the fast path has read.
 #[derive(Debug, PartialEq)]
 pub struct ArchiveLine {
     /// The tag of the archive.
     pub tag: &'static str,
-    /// Its bytes, with the end of the line.
+    /// Its bytes, line ending included.
     pub length: usize,
-    pub says: ArchiveStatement,
+    pub statement: ArchiveStatement,
 }
 
-/// What it says.
+/// The content of such a line.
 #[derive(Debug, PartialEq)]
 pub enum ArchiveStatement {
     /// Number of terms, number of the equation, constant.
@@ -36,7 +36,7 @@ pub enum ArchiveStatement {
     Terms(DofCoefficient, Option<DofCoefficient>),
 }
 
-/// Reads the line that the text begins with.
+/// Reads the first line of the text; `None` leaves it to the general path.
 pub fn read(text: &[u8]) -> Option<ArchiveLine> {
     let (tag, rest) = match text.first_chunk()? {
         b"CE,R5.0," => ("R5.0", &text[8..]),
@@ -45,7 +45,7 @@ pub fn read(text: &[u8]) -> Option<ArchiveLine> {
     };
     let (word, rest) = rest.split_first_chunk()?;
     let mut rest = ArchiveCursor(&rest[..rest.len().min(LINE)]);
-    let says = match word {
+    let statement = match word {
         b"DEFI," => ArchiveStatement::Define(
             rest.whole()?,
             rest.next()?.whole().filter(|&number| number > 0)?,
@@ -62,10 +62,10 @@ pub fn read(text: &[u8]) -> Option<ArchiveLine> {
         _ => return None,
     };
     let rest = rest.end()?;
-    Some(ArchiveLine { tag, length: text.len().min(8 + 5 + LINE) - rest, says })
+    Some(ArchiveLine { tag, length: text.len().min(8 + 5 + LINE) - rest, statement })
 }
 
-/// What is left of the line.
+/// The rest of the line.
 struct ArchiveCursor<'a>(&'a [u8]);
 
 impl<'a> ArchiveCursor<'a> {
@@ -76,7 +76,7 @@ impl<'a> ArchiveCursor<'a> {
         Some((Dof { node, component }, self.next()?.real()?))
     }
 
-    /// Passes over the comma after a field.
+    /// Skips the comma after a field.
     fn next(&mut self) -> Option<&mut Self> {
         self.blanks();
         self.0 = self.0.strip_prefix(b",")?;
@@ -118,7 +118,7 @@ impl<'a> ArchiveCursor<'a> {
         word
     }
 
-    /// What stands after the end of the line, in bytes.
+    /// Number of bytes after the end of the line; `None` if the line does not end here.
     fn end(mut self) -> Option<usize> {
         self.blanks();
         let rest = self.0.strip_prefix(b"\r").unwrap_or(self.0);
@@ -137,17 +137,17 @@ mod tests {
     #[test]
     fn lines_of_archives() {
         let text = b"CE,R5.0,DEFI,       2,      12, -0.50000000    \r\nCE,R5.0,NODE";
-        let says = ArchiveStatement::Define(2, 12, -0.5);
-        assert_eq!(read(text), Some(ArchiveLine { tag: "R5.0", length: 49, says }));
+        let statement = ArchiveStatement::Define(2, 12, -0.5);
+        assert_eq!(read(text), Some(ArchiveLine { tag: "R5.0", length: 49, statement }));
         let text = b"CE,UNBL,NODE,      77,UX  ,  1.00000000    ,       9,ROTZ, -0.25000000E+01\n";
-        let says = ArchiveStatement::Terms((dof(77, 1), 1.0), Some((dof(9, 6), -2.5)));
-        assert_eq!(read(text), Some(ArchiveLine { tag: "UNBL", length: text.len(), says }));
-        let says = ArchiveStatement::Terms((dof(1, 11), 0.0), None);
-        assert_eq!(read(b"CE,R5.0,NODE,1,temp,0\nD"), Some(ArchiveLine { tag: "R5.0", length: 22, says }));
+        let statement = ArchiveStatement::Terms((dof(77, 1), 1.0), Some((dof(9, 6), -2.5)));
+        assert_eq!(read(text), Some(ArchiveLine { tag: "UNBL", length: text.len(), statement }));
+        let statement = ArchiveStatement::Terms((dof(1, 11), 0.0), None);
+        assert_eq!(read(b"CE,R5.0,NODE,1,temp,0\nD"), Some(ArchiveLine { tag: "R5.0", length: 22, statement }));
     }
 
     #[test]
-    fn all_else_goes_the_long_way() {
+    fn all_other_lines_are_left_to_the_general_path() {
         for text in [
             "CE,1,0.,2,UX,1.\n",
             "CE,R5.1,DEFI,2,1,0.\n",

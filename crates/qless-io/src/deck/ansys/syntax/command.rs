@@ -1,37 +1,36 @@
-//! Lines as commands: `NAME,field,field`, several on a line between `$`, a comment after `!`.
+//! Splits lines into commands: `NAME,field,field`, several on a line separated by `$`, and a comment after `!`.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// The first four characters of a command's name in capitals, blanks where it is shorter: they tell it apart.
+/// The first four characters of a command's name in capitals, filled with blanks. They identify the command.
 pub type CommandKey = [u8; 4];
 
 /// One command.
 #[derive(Clone, Debug)]
 pub struct AnsysCommand<'a> {
-    /// Its name as it is told apart.
     pub key: CommandKey,
-    /// Its name as the deck has it.
+    /// The name as in the deck.
     pub name: &'a [u8],
-    /// All of it, without blanks around it.
+    /// The whole command, trimmed.
     pub text: &'a [u8],
-    /// The fields after the name, without blanks around them; parameters may have their values in place.
+    /// The fields after the name, trimmed. Values may replace parameters.
     pub fields: Vec<Cow<'a, [u8]>>,
     /// The line, from 1.
     pub line: u32,
-    /// Its bytes in the file, comment and `$` left out.
+    /// Its bytes in the file, without comment and `$`.
     pub range: Range<usize>,
 }
 
-/// What a line holds.
+/// The content of a line.
 pub enum AnsysLine<'a> {
-    /// Numbers, or the format of such lines: data of the command above.
+    /// Data of the command above: numbers, or the format of the data lines.
     Data(&'a [u8]),
-    /// Commands; none on a line that is blank or a comment.
+    /// Commands; empty for a blank line or a comment.
     Commands(Vec<AnsysCommand<'a>>),
 }
 
-/// Commands whose text goes on to the end of the line.
+/// Commands whose text extends to the end of the line.
 const WHOLE_LINE: [&CommandKey; 5] = [b"/COM", b"/TIT", b"/STI", b"C***", b"/SYS"];
 
 impl<'a> AnsysCommand<'a> {
@@ -50,13 +49,13 @@ impl<'a> AnsysCommand<'a> {
         self.name[..self.name.len().min(32)].to_ascii_uppercase().escape_ascii().to_string()
     }
 
-    /// The tag of an archive in field 1, which says that the fields are those of an archive: `R5.0` and the like, or `UNBL`.
+    /// The tag in field 1, `R5.0` or similar or `UNBL`, that marks a command in the format of archives.
     pub fn archive_tag(&self) -> Option<&[u8]> {
         let field = self.field(1);
         (field.to_ascii_uppercase().starts_with(b"R5.") || self.is(1, "UNBL")).then_some(field)
     }
 
-    /// With the name of the command before, where it begins with a comma.
+    /// The command with the name of the previous one, if it begins with a comma.
     #[must_use]
     pub fn named_as(self, last: &'a [u8]) -> Self {
         if self.name.is_empty() { Self { key: key(last), name: last, ..self } } else { self }
@@ -75,7 +74,7 @@ impl<'a> AnsysCommand<'a> {
     }
 }
 
-/// What a line of a file holds; `start` is where it begins.
+/// Parses a line; `start` is its first byte in the file.
 pub fn parse(text: &[u8], start: usize, line: u32) -> AnsysLine<'_> {
     let head = text.trim_ascii_start();
     match head.first() {
@@ -104,7 +103,7 @@ fn key(name: &[u8]) -> CommandKey {
     key
 }
 
-/// What stands between commas, but for those within parentheses that are closed: they part the indices of an array.
+/// Splits at commas, except within balanced parentheses, where commas separate the indices of an array.
 fn split(text: &[u8]) -> Vec<Cow<'_, [u8]>> {
     let count = |byte: u8| memchr::memchr_iter(byte, text).count();
     let nests = memchr::memchr(b'(', text).is_some() && count(b'(') == count(b')');
@@ -116,9 +115,9 @@ fn split(text: &[u8]) -> Vec<Cow<'_, [u8]>> {
     text.split(is_end).map(|field| Cow::Borrowed(field.trim_ascii())).collect()
 }
 
-/// Where the commands of a line end: at each `$`, then at `!` or the end of the line; not between quotes.
+/// Ends of the commands of a line: each `$`, and `!` or the end of the line. Quoted text does not count.
 fn ends(text: &[u8]) -> Vec<usize> {
-    // A lone quote is an apostrophe.
+    // An odd number of quotes: they are apostrophes.
     let quotes = memchr::memchr_iter(b'\'', text).count().is_multiple_of(2);
     let mut ends = Vec::new();
     let mut quoted = false;
@@ -156,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_stand_between_commas() {
+    fn commas_separate_fields() {
         assert_eq!(commands("  ddele , 1,UX  ,, ! gone\r"), [one("DDEL", &["1", "UX", "", ""], "ddele , 1,UX  ,,")]);
         assert_eq!(commands("/PREP7  "), [one("/PRE", &[], "/PREP7")]);
         assert_eq!(commands("N,1"), [one("N   ", &["1"], "N,1")]);

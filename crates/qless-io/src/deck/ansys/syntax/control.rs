@@ -1,34 +1,34 @@
-//! `*DO`, `*IF` and `*CREATE`: which commands are carried out, and how often.
+//! `*DO`, `*IF` and `*CREATE`: whether and how often commands are executed.
 //!
-//! What depends on values that are not known is not followed: nobody knows whether the commands within are carried out.
+//! If a condition or a bound depends on an unknown value, it is unknown whether the commands of the block are executed.
 
 use super::command::AnsysCommand;
 use super::parameters::ApdlParameters;
 use crate::deck::Problem;
 
-/// Bytes that loops go through again at most: bounds the time.
+/// Limit on the bytes that loops read again: bounds the time.
 const AGAIN: usize = 1 << 24;
 
-/// A place in the text: its byte, and its line from 1.
+/// A position in the text: byte, and line from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextPosition {
     pub start: usize,
     pub line: u32,
 }
 
-/// A block that is open.
+/// An open block.
 #[derive(Clone, Debug)]
 enum FlowBlock {
-    /// A loop at work.
+    /// A loop that is executed.
     Loop(DoLoop),
-    /// A branch of `*IF` that is taken.
+    /// The branch of `*IF` that is executed.
     Taken,
-    /// Branches of `*IF`, none of which was taken yet.
+    /// A branch of `*IF` that is skipped; a later branch may be executed.
     Waiting,
-    /// Branches after the one that was taken, and all within what is passed over.
-    Passed,
-    /// What depends on something that is not known.
-    Unfollowed,
+    /// A block that is skipped to its end.
+    Skipped,
+    /// A block that depends on an unknown value.
+    Unknown,
 }
 
 #[derive(Clone, Debug)]
@@ -38,15 +38,15 @@ struct DoLoop {
     last: f64,
     step: f64,
     body: TextPosition,
-    /// Whether the rest of this turn is passed over.
+    /// Whether the rest of this iteration is skipped.
     cycles: bool,
 }
 
-/// What happens to the commands of the text.
+/// Whether commands are executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Execution {
-    CarriedOut,
-    PassedOver,
+    Executed,
+    Skipped,
     Unknown,
 }
 
@@ -54,27 +54,27 @@ pub enum Execution {
 #[derive(Debug, Default)]
 pub struct FlowControl {
     blocks: Vec<FlowBlock>,
-    /// Where the outermost one opened.
+    /// Line of the outermost block.
     opened: u32,
-    /// Bytes that loops have gone through again.
+    /// Bytes that loops have read again.
     again: usize,
-    /// Where the text goes on, if not below.
+    /// Where to continue reading, if not at the next line.
     pub jump: Option<TextPosition>,
 }
 
 impl FlowControl {
-    /// What happens to commands here.
+    /// Whether commands at this place are executed.
     pub fn state(&self) -> Execution {
-        let passes = |block: &FlowBlock| match block {
-            FlowBlock::Loop(turn) => turn.cycles,
-            other => matches!(other, FlowBlock::Waiting | FlowBlock::Passed),
+        let skips = |block: &FlowBlock| match block {
+            FlowBlock::Loop(repeated) => repeated.cycles,
+            other => matches!(other, FlowBlock::Waiting | FlowBlock::Skipped),
         };
-        if self.blocks.iter().any(passes) {
-            Execution::PassedOver
-        } else if self.blocks.iter().any(|block| matches!(block, FlowBlock::Unfollowed)) {
+        if self.blocks.iter().any(skips) {
+            Execution::Skipped
+        } else if self.blocks.iter().any(|block| matches!(block, FlowBlock::Unknown)) {
             Execution::Unknown
         } else {
-            Execution::CarriedOut
+            Execution::Executed
         }
     }
 
@@ -83,19 +83,19 @@ impl FlowControl {
         !self.blocks.is_empty()
     }
 
-    /// Where the outermost open block began, if blocks are open whose commands went astray: turns of a loop, or what was passed over.
+    /// Line of the outermost block, if a block that is still open has lost commands: iterations of a loop, or skipped ones.
     pub fn never_closed(&self) -> Option<u32> {
-        let loses = |block: &FlowBlock| !matches!(block, FlowBlock::Taken | FlowBlock::Unfollowed);
+        let loses = |block: &FlowBlock| !matches!(block, FlowBlock::Taken | FlowBlock::Unknown);
         self.blocks.iter().any(loses).then_some(self.opened)
     }
 
-    /// Whether a loop is open, so that a command may be carried out more than once.
+    /// Whether a loop is open, so that a command may be executed more than once.
     pub fn repeats(&self) -> bool {
         self.blocks.iter().any(|block| matches!(block, FlowBlock::Loop(_)))
     }
 
-    /// A command that opens, closes or parts a block; false for others. `next` is the line below, where the command is the last of its
-    /// line and the first.
+    /// Executes a command that opens, divides or closes a block; returns false for any other. `next` is the start of the next
+    /// line if the command is alone on its line.
     pub fn command(
         &mut self,
         command: &AnsysCommand,
@@ -108,16 +108,12 @@ impl FlowControl {
         match command.name.to_ascii_uppercase().as_slice() {
             b"*DO" => self.open_loop(command, next, parameters),
             b"*DOWHILE" | b"*CREATE" => {
-                let state = self.state();
-                self.blocks.push(if state == Execution::PassedOver {
-                    FlowBlock::Passed
-                } else {
-                    FlowBlock::Unfollowed
-                });
+                let is_skipped = self.state() == Execution::Skipped;
+                self.blocks.push(if is_skipped { FlowBlock::Skipped } else { FlowBlock::Unknown });
             }
             b"*IF" => return Ok(self.open_if(command, parameters)),
-            b"*ELSEIF" => self.part(|| condition(command, parameters)),
-            b"*ELSE" => self.part(|| Some(true)),
+            b"*ELSEIF" => self.divide(|| condition(command, parameters)),
+            b"*ELSE" => self.divide(|| Some(true)),
             b"*ENDDO" => self.close_loop(command, parameters)?,
             b"*ENDIF" | b"*END" => drop(self.blocks.pop()),
             b"*EXIT" => self.leave(false),
@@ -129,117 +125,117 @@ impl FlowControl {
 
     /// `*DO, Par, IVAL, FVAL, INC`.
     fn open_loop(&mut self, command: &AnsysCommand, next: Option<TextPosition>, parameters: &mut ApdlParameters) {
-        if self.state() == Execution::PassedOver {
-            return self.blocks.push(FlowBlock::Passed);
+        if self.state() == Execution::Skipped {
+            return self.blocks.push(FlowBlock::Skipped);
         }
         let number = |at: usize| parameters.number(command.field(at)).ok();
         let step = if command.field(4).is_empty() { Some(1.0) } else { number(4) };
-        let known = self.state() == Execution::CarriedOut;
+        let known = self.state() == Execution::Executed;
         let name = String::from_utf8_lossy(command.field(1)).to_ascii_uppercase();
         let (Some(value), Some(last), Some(step), Some(body), true) = (number(2), number(3), step, next, known) else {
             parameters.forget(&name);
-            return self.blocks.push(FlowBlock::Unfollowed);
+            return self.blocks.push(FlowBlock::Unknown);
         };
-        let turn = DoLoop { name, value, last, step, body, cycles: false };
-        parameters.define(&turn.name, value);
+        let repeated = DoLoop { name, value, last, step, body, cycles: false };
+        parameters.define(&repeated.name, value);
         self.blocks.push(if step == 0.0 {
-            FlowBlock::Unfollowed
-        } else if turn.goes_on() {
-            FlowBlock::Loop(turn)
+            FlowBlock::Unknown
+        } else if repeated.continues() {
+            FlowBlock::Loop(repeated)
         } else {
-            FlowBlock::Passed
+            FlowBlock::Skipped
         });
     }
 
     fn close_loop(&mut self, command: &AnsysCommand, parameters: &mut ApdlParameters) -> Result<(), Problem> {
-        let Some(FlowBlock::Loop(mut turn)) = self.blocks.pop() else { return Ok(()) };
-        turn.value += turn.step;
-        turn.cycles = false;
-        parameters.define(&turn.name, turn.value);
-        if !turn.goes_on() {
+        let Some(FlowBlock::Loop(mut repeated)) = self.blocks.pop() else { return Ok(()) };
+        repeated.value += repeated.step;
+        repeated.cycles = false;
+        parameters.define(&repeated.name, repeated.value);
+        if !repeated.continues() {
             return Ok(());
         }
-        self.again = self.again.saturating_add(command.range.end.saturating_sub(turn.body.start));
+        self.again = self.again.saturating_add(command.range.end.saturating_sub(repeated.body.start));
         if self.again > AGAIN {
-            let advice = "write the commands out, or make fewer turns";
-            return Err(Problem::Limit { what: "the text that loops go through", limit: AGAIN, advice });
+            let advice = "write the commands out, or reduce the iterations";
+            return Err(Problem::Limit { what: "the text that loops read again", limit: AGAIN, advice });
         }
-        self.jump = Some(turn.body);
-        self.blocks.push(FlowBlock::Loop(turn));
+        self.jump = Some(repeated.body);
+        self.blocks.push(FlowBlock::Loop(repeated));
         Ok(())
     }
 
-    /// `*IF, VAL1, Oper1, VAL2, Base1, VAL3, Oper2, VAL4, Base2`.
-    /// False where it leads to another line, which is not followed.
+    /// `*IF, VAL1, Oper1, VAL2, Base1, VAL3, Oper2, VAL4, Base2`. Returns false if it jumps to another line.
     fn open_if(&mut self, command: &AnsysCommand, parameters: &ApdlParameters) -> bool {
-        let leads = |word: &str| command.fields.iter().skip(3).any(|field| field.eq_ignore_ascii_case(word.as_bytes()));
-        if leads("THEN") {
-            let known = if self.state() == Execution::PassedOver { None } else { Some(condition(command, parameters)) };
+        let has = |word: &str| command.fields.iter().skip(3).any(|field| field.eq_ignore_ascii_case(word.as_bytes()));
+        if has("THEN") {
+            let known = if self.state() == Execution::Skipped { None } else { Some(condition(command, parameters)) };
             self.blocks.push(match known {
-                None => FlowBlock::Passed,
-                Some(None) => FlowBlock::Unfollowed,
+                None => FlowBlock::Skipped,
+                Some(None) => FlowBlock::Unknown,
                 Some(Some(true)) => FlowBlock::Taken,
                 Some(Some(false)) => FlowBlock::Waiting,
             });
             return true;
         }
         let holds = condition(command, parameters);
-        if self.state() == Execution::PassedOver || holds == Some(false) {
+        if self.state() == Execution::Skipped || holds == Some(false) {
             return true;
         }
-        if !leads("EXIT") && !leads("CYCLE") {
+        if !has("EXIT") && !has("CYCLE") {
             return false;
         }
         match holds {
-            Some(_) => self.leave(leads("CYCLE")),
-            None => self.lose_loops(),
+            Some(_) => self.leave(has("CYCLE")),
+            None => self.forget_loops(),
         }
         true
     }
 
-    /// Nobody knows how the open loops go on.
-    fn lose_loops(&mut self) {
+    /// Makes the open loops unknown.
+    fn forget_loops(&mut self) {
         let loops = self.blocks.iter_mut().filter(|block| matches!(block, FlowBlock::Loop(_)));
-        loops.for_each(|block| *block = FlowBlock::Unfollowed);
+        loops.for_each(|block| *block = FlowBlock::Unknown);
     }
 
-    fn part(&mut self, condition: impl FnOnce() -> Option<bool>) {
+    /// `*ELSEIF` and `*ELSE`.
+    fn divide(&mut self, condition: impl FnOnce() -> Option<bool>) {
         let Some(block) = self.blocks.last_mut() else { return };
         match block {
-            FlowBlock::Taken => *block = FlowBlock::Passed,
+            FlowBlock::Taken => *block = FlowBlock::Skipped,
             FlowBlock::Waiting => {
                 *block = match condition() {
                     Some(true) => FlowBlock::Taken,
                     Some(false) => FlowBlock::Waiting,
-                    None => FlowBlock::Unfollowed,
+                    None => FlowBlock::Unknown,
                 }
             }
-            FlowBlock::Loop(_) | FlowBlock::Passed | FlowBlock::Unfollowed => {}
+            FlowBlock::Loop(_) | FlowBlock::Skipped | FlowBlock::Unknown => {}
         }
     }
 
-    /// The rest of the innermost loop is passed over: of this turn, or of all. Blocks within it are, too, until they end.
+    /// Skips the rest of the innermost loop: of this iteration if it `cycles`, else of all. Inner blocks are skipped with it.
     fn leave(&mut self, cycles: bool) {
-        if self.state() != Execution::CarriedOut {
+        if self.state() != Execution::Executed {
             return;
         }
         let Some(at) = self.blocks.iter().rposition(|block| matches!(block, FlowBlock::Loop(_))) else { return };
         match &mut self.blocks[at] {
-            FlowBlock::Loop(turn) if cycles => turn.cycles = true,
-            block => *block = FlowBlock::Passed,
+            FlowBlock::Loop(repeated) if cycles => repeated.cycles = true,
+            block => *block = FlowBlock::Skipped,
         }
     }
 }
 
 impl DoLoop {
-    fn goes_on(&self) -> bool {
-        // What sums of steps leave by rounding is no further turn, nor one less.
+    fn continues(&self) -> bool {
+        // Rounding of the sum of steps must not add or remove an iteration.
         let slack = 1e-9 * self.step.abs();
         if self.step > 0.0 { self.value <= self.last + slack } else { self.value >= self.last - slack }
     }
 }
 
-/// Whether the condition of `*IF` or `*ELSEIF` holds, if that is known.
+/// Whether the condition of `*IF` or `*ELSEIF` holds; `None` if this is unknown.
 fn condition(command: &AnsysCommand, parameters: &ApdlParameters) -> Option<bool> {
     let first = compare(command, 1, parameters)?;
     match command.field(4).to_ascii_uppercase().as_slice() {
@@ -251,7 +247,7 @@ fn condition(command: &AnsysCommand, parameters: &ApdlParameters) -> Option<bool
     }
 }
 
-/// Whether a word says what follows from a condition, so that no further one stands behind it.
+/// Whether a word ends the condition: it does not combine a further comparison.
 fn is_end(word: &[u8]) -> bool {
     ![&b"AND"[..], b"OR", b"XOR"].iter().any(|other| word.eq_ignore_ascii_case(other))
 }

@@ -1,20 +1,17 @@
-//! What is computed of parameters: numbers, `+ - * / **`, parentheses, elements of arrays and a few functions.
+//! Expressions: numbers, `+ - * / **`, parentheses, parameters, elements of arrays and a few functions.
 //!
-//! Operators of one rank are taken from left to right, as the program takes them. A word that stands for nothing known here makes
-//! no number: it is never guessed.
-//!
-//! Arrays of numbers, as `*DIM` makes them.
+//! Operators of equal precedence are evaluated from left to right, as in the program. An unknown word has no value.
 
-/// Why there is no value.
+/// Why a text has no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoValue {
-    /// The text is no expression, or names what nobody has set.
-    NotOne,
-    /// It depends on what this reader does not follow.
+    /// The text is no expression, or it names an undefined parameter.
+    NotAnExpression,
+    /// The value depends on something that this reader does not know.
     Unknown,
 }
 
-/// What words stand for.
+/// Values of names.
 pub trait NameLookup {
     /// A parameter.
     fn scalar(&self, name: &str) -> Result<f64, NoValue>;
@@ -22,7 +19,7 @@ pub trait NameLookup {
     fn call(&self, name: &str, arguments: &[f64]) -> Result<f64, NoValue>;
 }
 
-/// Parentheses within parentheses at most.
+/// Limit on nested parentheses.
 const DEPTH: usize = 50;
 
 /// The value of an expression.
@@ -31,7 +28,7 @@ pub fn value(text: &[u8], names: &impl NameLookup) -> Result<f64, NoValue> {
     let value = parser.sum()?;
     parser.blanks();
     if !parser.rest.is_empty() {
-        return Err(NoValue::NotOne);
+        return Err(NoValue::NotAnExpression);
     }
     if value.is_finite() { Ok(value) } else { Err(NoValue::Unknown) }
 }
@@ -90,7 +87,7 @@ impl<N: NameLookup> ExpressionParser<'_, N> {
             }
             Some(byte) if byte.is_ascii_digit() || *byte == b'.' => self.number(),
             Some(byte) if is_first(*byte) => self.word(),
-            _ => Err(NoValue::NotOne),
+            _ => Err(NoValue::NotAnExpression),
         }
     }
 
@@ -107,7 +104,7 @@ impl<N: NameLookup> ExpressionParser<'_, N> {
         }
         let (text, rest) = self.rest.split_at(end);
         self.rest = rest;
-        crate::number::real(text).map_err(|_| NoValue::NotOne)
+        crate::number::real(text).map_err(|_| NoValue::NotAnExpression)
     }
 
     fn word(&mut self) -> Result<f64, NoValue> {
@@ -130,7 +127,7 @@ impl<N: NameLookup> ExpressionParser<'_, N> {
         while self.take(b",") {
             values.push(self.deeper(Self::sum)?);
         }
-        if self.take(b")") { Ok(values) } else { Err(NoValue::NotOne) }
+        if self.take(b")") { Ok(values) } else { Err(NoValue::NotAnExpression) }
     }
 
     fn deeper(&mut self, read: impl FnOnce(&mut Self) -> Result<f64, NoValue>) -> Result<f64, NoValue> {
@@ -143,7 +140,7 @@ impl<N: NameLookup> ExpressionParser<'_, N> {
         value
     }
 
-    /// Passes over an operator; `*` is not the half of `**`.
+    /// Skips an operator if it comes next; `*` does not match the start of `**`.
     fn take(&mut self, operator: &[u8]) -> bool {
         self.blanks();
         let Some(rest) = self.rest.strip_prefix(operator) else { return false };
@@ -159,45 +156,45 @@ impl<N: NameLookup> ExpressionParser<'_, N> {
     }
 }
 
-/// Whether names may begin with this.
+/// Whether names may begin with this byte.
 pub fn is_first(byte: u8) -> bool {
     byte.is_ascii_alphabetic() || byte == b'_'
 }
 
-/// Whether names may go on with this.
+/// Whether names may contain this byte after the first.
 pub fn is_later(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// Numbers by up to three indices from 1; the first runs fastest.
+/// An array of `*DIM`: numbers by up to three indices from 1, of which the first varies fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ApdlArray {
     pub sizes: [usize; 3],
-    /// Those that are not known are no numbers.
+    /// NaN for unknown elements.
     pub values: Vec<f64>,
-    /// False once an element was set of which nobody knows which.
+    /// False once a command has set an element whose index is unknown.
     pub is_known: bool,
 }
 
 impl ApdlArray {
-    /// All zero; `count` is the product of the sizes.
+    /// An array of zeros; `count` is the product of the sizes.
     pub fn zeros(sizes: [usize; 3], count: usize) -> Self {
         Self { sizes, values: vec![0.0; count], is_known: true }
     }
 
-    /// The place of an element.
-    pub fn place(&self, indices: &[f64]) -> Result<usize, NoValue> {
-        let mut place = 0;
+    /// Index of an element in `values`.
+    pub fn index(&self, indices: &[f64]) -> Result<usize, NoValue> {
+        let mut position = 0;
         let mut stride = 1;
         for (k, size) in self.sizes.iter().enumerate() {
             let index = indices.get(k).map_or(1.0, |index| index.round());
             if !(1.0..=*size as f64).contains(&index) {
                 return Err(NoValue::Unknown);
             }
-            place += (index as usize - 1) * stride;
+            position += (index as usize - 1) * stride;
             stride *= size;
         }
-        Ok(place)
+        Ok(position)
     }
 }
 
@@ -205,14 +202,14 @@ impl ApdlArray {
 mod tests {
     use super::*;
 
-    struct Some3;
+    struct Names;
 
-    impl NameLookup for Some3 {
+    impl NameLookup for Names {
         fn scalar(&self, name: &str) -> Result<f64, NoValue> {
             match name {
                 "A" => Ok(3.0),
                 "G" => Err(NoValue::Unknown),
-                _ => Err(NoValue::NotOne),
+                _ => Err(NoValue::NotAnExpression),
             }
         }
 
@@ -222,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn expressions_as_the_program_takes_them() {
+    fn expressions_have_the_values_of_the_program() {
         for (text, expected) in [
             ("2*a", 6.0),
             ("-A", -3.0),
@@ -236,15 +233,15 @@ mod tests {
             ("2.", 2.0),
             (".5e1", 5.0),
         ] {
-            assert_eq!(value(text.as_bytes(), &Some3), Ok(expected), "{text}");
+            assert_eq!(value(text.as_bytes(), &Names), Ok(expected), "{text}");
         }
         for text in ["", "UX", "2*", "(1", "1)", "2 3", "A B", "%A%", "'A'", "1+*2", "SUM()", "2e"] {
-            assert_eq!(value(text.as_bytes(), &Some3), Err(NoValue::NotOne), "{text}");
+            assert_eq!(value(text.as_bytes(), &Names), Err(NoValue::NotAnExpression), "{text}");
         }
         for text in ["G", "2*G", "NX(3)", "1/0", "SUM(G)"] {
-            assert_eq!(value(text.as_bytes(), &Some3), Err(NoValue::Unknown), "{text}");
+            assert_eq!(value(text.as_bytes(), &Names), Err(NoValue::Unknown), "{text}");
         }
-        assert!(value("(".repeat(100_000).as_bytes(), &Some3).is_err());
-        assert!(value("-".repeat(100_000).as_bytes(), &Some3).is_err());
+        assert!(value("(".repeat(100_000).as_bytes(), &Names).is_err());
+        assert!(value("-".repeat(100_000).as_bytes(), &Names).is_err());
     }
 }

@@ -1,4 +1,4 @@
-//! Fields of a command as numbers, nodes and labels, and what is wrong with those that are none.
+//! Reads fields of a command as numbers, nodes and labels.
 
 use super::command::AnsysCommand;
 use super::label;
@@ -6,20 +6,20 @@ use crate::deck::Problem;
 use crate::fault::quote;
 use crate::{NumberFault, number};
 
-/// A field at fault, from 1 after the command's name, and what is wrong.
+/// A wrong field, counted from 1 after the name of the command, and the problem.
 pub type FieldFault = (Option<usize>, Problem);
 
-/// A fault of field `at`: something else was expected.
+/// The error that field `at` does not hold `expected`.
 pub fn expected(command: &AnsysCommand, at: usize, expected: &'static str) -> FieldFault {
     (Some(at), Problem::Expected { expected, found: quote(command.field(at)) })
 }
 
-/// A whole number from 1 that fits 32 bits.
+/// A whole number of at least 1 that fits 32 bits.
 pub fn whole(text: &[u8]) -> Option<u32> {
     number::whole(text).and_then(|value| u32::try_from(value).ok()).filter(|&value| value > 0)
 }
 
-/// A number in field `at`, 0 if it is empty; one too small to be told from 0 is 0, as in the program.
+/// The number in field `at`; 0 for an empty field, and for an underflow, as in the program.
 pub fn real(command: &AnsysCommand, at: usize) -> Result<f64, FieldFault> {
     let text = command.field(at);
     match number::real(text) {
@@ -35,7 +35,7 @@ pub fn component(command: &AnsysCommand, at: usize) -> Result<u8, FieldFault> {
     label::component(command.field(at)).ok_or_else(|| expected(command, at, EXPECTED))
 }
 
-/// A node with its sign, which takes it away where it is negative.
+/// The node in field `at`, and whether it is negative, which means removal.
 pub fn signed_node(command: &AnsysCommand, at: usize) -> Result<(u32, bool), FieldFault> {
     let text = command.field(at);
     let digits = text.strip_prefix(b"-").unwrap_or(text);
@@ -43,12 +43,12 @@ pub fn signed_node(command: &AnsysCommand, at: usize) -> Result<(u32, bool), Fie
     Ok((node, digits.len() < text.len()))
 }
 
-/// Whether field `at` holds nothing: it is empty or zero.
+/// Whether field `at` is empty or 0.
 pub fn is_nothing(command: &AnsysCommand, at: usize) -> bool {
     command.field(at).iter().all(|&byte| byte == b'0')
 }
 
-/// `first, last, step` from field `at` on; the last is the first and the step 1 where they are left out.
+/// `(first, last, step)` with last and step in fields `at` and `at + 1`. A blank last is `first`, a blank step is 1.
 pub fn range(command: &AnsysCommand, first: u32, at: usize) -> Result<(u32, u32, u32), FieldFault> {
     const EXPECTED: &str = "a whole number from 1";
     let or = |at: usize, default: u32| {

@@ -1,11 +1,13 @@
-//! Fortran formats of blocks, such as `(3i9,6e21.13e3)`: how wide each field of a line is.
+//! Fortran formats of blocks, such as `(3i9,6e21.13e3)`: the width of each field of a line.
 
-/// Fields of a line at most.
+use crate::number::whole;
+
+/// Limit on the fields of a line.
 const FIELDS: usize = 100;
-/// Characters of a field at most.
+/// Limit on the width of a field.
 const WIDTH: usize = 1000;
 
-/// The widths of the whole numbers of a line, which come first, and of the floats after them.
+/// Widths of the whole numbers, which come first, and of the floats after them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BlockFormat {
     integers: Vec<usize>,
@@ -13,7 +15,7 @@ pub struct BlockFormat {
 }
 
 impl BlockFormat {
-    /// Reads a format; `None` for what is no list of whole numbers and then floats.
+    /// Parses a format of whole numbers followed by floats; `None` for any other.
     pub fn parse(text: &[u8]) -> Option<Self> {
         let text = text.trim_ascii().strip_prefix(b"(")?.strip_suffix(b")")?;
         let mut format = Self::default();
@@ -23,12 +25,12 @@ impl BlockFormat {
         (!format.integers.is_empty()).then_some(format)
     }
 
-    /// The whole numbers of a line; those beyond its end are left out.
+    /// The whole numbers of a line, up to its end.
     pub fn integers<'a>(&'a self, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + 'a {
         fields(&self.integers, 0, line)
     }
 
-    /// The floats of a line; those beyond its end are left out.
+    /// The floats of a line, up to its end.
     pub fn floats<'a>(&'a self, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + 'a {
         fields(&self.floats, self.integers.iter().sum(), line)
     }
@@ -36,10 +38,10 @@ impl BlockFormat {
     /// `3i9` or `6e21.13e3`.
     fn add(&mut self, item: &[u8]) -> Option<()> {
         let at = item.iter().position(u8::is_ascii_alphabetic)?;
-        let repeat = if at == 0 { 1 } else { number(&item[..at])? };
+        let repeat = if at == 0 { 1 } else { whole(&item[..at])? };
         let rest = &item[at + 1..];
         let end = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
-        let width = number(&rest[..end]).filter(|width| (1..=WIDTH).contains(width))?;
+        let width = whole(&rest[..end]).filter(|width| (1..=WIDTH).contains(width))?;
         let widths = match item[at] {
             b'i' if self.floats.is_empty() => &mut self.integers,
             b'e' | b'f' | b'g' | b'd' => &mut self.floats,
@@ -48,10 +50,6 @@ impl BlockFormat {
         let room = FIELDS.checked_sub(widths.len()).filter(|&room| repeat <= room);
         room.map(|_| widths.extend(std::iter::repeat_n(width, repeat)))
     }
-}
-
-fn number(digits: &[u8]) -> Option<usize> {
-    crate::number::whole(digits)
 }
 
 fn fields<'a>(widths: &'a [usize], from: usize, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + 'a {
@@ -78,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_format() {
+    fn other_formats_are_refused() {
         for text in [
             "",
             "3i9",

@@ -1,19 +1,18 @@
-//! Commands by what they mean for constraints: those that this reader does not follow, and those that do not matter.
+//! Effects on constraints of the commands that this reader does not support.
 
 use super::command::CommandKey;
 
-/// What a command that is not read does to the constraints.
+/// The effect of an unsupported command on constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandEffect {
     /// It makes or changes constraints.
     Constrains,
-    /// It makes nodes.
+    /// It generates nodes.
     MakesNodes,
-    /// It brings commands or data from elsewhere.
-    BringsOthers,
-    /// None.
+    /// It reads commands or data from another place, or repeats commands.
+    ReadsOthers,
+    /// It does not matter for constraints.
     Nothing,
-    /// Not known.
     Unknown,
 }
 
@@ -21,14 +20,14 @@ pub enum CommandEffect {
 const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DSYM DK DL DA DJ DTRA SBCT DSCA DFLX DVAL \
     CBDO CYCL CYCO PSME SLOA NUMM DCVS DSUR EMBE MCFO";
 
-/// Nodes, meshes and copies of them.
+/// Generation of nodes and meshes, and copies of them.
 const NODES: &str = "NGEN FILL NSYM NREA NDIS KMES LMES AMES VMES FVME IMES VSWE VDRA VROT VEXT EXTO EGEN EINT ESUR ENGE NKPT \
     CENT NMOV UPGE EREI ESYM ENSY VOFF AMAP VMAP XMES OMES NWPL NORA EMOR EORI NTRA  TRNO MOVE EREA";
 
-/// Other files and other commands.
+/// Commands that read other files or execute other commands.
 const OTHERS: &str = "/INP *USE CDRE RESU INRE PARR LSRE LDRE LSSO IGES /CLE *REP *GO ~CAT EXUN FLRE";
 
-/// What an archive or a plain deck holds besides: elements, materials, sections, loads, output, the solid model.
+/// Other commands of archives and plain decks: elements, materials, sections, loads, output, the solid model.
 const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC SECF SECP ESYS KEYO KEYW R RMOR RLBL RDEL \
     MP MPDA MPTE MPDE MPTR MPCO TB TBDA TBTE TBFI TBPT TBEO TBDE TBMO TBIN ETBL ETDE ETCO DOF ELIS NLIS ERES  SHPP TSHA TOFF \
     CM CMBL CMDE CMGR CMSE CMED CMLI NSEL NSLE NSLK NSLL NSLA NSLV ESEL ESLN ESLL ESLA ESLV ALLS KSEL KSLL KSLN LSEL LSLA LSLK \
@@ -46,13 +45,13 @@ const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC 
     SHEL PLES ANFL TRES NLOG EXPC INIS INIT DDOP CMWR MSAV KCAL CINT CZDE CZME GSBD GSGD GSLI SWAD SWGE  PERB MPRI MFOU LIST \
     C*** QRDO STEF THOP EMUN LCAT XVAR SLIS NUMB USER MPLI TBLI LABE TEMP RMOD CEWR RLIS PLOT EPLO NPLO GPLO MSTO CSLI ADDD RESV NOPR";
 
-/// The effect of a command that the reader does not read itself.
+/// The effect of an unsupported command.
 pub fn effect(key: CommandKey) -> CommandEffect {
     let name = key.trim_ascii_end();
     let among = |list: &str| list.split_ascii_whitespace().any(|known| known.as_bytes() == name);
     match name.first() {
         _ if among(CONSTRAIN) => CommandEffect::Constrains,
-        _ if among(OTHERS) => CommandEffect::BringsOthers,
+        _ if among(OTHERS) => CommandEffect::ReadsOthers,
         _ if among(NODES) => CommandEffect::MakesNodes,
         Some(b'/' | b'*' | b':') => CommandEffect::Nothing,
         _ if among(NOTHING) => CommandEffect::Nothing,
@@ -65,19 +64,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn commands_by_their_first_letters() {
-        for (key, of) in [
+    fn four_letters_identify_commands() {
+        for (key, expected) in [
             (b"CEIN", CommandEffect::Constrains),
             (b"DL  ", CommandEffect::Constrains),
             (b"NGEN", CommandEffect::MakesNodes),
-            (b"/INP", CommandEffect::BringsOthers),
-            (b"*GO ", CommandEffect::BringsOthers),
+            (b"/INP", CommandEffect::ReadsOthers),
+            (b"*GO ", CommandEffect::ReadsOthers),
             (b"*GET", CommandEffect::Nothing),
             (b"/PRE", CommandEffect::Nothing),
             (b"EBLO", CommandEffect::Nothing),
             (b"QXYZ", CommandEffect::Unknown),
         ] {
-            assert_eq!(effect(*key), of);
+            assert_eq!(effect(*key), expected);
         }
     }
 }

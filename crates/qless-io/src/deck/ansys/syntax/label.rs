@@ -1,48 +1,13 @@
-//! Names of degrees of freedom as components of a node.
+//! Labels of degrees of freedom, and the components that they mean.
 
-/// Components with a number of their own; 1 to 6 are displacements and rotations as in every format.
-const LABELS: [(&str, u8); 38] = [
-    ("UX", 1),
-    ("UY", 2),
-    ("UZ", 3),
-    ("ROTX", 4),
-    ("ROTY", 5),
-    ("ROTZ", 6),
-    ("WARP", 7),
-    ("PRES", 8),
-    ("VOLT", 9),
-    ("MAG", 10),
-    ("TEMP", 11),
-    ("TBOT", 12),
-    ("TTOP", 13),
-    ("CONC", 14),
-    ("AX", 15),
-    ("AY", 16),
-    ("AZ", 17),
-    ("EMF", 18),
-    ("CURR", 19),
-    ("HDSP", 20),
-    ("VX", 21),
-    ("VY", 22),
-    ("VZ", 23),
-    ("ENKE", 24),
-    ("ENDS", 25),
-    ("SE", 26),
-    ("SO", 27),
-    ("SW", 28),
-    ("SRA", 29),
-    ("SRT", 30),
-    ("GFV1", 31),
-    ("GFV2", 32),
-    ("GFV3", 33),
-    ("GLAM", 34),
-    ("SP01", 35),
-    ("SP02", 36),
-    ("SP03", 37),
-    ("SP04", 38),
+/// Labels of components 1, 2, 3 and so on; 1 to 6 are displacements and rotations as in every format.
+const LABELS: [&str; 38] = [
+    "UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ", "WARP", "PRES", "VOLT", "MAG", "TEMP", "TBOT", "TTOP", "CONC", "AX",
+    "AY", "AZ", "EMF", "CURR", "HDSP", "VX", "VY", "VZ", "ENKE", "ENDS", "SE", "SO", "SW", "SRA", "SRT", "GFV1",
+    "GFV2", "GFV3", "GLAM", "SP01", "SP02", "SP03", "SP04",
 ];
 
-/// Loads and the component of the DOF that they act on.
+/// Labels of loads, with the component that the load acts on.
 const LOADS: [(&str, u8); 15] = [
     ("FX", 1),
     ("FY", 2),
@@ -61,21 +26,22 @@ const LOADS: [(&str, u8); 15] = [
     ("CSGZ", 17),
 ];
 
-/// What `D` prescribes that is no value of a DOF: its derivatives in time.
+/// Labels of time derivatives, which `D` can prescribe as well.
 const RATES: [&str; 12] =
     ["VELX", "VELY", "VELZ", "OMGX", "OMGY", "OMGZ", "ACCX", "ACCY", "ACCZ", "DMGX", "DMGY", "DMGZ"];
 
-/// Temperatures of the layers of a shell, `TE2` to `TE99`, are numbered from here.
+/// Offset of the components `TE2` to `TE99`, temperatures of the layers of a shell.
 const LAYER: u8 = 100;
 
 /// The component that a label stands for.
 pub fn component(label: &[u8]) -> Option<u8> {
-    find(&LABELS, label).or_else(|| layer(label))
+    let known = LABELS.iter().position(|known| label.eq_ignore_ascii_case(known.as_bytes()));
+    known.map(|k| k as u8 + 1).or_else(|| layer(label))
 }
 
 /// The component that a load acts on.
 pub fn loaded(label: &[u8]) -> Option<u8> {
-    find(&LOADS, label)
+    LOADS.iter().find(|(known, _)| label.eq_ignore_ascii_case(known.as_bytes())).map(|(_, component)| *component)
 }
 
 /// Whether the label stands for a velocity or an acceleration.
@@ -83,16 +49,12 @@ pub fn is_rate(label: &[u8]) -> bool {
     RATES.iter().any(|rate| label.eq_ignore_ascii_case(rate.as_bytes()))
 }
 
-/// The label of a component, as equations are written with.
+/// The label of a component.
 pub fn name(component: u8) -> String {
-    match LABELS.iter().find(|(_, known)| *known == component) {
-        Some((label, _)) => (*label).to_owned(),
+    match usize::from(component).checked_sub(1).and_then(|k| LABELS.get(k)) {
+        Some(label) => (*label).to_owned(),
         None => format!("TE{}", component.saturating_sub(LAYER)),
     }
-}
-
-fn find(table: &[(&str, u8)], label: &[u8]) -> Option<u8> {
-    table.iter().find(|(known, _)| label.eq_ignore_ascii_case(known.as_bytes())).map(|(_, component)| *component)
 }
 
 fn layer(label: &[u8]) -> Option<u8> {
@@ -107,7 +69,7 @@ mod tests {
 
     #[test]
     fn every_label_has_a_component_of_its_own() {
-        for (label, number) in LABELS {
+        for (label, number) in LABELS.into_iter().zip(1..) {
             assert_eq!(component(label.to_ascii_lowercase().as_bytes()), Some(number));
             assert_eq!(name(number), label);
         }

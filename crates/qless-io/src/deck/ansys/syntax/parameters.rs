@@ -1,4 +1,4 @@
-//! APDL parameters: `A = 1.5`, `*SET`, `*DIM`, and what stands in their place in the fields of commands.
+//! APDL parameters: sets them by `A = 1.5`, `*SET` and `*DIM`, and replaces them by their values in the fields of commands.
 
 use std::borrow::Cow;
 
@@ -7,16 +7,16 @@ use rustc_hash::FxHashMap;
 use super::command::AnsysCommand;
 use super::expression::{ApdlArray, NameLookup, NoValue, is_first, is_later, value};
 
-/// Elements of all arrays at most.
+/// Limit on the elements of all arrays together.
 const ELEMENTS: usize = 4_000_000;
 
-/// What a name stands for.
+/// The value of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterValue {
     Number(f64),
-    /// Between quotes.
+    /// A quoted text.
     Text(String),
-    /// Something that this reader does not follow.
+    /// A value that this reader does not know.
     Unknown,
     /// A table, which is a function of time and place.
     Table,
@@ -31,29 +31,30 @@ pub struct ApdlParameters {
     degrees: bool,
 }
 
-/// `name` or `name(1,2,3)` in front of what is assigned.
+/// The left-hand side of an assignment: `name` or `name(1,2,3)`.
 struct AssignmentTarget {
     name: String,
     indices: Option<String>,
 }
 
 impl ApdlParameters {
-    /// Sets what `name = value` says; false where the text is no assignment. With `unknown` nobody knows whether it is carried out.
+    /// Executes `name = value`; returns false if the text is no assignment. If it is `unknown` whether the assignment is executed,
+    /// the new value is unknown.
     pub fn assign(&mut self, text: &[u8], unknown: bool) -> bool {
         let Some((target, rest)) = target(text) else { return false };
-        let Some(given) = rest.trim_ascii_start().strip_prefix(b"=") else { return false };
-        self.set(&target, &split(given), unknown);
+        let Some(values) = rest.trim_ascii_start().strip_prefix(b"=") else { return false };
+        self.set(&target, &split(values), unknown);
         true
     }
 
-    /// `*SET, name, value, value, ...` and the others that set parameters.
+    /// `*SET, name, value, value, ...` and other commands that set parameters.
     pub fn command(&mut self, command: &AnsysCommand, unknown: bool) {
         let field = |at: usize| command.field(at).to_vec();
         let Some((target, _)) = target(command.field(1)) else { return };
         match &command.key {
             b"*SET" => {
-                let given: Vec<Vec<u8>> = command.fields.iter().skip(1).map(|field| field.to_vec()).collect();
-                self.set(&target, &given, unknown);
+                let values: Vec<Vec<u8>> = command.fields.iter().skip(1).map(|field| field.to_vec()).collect();
+                self.set(&target, &values, unknown);
             }
             b"*DEL" => self.put(target.name, None),
             b"*DIM" if unknown => self.put(target.name, Some(ParameterValue::Unknown)),
@@ -76,12 +77,12 @@ impl ApdlParameters {
         self.put(name.to_owned(), Some(ParameterValue::Number(value)));
     }
 
-    /// Sets what is not known.
+    /// Makes a parameter unknown.
     pub fn forget(&mut self, name: &str) {
         self.put(name.to_owned(), Some(ParameterValue::Unknown));
     }
 
-    /// The number that a text stands for.
+    /// The value of a number or expression.
     pub fn number(&self, text: &[u8]) -> Result<f64, NoValue> {
         match crate::number::real(text.trim_ascii()) {
             Ok(value) => Ok(value),
@@ -89,28 +90,29 @@ impl ApdlParameters {
         }
     }
 
-    /// The fields with what they stand for; the first that depends on what is not followed is the error.
+    /// Replaces parameters and expressions in the fields by their values. The error is the first field whose value is unknown.
     pub fn resolve(&self, command: &mut AnsysCommand) -> Result<(), String> {
         for field in &mut command.fields {
-            if let Some(text) = self.meant(field)? {
+            if let Some(text) = self.replacement(field)? {
                 *field = Cow::Owned(text);
             }
         }
         Ok(())
     }
 
-    /// Elements of an array from that on which a text names, `NAME(3)`; none where they are not known.
+    /// Elements of an array from `NAME` or `NAME(3)` on; `None` if they are unknown.
     pub fn elements(&self, text: &[u8]) -> Option<&[f64]> {
         let (target, rest) = target(text)?;
         let ParameterValue::Array(array) = self.values.get(&target.name)? else { return None };
         let first = match target.indices {
-            Some(indices) => self.place(array, &indices).ok()?,
+            Some(indices) => self.index(array, &indices).ok()?,
             None => 0,
         };
         (array.is_known && rest.trim_ascii().is_empty()).then(|| &array.values[first..])
     }
 
-    fn meant(&self, field: &[u8]) -> Result<Option<Vec<u8>>, String> {
+    /// The text that replaces a field; `None` to keep the field. The error is the start of a field whose value is unknown.
+    fn replacement(&self, field: &[u8]) -> Result<Option<Vec<u8>>, String> {
         let unknown = || String::from_utf8_lossy(&field[..field.len().min(32)]).into_owned();
         if let Some(quoted) = field.strip_prefix(b"'").and_then(|rest| rest.strip_suffix(b"'")) {
             return Ok(Some(quoted.to_vec()));
@@ -120,7 +122,7 @@ impl ApdlParameters {
         let is_name = text.first().is_some_and(|byte| is_first(*byte)) && text.iter().all(|byte| is_later(*byte));
         if is_name {
             return match self.values.get(&String::from_utf8_lossy(text).to_ascii_uppercase()) {
-                Some(ParameterValue::Number(value)) => Ok(Some(spelled(*value))),
+                Some(ParameterValue::Number(value)) => Ok(Some(field_text(*value))),
                 Some(ParameterValue::Text(text)) => Ok(Some(text.clone().into_bytes())),
                 Some(ParameterValue::Unknown) => Err(unknown()),
                 Some(ParameterValue::Table | ParameterValue::Array(_)) | None => Ok(None),
@@ -132,31 +134,31 @@ impl ApdlParameters {
             return Ok(None);
         }
         match value(text, self) {
-            Ok(value) => Ok(Some(spelled(value))),
-            Err(NoValue::NotOne) => Ok(None),
+            Ok(value) => Ok(Some(field_text(value))),
+            Err(NoValue::NotAnExpression) => Ok(None),
             Err(NoValue::Unknown) => Err(unknown()),
         }
     }
 
-    fn set(&mut self, target: &AssignmentTarget, given: &[Vec<u8>], unknown: bool) {
+    fn set(&mut self, target: &AssignmentTarget, texts: &[Vec<u8>], unknown: bool) {
         let values: Vec<ParameterValue> =
-            given.iter().map(|text| if unknown { ParameterValue::Unknown } else { self.read(text) }).collect();
+            texts.iter().map(|text| if unknown { ParameterValue::Unknown } else { self.read(text) }).collect();
         let Some(indices) = &target.indices else {
-            let first = given.first().filter(|text| !text.is_empty()).and_then(|_| values.into_iter().next());
+            let first = texts.first().filter(|text| !text.is_empty()).and_then(|_| values.into_iter().next());
             return self.put(target.name.clone(), first);
         };
-        let place = match self.values.get(&target.name) {
-            Some(ParameterValue::Array(array)) => self.place(array, indices),
-            // What a table holds does not matter here.
+        let index = match self.values.get(&target.name) {
+            Some(ParameterValue::Array(array)) => self.index(array, indices),
+            // Constraints do not depend on the content of tables.
             Some(ParameterValue::Table) => return,
             _ => return self.forget(&target.name),
         };
         let Some(ParameterValue::Array(array)) = self.values.get_mut(&target.name) else { return };
-        let Ok(place) = place else {
+        let Ok(index) = index else {
             array.is_known = false;
             return;
         };
-        for (to, value) in array.values[place..].iter_mut().zip(values) {
+        for (to, value) in array.values[index..].iter_mut().zip(values) {
             *to = if let ParameterValue::Number(value) = value { value } else { f64::NAN };
         }
     }
@@ -195,11 +197,11 @@ impl ApdlParameters {
         }
     }
 
-    /// Which element of an array indices mean.
-    fn place(&self, array: &ApdlArray, indices: &str) -> Result<usize, NoValue> {
-        let given = split(indices.as_bytes());
-        let indices: Vec<f64> = given.iter().map(|text| self.number(text)).collect::<Result<_, _>>()?;
-        array.place(&indices)
+    /// Index in `values` of the element with these indices.
+    fn index(&self, array: &ApdlArray, indices: &str) -> Result<usize, NoValue> {
+        let texts = split(indices.as_bytes());
+        let indices: Vec<f64> = texts.iter().map(|text| self.number(text)).collect::<Result<_, _>>()?;
+        array.index(&indices)
     }
 }
 
@@ -209,13 +211,13 @@ impl NameLookup for ApdlParameters {
             Some(ParameterValue::Number(value)) => Ok(*value),
             Some(ParameterValue::Array(array)) if array.is_known && !array.values[0].is_nan() => Ok(array.values[0]),
             Some(ParameterValue::Array(_) | ParameterValue::Unknown | ParameterValue::Table) => Err(NoValue::Unknown),
-            Some(ParameterValue::Text(_)) | None => Err(NoValue::NotOne),
+            Some(ParameterValue::Text(_)) | None => Err(NoValue::NotAnExpression),
         }
     }
 
     fn call(&self, name: &str, arguments: &[f64]) -> Result<f64, NoValue> {
         if let Some(ParameterValue::Array(array)) = self.values.get(name) {
-            let value = array.values[array.place(arguments)?];
+            let value = array.values[array.index(arguments)?];
             return if array.is_known && !value.is_nan() { Ok(value) } else { Err(NoValue::Unknown) };
         }
         let angle = |x: f64| if self.degrees { x.to_radians() } else { x };
@@ -234,7 +236,7 @@ impl NameLookup for ApdlParameters {
     }
 }
 
-/// `name` or `name(...)`, and what follows.
+/// Splits `name` or `name(...)` from the rest of the text.
 fn target(text: &[u8]) -> Option<(AssignmentTarget, &[u8])> {
     let text = text.trim_ascii_start();
     let end = text.iter().position(|byte| !is_later(*byte)).unwrap_or(text.len());
@@ -253,7 +255,7 @@ fn target(text: &[u8]) -> Option<(AssignmentTarget, &[u8])> {
     Some((AssignmentTarget { name, indices }, &inside[close + 1..]))
 }
 
-/// What stands between commas that are in no parentheses.
+/// Splits at commas outside parentheses.
 fn split(text: &[u8]) -> Vec<Vec<u8>> {
     let mut depth = 0;
     text.split(|byte| {
@@ -264,8 +266,8 @@ fn split(text: &[u8]) -> Vec<Vec<u8>> {
     .collect()
 }
 
-fn spelled(value: f64) -> Vec<u8> {
-    // Whole numbers are nodes and the like; zeros have no sign there.
+/// The value as a field. Whole numbers have no decimal point, as they may be node numbers.
+fn field_text(value: f64) -> Vec<u8> {
     if value.fract() == 0.0 && value.abs() < 1e15 { format!("{}", value as i64) } else { format!("{value:?}") }
         .into_bytes()
 }
@@ -298,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_stand_for_what_was_set() {
+    fn values_replace_parameters() {
         let is = |lines: &[&str], expected: &[&str]| {
             let expected: Vec<String> = expected.iter().map(|&text| text.to_owned()).collect();
             assert_eq!(fields(lines), Ok(expected), "{lines:?}");
@@ -317,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_followed_makes_no_value() {
+    fn unknown_parameters_have_no_value() {
         for lines in [
             &["*GET,N,NODE,,NUM,MAX", "X,N"][..],
             &["*GET,N,NODE,,NUM,MAX", "M=N+1", "X,2*M"],
@@ -333,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn elements_from_one_on() {
+    fn elements_of_arrays() {
         let mut parameters = ApdlParameters::default();
         let dim = parse(b"*DIM,A,ARRAY,3", 0, 1);
         let AnsysLine::Commands(commands) = dim else { panic!("commands") };

@@ -11,7 +11,7 @@ use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
 use crate::deck::calculix::syntax::{DataLines, float, number};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::components::Components;
-use crate::deck::kinematics::mean::{Group, Mean};
+use crate::deck::kinematics::mean::{MeanElement, WeightedNodes};
 use crate::deck::kinematics::vector::{length, minus};
 use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
@@ -95,7 +95,7 @@ impl CouplingCard {
         let mut groups = Vec::new();
         let weights = weights(card, definitions, reference, &nodes)?;
         for (node, weight) in nodes.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
-            groups.push(Group { weight, components: translations(), nodes: vec![node] });
+            groups.push(WeightedNodes { weight, components: translations(), nodes: vec![node] });
         }
         mean(definitions, reference, &components(card, 6)?, groups)
     }
@@ -195,12 +195,12 @@ pub fn mean(
     definitions: &DeckDefinitions,
     reference: u32,
     components: &[u8],
-    groups: Vec<Group>,
+    groups: Vec<WeightedNodes>,
 ) -> Result<Vec<CardEquation>, Problem> {
     let digits: Vec<u8> = components.iter().map(|component| b'0' + component).collect();
     let components = Components::parse(&digits).unwrap_or_default();
-    let mean = Mean { reference, components, groups, dependent: Vec::new() };
-    Ok(mean.rows(definitions)?.into_iter().map(|row| CardEquation { terms: row.terms, rhs: 0.0 }).collect())
+    let mean = MeanElement { reference, components, groups, dependent: Vec::new() };
+    Ok(mean.equations(definitions)?.into_iter().map(|row| CardEquation { terms: row.terms, rhs: 0.0 }).collect())
 }
 
 pub fn translations() -> Components {

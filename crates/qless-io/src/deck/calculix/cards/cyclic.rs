@@ -13,7 +13,7 @@ use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
 use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::float;
 use crate::deck::kinematics::axes::Frame;
-use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Model, Problem};
 use crate::fault::quote;

@@ -14,7 +14,7 @@ pub mod unread;
 
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 

@@ -17,7 +17,7 @@ use crate::deck::calculix::cards::{CardEquation, CardPlace};
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::model::folded;
 use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;

@@ -7,7 +7,7 @@ use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::float;
 use crate::deck::kinematics::axes::BASIC_AXES;
-use crate::deck::kinematics::mean::Group;
+use crate::deck::kinematics::mean::WeightedNodes;
 use crate::deck::kinematics::vector::{Vector, scaled};
 use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
@@ -56,7 +56,7 @@ pub fn distributing_coupling(
         if solver == Solver::Ccx {
             return plain_mean(definitions, reference, weights);
         }
-        let group = |(node, weight)| Group { weight, components: translations(), nodes: vec![node] };
+        let group = |(node, weight)| WeightedNodes { weight, components: translations(), nodes: vec![node] };
         mean(definitions, reference, &[1, 2, 3, 4, 5, 6], weights.into_iter().map(group).collect())
     };
     let rows = rows();

@@ -5,8 +5,8 @@ use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::number;
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
+use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::body::product;
-use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, dot, minus};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 

@@ -7,7 +7,7 @@ use crate::deck::calculix::model::mesh::DeckSurface;
 use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::float;
 use crate::deck::kinematics::axes::BASIC_AXES;
-use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;

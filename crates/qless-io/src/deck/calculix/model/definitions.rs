@@ -14,7 +14,7 @@ use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
 use crate::deck::calculix::syntax::{DataLines, DataPiece, float, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
-use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
 
 /// Definitions of a deck, kept as text until they are needed.

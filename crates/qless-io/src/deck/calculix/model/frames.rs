@@ -10,7 +10,7 @@ use crate::deck::calculix::model::AxesCard;
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::syntax::card::Scope;
 use crate::deck::calculix::syntax::{self, DataLines, DataPiece, float};
-use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
+use crate::deck::kinematics::axes::{BASIC_AXES, Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
 impl DeckDefinitions {
@@ -59,7 +59,7 @@ pub fn two_points<'a>(fields: impl Iterator<Item = &'a [u8]>) -> Result<[Vector;
 fn along(a: Vector, b: Vector) -> Option<Frame> {
     let first = unit(a)?;
     let third = unit(cross(first, unit(b)?))?;
-    Some(Frame { kind: Kind::Rectangular, origin: [0.0; 3], axes: [first, cross(third, first), third] })
+    Some(Frame { kind: FrameKind::Rectangular, origin: [0.0; 3], axes: [first, cross(third, first), third] })
 }
 
 /// Cylindrical axes around the line between two points; `None` if they coincide.
@@ -68,5 +68,5 @@ pub fn around(a: Vector, b: Vector) -> Option<Frame> {
     // Any direction across the axis will do: the radial direction at a point does not depend on it.
     let least = (0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs()))?;
     let second = unit(cross(axis, BASIC_AXES[least]))?;
-    Some(Frame { kind: Kind::Cylindrical, origin: a, axes: [cross(second, axis), second, axis] })
+    Some(Frame { kind: FrameKind::Cylindrical, origin: a, axes: [cross(second, axis), second, axis] })
 }

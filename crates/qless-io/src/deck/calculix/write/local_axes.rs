@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 
 use crate::deck::calculix::definitions;
-use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::plan::{CleanError, Plan, Written};
 use crate::deck::{Deck, Dof};

@@ -4,8 +4,7 @@ use super::bulk::BulkData;
 use super::quick::QuickCard;
 use crate::deck::nastran::syntax::card::{BulkCard, CardRefusal, NamedRefusal};
 use crate::deck::nastran::syntax::continuations::{Continuations, LineBefore, is_always_one_line, name_of};
-use crate::deck::nastran::syntax::copies;
-use crate::deck::nastran::syntax::copies::CopyRule;
+use crate::deck::nastran::syntax::copies::{self, CopyRule};
 use crate::deck::nastran::syntax::fields::{is_copy, mark, name_in};
 use crate::deck::nastran::syntax::lines::DeckLine;
 use crate::deck::{CardFault, Problem, Solver};
@@ -28,7 +27,7 @@ pub struct CardAssembly {
 impl CardAssembly {
     pub fn new(solver: Solver) -> Self {
         Self {
-            bulk: BulkData::of(solver),
+            bulk: BulkData::for_solver(solver),
             card: BulkCard::default(),
             before: LineBefore::Nothing,
             mark: Vec::new(),
@@ -53,7 +52,7 @@ impl CardAssembly {
     /// Starts a card; `None` for a card that is skipped.
     pub fn begin(&mut self, name: Option<&'static str>, line: &DeckLine) -> Result<(), NamedRefusal> {
         let Some(name) = name else {
-            self.pass(line);
+            self.skip(line);
             return Ok(());
         };
         self.before = LineBefore::Read;
@@ -61,7 +60,7 @@ impl CardAssembly {
     }
 
     /// Skips a line of a card that is not read.
-    fn pass(&mut self, line: &DeckLine) {
+    fn skip(&mut self, line: &DeckLine) {
         self.before = LineBefore::Unread;
         self.mark.clear();
         self.mark.extend_from_slice(mark(line.text));
@@ -81,13 +80,13 @@ impl CardAssembly {
                 Err(expected(line, "continuation", "a card before the line that continues it"))
             }
             LineBefore::Read if is_next && self.copies.is_some() => {
-                Err(expected(line, "continuation", "a card of one line, as what `=` copies has to be"))
+                Err(expected(line, "continuation", "a card of one line, since `=` copies it"))
             }
             LineBefore::Read if is_next => {
                 self.card.extend(line.text, line.at(), false).map_err(|refused| self.failed(refused))
             }
             LineBefore::Unread if is_next => {
-                self.pass(line);
+                self.skip(line);
                 Ok(())
             }
             LineBefore::Piece if self.continuations.goes_on(&name) => {
@@ -124,7 +123,7 @@ impl CardAssembly {
     /// Makes the copies of the previous card.
     pub fn copy(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
         if self.solver == Solver::Mystran {
-            self.pass_copy(line);
+            self.note_skipped_copy(line);
             return Ok(());
         }
         if !self.card.is_one_line() || !self.card.continues_in().is_empty() {
@@ -132,37 +131,37 @@ impl CardAssembly {
         }
         if self.copies.is_none() {
             self.bulk.fixed.insert((self.card.file, self.card.line));
-            self.give()?;
+            self.hand_over()?;
         }
         let read = copies::read(line.text, self.copies.as_ref(), line.at());
         let (count, change) = read.map_err(|refused| self.failed(refused))?;
         self.bulk.fixed.insert(line.at());
         for _ in 0..count {
             change.apply(&mut self.card, line.at()).map_err(|refused| self.failed(refused))?;
-            self.give()?;
+            self.hand_over()?;
         }
         self.copies = Some(change);
         Ok(())
     }
 
     /// Notes that MYSTRAN makes no copies: it ignores the line, or mistakes an asterisk in free field for large field and stops.
-    fn pass_copy(&mut self, line: &DeckLine) {
+    fn note_skipped_copy(&mut self, line: &DeckLine) {
         if line.text.contains(&b',') && line.text.contains(&b'*') {
             self.bulk.notes.refuse(line.at(), "MYSTRAN stops at this line of copies; write the cards out".into());
         } else {
-            self.bulk.notes.warn(line.at(), "MYSTRAN passes over this line of copies: write the cards out".into());
+            self.bulk.notes.warn(line.at(), "MYSTRAN ignores this line of copies; write the cards out".into());
         }
     }
 
     /// Ends the card that is being read, if any.
     pub fn end_card(&mut self) -> Result<(), NamedRefusal> {
-        // Copies were handed on when they were made.
-        let is_given = self.copies.take().is_some();
+        // The bulk data have received the card and its copies.
+        let is_complete = self.copies.take().is_some();
         match std::mem::replace(&mut self.before, LineBefore::Nothing) {
-            LineBefore::Read if !is_given => {
+            LineBefore::Read if !is_complete => {
                 let name = if self.goes_by_name() { self.card.continues_in() } else { Vec::new() };
                 if name.is_empty() || self.card.is_full_line() && is_always_one_line(self.card.name) {
-                    return self.give();
+                    return self.hand_over();
                 }
                 self.continuations.claim(name, Some(std::mem::take(&mut self.card)));
             }
@@ -178,10 +177,10 @@ impl CardAssembly {
     }
 
     /// Hands the card to the bulk data.
-    fn give(&mut self) -> Result<(), NamedRefusal> {
-        if self.solver == Solver::Mystran && self.card.goes_beyond() {
-            let problem = CardFault::FieldsDropped.into();
-            return Err(self.failed(CardRefusal { at: (self.card.file, self.card.line), field: None, problem }));
+    fn hand_over(&mut self) -> Result<(), NamedRefusal> {
+        if self.solver == Solver::Mystran && self.card.goes_beyond {
+            let at = (self.card.file, self.card.line);
+            return Err(self.failed(CardRefusal::of_line(at, CardFault::FieldsDropped)));
         }
         self.bulk.card(&self.card).map_err(|refused| self.failed(refused))
     }
@@ -192,18 +191,18 @@ impl CardAssembly {
         let cards = std::mem::take(&mut self.continuations).finish(self.solver)?;
         for card in cards {
             self.card = card;
-            self.give()?;
+            self.hand_over()?;
         }
         Ok(self.bulk)
     }
 
     fn failed(&self, refused: CardRefusal) -> NamedRefusal {
-        refused.of(&self.card)
+        refused.in_card(&self.card)
     }
 }
 
 /// The error that something else was expected in place of the line.
 fn expected(line: &DeckLine, card: &str, expected: &'static str) -> NamedRefusal {
     let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
-    NamedRefusal { card: card.into(), refused: CardRefusal { at: line.at(), field: None, problem } }
+    NamedRefusal { card: card.into(), refused: CardRefusal::of_line(line.at(), problem) }
 }

@@ -5,9 +5,7 @@ use std::sync::LazyLock;
 
 use rustc_hash::FxHashMap;
 
-use super::elements::{
-    ElementCard, JointElement, NastranElement, jointg, rbar, rbar1, rbe1, rbe2, rbe3, rjoint, rrod, rtrplt, rtrplt1,
-};
+use super::elements::{jointg, rbar, rbar1, rbe1, rbe2, rbe3, rjoint, rrod, rtrplt, rtrplt1};
 use super::exclusive::ExclusiveMembers;
 use super::grids::Grids;
 use super::loads::{LoadCombinations, LoadedComponents};
@@ -19,8 +17,8 @@ use super::sets::{PointSupport, SetUnions, read_union, spc, spc1, terms};
 use super::ties::Ties;
 use super::unread::{CardNotes, UnknownNames, UnreadCard};
 use super::{exclusive, loads, mystran, unread};
-use crate::deck::kinematics::axes::Kind;
-use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
+use crate::deck::kinematics::axes::FrameKind;
+use crate::deck::nastran::syntax::card::{BulkCard, CardLocation, CardRefusal};
 use crate::deck::nastran::syntax::lines::{DeckLine, FileLine};
 use crate::deck::{CardFault, Solver};
 
@@ -31,22 +29,23 @@ pub struct BulkData {
     pub is_mystran: bool,
     pub grids: Grids,
     pub scalars: Vec<PointSpan>,
-    pub usual: Option<(GridDefaults, CardPlace)>,
+    /// The `GRDSET` card.
+    pub grid_defaults: Option<(GridDefaults, CardLocation)>,
     pub frames: FrameDefinitions,
     /// Places of the cards of `frames`.
-    pub frame_places: BTreeMap<u32, CardPlace>,
+    pub frame_places: BTreeMap<u32, CardLocation>,
     pub ties: Ties,
     /// First lines of cards that must not be removed or replaced, because of thermal expansion or because others are copies of them.
     pub fixed: BTreeSet<FileLine>,
     /// Separated continuation lines of cards, by the first line of the card.
     pub apart: BTreeMap<FileLine, Vec<FileLine>>,
-    /// First lines of rigid elements, by element number.
+    /// First lines of elements, by element number.
     elements: FxHashMap<u32, FileLine>,
     /// Components in mutually exclusive sets.
     pub exclusive: Vec<ExclusiveMembers>,
-    pub supports: Vec<(u32, PointSupport, CardPlace)>,
+    pub supports: Vec<(u32, PointSupport, CardLocation)>,
     /// `SPCD` cards, with their load set.
-    pub enforced: Vec<(u32, PointSupport, CardPlace)>,
+    pub enforced: Vec<(u32, PointSupport, CardLocation)>,
     pub mpc_unions: SetUnions,
     pub spc_unions: SetUnions,
     pub combinations: LoadCombinations,
@@ -71,14 +70,14 @@ pub fn known(name: &[u8]) -> Option<&'static str> {
 
 impl BulkData {
     /// Empty bulk data of a deck for this solver.
-    pub fn of(solver: Solver) -> Self {
+    pub fn for_solver(solver: Solver) -> Self {
         Self { is_mystran: solver == Solver::Mystran, ..Self::default() }
     }
 
     /// Takes a card that the fast path has read.
     pub fn quick(&mut self, card: &QuickCard, line: &DeckLine) {
         match card {
-            QuickCard::Grid(given) => self.grids.push(given, line.file, line.number),
+            QuickCard::Grid(grid) => self.grids.push(grid, line.file, line.number),
             QuickCard::Mpc(set, first, second) => {
                 self.ties.mpc(*set, (line.file, line.number, 1), std::iter::once(*first).chain(*second));
             }
@@ -88,8 +87,8 @@ impl BulkData {
     /// Takes a card.
     pub fn card(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         if self.is_mystran {
-            if mystran::passes_over(card.name) {
-                let text = format!("MYSTRAN passes over {}: it constrains nothing", card.title());
+            if mystran::ignores(card.name) {
+                let text = format!("MYSTRAN ignores {}: it constrains nothing", card.title());
                 self.notes.warn((card.file, card.line), text);
                 return Ok(());
             }
@@ -117,7 +116,7 @@ impl BulkData {
                 self.note_apart(card);
             }
             name if name.starts_with("CORD") => self.frame(card)?,
-            name => match UnreadCard::of(name) {
+            name => match UnreadCard::find(name) {
                 Some(unread) => self.leave_out(card, unread)?,
                 None => match exclusive::read(card)? {
                     Some(members) => self.exclusive.extend(members),
@@ -134,9 +133,9 @@ impl BulkData {
     }
 
     /// Notes a card that is not understood. `SUPORT` puts its components into a set nevertheless.
-    fn leave_out(&mut self, card: &BulkCard, unread: &UnreadCard) -> Result<(), CardRefusal> {
+    fn leave_out(&mut self, card: &BulkCard, unread: UnreadCard) -> Result<(), CardRefusal> {
         self.exclusive.extend(exclusive::read(card)?.unwrap_or_default());
-        if unread.constrains {
+        if unread.constrains() {
             self.notes.leave_out((card.file, card.line), unread.warning(card));
         } else {
             self.notes.warn((card.file, card.line), unread.warning(card));
@@ -146,26 +145,22 @@ impl BulkData {
 
     fn element(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         let (element, alpha) = match card.name {
-            "RBE1" => rbe1(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
-            "RBE2" => rbe2(card, self.is_mystran).map(|read| (NastranElement::Star(read.element), read.alpha))?,
-            "RBE3" => {
-                let ElementCard { element, alpha } = rbe3(card)?;
-                (if self.is_mystran { mystran::mean(element) } else { NastranElement::Mean(element) }, alpha)
-            }
-            "RBAR" => rbar(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
-            "RBAR1" => rbar1(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
-            "RTRPLT" => rtrplt(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
-            "RTRPLT1" => rtrplt1(card).map(|read| (NastranElement::Rigid(read.element), read.alpha))?,
-            "RJOINT" => (NastranElement::Joint(rjoint(card)?), 0.0),
-            "JOINTG" => match jointg(card)? {
-                JointElement::Beam(element) => (NastranElement::Rigid(element), 0.0),
-                JointElement::Ball(element) => (NastranElement::Joint(element), 0.0),
-                JointElement::Other => {
+            "RBE1" => rbe1(card)?,
+            "RBE2" => rbe2(card, self.is_mystran)?,
+            "RBE3" => rbe3(card, self.is_mystran)?,
+            "RBAR" => rbar(card)?,
+            "RBAR1" => rbar1(card)?,
+            "RTRPLT" => rtrplt(card)?,
+            "RTRPLT1" => rtrplt1(card)?,
+            "RJOINT" => rjoint(card)?,
+            "RROD" => rrod(card)?,
+            _ => {
+                let Some(read) = jointg(card)? else {
                     self.notes.leave_out((card.file, card.line), unread::joint(card));
                     return Ok(());
-                }
-            },
-            _ => rrod(card).map(|read| (NastranElement::Rod(read.element), read.alpha))?,
+                };
+                read
+            }
         };
         let at = (card.file, card.line);
         if alpha != 0.0 {
@@ -175,7 +170,7 @@ impl BulkData {
         }
         self.number(card)?;
         self.note_apart(card);
-        self.ties.element(element, CardPlace::of(card));
+        self.ties.element(element, CardLocation::new(card));
         Ok(())
     }
 
@@ -203,22 +198,22 @@ impl BulkData {
     }
 
     fn grdset(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
-        let usual = GridDefaults::read(card)?;
-        if let Some((other, place)) = &self.usual
-            && *other != usual
+        let defaults = GridDefaults::read(card)?;
+        if let Some((other, place)) = &self.grid_defaults
+            && *other != defaults
         {
             let other = format!("line {}", place.line).into();
             return Err(card.at(0, CardFault::DefinedTwice { what: "GRDSET", id: 1, other }.into()));
         }
-        self.usual = Some((usual, CardPlace::of(card)));
+        self.grid_defaults = Some((defaults, CardLocation::new(card)));
         Ok(())
     }
 
     fn frame(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         let kind = match card.name.as_bytes().last() {
-            Some(b'C') => Kind::Cylindrical,
-            Some(b'S') => Kind::Spherical,
-            _ => Kind::Rectangular,
+            Some(b'C') => FrameKind::Cylindrical,
+            Some(b'S') => FrameKind::Spherical,
+            _ => FrameKind::Rectangular,
         };
         let is_cord1 = card.name.starts_with("CORD1");
         let found = if is_cord1 { through_grids(card, kind)? } else { vec![through_points(card, kind)?] };
@@ -229,7 +224,7 @@ impl BulkData {
     }
 
     fn define(&mut self, card: &BulkCard, id: u32, definition: FrameDefinition) -> Result<(), CardRefusal> {
-        let place = CardPlace::of(card);
+        let place = CardLocation::new(card);
         if let (Some(known), Some(other)) = (self.frames.get(&id), self.frame_places.get(&id))
             && *known != definition
         {
@@ -248,7 +243,7 @@ fn set(card: &BulkCard) -> Result<u32, CardRefusal> {
     card.id(0, SET)
 }
 
-fn in_set(card: &BulkCard, supports: Vec<PointSupport>) -> Result<Vec<(u32, PointSupport, CardPlace)>, CardRefusal> {
-    let (set, place) = (set(card)?, CardPlace::of(card));
+fn in_set(card: &BulkCard, supports: Vec<PointSupport>) -> Result<Vec<(u32, PointSupport, CardLocation)>, CardRefusal> {
+    let (set, place) = (set(card)?, CardLocation::new(card));
     Ok(supports.into_iter().map(|support| (set, support, place.clone())).collect())
 }

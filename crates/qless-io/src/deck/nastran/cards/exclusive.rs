@@ -8,7 +8,7 @@
 
 use super::points::{PointSpan, spans};
 use crate::deck::kinematics::components::Components;
-use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
+use crate::deck::nastran::syntax::card::{BulkCard, CardLocation, CardRefusal};
 
 /// Components of points that a card puts into an exclusive set.
 #[derive(Clone, Debug)]
@@ -17,39 +17,31 @@ pub struct ExclusiveMembers {
     pub letter: char,
     pub points: Vec<PointSpan>,
     pub components: Components,
-    pub place: CardPlace,
+    pub place: CardLocation,
 }
 
-/// Card names with the letter of their set.
-const CARDS: [(&str, char); 15] = [
-    ("ASET", 'a'),
-    ("ASET1", 'a'),
-    ("OMIT", 'o'),
-    ("OMIT1", 'o'),
-    ("BSET", 'b'),
-    ("BSET1", 'b'),
-    ("BNDFIX", 'b'),
-    ("BNDFIX1", 'b'),
-    ("CSET", 'c'),
-    ("CSET1", 'c'),
-    ("BNDFREE", 'c'),
-    ("BNDFRE1", 'c'),
-    ("QSET", 'q'),
-    ("QSET1", 'q'),
-    ("SUPORT", 'r'),
+/// Letters of the sets, with the names of their cards.
+const CARDS: [(char, &str); 6] = [
+    ('a', "ASET ASET1"),
+    ('o', "OMIT OMIT1"),
+    ('b', "BSET BSET1 BNDFIX BNDFIX1"),
+    ('c', "CSET CSET1 BNDFREE BNDFRE1"),
+    ('q', "QSET QSET1"),
+    ('r', "SUPORT"),
 ];
 
 /// All card names.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    CARDS.iter().map(|(name, _)| *name)
+    CARDS.iter().flat_map(|(_, names)| names.split(' '))
 }
 
 /// The components that a card puts into its set; `None` for other cards.
 pub fn read(card: &BulkCard) -> Result<Option<Vec<ExclusiveMembers>>, CardRefusal> {
-    let Some(&(name, letter)) = CARDS.iter().find(|(name, _)| *name == card.name) else { return Ok(None) };
-    let members = |points, components| ExclusiveMembers { letter, points, components, place: CardPlace::of(card) };
-    if name.ends_with('1') {
-        // A set of all points cannot conflict with a particular point here, so it counts as empty.
+    let is_named = |(_, names): &&(char, &str)| names.split(' ').any(|name| name == card.name);
+    let Some(&(letter, _)) = CARDS.iter().find(is_named) else { return Ok(None) };
+    let members = |points, components| ExclusiveMembers { letter, points, components, place: CardLocation::new(card) };
+    if card.name.ends_with('1') {
+        // `ALL` names no particular point, so the set counts as empty.
         let is_all = card.field(1).eq_ignore_ascii_case(b"ALL");
         let points = if is_all { Vec::new() } else { spans(card, 1, card.len())? };
         return Ok(Some(vec![members(points, card.components(0)?)]));

@@ -8,7 +8,7 @@ use super::points::{GridCard, GridDefaults};
 use crate::deck::CardName;
 use crate::deck::chunks::Chunks;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::nastran::syntax::card::CardPlace;
+use crate::deck::nastran::syntax::card::CardLocation;
 
 /// A grid point.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ pub struct GridPoint {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 struct SharedGridData {
     file: u32,
-    usual: GridDefaults,
+    fields: GridDefaults,
 }
 
 /// The grid points of a deck.
@@ -37,14 +37,14 @@ pub struct Grids {
     /// Shared data of the point added last, and its index.
     recent: Option<(SharedGridData, u32)>,
     /// Pairs of equal cards for one point, in the order of the deck.
-    pub repeated: Vec<[CardPlace; 2]>,
+    pub repeated: Vec<[CardLocation; 2]>,
 }
 
 impl Grids {
     /// Adds the point of a card in this file and line.
-    pub fn push(&mut self, given: &GridCard, file: u32, line: u32) {
-        let shared = self.share(SharedGridData { file, usual: given.usual });
-        self.all.push(GridPoint { at: given.at, id: given.id, line, shared });
+    pub fn push(&mut self, card: &GridCard, file: u32, line: u32) {
+        let shared = self.share(SharedGridData { file, fields: card.fields });
+        self.all.push(GridPoint { at: card.at, id: card.id, line, shared });
     }
 
     fn share(&mut self, shared: SharedGridData) -> u32 {
@@ -63,7 +63,7 @@ impl Grids {
     }
 
     /// Sorts the points by number and removes duplicates. The error is a number that two different cards define.
-    pub fn sort(&mut self) -> Result<(), Box<(u32, [CardPlace; 2])>> {
+    pub fn sort(&mut self) -> Result<(), Box<(u32, [CardLocation; 2])>> {
         if self.all.iter().is_sorted_by(|a, b| a.id < b.id) {
             return Ok(());
         }
@@ -81,23 +81,23 @@ impl Grids {
     }
 
     fn are_same(&self, a: &GridPoint, b: &GridPoint) -> bool {
-        a.at == b.at && self.usual(a) == self.usual(b)
+        a.at == b.at && self.fields(a) == self.fields(b)
     }
 
     /// Place of the card of a point.
-    pub fn place(&self, grid: &GridPoint) -> CardPlace {
+    pub fn place(&self, grid: &GridPoint) -> CardLocation {
         let file = self.shared[grid.shared as usize].file;
-        CardPlace { name: CardName::numbered("GRID", grid.id), file, line: grid.line, lines: 1 }
+        CardLocation { name: CardName::numbered("GRID", grid.id), file, line: grid.line, lines: 1 }
     }
 
     /// The fields of the card other than the coordinates.
-    pub fn usual(&self, grid: &GridPoint) -> GridDefaults {
-        self.shared[grid.shared as usize].usual
+    pub fn fields(&self, grid: &GridPoint) -> GridDefaults {
+        self.shared[grid.shared as usize].fields
     }
 
     /// Whether any point has fields that satisfy the predicate.
     pub fn any(&self, is_such: impl Fn(GridDefaults) -> bool) -> bool {
-        self.shared.iter().any(|shared| is_such(shared.usual))
+        self.shared.iter().any(|shared| is_such(shared.fields))
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &GridPoint> {
@@ -137,7 +137,7 @@ mod tests {
         let mut grids = Grids::default();
         let numbers: Vec<u32> = (1..200).filter(|n| n % 7 != 0).chain([500, 900, 901, 902, 4_000_000_000]).collect();
         for &id in numbers.iter().rev() {
-            grids.push(&GridCard { id, at: [f64::from(id); 3], usual: GridDefaults::default() }, 0, id);
+            grids.push(&GridCard { id, at: [f64::from(id); 3], fields: GridDefaults::default() }, 0, id);
         }
         assert!(grids.sort().is_ok());
         for id in (0..1000).chain([3_999_999_999, 4_000_000_000, u32::MAX]) {
@@ -147,18 +147,18 @@ mod tests {
     }
 
     #[test]
-    fn points_alike_are_one_and_others_clash() {
-        let usual = |held: &[u8]| GridDefaults {
-            held: crate::deck::kinematics::components::Components::parse(held),
+    fn equal_cards_are_one_point_and_others_clash() {
+        let fields = |digits: &[u8]| GridDefaults {
+            prescribed: crate::deck::kinematics::components::Components::parse(digits),
             ..GridDefaults::default()
         };
         let mut grids = Grids::default();
-        for (held, file) in [(b"12", 0), (b"12", 1)] {
-            grids.push(&GridCard { id: 3, at: [1.0; 3], usual: usual(held) }, file, 1 + file);
+        for (digits, file) in [(b"12", 0), (b"12", 1)] {
+            grids.push(&GridCard { id: 3, at: [1.0; 3], fields: fields(digits) }, file, 1 + file);
         }
         assert!(grids.sort().is_ok());
         assert_eq!(grids.iter().count(), 1);
-        grids.push(&GridCard { id: 3, at: [1.0; 3], usual: usual(b"1") }, 1, 9);
+        grids.push(&GridCard { id: 3, at: [1.0; 3], fields: fields(b"1") }, 1, 9);
         let clash = grids.sort().expect_err("a clash");
         assert_eq!((clash.0, clash.1.map(|place| (place.file, place.line))), (3, [(0, 1), (1, 9)]));
     }

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use crate::deck::kinematics::components::Components;
-use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal};
+use crate::deck::nastran::syntax::card::{BulkCard, CardLocation, CardRefusal};
 
 /// Load sets and their factors, by the number of the combination.
 pub type LoadCombinations = BTreeMap<u32, Vec<(u32, f64)>>;
@@ -16,16 +16,16 @@ pub struct LoadedComponents {
     pub set: u32,
     pub node: u32,
     pub components: Components,
-    pub place: CardPlace,
+    pub place: CardLocation,
 }
 
 /// `LOAD set, S, S1, L1, S2, L2, ...`.
 pub fn combination(card: &BulkCard, combinations: &mut LoadCombinations) -> Result<(), CardRefusal> {
-    let whole = card.real(1)?.unwrap_or(1.0);
+    let overall = card.real(1)?.unwrap_or(1.0);
     let parts = combinations.entry(card.id(0, "the number of the combination")?).or_default();
     for i in (2..card.len()).step_by(2) {
         if !card.is_blank(i) || !card.is_blank(i + 1) {
-            parts.push((card.id(i + 1, "the number of a load set")?, whole * card.real(i)?.unwrap_or(1.0)));
+            parts.push((card.id(i + 1, "the number of a load set")?, overall * card.real(i)?.unwrap_or(1.0)));
         }
     }
     Ok(())
@@ -60,5 +60,10 @@ pub fn scalars(card: &BulkCard) -> Result<Vec<LoadedComponents>, CardRefusal> {
 
 fn loaded(card: &BulkCard, at: usize, components: Components) -> Result<LoadedComponents, CardRefusal> {
     let set = card.id(0, "the number of a load set")?;
-    Ok(LoadedComponents { set, node: card.id(at, "a grid or scalar point")?, components, place: CardPlace::of(card) })
+    Ok(LoadedComponents {
+        set,
+        node: card.id(at, "a grid or scalar point")?,
+        components,
+        place: CardLocation::new(card),
+    })
 }

@@ -1,12 +1,12 @@
 //! How MYSTRAN differs from Nastran in reading cards: which cards it ignores, and at which it stops.
 
-use super::elements::{NastranElement, WeightedMean, filled, is_real, is_word};
+use super::elements::{filled, is_real, is_word};
 use super::unread::CardNotes;
 use crate::deck::nastran::syntax::card::{BulkCard, PER_LINE};
 use crate::number::whole;
 
 /// Whether MYSTRAN ignores cards of this name, which constrain in Nastran.
-pub fn passes_over(name: &str) -> bool {
+pub fn ignores(name: &str) -> bool {
     matches!(name, "RROD" | "RJOINT" | "RTRPLT" | "RTRPLT1")
 }
 
@@ -16,13 +16,6 @@ pub fn has_no_number(card: &BulkCard) -> bool {
     word.is_empty() || whole(word.strip_prefix(b"-").unwrap_or(word)).is_some_and(|id| id == 0 || word[0] == b'-')
 }
 
-/// An `RBE3` as MYSTRAN reads it: only translations of the connected points count, and the reference moves in its given components
-/// only.
-pub fn mean(mut element: WeightedMean) -> NastranElement {
-    element.drop_rotations();
-    if element.is_partial() { NastranElement::PartialMean(element) } else { NastranElement::Mean(element) }
-}
-
 /// Notes why MYSTRAN stops at a card, or which fields it ignores.
 pub fn judge(card: &BulkCard, notes: &mut CardNotes) {
     let at = (card.file, card.line);
@@ -30,7 +23,7 @@ pub fn judge(card: &BulkCard, notes: &mut CardNotes) {
         notes.refuse(at, format!("{}: {why}", card.title()));
     }
     if card.name == "SPC1" && is_word(card, 3, b"THRU") && card.len() > 5 {
-        notes.warn(at, format!("MYSTRAN passes over what stands after the range of {}", card.title()));
+        notes.warn(at, format!("MYSTRAN ignores the fields after the range of {}", card.title()));
     }
 }
 

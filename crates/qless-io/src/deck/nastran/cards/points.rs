@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::deck::Problem;
-use crate::deck::kinematics::axes::Kind;
+use crate::deck::kinematics::axes::FrameKind;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::nastran::syntax::card::{BulkCard, CardRefusal};
@@ -28,9 +28,9 @@ pub const BASIC: u32 = 0;
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrameDefinition {
     /// `CORD2x`: coordinates in frame `reference`.
-    Points { kind: Kind, reference: u32, points: [Vector; 3] },
+    Points { kind: FrameKind, reference: u32, points: [Vector; 3] },
     /// `CORD1x`: grid points.
-    Grids { kind: Kind, grids: [u32; 3] },
+    Grids { kind: FrameKind, grids: [u32; 3] },
 }
 
 /// All frame definitions of a deck, by number.
@@ -42,18 +42,18 @@ pub struct GridCard {
     pub id: u32,
     /// Coordinates in the system CP.
     pub at: Vector,
-    pub usual: GridDefaults,
+    pub fields: GridDefaults,
 }
 
 /// The fields of `GRID` that `GRDSET` can fill in; `None` for a blank field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct GridDefaults {
     /// CP: the frame of the coordinates.
-    pub given_in: Option<u32>,
+    pub position_frame: Option<u32>,
     /// CD: the frame of the displacements.
-    pub moves_in: Option<u32>,
+    pub displacement_frame: Option<u32>,
     /// PS: components prescribed to 0 in every subcase.
-    pub held: Option<Components>,
+    pub prescribed: Option<Components>,
 }
 
 impl GridCard {
@@ -63,22 +63,22 @@ impl GridCard {
             *x = card.real(2 + i)?.unwrap_or(0.0);
         }
         let id = card.id(0, "the number of the grid point")?;
-        Ok(Self { id, at, usual: GridDefaults::read(card)? })
+        Ok(Self { id, at, fields: GridDefaults::read(card)? })
     }
 }
 
 impl GridDefaults {
     pub fn read(card: &BulkCard) -> Result<Self, CardRefusal> {
-        let held = if card.is_blank(6) { None } else { Some(card.components(6)?) };
-        Ok(Self { given_in: frame(card, 1)?, moves_in: frame(card, 5)?, held })
+        let prescribed = if card.is_blank(6) { None } else { Some(card.components(6)?) };
+        Ok(Self { position_frame: frame(card, 1)?, displacement_frame: frame(card, 5)?, prescribed })
     }
 
     /// These fields, with blanks filled from `other`.
     pub fn or(self, other: Self) -> Self {
         Self {
-            given_in: self.given_in.or(other.given_in),
-            moves_in: self.moves_in.or(other.moves_in),
-            held: self.held.or(other.held),
+            position_frame: self.position_frame.or(other.position_frame),
+            displacement_frame: self.displacement_frame.or(other.displacement_frame),
+            prescribed: self.prescribed.or(other.prescribed),
         }
     }
 }
@@ -91,7 +91,7 @@ fn frame(card: &BulkCard, i: usize) -> Result<Option<u32>, CardRefusal> {
 const ID: &str = "the number of the coordinate system";
 
 /// `CORD1x id, G1, G2, G3`, once or twice.
-pub fn through_grids(card: &BulkCard, kind: Kind) -> Result<Vec<(u32, FrameDefinition)>, CardRefusal> {
+pub fn through_grids(card: &BulkCard, kind: FrameKind) -> Result<Vec<(u32, FrameDefinition)>, CardRefusal> {
     let mut found = Vec::new();
     for start in [0, 4] {
         if start > 0 && (start..start + 4).all(|i| card.is_blank(i)) {
@@ -107,7 +107,7 @@ pub fn through_grids(card: &BulkCard, kind: Kind) -> Result<Vec<(u32, FrameDefin
 }
 
 /// `CORD2x id, reference, A1, A2, A3, B1, B2, B3, C1, C2, C3`.
-pub fn through_points(card: &BulkCard, kind: Kind) -> Result<(u32, FrameDefinition), CardRefusal> {
+pub fn through_points(card: &BulkCard, kind: FrameKind) -> Result<(u32, FrameDefinition), CardRefusal> {
     let reference = card.optional_whole(1, "a coordinate system")?.unwrap_or(BASIC);
     let mut points = [[0.0; 3]; 3];
     for (i, x) in points.as_flattened_mut().iter_mut().enumerate() {

@@ -41,10 +41,11 @@ pub fn read(line: &[u8]) -> Option<QuickCard> {
 }
 
 fn grid(fields: &[SmallField; 8]) -> Option<GridCard> {
-    let [id, given_in, x, y, z, moves_in, held, _] = *fields;
-    let held = if held == BLANK { None } else { Some(Components::parse(word(&held))?) };
-    let usual = GridDefaults { given_in: optional(given_in).ok()?, moves_in: optional(moves_in).ok()?, held };
-    Some(GridCard { id: id_of(id)?, at: [real(x)?, real(y)?, real(z)?], usual })
+    let [id, cp, x, y, z, cd, ps, _] = *fields;
+    let prescribed = if ps == BLANK { None } else { Some(Components::parse(word(&ps))?) };
+    let (position_frame, displacement_frame) = (optional(cp).ok()?, optional(cd).ok()?);
+    let fields = GridDefaults { position_frame, displacement_frame, prescribed };
+    Some(GridCard { id: id_of(id)?, at: [real(x)?, real(y)?, real(z)?], fields })
 }
 
 fn mpc(fields: &[SmallField; 8]) -> Option<QuickCard> {
@@ -98,15 +99,15 @@ mod tests {
     }
 
     #[test]
-    fn the_short_way_reads_what_the_long_way_reads() {
+    fn the_fast_path_agrees_with_the_general_path() {
         for line in [
             "GRID    1               0.      -1.5    2.5E1",
             "GRID          12       71.2345671.2345671.234567      13       1     246",
             "GRID    99999999",
             "GRID    7       0                        3.             0       0",
         ] {
-            let Some(QuickCard::Grid(given)) = read(line.as_bytes()) else { panic!("{line}") };
-            assert_eq!(given, GridCard::read(&card(line)).expect("a grid point"));
+            let Some(QuickCard::Grid(grid)) = read(line.as_bytes()) else { panic!("{line}") };
+            assert_eq!(grid, GridCard::read(&card(line)).expect("a grid point"));
         }
         for line in [
             "MPC     3       7       1       1.0     8               -.5",
@@ -121,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn all_else_goes_the_long_way() {
+    fn all_other_lines_are_left_to_the_general_path() {
         for line in [
             "GRID*                  1",
             "GRID,1,,0.",

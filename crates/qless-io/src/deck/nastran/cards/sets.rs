@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::points::{PointSpan, spans};
 use crate::deck::kinematics::components::Components;
-use crate::deck::nastran::syntax::card::{BulkCard, CardPlace, CardRefusal, PER_LINE};
+use crate::deck::nastran::syntax::card::{BulkCard, CardLocation, CardRefusal, PER_LINE};
 use crate::deck::{CardFault, Problem};
 
 /// The problem of a set or coordinate system that depends on itself.
@@ -78,23 +78,23 @@ pub fn spc1(card: &BulkCard, is_mystran: bool) -> Result<PointSupport, CardRefus
 }
 
 /// The unions of a deck by their set number: the united sets, and the card.
-pub type SetUnions = BTreeMap<u32, Vec<(Vec<u32>, CardPlace)>>;
+pub type SetUnions = BTreeMap<u32, Vec<(Vec<u32>, CardLocation)>>;
 
 /// `MPCADD set, S1, S2, ...`, or `SPCADD`.
 pub fn read_union(card: &BulkCard, unions: &mut SetUnions) -> Result<(), CardRefusal> {
     const SET: &str = "the number of a set";
-    let of = (1..card.len()).filter(|&i| !card.is_blank(i)).map(|i| card.id(i, SET)).collect::<Result<_, _>>()?;
-    unions.entry(card.id(0, SET)?).or_default().push((of, CardPlace::of(card)));
+    let members = (1..card.len()).filter(|&i| !card.is_blank(i)).map(|i| card.id(i, SET)).collect::<Result<_, _>>()?;
+    unions.entry(card.id(0, SET)?).or_default().push((members, CardLocation::new(card)));
     Ok(())
 }
 
 /// The elementary sets in `set`, with unions resolved recursively. A union hides an elementary set of the same number. The error
 /// holds the card of a union that contains itself.
-pub fn members(set: u32, unions: &SetUnions) -> Result<BTreeSet<u32>, (CardPlace, Problem)> {
+pub fn members(set: u32, unions: &SetUnions) -> Result<BTreeSet<u32>, (CardLocation, Problem)> {
     let mut found = BTreeSet::new();
     let mut open = BTreeSet::new();
     let mut closed = BTreeSet::new();
-    // The flag is true once all sets below have been visited.
+    // The flag is true once all members have been visited.
     let mut stack = vec![(set, false)];
     while let Some((set, done)) = stack.pop() {
         if done {
@@ -110,11 +110,11 @@ pub fn members(set: u32, unions: &SetUnions) -> Result<BTreeSet<u32>, (CardPlace
             continue;
         }
         stack.push((set, true));
-        for (of, place) in cards {
-            if let Some(&inner) = of.iter().find(|inner| open.contains(inner)) {
+        for (sets, place) in cards {
+            if let Some(&inner) = sets.iter().find(|inner| open.contains(inner)) {
                 return Err((place.clone(), circle("set", inner)));
             }
-            stack.extend(of.iter().map(|&inner| (inner, false)));
+            stack.extend(sets.iter().map(|&inner| (inner, false)));
         }
     }
     Ok(found)
@@ -126,7 +126,7 @@ mod tests {
     use crate::deck::CardName;
 
     fn unions(parts: &[(u32, &[u32])]) -> SetUnions {
-        let place = |set| CardPlace { name: CardName::numbered("SPCADD", set), file: 0, line: 1, lines: 1 };
+        let place = |set| CardLocation { name: CardName::numbered("SPCADD", set), file: 0, line: 1, lines: 1 };
         parts.iter().map(|&(set, of)| (set, vec![(of.to_vec(), place(set))])).collect()
     }
 

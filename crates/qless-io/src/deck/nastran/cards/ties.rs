@@ -4,13 +4,13 @@ use super::elements::NastranElement;
 use super::sets::MpcTerm;
 use crate::deck::CardName;
 use crate::deck::chunks::Chunks;
-use crate::deck::nastran::syntax::card::CardPlace;
+use crate::deck::nastran::syntax::card::CardLocation;
 
 /// A card that couples components.
 #[derive(Clone, Copy, Debug)]
 pub enum TieCard<'a> {
     Mpc(&'a MpcCard),
-    Element(&'a NastranElement, &'a CardPlace),
+    Element(&'a NastranElement, &'a CardLocation),
 }
 
 /// An `MPC` card.
@@ -26,8 +26,8 @@ pub struct MpcCard {
 }
 
 impl MpcCard {
-    pub fn place(&self) -> CardPlace {
-        CardPlace { name: CardName::numbered("MPC", self.set), file: self.file, line: self.line, lines: self.lines }
+    pub fn place(&self) -> CardLocation {
+        CardLocation { name: CardName::numbered("MPC", self.set), file: self.file, line: self.line, lines: self.lines }
     }
 }
 
@@ -37,7 +37,7 @@ pub struct Ties {
     mpcs: Chunks<MpcCard>,
     terms: Chunks<MpcTerm>,
     /// Elements, each with the number of `MPC` cards before it.
-    elements: Vec<(usize, NastranElement, CardPlace)>,
+    elements: Vec<(usize, NastranElement, CardLocation)>,
 }
 
 impl Ties {
@@ -48,7 +48,7 @@ impl Ties {
         self.mpcs.push(MpcCard { set, file, line, lines, start, end: self.terms.len() as u32 });
     }
 
-    pub fn element(&mut self, element: NastranElement, place: CardPlace) {
+    pub fn element(&mut self, element: NastranElement, place: CardLocation) {
         self.elements.push((self.mpcs.len(), element, place));
     }
 

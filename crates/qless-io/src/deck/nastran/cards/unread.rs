@@ -42,7 +42,7 @@ impl CardNotes {
     }
 
     /// Adds all notes to the model.
-    pub fn tell(self, model: &mut Model) {
+    pub fn add_to(self, model: &mut Model) {
         for ((file, line), kind, text) in self.0 {
             match kind {
                 NoteKind::Warning => model.warn(file, line, text),
@@ -53,94 +53,56 @@ impl CardNotes {
     }
 }
 
-/// The data fields, from 0, that list the grid points of a card.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ListedPoints {
-    /// Every second field from this one; each point is followed by its components.
-    Pairs(usize),
-    /// A single point, and then pairs.
-    Spline,
-    /// No fields: the points are not on the card.
-    Elsewhere,
-}
-
-use ListedPoints::{Elsewhere, Pairs, Spline};
-
 /// A kind of card that this reader does not understand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnreadCard {
     name: &'static str,
-    what: &'static str,
-    listed: ListedPoints,
-    /// Whether the card constrains: then the model is incomplete without it.
-    pub constrains: bool,
+    description: &'static str,
 }
 
-const fn unread(name: &'static str, what: &'static str, listed: ListedPoints) -> UnreadCard {
-    UnreadCard { name, what, listed, constrains: true }
-}
+/// The description of cards that impose no equations.
+const HARMLESS_CONTACT: &str = "is contact";
 
-/// An entry for a card that imposes no equations.
-const fn harmless(name: &'static str, what: &'static str) -> UnreadCard {
-    UnreadCard { name, what, listed: Elsewhere, constrains: false }
-}
-
-const UNREAD: [UnreadCard; 50] = [
-    unread("RSPLINE", "is an interpolation element", Spline),
-    unread("RBE2GS", "is a rigid element that searches its grid points", Elsewhere),
-    unread("RBE2A", "is a rigid element", Elsewhere),
-    unread("RBE2F", "is a rigid element", Elsewhere),
-    unread("RBE3U", "is an interpolation element", Elsewhere),
-    unread("RSSCON", "joins shells to solids", Elsewhere),
-    unread("MPCAX", "is a multipoint constraint", Elsewhere),
-    unread("MPCY", "is a multipoint constraint", Elsewhere),
-    unread("MPCD", "gives a multipoint constraint its right-hand side", Elsewhere),
-    unread("SPCAX", "is a single-point constraint", Elsewhere),
-    unread("SPC2", "is a single-point constraint", Elsewhere),
-    unread("SPCR", "is a single-point constraint relative to an earlier step", Elsewhere),
-    unread("GMSPC", "is a constraint on geometry", Elsewhere),
-    unread("GMBC", "is a constraint on geometry", Elsewhere),
-    unread("CWELD", "joins its parts by equations", Elsewhere),
-    unread("CFAST", "joins its parts by equations", Elsewhere),
-    unread("CSEAM", "joins its parts by equations", Elsewhere),
-    unread("BGSET", "glues surfaces together", Elsewhere),
-    unread("BGADD", "glues surfaces together", Elsewhere),
-    unread("BCTABLE", "is contact, which can glue", Elsewhere),
-    unread("BCTABL1", "is contact, which can glue", Elsewhere),
-    harmless("BCTSET", "is contact"),
-    harmless("BCTADD", "is contact"),
-    unread("TIE", "ties surfaces", Elsewhere),
-    unread("JOINTM", "gives a joint a motion", Elsewhere),
-    unread("MOTNJG", "gives a joint a motion", Elsewhere),
-    unread("PRETENS", "is a section with pretension", Elsewhere),
-    unread("CINTC", "joins its parts by equations", Elsewhere),
-    unread("GMINTC", "joins its parts by equations", Elsewhere),
-    unread("GMINTS", "joins its parts by equations", Elsewhere),
-    unread("CYJOIN", "joins the sides of a cyclic segment", Elsewhere),
-    unread("CYSYM", "is cyclic symmetry", Elsewhere),
-    unread("CYAX", "is cyclic symmetry", Elsewhere),
-    unread("SUPORT", "fixes reference components where there is no inertia relief", Pairs(0)),
-    unread("SUPORT1", "fixes reference components where there is no inertia relief", Pairs(1)),
-    unread("SUPAX", "fixes reference components", Elsewhere),
-    unread("SESET", "makes a superelement", Elsewhere),
-    unread("CSUPER", "joins a superelement", Elsewhere),
-    unread("CSUPEXT", "joins a superelement", Elsewhere),
-    unread("SEBSET", "is a set of a superelement", Elsewhere),
-    unread("SEBSET1", "is a set of a superelement", Elsewhere),
-    unread("SECSET", "is a set of a superelement", Elsewhere),
-    unread("SECSET1", "is a set of a superelement", Elsewhere),
-    unread("SEQSET", "is a set of a superelement", Elsewhere),
-    unread("SEQSET1", "is a set of a superelement", Elsewhere),
-    unread("SESUP", "fixes reference components of a superelement", Elsewhere),
-    unread("SEBNDRY", "joins superelements", Elsewhere),
-    unread("SECONCT", "joins superelements", Elsewhere),
-    unread("SEMPLN", "joins superelements", Elsewhere),
-    unread("RELEASE", "releases components between superelements", Elsewhere),
+/// Descriptions, with the names of their cards.
+const UNREAD: [(&str, &str); 26] = [
+    ("is an interpolation element", "RSPLINE RBE3U"),
+    ("is a rigid element that searches its grid points", "RBE2GS"),
+    ("is a rigid element", "RBE2A RBE2F"),
+    ("joins shells to solids", "RSSCON"),
+    ("is a multipoint constraint", "MPCAX MPCY"),
+    ("gives a multipoint constraint its right-hand side", "MPCD"),
+    ("is a single-point constraint", "SPCAX SPC2"),
+    ("is a single-point constraint relative to an earlier step", "SPCR"),
+    ("is a constraint on geometry", "GMSPC GMBC"),
+    ("joins its parts by equations", "CWELD CFAST CSEAM CINTC GMINTC GMINTS"),
+    ("glues surfaces together", "BGSET BGADD"),
+    ("is contact, which can glue", "BCTABLE BCTABL1"),
+    (HARMLESS_CONTACT, "BCTSET BCTADD"),
+    ("ties surfaces", "TIE"),
+    ("gives a joint a motion", "JOINTM MOTNJG"),
+    ("is a section with pretension", "PRETENS"),
+    ("joins the sides of a cyclic segment", "CYJOIN"),
+    ("is cyclic symmetry", "CYSYM CYAX"),
+    ("without inertia relief fixes reference components", "SUPORT SUPORT1"),
+    ("fixes reference components", "SUPAX"),
+    ("makes a superelement", "SESET"),
+    ("joins a superelement", "CSUPER CSUPEXT"),
+    ("is a set of a superelement", "SEBSET SEBSET1 SECSET SECSET1 SEQSET SEQSET1"),
+    ("fixes reference components of a superelement", "SESUP"),
+    ("joins superelements", "SEBNDRY SECONCT SEMPLN"),
+    ("releases components between superelements", "RELEASE"),
 ];
+
+fn unread_cards() -> impl Iterator<Item = UnreadCard> {
+    let cards = |&(description, names): &(&'static str, &'static str)| {
+        names.split(' ').map(move |name| UnreadCard { name, description })
+    };
+    UNREAD.iter().flat_map(cards)
+}
 
 /// The names of all these cards.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    UNREAD.iter().map(|entry| entry.name)
+    unread_cards().map(|card| card.name)
 }
 
 /// The warning for a `JOINTG` of an unsupported type.
@@ -156,22 +118,30 @@ pub fn joint(card: &BulkCard) -> String {
 
 impl UnreadCard {
     /// The entry for a card name in capitals.
-    pub fn of(name: &str) -> Option<&'static Self> {
-        UNREAD.iter().find(|entry| entry.name == name)
+    pub fn find(name: &str) -> Option<Self> {
+        unread_cards().find(|card| card.name == name)
+    }
+
+    /// Whether the card constrains: then the model is incomplete without it.
+    pub fn constrains(self) -> bool {
+        self.description != HARMLESS_CONTACT
     }
 
     /// The warning for a card: what the card is, and which grid points it names.
-    pub fn warning(&self, card: &BulkCard) -> String {
+    pub fn warning(self, card: &BulkCard) -> String {
         let points = self.points(card);
         let on = if points.is_empty() { String::new() } else { format!(" of grid points {}", few(&points)) };
-        format!("{} {}{on}; it is not understood and left out", card.title(), self.what)
+        format!("{} {}{on}; it is not understood and left out", card.title(), self.description)
     }
 
-    fn points(&self, card: &BulkCard) -> Vec<String> {
-        let fields: Vec<usize> = match self.listed {
-            Pairs(from) => (from..card.len()).step_by(2).collect(),
-            Spline => std::iter::once(2).chain((3..card.len()).step_by(2)).collect(),
-            Elsewhere => Vec::new(),
+    /// The grid points that the card lists.
+    fn points(self, card: &BulkCard) -> Vec<String> {
+        // Pairs of point and components; in `RSPLINE` a single point precedes the pairs.
+        let fields: Vec<usize> = match self.name {
+            "SUPORT" => (0..card.len()).step_by(2).collect(),
+            "SUPORT1" => (1..card.len()).step_by(2).collect(),
+            "RSPLINE" => std::iter::once(2).chain((3..card.len()).step_by(2)).collect(),
+            _ => Vec::new(),
         };
         fields.into_iter().filter_map(|i| whole(card.field(i))).map(|node| node.to_string()).collect()
     }
@@ -202,35 +172,24 @@ const FAMILIES: [&str; 54] = [
 ];
 
 /// Names of other common cards.
-const USUAL: [&str; 132] = [
-    "ACCEL", "ACCEL1", "ACMODL", "ACSRCE", "ADAPT", "ADUMMY", "AXIC", "AXIF", "AXSLOT", "BAROR", "BEAMOR", "BLSEG",
-    "BOLT", "BFRIC", "BGPARM", "BSURF", "BSURFS", "BCPROP", "CONROD", "CDUM", "CORD3G", "CORD3R", "CONCT", "CYSUP",
-    "CREEP", "CWSEAM", "CONTRLT", "CELAS", "CIFHEX", "CIFPENT", "CIFQDX", "CIFQUAD", "CBELT", "CAABSF", "CNTRLT",
-    "EIGB", "EIGC", "EIGP", "EIGR", "EIGRL", "ELIST", "ENDDYNA", "EXTRN", "FEEDGE", "FEFACE", "FLFACT", "FLSYM",
-    "FLUTTER", "FORCE1", "FORCE2", "FREEPT", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "FSLIST", "GENEL",
-    "GMCURV", "GMCORD", "GMLOAD", "GMSURF", "GRAV", "GUST", "INCLUDE", "ITER", "LOADCYN", "LOADCYT", "LSEQ", "MFLUID",
-    "MKAERO1", "MKAERO2", "MOMENT1", "MOMENT2", "MOMAX", "MDLPRM", "NOLIN1", "NOLIN2", "NOLIN3", "NOLIN4", "NSM",
-    "NSM1", "NSMADD", "NSML", "NSML1", "NTHICK", "OMIT", "OUTPUT", "OUTRCV", "PARAM", "PACABS", "PANEL", "PCONEAX",
-    "PCONV", "PCONVM", "PFAST", "PGAP", "PHBDY", "PINTC", "PINTS", "PLPLANE", "PLSOLID", "PRAC2D", "PRAC3D", "PRESAX",
-    "PRESPT", "PROD", "PSEAM", "PSHEAR", "PSET", "PTUBE", "PVAL", "PVISC", "PWELD", "QBDY1", "QBDY2", "QBDY3", "QHBDY",
-    "QVECT", "QVOL", "RANDPS", "RANDT1", "RCROSS", "RFORCE", "RFORCE1", "RINGAX", "RINGFL", "SECTAX", "SLBDY", "SNORM",
-    "SWLDPRM",
-];
-
-/// Names of further common cards, among them those of superelements, heat transfer and optimization.
-const MORE: [&str; 66] = [
-    "SEBULK", "SEDLINK", "SEDRSP2", "SEELT", "SEEXCLD", "SELABEL", "SELOAD", "SELOC", "SENQSET", "SETREE", "SPOINT",
-    "SUPAX", "STOCHAS", "SURFINI", "SUBCOM", "SIMPLE", "STAT", "TF", "TIC", "TICD", "TICS", "TRIM", "TRIM2", "TSTEP",
-    "TSTEP1", "TSTEPNL", "TMPSET", "TOPVAR", "UNBALNC", "USET", "USET1", "USETADD", "UXVEC", "VIEW", "VIEW3D",
-    "VIEWEX", "VARIAN", "VCCT", "VADAPT", "WAKE", "WETELMG", "WETSURF", "XYPLOT", "NASTRAN", "ECHOON", "ECHOOFF",
-    "ENDDATA", "BEGIN", "ID", "SOL", "CEND", "TITLE", "GROUP", "GRAVITY", "HYBDAMP", "INITIAL", "MARPN", "LABEL",
-    "PLSURF", "FTGDEF", "FTGPARM", "FTGSEQ", "FTGEVNT", "FTGLOAD", "TOPT", "SWITCH",
-];
+const USUAL: &str = "\
+    ACCEL ACCEL1 ACMODL ACSRCE ADAPT ADUMMY AXIC AXIF AXSLOT BAROR BEAMOR BLSEG BOLT BFRIC BGPARM BSURF BSURFS BCPROP \
+    CONROD CDUM CORD3G CORD3R CONCT CYSUP CREEP CWSEAM CONTRLT CELAS CIFHEX CIFPENT CIFQDX CIFQUAD CBELT CAABSF CNTRLT \
+    EIGB EIGC EIGP EIGR EIGRL ELIST ENDDYNA EXTRN FEEDGE FEFACE FLFACT FLSYM FLUTTER FORCE1 FORCE2 FREEPT FREQ FREQ1 FREQ2 \
+    FREQ3 FREQ4 FREQ5 FSLIST GENEL GMCURV GMCORD GMLOAD GMSURF GRAV GUST INCLUDE ITER LOADCYN LOADCYT LSEQ MFLUID MKAERO1 \
+    MKAERO2 MOMENT1 MOMENT2 MOMAX MDLPRM NOLIN1 NOLIN2 NOLIN3 NOLIN4 NSM NSM1 NSMADD NSML NSML1 NTHICK OMIT OUTPUT OUTRCV \
+    PARAM PACABS PANEL PCONEAX PCONV PCONVM PFAST PGAP PHBDY PINTC PINTS PLPLANE PLSOLID PRAC2D PRAC3D PRESAX PRESPT PROD \
+    PSEAM PSHEAR PSET PTUBE PVAL PVISC PWELD QBDY1 QBDY2 QBDY3 QHBDY QVECT QVOL RANDPS RANDT1 RCROSS RFORCE RFORCE1 RINGAX \
+    RINGFL SECTAX SLBDY SNORM SWLDPRM SEBULK SEDLINK SEDRSP2 SEELT SEEXCLD SELABEL SELOAD SELOC SENQSET SETREE SPOINT \
+    SUPAX STOCHAS SURFINI SUBCOM SIMPLE STAT TF TIC TICD TICS TRIM TRIM2 TSTEP TSTEP1 TSTEPNL TMPSET TOPVAR UNBALNC USET \
+    USET1 USETADD UXVEC VIEW VIEW3D VIEWEX VARIAN VCCT VADAPT WAKE WETELMG WETSURF XYPLOT NASTRAN ECHOON ECHOOFF ENDDATA \
+    BEGIN ID SOL CEND TITLE GROUP GRAVITY HYBDAMP INITIAL MARPN LABEL PLSURF FTGDEF FTGPARM FTGSEQ FTGEVNT FTGLOAD TOPT \
+    SWITCH";
 
 /// The unknown names met so far.
 #[derive(Debug, Default)]
 pub struct UnknownNames {
-    said: FxHashSet<Vec<u8>>,
+    reported: FxHashSet<Vec<u8>>,
     /// The last name met, for speed: cards of one kind are usually consecutive.
     last: Vec<u8>,
 }
@@ -238,7 +197,7 @@ pub struct UnknownNames {
 impl UnknownNames {
     /// Notes a card of this name (in capitals) if the user should know of it.
     pub fn meet(&mut self, name: &[u8], at: FileLine, notes: &mut CardNotes) {
-        if self.last == name && !self.said.contains(name) {
+        if self.last == name && !self.reported.contains(name) {
             return;
         }
         self.last.clear();
@@ -248,10 +207,10 @@ impl UnknownNames {
         }
         let text = String::from_utf8_lossy(name);
         if CONSTRAINS.iter().any(|start| name.starts_with(start.as_bytes())) {
-            self.said.insert(name.to_vec());
+            self.reported.insert(name.to_vec());
             notes.leave_out(at, format!("{text}: the card is not known, and may constrain; it is left out"));
-        } else if self.said.insert(name.to_vec()) {
-            notes.warn(at, format!("{text}: the card is not known; it and all others of its name are passed over"));
+        } else if self.reported.insert(name.to_vec()) {
+            notes.warn(at, format!("{text}: the card is not known; all cards of this name are ignored"));
         }
     }
 }
@@ -263,6 +222,6 @@ fn is_name(name: &[u8]) -> bool {
 
 fn is_usual(name: &[u8]) -> bool {
     static USUAL_NAMES: LazyLock<FxHashSet<&[u8]>> =
-        LazyLock::new(|| USUAL.iter().chain(&MORE).chain(&HARMLESS).map(|name| name.as_bytes()).collect());
+        LazyLock::new(|| USUAL.split(' ').chain(HARMLESS).map(str::as_bytes).collect());
     USUAL_NAMES.contains(name) || FAMILIES.iter().any(|start| name.starts_with(start.as_bytes()))
 }

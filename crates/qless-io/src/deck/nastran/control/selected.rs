@@ -10,7 +10,7 @@ use super::subcases::{CaseControl, CaseSelection, SetChoice};
 use crate::deck::nastran::cards::bulk::BulkData;
 use crate::deck::nastran::cards::loads::parts;
 use crate::deck::nastran::cards::sets::{SetUnions, members};
-use crate::deck::nastran::syntax::card::CardPlace;
+use crate::deck::nastran::syntax::card::CardLocation;
 use crate::deck::{DeckError, Model};
 
 /// The sets of a load case, with unions resolved.
@@ -28,9 +28,9 @@ pub fn sets(
     bulk: &BulkData,
     model: &mut Model,
 ) -> Result<Vec<(String, CaseSets)>, DeckError> {
-    let defined = DefinedSets::of(bulk);
+    let defined = DefinedSets::new(bulk);
     if bulk.is_mystran {
-        carry_on(&mut selections, bulk, model);
+        inherit(&mut selections, bulk, model);
     }
     refuse_unions(&selections, bulk, model);
     let mut cases = Vec::with_capacity(selections.len());
@@ -75,7 +75,7 @@ fn note_missing(
 }
 
 /// Sets with their first card and the number of cards.
-type SetUses = BTreeMap<u32, (CardPlace, usize)>;
+type SetUses = BTreeMap<u32, (CardLocation, usize)>;
 
 /// The sets that the bulk data define.
 struct DefinedSets {
@@ -85,11 +85,11 @@ struct DefinedSets {
 }
 
 impl DefinedSets {
-    fn of(bulk: &BulkData) -> Self {
+    fn new(bulk: &BulkData) -> Self {
         let mut all = Self { mpc: SetUses::new(), spc: SetUses::new(), enforced: SetUses::new() };
         let mut cards = bulk.ties.mpcs().peekable();
         while let Some(card) = cards.next() {
-            // Cards of a set mostly stand together.
+            // Cards of a set are usually consecutive.
             let more = std::iter::from_fn(|| cards.next_if(|next| next.set == card.set)).count();
             count(&mut all.mpc, card.set, &card.place(), 1 + more);
         }
@@ -105,13 +105,13 @@ impl DefinedSets {
     }
 }
 
-fn count(uses: &mut SetUses, set: u32, place: &CardPlace, cards: usize) {
+fn count(uses: &mut SetUses, set: u32, place: &CardLocation, cards: usize) {
     uses.entry(set).or_insert_with(|| (place.clone(), 0)).1 += cards;
 }
 
 fn warn_unused(kind: &str, uses: &SetUses, used: impl Fn(u32) -> bool, model: &mut Model) {
     const SHOWN: usize = 10;
-    let unused: Vec<(&u32, &(CardPlace, usize))> = uses.iter().filter(|(set, _)| !used(**set)).collect();
+    let unused: Vec<(&u32, &(CardLocation, usize))> = uses.iter().filter(|(set, _)| !used(**set)).collect();
     let Some((_, (place, _))) = unused.first() else { return };
     let cards: usize = unused.iter().map(|(_, (_, cards))| cards).sum();
     let mut names: Vec<String> = unused.iter().take(SHOWN).map(|(set, _)| set.to_string()).collect();
@@ -122,37 +122,32 @@ fn warn_unused(kind: &str, uses: &SetUses, used: impl Fn(u32) -> bool, model: &m
     model.warn(place.file, place.line, text);
 }
 
-/// The selection of each load case.
+/// The selection of each load case. A deck without case control selects the only set of each kind, with a warning.
 pub fn selections(control: Option<&CaseControl>, bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
-    match control {
-        Some(control) => control.selections(),
-        None => without_control(bulk, model),
+    if let Some(control) = control {
+        return control.selections();
     }
-}
-
-/// The selection of a deck without case control: the only set of each kind, with a warning.
-fn without_control(bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
-    let defined = DefinedSets::of(bulk);
+    let defined = DefinedSets::new(bulk);
     let mpc = only("MPC", &defined.mpc, &bulk.mpc_unions, model);
     let spc = only("SPC", &defined.spc, &bulk.spc_unions, model);
     vec![("model".into(), CaseSelection { mpc, spc, load: None })]
 }
 
 fn only(kind: &str, uses: &SetUses, unions: &SetUnions, model: &mut Model) -> Option<SetChoice> {
-    // A union that takes in all sets is the one meant.
-    let whole = |set: &&u32| members(**set, unions).is_ok_and(|members| uses.keys().all(|set| members.contains(set)));
-    let meant = if uses.len() > 1 { unions.keys().find(whole) } else { uses.keys().next() };
-    let set = *meant?;
+    // A union of all sets is probably the intended selection.
+    let is_whole =
+        |set: &&u32| members(**set, unions).is_ok_and(|members| uses.keys().all(|set| members.contains(set)));
+    let set = *if uses.len() > 1 { unions.keys().find(is_whole) } else { uses.keys().next() }?;
     let (place, _) = uses.values().next()?;
-    let text = format!("the deck has no case control: {kind} set {set}, the only one, is taken");
+    let text = format!("the deck has no case control: {kind} set {set}, the only one, is used");
     model.warn(place.file, place.line, text);
     Some(SetChoice { set, file: place.file, line: place.line })
 }
 
-/// Says what is refused of unions that are selected; to MYSTRAN a set named twice is one in any.
-pub fn refuse_unions(selections: &[(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
-    let selected = |of: fn(&CaseSelection) -> Option<SetChoice>| {
-        selections.iter().filter_map(|(_, selection)| of(selection)).map(|choice| choice.set).collect()
+/// Refuses selected unions that solvers reject. MYSTRAN also rejects any other union that names a set twice.
+fn refuse_unions(selections: &[(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
+    let selected = |field: fn(&CaseSelection) -> Option<SetChoice>| {
+        selections.iter().filter_map(|(_, selection)| field(selection)).map(|choice| choice.set).collect()
     };
     refuse_unions_in(&bulk.mpc_unions, &selected(|selection| selection.mpc), bulk.is_mystran, model);
     refuse_unions_in(&bulk.spc_unions, &selected(|selection| selection.spc), bulk.is_mystran, model);
@@ -161,10 +156,10 @@ pub fn refuse_unions(selections: &[(String, CaseSelection)], bulk: &BulkData, mo
 fn refuse_unions_in(unions: &SetUnions, selected: &BTreeSet<u32>, is_mystran: bool, model: &mut Model) {
     for (set, cards) in unions {
         let is_selected = selected.contains(set);
-        for (of, place) in cards {
+        for (sets, place) in cards {
             let mut seen = BTreeSet::new();
-            let twice = of.iter().find(|set| !seen.insert(**set)).filter(|_| is_selected || is_mystran);
-            let inner = of.iter().find(|set| unions.contains_key(set)).filter(|_| is_selected);
+            let twice = sets.iter().find(|set| !seen.insert(**set)).filter(|_| is_selected || is_mystran);
+            let inner = sets.iter().find(|set| unions.contains_key(set)).filter(|_| is_selected);
             if let Some(twice) = twice {
                 let text = format!("{} names set {twice} twice, which the solver refuses: name it once", place.name);
                 model.refuse(place.file, place.line, text);
@@ -183,11 +178,11 @@ type SelectionField = (&'static str, fn(&mut CaseSelection) -> &mut Option<SetCh
 const KINDS: [SelectionField; 2] = [("MPC", |selection| &mut selection.mpc), ("SPC", |selection| &mut selection.spc)];
 
 /// Applies MYSTRAN's inheritance between subcases, and reports where MYSTRAN stops.
-pub fn carry_on(selections: &mut [(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
-    for (kind, of) in KINDS {
+fn inherit(selections: &mut [(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
+    for (kind, field) in KINDS {
         let mut before = None;
         for (at, (_, selection)) in selections.iter_mut().enumerate() {
-            let choice = of(selection);
+            let choice = field(selection);
             *choice = choice.or(before);
             if let Some(own) = *choice
                 && at > 0
@@ -205,12 +200,14 @@ pub fn carry_on(selections: &mut [(String, CaseSelection)], bulk: &BulkData, mod
 
 fn refuse_second_set(kind: &str, own: SetChoice, before: Option<SetChoice>, model: &mut Model) {
     let other = before.map_or_else(|| format!("no {kind} set"), |before| format!("{kind} = {}", before.set));
-    let text =
-        format!("{kind} = {}: MYSTRAN takes one {kind} set a run, and stops as a subcase before has {other}", own.set);
+    let text = format!(
+        "{kind} = {}: MYSTRAN allows one {kind} set per run, and stops because the previous subcase has {other}",
+        own.set
+    );
     model.refuse(own.file, own.line, text);
 }
 
-/// MYSTRAN uses MPC set 0 if no other is selected.
+/// MPC set 0, which MYSTRAN uses if no other is selected.
 fn unnumbered(bulk: &BulkData) -> Option<SetChoice> {
     bulk.ties.mpcs().find(|card| card.set == 0).map(|card| SetChoice { set: 0, file: card.file, line: card.line })
 }

@@ -1,11 +1,12 @@
-//! Case control: which sets each subcase selects. `MPC = 3` above the first `SUBCASE` holds for all that say nothing else.
+//! Case control: the sets that each subcase selects. `MPC = 3` before the first `SUBCASE` holds for every subcase that does not
+//! select an MPC set itself.
 
 use crate::deck::Problem;
 use crate::deck::nastran::syntax::lines::{DeckLine, FileLine, keyword};
 use crate::fault::quote;
 use crate::number::whole;
 
-/// A selected set and where it is selected.
+/// A selected set, and the line that selects it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetChoice {
     pub set: u32,
@@ -22,12 +23,12 @@ pub struct CaseSelection {
 }
 
 impl CaseSelection {
-    /// This, with what it leaves open from `outer`.
+    /// This selection, with missing choices from `outer`.
     fn or(self, outer: Self) -> Self {
         Self { mpc: self.mpc.or(outer.mpc), spc: self.spc.or(outer.spc), load: self.load.or(outer.load) }
     }
 
-    /// This, without set 0, which no card defines: it takes back what was selected above.
+    /// This selection without set 0: no card defines set 0, and choosing it cancels an outer choice.
     fn in_force(self) -> Self {
         let some = |choice: Option<SetChoice>| choice.filter(|choice| choice.set != 0);
         Self { mpc: some(self.mpc), spc: some(self.spc), load: some(self.load) }
@@ -38,14 +39,14 @@ impl CaseSelection {
     }
 }
 
-/// What holds the line being read.
+/// The level of case control to which the present line belongs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum ControlLevel {
     #[default]
     All,
     Subcase,
     Step,
-    /// A combination of subcases, which constrains nothing itself.
+    /// A combination of subcases: it superposes results and has no constraints.
     Combination,
 }
 
@@ -58,32 +59,33 @@ struct Subcase {
     steps: Vec<(u32, usize, CaseSelection)>,
 }
 
-/// A subcase without steps, a step, or a deck without subcases: what holds at the same time.
+/// A step, a subcase without steps, or a whole deck without subcases: its selection holds at one time.
 #[derive(Clone, Debug)]
 pub struct SubcaseLeaf {
     name: String,
     pub selection: CaseSelection,
-    /// Its number among all that can hold a selection: 0 is what stands above the first subcase.
+    /// Index among all places of a selection: 0 is before the first subcase, then follow subcases and steps in their order.
     pub holder: usize,
 }
 
-/// Case control as read so far.
+/// The case control of a deck.
 #[derive(Debug, Default)]
 pub struct CaseControl {
     all: CaseSelection,
     subcases: Vec<Subcase>,
     level: ControlLevel,
-    /// Where each holder of selections after the first begins.
+    /// First line of each holder of a selection except holder 0.
     opened: Vec<FileLine>,
-    /// Every line that selects an MPC set, and what holds it.
+    /// Every choice of an MPC set, with its holder.
     pub mpc_choices: Vec<(usize, SetChoice)>,
-    multipliers: Option<FileLine>,
-    /// Lines that select set 0.
+    /// The line that lets multipliers or stiffness enforce rigid elements, if any.
+    pub multipliers: Option<FileLine>,
+    /// Choices of set 0.
     pub zeros: Vec<SetChoice>,
 }
 
 impl CaseControl {
-    /// Takes a line.
+    /// Reads a line.
     pub fn line(&mut self, line: &DeckLine) -> Result<(), Problem> {
         let (word, rest) = keyword(line.text);
         match word.as_str() {
@@ -99,7 +101,7 @@ impl CaseControl {
         Ok(())
     }
 
-    /// The subcases, or the whole deck where there are none; those with the same sets are one.
+    /// Names and selections of the load cases. Subcases with the same sets are one load case.
     pub fn selections(&self) -> Vec<(String, CaseSelection)> {
         let name = |leaves: &[SubcaseLeaf]| {
             let names: Vec<&str> = leaves.iter().map(|leaf| leaf.name.as_str()).collect();
@@ -112,7 +114,7 @@ impl CaseControl {
         self.cases().iter().map(|leaves| (name(leaves), leaves[0].selection)).collect()
     }
 
-    /// What makes up each load case, at least one of each.
+    /// The leaves of each load case, at least one; leaves with the same sets are one load case.
     pub fn cases(&self) -> Vec<Vec<SubcaseLeaf>> {
         let mut found: Vec<Vec<SubcaseLeaf>> = Vec::new();
         for leaf in self.leaves() {
@@ -124,19 +126,14 @@ impl CaseControl {
         found
     }
 
-    /// The line with which a holder begins; none for what stands above all.
+    /// First line of a holder; `None` for holder 0.
     pub fn opened(&self, holder: usize) -> Option<FileLine> {
         holder.checked_sub(1).and_then(|i| self.opened.get(i).copied())
     }
 
-    /// The MPC set selected above the first subcase.
-    pub fn above(&self) -> Option<SetChoice> {
+    /// The MPC set selected before the first subcase.
+    pub fn common_choice(&self) -> Option<SetChoice> {
         self.all.in_force().mpc
-    }
-
-    /// Where rigid elements are said to be kept by multipliers.
-    pub fn multipliers(&self) -> Option<FileLine> {
-        self.multipliers
     }
 
     fn leaves(&self) -> Vec<SubcaseLeaf> {
@@ -169,7 +166,7 @@ impl CaseControl {
         self.level = level;
     }
 
-    /// `RIGID = LAGRAN` and `STIFF` eliminate nothing; `LINEAR` and `LGELIM` do.
+    /// With `RIGID = LAGRAN` and `STIFF` the solver eliminates no components; with `LINEAR` and `LGELIM` it does.
     fn rigid(&mut self, rest: &[u8], at: FileLine) {
         let rest = rest.trim_ascii();
         let word = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii().to_ascii_uppercase();
@@ -214,13 +211,13 @@ fn number(rest: &[u8]) -> Option<u32> {
     leading(rest).map(|(value, _)| value)
 }
 
-/// The same where a blank or a comment follows, if anything does: `0PO` is no number of a set.
+/// The same, if only a blank or a comment may follow: `0PO` is no number of a set.
 fn only_number(rest: &[u8]) -> Option<u32> {
     let (value, after) = leading(rest)?;
     after.first().is_none_or(|&byte| byte == b'$' || byte.is_ascii_whitespace()).then_some(value)
 }
 
-/// The number after `=` or blanks, and what follows.
+/// The number after `=` or blanks, and the rest of the text.
 fn leading(rest: &[u8]) -> Option<(u32, &[u8])> {
     let rest = rest.trim_ascii();
     let rest = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii();
@@ -244,7 +241,7 @@ mod tests {
     #[test]
     fn a_set_is_a_whole_number_and_nothing_else() {
         let refused = |text: &[u8]| CaseControl::default().line(&DeckLine { file: 0, number: 1, text }).is_err();
-        assert!([&b"MPC = 0PO"[..], b"SPC = 2x", b"SPC = 1.5"].into_iter().all(refused));
+        assert!([&b"MPC = 0PO"[..], b"SPC = 2x", b"SPC = 1.5", b"SPC = ALL"].into_iter().all(refused));
         assert!(![&b"MPC = 2 $ ties"[..], b"SPC 3", b"LOAD=4$"].into_iter().any(refused));
     }
 
@@ -270,11 +267,11 @@ mod tests {
     }
 
     #[test]
-    fn lagrange_multipliers_eliminate_nothing() {
+    fn rigid_elements_may_be_enforced_by_multipliers() {
         let multiplied = |text: &str| {
             let mut control = CaseControl::default();
             control.line(&DeckLine { file: 0, number: 3, text: text.as_bytes() }).expect("case control");
-            control.multipliers()
+            control.multipliers
         };
         for text in ["RIGID=LAGRAN", "  rigid = Lagrange", "RIGID STIFF"] {
             assert_eq!(multiplied(text), Some((0, 3)), "{text}");
@@ -282,11 +279,5 @@ mod tests {
         assert!(
             ["RIGID = LINEAR", "RIGID=LGELIM", "TITLE = RIGID = LAGRAN"].into_iter().all(|t| multiplied(t).is_none())
         );
-    }
-
-    #[test]
-    fn a_set_has_a_number() {
-        let line = DeckLine { file: 0, number: 1, text: b"SPC = ALL" };
-        assert!(CaseControl::default().line(&line).is_err());
     }
 }

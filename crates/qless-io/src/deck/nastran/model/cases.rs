@@ -4,7 +4,7 @@ use super::points::{PointKind, Points, limited};
 use crate::deck::nastran::cards::bulk::BulkData;
 use crate::deck::nastran::cards::sets::PointSupport;
 use crate::deck::nastran::control::selected::CaseSets;
-use crate::deck::nastran::syntax::card::CardPlace;
+use crate::deck::nastran::syntax::card::CardLocation;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem};
 
 /// The load case in which `sets` hold.
@@ -16,36 +16,33 @@ pub fn case(
     points: &Points,
     model: &mut Model,
 ) -> Result<LoadCase, DeckError> {
-    let mut given = held(points, model);
+    let mut all = prescribed_by_grids(points, model);
     for (_, support, place) in bulk.supports.iter().filter(|(set, ..)| sets.spc.contains(set)) {
-        given.extend(prescribed(support, 1.0, place, (points, bulk), model)?);
-        limited(given.len()).map_err(|problem| place.error(problem, model))?;
+        all.extend(prescribed(support, 1.0, place, (points, bulk), model)?);
+        limited(all.len()).map_err(|problem| place.error(problem, model))?;
     }
-    let (mut prescribed, mut clashes) = sorted_apart(given);
+    let (mut prescribed, mut clashes) = split_clashes(all);
     enforce(enforced(sets, bulk, points, model)?, &mut prescribed, &mut clashes);
     let removed = sets_of.iter().filter(|(_, set)| !sets.mpc.contains(set)).map(|&(equation, _)| equation).collect();
     Ok(LoadCase { name: name.to_owned(), prescribed, clashes, loads: loads(sets, bulk, points, model), removed })
 }
 
-/// Components that `GRID` cards hold.
-fn held(points: &Points, model: &mut Model) -> Vec<Prescribed> {
-    let mut given = Vec::new();
-    for (grid, set) in points.held() {
+/// Components that `GRID` cards prescribe.
+fn prescribed_by_grids(points: &Points, model: &mut Model) -> Vec<Prescribed> {
+    let mut all = Vec::new();
+    for (grid, set) in points.prescribed() {
         let origin = points.place(grid).origin(model);
-        given.extend(set.iter().map(|component| Prescribed {
-            dof: Dof { node: grid.id, component },
-            course: 0,
-            value: 0.0,
-            origin,
-        }));
+        let dofs = set.iter().map(|component| Dof { node: grid.id, component });
+        all.extend(dofs.map(|dof| Prescribed { dof, course: 0, value: 0.0, origin }));
     }
-    given
+    all
 }
 
+/// The values of a card, times a factor.
 fn prescribed(
     support: &PointSupport,
     factor: f64,
-    place: &CardPlace,
+    place: &CardLocation,
     (points, bulk): (&Points, &BulkData),
     model: &mut Model,
 ) -> Result<Vec<Prescribed>, DeckError> {
@@ -54,48 +51,48 @@ fn prescribed(
     if bulk.is_mystran {
         refuse_unknown(support, place, points, model);
     }
-    let mut given = Vec::with_capacity(nodes.len() * support.components.len());
+    let mut all = Vec::with_capacity(nodes.len() * support.components.len());
     let (origin, value) = (place.origin(model), factor * support.value);
     for node in nodes {
         if bulk.is_mystran && support.components.is_empty() && points.kind(node) == PointKind::Grid {
-            let text = format!("{} gives grid point {node} no component: MYSTRAN holds none", place.name);
+            let text = format!("{} names no component of grid point {node}: MYSTRAN prescribes none", place.name);
             model.warn(place.file, place.line, text);
             continue;
         }
         let dofs = points.dofs(node, support.components).map_err(|fault| place.error(fault.into(), model))?;
-        given.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
+        all.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
     }
-    Ok(given)
+    Ok(all)
 }
 
-/// MYSTRAN stops at points that are not there, the ends of a range among them.
-fn refuse_unknown(support: &PointSupport, place: &CardPlace, points: &Points, model: &mut Model) {
+/// Refuses undefined points, where MYSTRAN stops; both ends of a range must be defined.
+fn refuse_unknown(support: &PointSupport, place: &CardLocation, points: &Points, model: &mut Model) {
     let mut ends = support.points.iter().flat_map(|span| [span.first, span.last]);
     if let Some(node) = ends.find(|&node| points.kind(node) == PointKind::Unknown) {
-        let text = format!("{} holds point {node}, which is not there: MYSTRAN stops", place.name);
+        let text = format!("{} prescribes point {node}, which is not defined: MYSTRAN stops", place.name);
         model.refuse(place.file, place.line, text);
     }
 }
 
 /// The first value of each DOF, ascending, and the later ones that contradict it.
-fn sorted_apart(mut given: Vec<Prescribed>) -> (Vec<Prescribed>, Vec<Prescribed>) {
-    given.sort_by_key(|given| given.dof);
-    let mut first: Vec<Prescribed> = Vec::with_capacity(given.len());
+fn split_clashes(mut all: Vec<Prescribed>) -> (Vec<Prescribed>, Vec<Prescribed>) {
+    all.sort_by_key(|prescribed| prescribed.dof);
+    let mut first: Vec<Prescribed> = Vec::with_capacity(all.len());
     let mut clashes = Vec::new();
-    for given in given {
+    for next in all {
         match first.last() {
-            Some(before) if before.dof == given.dof => {
-                if before.value != given.value {
-                    clashes.push(given);
+            Some(before) if before.dof == next.dof => {
+                if before.value != next.value {
+                    clashes.push(next);
                 }
             }
-            _ => first.push(given),
+            _ => first.push(next),
         }
     }
     (first, clashes)
 }
 
-/// The values of `SPCD` cards in the load sets of the case; those of one DOF in several sets add up.
+/// The values of `SPCD` cards in the load sets of the case. Values of one DOF add up.
 fn enforced(
     sets: &CaseSets,
     bulk: &BulkData,
@@ -108,36 +105,36 @@ fn enforced(
             all.extend(prescribed(support, factor, place, (points, bulk), model)?);
         }
     }
-    all.sort_by_key(|given: &Prescribed| given.dof);
+    all.sort_by_key(|enforced: &Prescribed| enforced.dof);
     all.dedup_by(|next, first| {
         let same = next.dof == first.dof;
         first.value += if same { next.value } else { 0.0 };
         same
     });
-    if let Some(infinite) = all.iter().find(|given| !given.value.is_finite()) {
-        let problem = Problem::Degenerate { what: "the enforced displacement is no 64-bit number".into() };
+    if let Some(infinite) = all.iter().find(|enforced| !enforced.value.is_finite()) {
+        let problem = Problem::Degenerate { what: "the enforced displacement is too large for a 64-bit number".into() };
         return Err(model.error(infinite.origin, None, problem));
     }
     Ok(all)
 }
 
-/// Lets enforced values take the place of those that `SPC` gives.
+/// Replaces values of `SPC` by enforced ones.
 fn enforce(enforced: Vec<Prescribed>, prescribed: &mut Vec<Prescribed>, clashes: &mut Vec<Prescribed>) {
     if enforced.is_empty() {
         return;
     }
-    let is_enforced = |given: &Prescribed| enforced.binary_search_by_key(&given.dof, |given| given.dof).is_ok();
-    prescribed.retain(|given| !is_enforced(given));
-    clashes.retain(|given| !is_enforced(given));
+    let is_enforced = |p: &Prescribed| enforced.binary_search_by_key(&p.dof, |enforced| enforced.dof).is_ok();
+    prescribed.retain(|p| !is_enforced(p));
+    clashes.retain(|p| !is_enforced(p));
     prescribed.extend(enforced);
-    prescribed.sort_by_key(|given| given.dof);
+    prescribed.sort_by_key(|p| p.dof);
 }
 
 fn loads(sets: &CaseSets, bulk: &BulkData, points: &Points, model: &mut Model) -> Vec<Load> {
     let mut loads = Vec::new();
     for loaded in bulk.loads.iter().filter(|loaded| sets.loads.contains_key(&loaded.set)) {
         let origin = loaded.place.origin(model);
-        // A load on a point that the deck does not define loads nothing that is constrained.
+        // A load on an undefined point acts on no constrained DOF.
         let dofs = points.dofs(loaded.node, loaded.components).unwrap_or_default();
         loads.extend(dofs.into_iter().map(|dof| Load { dof, origin }));
     }

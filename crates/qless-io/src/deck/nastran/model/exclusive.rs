@@ -1,5 +1,5 @@
-//! Sets that exclude each other: what is dependent (m) or prescribed (s) is in no other, and what is in one of a, o, b, c, q, r in no
-//! second one.
+//! Mutually exclusive sets: a component in a, o, b, c, q or r is in no other of these sets, and is neither dependent (m) nor
+//! prescribed (s).
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use super::points::{Points, limited};
 use crate::deck::nastran::cards::exclusive::ExclusiveMembers;
 use crate::deck::{DeckError, Dof, LoadCase, Model, Origin};
 
-/// A component in a set, and the card that says so.
+/// Letter of a set, and the card that puts a component into it.
 type SetClaim = (char, Origin);
 
-/// Tells the model what no slave may be, and says which components are in two sets, which it refuses.
+/// Tells the model which components must not be slaves, and refuses components that are in two sets.
 pub fn claim(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -> Result<(), DeckError> {
     let mut claims: BTreeMap<Dof, SetClaim> = BTreeMap::new();
     for (dof, claim) in all(members, points, model)? {
@@ -42,13 +42,13 @@ fn all(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -> Resu
     Ok(found)
 }
 
-/// Components in such a set that are prescribed in some case, each once.
+/// Components of exclusive sets that some case prescribes, each once, with both cards.
 fn prescribed(claims: &BTreeMap<Dof, SetClaim>, cases: &[LoadCase]) -> Vec<(Dof, Origin, Origin)> {
-    let given = cases.iter().flat_map(|case| &case.prescribed);
+    let all = cases.iter().flat_map(|case| &case.prescribed);
     let mut found: BTreeMap<Dof, (Origin, Origin)> = BTreeMap::new();
-    for given in given.filter(|_| !claims.is_empty()) {
-        if let Some(&(_, origin)) = claims.get(&given.dof) {
-            found.entry(given.dof).or_insert((origin, given.origin));
+    for prescribed in all.filter(|_| !claims.is_empty()) {
+        if let Some(&(_, origin)) = claims.get(&prescribed.dof) {
+            found.entry(prescribed.dof).or_insert((origin, prescribed.origin));
         }
     }
     found.into_iter().map(|(dof, (first, by))| (dof, first, by)).collect()

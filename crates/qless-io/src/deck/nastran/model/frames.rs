@@ -1,17 +1,17 @@
 //! Coordinate frames of a deck in basic coordinates, whatever the order of their definitions.
 //!
-//! `CORD2x` names three points in another frame, `CORD1x` three grid points, which may lie in other frames themselves:
-//! a frame is found once all it rests on is. A definition that rests on itself is an error.
+//! `CORD2x` names three points in another frame, and `CORD1x` three grid points, whose coordinates may be in other frames. A frame
+//! is computed after all frames on which it depends. A circular definition is an error.
 
 use std::collections::{HashMap, HashSet};
 
 use crate::deck::Problem;
-use crate::deck::kinematics::axes::{Frame, Kind};
+use crate::deck::kinematics::axes::{Frame, FrameKind};
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::nastran::cards::points::{BASIC, FrameDefinition, FrameDefinitions, unknown_frame, unknown_grid};
 use crate::deck::nastran::cards::sets::circle;
 
-/// Frames found so far, by identification.
+/// Frames by number.
 #[derive(Debug, Default)]
 pub struct Frames(HashMap<u32, Frame>);
 
@@ -21,7 +21,7 @@ impl Frames {
         self.0.get(&id)
     }
 
-    /// Finds every frame. `grid` says in which frame a grid point lies, and where. Errors name the frame at fault.
+    /// Computes all frames. `grid` returns the frame and coordinates of a grid point. Errors name the wrong frame.
     pub fn resolve(
         definitions: &FrameDefinitions,
         grid: impl Fn(u32) -> Option<(u32, Vector)>,
@@ -43,14 +43,14 @@ struct FrameSearch<'a, G> {
 }
 
 impl<G: Fn(u32) -> Option<(u32, Vector)>> FrameSearch<'_, G> {
-    /// Depth first with a stack of its own: a deck may nest frames as deep as it likes.
+    /// Depth-first search with an explicit stack, so that the nesting of frames has no limit.
     fn find(&mut self, id: u32) -> Result<(), (u32, Problem)> {
         let mut stack = vec![id];
         while let Some(&top) = stack.last() {
-            let missing = self.rests_on(top).map_err(|fault| (top, fault))?;
+            let missing = self.missing(top).map_err(|fault| (top, fault))?;
             match missing {
                 None => {
-                    self.settle(top).map_err(|fault| (top, fault))?;
+                    self.compute(top).map_err(|fault| (top, fault))?;
                     self.open.remove(&top);
                     stack.pop();
                 }
@@ -66,54 +66,38 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> FrameSearch<'_, G> {
         Ok(())
     }
 
-    /// A frame that has to be found before this one.
-    fn rests_on(&self, id: u32) -> Result<Option<u32>, Problem> {
+    /// A frame that must be computed before this one.
+    fn missing(&self, id: u32) -> Result<Option<u32>, Problem> {
         if self.found.contains_key(&id) {
             return Ok(None);
         }
-        let references = match self.definition(id)? {
-            FrameDefinition::Points { reference, .. } => [*reference; 3],
-            FrameDefinition::Grids { grids, .. } => {
-                let mut frames = [BASIC; 3];
-                for (frame, &node) in frames.iter_mut().zip(grids) {
-                    *frame = self.grid(node)?.0;
-                }
-                frames
-            }
-        };
-        let missing = references.into_iter().find(|reference| !self.found.contains_key(reference));
+        let (_, points) = self.points(id)?;
+        let missing = points.into_iter().map(|(frame, _)| frame).find(|frame| !self.found.contains_key(frame));
         missing.map(|next| self.definition(next).map(|_| next)).transpose()
     }
 
-    fn settle(&mut self, id: u32) -> Result<(), Problem> {
-        if !self.found.contains_key(&id) {
-            let (kind, [a, b, c]) = self.points(id)?;
-            let frame = Frame::through(kind, a, b, c).ok_or_else(in_line)?;
-            self.found.insert(id, frame);
+    fn compute(&mut self, id: u32) -> Result<(), Problem> {
+        if self.found.contains_key(&id) {
+            return Ok(());
         }
+        let (kind, points) = self.points(id)?;
+        let mut basic = [[0.0; 3]; 3];
+        for (basic, (frame, point)) in basic.iter_mut().zip(points) {
+            *basic = self.found.get(&frame).ok_or_else(|| unknown_frame(frame))?.point(point);
+        }
+        let [a, b, c] = basic;
+        self.found.insert(id, Frame::through(kind, a, b, c).ok_or_else(collinear)?);
         Ok(())
     }
 
-    /// The three points in basic coordinates.
-    fn points(&self, id: u32) -> Result<(Kind, [Vector; 3]), Problem> {
-        let basic = |frame: u32, point: Vector| self.found.get(&frame).map(|frame| frame.point(point));
-        let mut at = [[0.0; 3]; 3];
-        let kind = match self.definition(id)? {
-            FrameDefinition::Points { kind, reference, points } => {
-                for (at, &point) in at.iter_mut().zip(points) {
-                    *at = basic(*reference, point).ok_or_else(|| unknown_frame(*reference))?;
-                }
-                kind
+    /// The three points of a definition, each with the frame of its coordinates.
+    fn points(&self, id: u32) -> Result<(FrameKind, [(u32, Vector); 3]), Problem> {
+        Ok(match self.definition(id)? {
+            FrameDefinition::Points { kind, reference, points } => (*kind, points.map(|point| (*reference, point))),
+            FrameDefinition::Grids { kind, grids: [a, b, c] } => {
+                (*kind, [self.grid(*a)?, self.grid(*b)?, self.grid(*c)?])
             }
-            FrameDefinition::Grids { kind, grids } => {
-                for (at, &node) in at.iter_mut().zip(grids) {
-                    let (frame, point) = self.grid(node)?;
-                    *at = basic(frame, point).ok_or_else(|| unknown_frame(frame))?;
-                }
-                kind
-            }
-        };
-        Ok((*kind, at))
+        })
     }
 
     fn definition(&self, id: u32) -> Result<&FrameDefinition, Problem> {
@@ -125,8 +109,8 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> FrameSearch<'_, G> {
     }
 }
 
-fn in_line() -> Problem {
-    Problem::Degenerate { what: "the three points of the coordinate system lie in a line or coincide".into() }
+fn collinear() -> Problem {
+    Problem::Degenerate { what: "the three points of the coordinate system are collinear or coincide".into() }
 }
 
 #[cfg(test)]
@@ -136,7 +120,7 @@ mod tests {
     fn on(reference: u32, origin: Vector) -> FrameDefinition {
         let [x, y, z] = origin;
         let points = [origin, [x, y, z + 1.0], [x + 1.0, y, z]];
-        FrameDefinition::Points { kind: Kind::Rectangular, reference, points }
+        FrameDefinition::Points { kind: FrameKind::Rectangular, reference, points }
     }
 
     #[test]
@@ -152,7 +136,7 @@ mod tests {
             Some((if node == 12 { 2 } else { 0 }, [[1.0; 3], [1.0, 1.0, 2.0], [2.0, 0.0, 0.0]][node as usize - 10]))
         };
         let definitions = FrameDefinitions::from([
-            (1, FrameDefinition::Grids { kind: Kind::Cylindrical, grids: [10, 11, 12] }),
+            (1, FrameDefinition::Grids { kind: FrameKind::Cylindrical, grids: [10, 11, 12] }),
             (2, on(0, [1.0; 3])),
         ]);
         let frames = Frames::resolve(&definitions, grids).expect("frames");
@@ -167,7 +151,8 @@ mod tests {
         assert_eq!(Frames::resolve(&itself, |_| None).err(), Some((7, circle("coordinate system", 7))));
         let gap = FrameDefinitions::from([(1, on(9, [0.0; 3]))]);
         assert_eq!(Frames::resolve(&gap, |_| None).err(), Some((1, unknown_frame(9))));
-        let grids = FrameDefinitions::from([(1, FrameDefinition::Grids { kind: Kind::Rectangular, grids: [1, 2, 3] })]);
+        let grids =
+            FrameDefinitions::from([(1, FrameDefinition::Grids { kind: FrameKind::Rectangular, grids: [1, 2, 3] })]);
         assert_eq!(Frames::resolve(&grids, |_| None).err(), Some((1, unknown_grid(1))));
         let through = |node| Some((1, [f64::from(node); 3]));
         assert_eq!(Frames::resolve(&grids, through).err(), Some((1, circle("coordinate system", 1))));

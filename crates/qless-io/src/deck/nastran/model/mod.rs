@@ -1,4 +1,5 @@
-//! Turns the content of a deck into a model: coordinate systems, then the equations of all `MPC` cards and elements, then load cases.
+//! Builds the model from the content of a deck: coordinate systems, then the equations of all `MPC` cards and elements, then the
+//! load cases.
 
 mod cases;
 mod exclusive;
@@ -9,33 +10,32 @@ mod warnings;
 use std::collections::{BTreeSet, HashMap};
 
 use super::cards::bulk::BulkData;
-use super::cards::elements::{NastranElement, star};
+use super::cards::elements::NastranElement;
+use super::cards::points::PointSpan;
 use super::cards::sets::MpcTerm;
 use super::cards::ties::TieCard;
-use super::control::selected;
-use super::control::selected::CaseSets;
-use super::control::subcases::CaseControl;
+use super::control::selected::{self, CaseSets};
 use super::reader::{NastranContent, read};
-use super::syntax::card::CardPlace;
-use crate::deck::kinematics::mean::partial_rows;
-use crate::deck::kinematics::rigid::Rigid;
-use crate::deck::kinematics::row::{Poses, Row};
+use super::syntax::card::CardLocation;
+use crate::deck::kinematics::body::{CouplingEquation, Poses};
+use crate::deck::kinematics::mean::partial_mean;
+use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::kinematics::vector::minus;
 use crate::deck::{CardFault, Deck, DeckError, Dof, Model, Problem, Sources};
 use points::{DuplicateGrid, PointKind, Points, limited};
 use warnings::brief;
 
-/// What `RIGID` can change.
-const MULTIPLIERS: &str = "RIGID: rigid elements are kept by Lagrange multipliers or stiffness, so that no component of theirs is a slave; \
-                           that of an MPC card is";
+/// The warning about `RIGID = LAGRAN` and `RIGID = STIFF`.
+const MULTIPLIERS: &str = "RIGID: Lagrange multipliers or stiffness enforce the rigid elements, so these have no slaves; the dependent \
+                           component of an MPC card is a slave";
 
 /// The model of a deck.
 pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, DeckError> {
     let mut model = Model::new(sources.paths().to_vec());
     model.has_separate_cases = true;
-    std::mem::take(&mut content.bulk.notes).tell(&mut model);
+    std::mem::take(&mut content.bulk.notes).add_to(&mut model);
     let points = points(&mut content.bulk, &mut model)?;
-    let multiplied = content.control.as_ref().and_then(CaseControl::multipliers);
+    let multiplied = content.control.as_ref().and_then(|control| control.multipliers);
     if let Some((file, line)) = multiplied {
         model.warn(file, line, MULTIPLIERS);
     }
@@ -60,8 +60,8 @@ pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, De
 
 /// The points with their coordinate systems.
 pub fn points(bulk: &mut BulkData, model: &mut Model) -> Result<Points, DeckError> {
-    let usual = bulk.usual.as_ref().map(|(usual, _)| *usual).unwrap_or_default();
-    let points = Points::new(std::mem::take(&mut bulk.grids), std::mem::take(&mut bulk.scalars), usual);
+    let defaults = bulk.grid_defaults.as_ref().map(|(defaults, _)| *defaults).unwrap_or_default();
+    let points = Points::new(std::mem::take(&mut bulk.grids), std::mem::take(&mut bulk.scalars), defaults);
     let mut points = points.map_err(|twice| defined_twice(&twice, model))?;
     if bulk.is_mystran {
         refuse_repeated(&points, model);
@@ -73,17 +73,18 @@ pub fn points(bulk: &mut BulkData, model: &mut Model) -> Result<Points, DeckErro
     Ok(points)
 }
 
-/// MYSTRAN takes no selection of set 0.
+/// Refuses selections of set 0, where MYSTRAN stops.
 fn refuse_zeros(content: &NastranContent, model: &mut Model) {
     for choice in content.control.iter().flat_map(|control| &control.zeros) {
         model.refuse(choice.file, choice.line, "MYSTRAN stops at a selection of set 0: remove the line");
     }
 }
 
-/// MYSTRAN takes no second card of a grid point, even if it says the same.
+/// Refuses a second card of a grid point, even an equal one: MYSTRAN stops there.
 fn refuse_repeated(points: &Points, model: &mut Model) {
     for [first, second] in points.repeated() {
-        let text = format!("{} is that of {} already, where MYSTRAN stops: remove it", second.name, first.brief(model));
+        let text =
+            format!("{} repeats the card of {}, where MYSTRAN stops: remove it", second.name, first.brief(model));
         model.refuse(second.file, second.line, text);
     }
 }
@@ -98,7 +99,7 @@ fn too_many(model: &Model, problem: Problem) -> DeckError {
     DeckError { path: model.files[0].clone(), line: 0, card: "all subcases".into(), field: None, problem }
 }
 
-/// Adds the equations of all ties that some case selects.
+/// Adds the equations of elements, and of `MPC` cards that some case selects; returns the set of each `MPC` equation.
 fn ties(
     bulk: &BulkData,
     points: &Points,
@@ -134,8 +135,8 @@ fn ties(
     Ok(sets_of)
 }
 
-/// An `MPC` card that others copy, or that is a copy, stays as it is.
-fn fix_copied(place: &CardPlace, bulk: &BulkData, model: &mut Model) {
+/// Marks an `MPC` card as fixed if it is a copy or has copies: its text must stay.
+fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
     if bulk.fixed.contains(&(place.file, place.line)) {
         let card = place.origin(model).card;
         model.cards.fix(card, true);
@@ -145,53 +146,51 @@ fn fix_copied(place: &CardPlace, bulk: &BulkData, model: &mut Model) {
 /// Adds the equations of an element and returns the number of its card.
 fn add(
     element: &NastranElement,
-    place: &CardPlace,
+    place: &CardLocation,
     bulk: &BulkData,
     points: &Points,
     model: &mut Model,
 ) -> Result<u32, DeckError> {
-    let rows = rows(element, points).and_then(finite).map_err(|problem| place.error(problem, model))?;
+    let equations = equations(element, points).map_err(|problem| place.error(problem, model))?;
     let origin = place.origin(model);
     model.cards.fix(origin.card, bulk.fixed.contains(&(place.file, place.line)));
-    for row in rows {
-        model.push(row.terms, 0.0, origin);
+    for equation in equations {
+        model.push(equation.terms, 0.0, origin);
     }
     Ok(origin.card)
 }
 
-fn rows(element: &NastranElement, points: &Points) -> Result<Vec<Row>, Problem> {
-    match element {
-        NastranElement::Star(element) => star(element, points.expand(&element.dependent)?)?.rows(points),
-        NastranElement::Rigid(element) => element.rows(points),
-        NastranElement::Rod(element) => element.rows(points),
-        NastranElement::Mean(element) => element.mean(|spans| points.expand(spans))?.rows(points),
-        NastranElement::PartialMean(element) => partial_rows(&element.mean(|spans| points.expand(spans))?, points),
+fn equations(element: &NastranElement, points: &Points) -> Result<Vec<CouplingEquation>, Problem> {
+    let expand = |spans: &[PointSpan]| points.expand(spans);
+    let equations = match element {
+        NastranElement::Star(star) => {
+            RigidElement::about(star.centre, expand(&star.dependent)?, star.components).equations(points)
+        }
+        NastranElement::Rigid(element) => element.equations(points),
+        NastranElement::Rod(element) => element.equation(points).map(|equation| vec![equation]),
+        NastranElement::Mean(element) => element.expand(expand)?.equations(points),
+        NastranElement::PartialMean(element) => partial_mean(&element.expand(expand)?, points),
         NastranElement::Joint(element) => joint(element, points),
-    }
+    }?;
+    let is_finite = equations.iter().flat_map(|equation| &equation.terms).all(|(_, value)| value.is_finite());
+    let problem = || Problem::Degenerate { what: "the grid points are too far apart for 64-bit numbers".into() };
+    is_finite.then_some(equations).ok_or_else(problem)
 }
 
-/// The rows of a joint, whose points are at one place.
-fn joint(element: &Rigid, points: &Points) -> Result<Vec<Row>, Problem> {
-    let ends = element.independent.iter().zip(&element.dependent);
-    for (&(a, _), &(b, _)) in ends {
+/// The equations of a joint, whose points must coincide.
+fn joint(element: &RigidElement, points: &Points) -> Result<Vec<CouplingEquation>, Problem> {
+    for (&(a, _), &(b, _)) in element.independent.iter().zip(&element.dependent) {
         if minus(points.pose(a)?.position, points.pose(b)?.position) != [0.0; 3] {
             return Err(CardFault::JointApart { a, b }.into());
         }
     }
-    element.rows(points)
+    element.equations(points)
 }
 
-/// Refuses coordinates so far apart that an equation cannot be written.
-fn finite(rows: Vec<Row>) -> Result<Vec<Row>, Problem> {
-    let whole = rows.iter().flat_map(|row| &row.terms).all(|(_, value)| value.is_finite());
-    let problem = || Problem::Degenerate { what: "the grid points are too far apart for 64-bit numbers".into() };
-    if whole { Ok(rows) } else { Err(problem()) }
-}
-
-/// Adds the equation of an `MPC` card, by way of `row`, which is filled anew.
+/// Adds the equation of an `MPC` card. `row` is a buffer that all cards share.
 fn mpc(
     terms: impl Iterator<Item = MpcTerm>,
-    place: &CardPlace,
+    place: &CardLocation,
     (points, bulk): (&Points, &BulkData),
     row: &mut Vec<(Dof, f64)>,
     model: &mut Model,
@@ -215,7 +214,7 @@ fn mpc(
     Ok(())
 }
 
-/// Where a card names its dependent DOF again, MYSTRAN takes the last coefficient of it; those of other DOFs add up.
+/// If a card repeats its dependent DOF, MYSTRAN uses only the last coefficient; coefficients of other DOFs add up.
 fn take_last_of_dependent(row: &mut Vec<(Dof, f64)>) {
     let Some(&(dependent, _)) = row.first() else { return };
     if let Some(&(_, last)) = row[1..].iter().rfind(|(dof, _)| *dof == dependent) {
@@ -224,7 +223,7 @@ fn take_last_of_dependent(row: &mut Vec<(Dof, f64)>) {
     }
 }
 
-/// Positions in the basic system; none where the deck cannot be read once more.
+/// Positions in the basic system; empty if the deck cannot be read again.
 pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     let Ok(mut content) = deck.again(read) else { return HashMap::new() };
     let points = points(&mut content.bulk, &mut Model::new(deck.model.files.clone()));

@@ -1,34 +1,33 @@
-//! The points of a deck: what a number stands for, where it is, and along which axes its components count.
+//! The points of a deck: kind, position, and the axes of their components.
 
 use std::collections::BTreeSet;
 
 use super::frames::Frames;
-use crate::deck::kinematics::body::Pose;
+use crate::deck::kinematics::body::{Pose, Poses};
 use crate::deck::kinematics::components::Components;
-use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::nastran::cards::grids::{GridPoint, Grids};
 use crate::deck::nastran::cards::points::{
     BASIC, FrameDefinitions, GridDefaults, PointSpan, unknown_frame, unknown_grid,
 };
-use crate::deck::nastran::syntax::card::CardPlace;
+use crate::deck::nastran::syntax::card::CardLocation;
 use crate::deck::{CardFault, Dof, Model, Problem};
 
 /// Grid and scalar points.
 #[derive(Debug, Default)]
 pub struct Points {
-    /// In order.
+    /// Grid points, ascending.
     grids: Grids,
-    /// Scalar points: ascending, apart.
+    /// Scalar points as ascending disjoint ranges.
     scalars: Vec<PointSpan>,
-    usual: GridDefaults,
+    defaults: GridDefaults,
     frames: Frames,
 }
 
-/// The number of a grid point, and two cards that differ about it.
-pub type DuplicateGrid = Box<(u32, [CardPlace; 2])>;
+/// The number of a grid point, and two different cards that define it.
+pub type DuplicateGrid = Box<(u32, [CardLocation; 2])>;
 
-/// What a number stands for.
+/// The kind of point that a number means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointKind {
     Grid,
@@ -37,8 +36,8 @@ pub enum PointKind {
 }
 
 impl Points {
-    /// The error is a grid point that is defined in two ways.
-    pub fn new(mut grids: Grids, mut scalars: Vec<PointSpan>, usual: GridDefaults) -> Result<Self, DuplicateGrid> {
+    /// The error is a grid point with two different definitions.
+    pub fn new(mut grids: Grids, mut scalars: Vec<PointSpan>, defaults: GridDefaults) -> Result<Self, DuplicateGrid> {
         grids.sort()?;
         scalars.sort_unstable_by_key(|span| span.first);
         scalars.dedup_by(|next, span| {
@@ -46,18 +45,18 @@ impl Points {
             span.last = if joins { span.last.max(next.last) } else { span.last };
             joins
         });
-        Ok(Self { grids, scalars, usual, frames: Frames::default() })
+        Ok(Self { grids, scalars, defaults, frames: Frames::default() })
     }
 
-    /// Finds the coordinate systems. The error names the one at fault.
+    /// Computes the coordinate systems. The error names the wrong one.
     pub fn resolve(&mut self, definitions: &FrameDefinitions) -> Result<(), (u32, Problem)> {
-        let grid = |node| self.grids.get(node).map(|grid| (self.usual(grid).given_in.unwrap_or(BASIC), grid.at));
+        let grid = |node| self.grids.get(node).map(|grid| (self.fields(grid).position_frame.unwrap_or(BASIC), grid.at));
         self.frames = Frames::resolve(definitions, grid)?;
         Ok(())
     }
 
-    /// Pairs of cards that say the same of a grid point.
-    pub fn repeated(&self) -> &[[CardPlace; 2]] {
+    /// Pairs of equal cards of one grid point.
+    pub fn repeated(&self) -> &[[CardLocation; 2]] {
         &self.grids.repeated
     }
 
@@ -73,21 +72,21 @@ impl Points {
         }
     }
 
-    /// The DOF that one component, or none, of a point of this kind means.
+    /// The DOF of a set with one component, or none, at a point of this kind.
     pub fn dof(node: u32, kind: PointKind, set: Components) -> Result<Dof, CardFault> {
-        let component = Self::meant(node, kind, set)?.iter().next();
+        let component = Self::components(node, kind, set)?.iter().next();
         Ok(Dof { node, component: component.unwrap_or(0) })
     }
 
-    /// The DOFs that components of a point mean; that of a scalar point is component 0.
+    /// The DOFs of a set of components at a point; the DOF of a scalar point is component 0.
     pub fn dofs(&self, node: u32, set: Components) -> Result<Vec<Dof>, CardFault> {
-        let set = Self::meant(node, self.kind(node), set)?;
+        let set = Self::components(node, self.kind(node), set)?;
         let one = set.is_empty().then_some(0);
         Ok(one.into_iter().chain(set.iter()).map(|component| Dof { node, component }).collect())
     }
 
-    /// The components of a grid point; the empty set stands for the one of a scalar point.
-    fn meant(node: u32, kind: PointKind, set: Components) -> Result<Components, CardFault> {
+    /// Checks a set of components; the result is empty for a scalar point.
+    fn components(node: u32, kind: PointKind, set: Components) -> Result<Components, CardFault> {
         match kind {
             PointKind::Grid if set.is_empty() => Err(CardFault::NoComponent { node }),
             PointKind::Grid | PointKind::Unknown => Ok(set),
@@ -98,7 +97,7 @@ impl Points {
         }
     }
 
-    /// The points that lists name: single ones as they are, of a range those that the deck has.
+    /// The points of a list: single points, defined or not, and the defined points of each range.
     pub fn expand(&self, spans: &[PointSpan]) -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
         for span in spans {
@@ -118,30 +117,34 @@ impl Points {
         Ok(nodes)
     }
 
-    /// Grid points of which components are held in every subcase.
-    pub fn held(&self) -> impl Iterator<Item = (&GridPoint, Components)> {
-        let held = |usual: GridDefaults| usual.or(self.usual).held.filter(|set| !set.is_empty());
-        let of_any = self.grids.any(|usual| held(usual).is_some()).then(|| self.grids.iter());
-        of_any.into_iter().flatten().filter_map(move |grid| held(self.grids.usual(grid)).map(|set| (grid, set)))
+    /// Grid points with the components that their cards prescribe to 0.
+    pub fn prescribed(&self) -> impl Iterator<Item = (&GridPoint, Components)> {
+        let prescribed = |fields: GridDefaults| fields.or(self.defaults).prescribed.filter(|set| !set.is_empty());
+        let any = self.grids.any(|fields| prescribed(fields).is_some()).then(|| self.grids.iter());
+        any.into_iter().flatten().filter_map(move |grid| prescribed(self.grids.fields(grid)).map(|set| (grid, set)))
     }
 
-    /// Says which points of a card the deck does not define; scalar points may be those of elements.
-    pub fn warn_of_unknown(&self, nodes: impl Iterator<Item = u32>, place: &CardPlace, model: &mut Model) {
+    /// Warns of points of a card that the deck does not define. They may be scalar points that elements define.
+    pub fn warn_of_unknown(&self, nodes: impl Iterator<Item = u32>, place: &CardLocation, model: &mut Model) {
         let unknown: BTreeSet<u32> = nodes.filter(|&node| self.kind(node) == PointKind::Unknown).collect();
         if let Some(first) = unknown.first() {
             let more = if unknown.len() > 1 { format!(" and {} more", unknown.len() - 1) } else { String::new() };
-            let text = format!("{}: no GRID or SPOINT defines point {first}{more}; taken as it stands", place.name);
+            let text = format!(
+                "{}: no GRID or SPOINT defines point {first}{more}; its components are used as they are",
+                place.name
+            );
             model.warn(place.file, place.line, text);
         }
     }
 
     /// The card of a grid point.
-    pub fn place(&self, grid: &GridPoint) -> CardPlace {
+    pub fn place(&self, grid: &GridPoint) -> CardLocation {
         self.grids.place(grid)
     }
 
-    fn usual(&self, grid: &GridPoint) -> GridDefaults {
-        self.grids.usual(grid).or(self.usual)
+    /// The fields of a card, with blank ones filled from `GRDSET`.
+    fn fields(&self, grid: &GridPoint) -> GridDefaults {
+        self.grids.fields(grid).or(self.defaults)
     }
 
     /// Grid points with their positions in the basic system.
@@ -151,12 +154,12 @@ impl Points {
 
     /// The position of a grid point.
     fn position(&self, grid: &GridPoint) -> Result<Vector, Problem> {
-        let frame = self.usual(grid).given_in.unwrap_or(BASIC);
+        let frame = self.fields(grid).position_frame.unwrap_or(BASIC);
         Ok(self.frames.get(frame).ok_or_else(|| unknown_frame(frame))?.point(grid.at))
     }
 }
 
-/// Refuses lists that no deck can mean.
+/// Limits the points that lists expand to.
 pub fn limited(count: usize) -> Result<(), Problem> {
     const POINTS: usize = 50_000_000;
     let advice = "shorten the lists with THRU";
@@ -171,7 +174,7 @@ impl Poses for Points {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
         let grid = self.grids.get(node).ok_or_else(|| unknown_grid(node))?;
         let position = self.position(grid)?;
-        let frame = self.usual(grid).moves_in.unwrap_or(BASIC);
+        let frame = self.fields(grid).displacement_frame.unwrap_or(BASIC);
         let axes = self.frames.get(frame).ok_or_else(|| unknown_frame(frame))?.axes_at(position);
         Ok(Pose { position, axes })
     }

@@ -1,13 +1,13 @@
-//! Warnings as a user can take them: each once, by file and line, and no more than so many of a kind.
+//! Shortens lists of warnings: sorts them by line, removes repetitions, and limits the number of each kind.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::Warning;
 
-/// Warnings of a kind that are given one by one.
+/// Limit on the warnings of one kind.
 const OF_A_KIND: usize = 100;
 
-/// The warnings in order, repetitions left out; those of a kind beyond the first hundred become one that counts them.
+/// The warnings by file and line, each once. One warning counts those of a kind beyond the limit.
 pub fn brief(mut warnings: Vec<Warning>) -> Vec<Warning> {
     warnings.sort_by_key(|warning| (warning.file, warning.line));
     let mut seen = FxHashSet::default();
@@ -21,14 +21,14 @@ pub fn brief(mut warnings: Vec<Warning>) -> Vec<Warning> {
         *count += 1;
         match *count {
             0..=OF_A_KIND => kept.push(warning),
-            // The first that is too many tells where.
+            // The count goes to the line of the first one beyond the limit.
             n if n == OF_A_KIND + 1 => beyond.push((kind, warning)),
             _ => {}
         }
     }
     kept.extend(beyond.into_iter().map(|(kind, first)| {
         let text = format!(
-            "{} of {} such warnings from here on are left out, the first: {}",
+            "{} of {} such warnings are omitted; the first of these is: {}",
             counts[&kind] - OF_A_KIND,
             counts[&kind],
             first.text
@@ -38,7 +38,7 @@ pub fn brief(mut warnings: Vec<Warning>) -> Vec<Warning> {
     kept
 }
 
-/// The text without its numbers.
+/// The kind of a warning: its text without words that contain digits.
 fn kind(text: &str) -> String {
     let words = text.split_whitespace().filter(|word| !word.bytes().any(|byte| byte.is_ascii_digit()));
     words.collect()
@@ -49,11 +49,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn warnings_are_sorted_given_once_and_counted() {
+    fn warnings_are_sorted_unique_and_counted() {
         let warning = |line: u32| Warning { file: 0, line, text: format!("CFAST {line} joins"), leaves_out: false };
         let found = brief((1..=300).rev().chain([7, 7]).map(warning).collect());
         assert_eq!(found.len(), OF_A_KIND + 1);
         assert_eq!((found[0].line, found[99].line, found[100].line), (1, 100, 101));
-        assert_eq!(found[100].text, "200 of 300 such warnings from here on are left out, the first: CFAST 101 joins");
+        assert_eq!(found[100].text, "200 of 300 such warnings are omitted; the first of these is: CFAST 101 joins");
     }
 }

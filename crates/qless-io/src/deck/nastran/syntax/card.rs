@@ -36,7 +36,7 @@ pub struct BulkCard {
     /// Continuation mark of the last line.
     mark: Vec<u8>,
     /// Whether a line in free field has data beyond its last field.
-    goes_beyond: bool,
+    pub goes_beyond: bool,
 }
 
 /// Place and reason of an error in a card.
@@ -55,8 +55,13 @@ pub struct NamedRefusal {
 }
 
 impl CardRefusal {
+    /// An error of a whole line.
+    pub fn of_line(at: FileLine, problem: impl Into<Problem>) -> Self {
+        Self { at, field: None, problem: problem.into() }
+    }
+
     /// Adds the name of the card.
-    pub fn of(self, card: &BulkCard) -> NamedRefusal {
+    pub fn in_card(self, card: &BulkCard) -> NamedRefusal {
         NamedRefusal { card: card.title().to_string(), refused: self }
     }
 }
@@ -65,14 +70,14 @@ impl BulkCard {
     /// Starts a new card from a line without its comment.
     pub fn begin(&mut self, name: &'static str, line: &[u8], at: FileLine) -> Result<(), CardRefusal> {
         self.restart(name, at);
-        self.take(&split(line).map_err(|problem| refused(at, problem))?, at, false);
+        self.take(&split(line).map_err(|problem| CardRefusal::of_line(at, problem))?, at, false);
         Ok(())
     }
 
     /// Appends a continuation line; `is_apart` if other cards separate it from the card.
     pub fn extend(&mut self, line: &[u8], at: FileLine, is_apart: bool) -> Result<(), CardRefusal> {
         let was_apart = self.lines.last().is_some_and(|last| last.is_apart);
-        let fields = split(line).map_err(|problem| refused(at, problem))?;
+        let fields = split(line).map_err(|problem| CardRefusal::of_line(at, problem))?;
         self.take(&fields, at, is_apart || was_apart || at.0 != self.file);
         Ok(())
     }
@@ -116,11 +121,6 @@ impl BulkCard {
     /// The name of the card's continuation line, in capitals; empty without a name.
     pub fn continues_in(&self) -> Vec<u8> {
         name_in(&self.mark)
-    }
-
-    /// Whether a line in free field has data beyond its last field.
-    pub fn goes_beyond(&self) -> bool {
-        self.goes_beyond
     }
 
     /// Whether the card fills a line; in large field this takes two lines.
@@ -236,21 +236,17 @@ impl BulkCard {
     }
 }
 
-fn refused(at: FileLine, problem: Problem) -> CardRefusal {
-    CardRefusal { at, field: None, problem }
-}
-
-/// Place of a card: file, lines, and the card's name with its number.
+/// Location of a card: file, lines, and the card's name with its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CardPlace {
+pub struct CardLocation {
     pub name: CardName,
     pub file: u32,
     pub line: u32,
     pub lines: u32,
 }
 
-impl CardPlace {
-    pub fn of(card: &BulkCard) -> Self {
+impl CardLocation {
+    pub fn new(card: &BulkCard) -> Self {
         Self { name: card.title(), file: card.file, line: card.line, lines: card.span() }
     }
 

@@ -99,8 +99,8 @@ impl Continuations {
             cards.extend(self.complete(claim, &mut by_name, solver)?);
         }
         if let Some(orphan) = self.pieces.iter().find(|piece| !piece.is_taken && !piece.may_be_unread) {
-            let problem = CardFault::Orphan { found: String::from_utf8_lossy(&orphan.name).into() }.into();
-            let refused = CardRefusal { at: orphan.lines[0].0, field: None, problem };
+            let fault = CardFault::Orphan { found: String::from_utf8_lossy(&orphan.name).into() };
+            let refused = CardRefusal::of_line(orphan.lines[0].0, fault);
             return Err(NamedRefusal { card: "continuation".into(), refused });
         }
         cards.sort_by_key(|card| (card.file, card.line));
@@ -124,16 +124,16 @@ impl Continuations {
             });
             match (free, card.as_mut()) {
                 (Some(piece), Some(card)) if solver == Solver::Mystran => {
-                    let (at, problem) = (self.pieces[piece].lines[0].0, CardFault::ContinuationDropped.into());
-                    return Err(CardRefusal { at, field: None, problem }.of(card));
+                    let at = self.pieces[piece].lines[0].0;
+                    return Err(CardRefusal::of_line(at, CardFault::ContinuationDropped).in_card(card));
                 }
                 (None, Some(_)) if solver == Solver::Mystran => break,
                 (Some(piece), card) => name = self.take(piece, card, true)?,
                 (None, None) => break,
                 (None, Some(card)) => {
                     let expected = String::from_utf8_lossy(&name).into();
-                    let problem = CardFault::NoContinuation { expected }.into();
-                    return Err(CardRefusal { at: card.last(), field: None, problem }.of(card));
+                    let fault = CardFault::NoContinuation { expected };
+                    return Err(CardRefusal::of_line(card.last(), fault).in_card(card));
                 }
             }
         }
@@ -146,7 +146,7 @@ impl Continuations {
         piece.is_taken = true;
         if let Some(card) = card {
             for (at, line) in &piece.lines {
-                card.extend(line, *at, is_apart).map_err(|refused| refused.of(card))?;
+                card.extend(line, *at, is_apart).map_err(|refused| refused.in_card(card))?;
             }
         }
         Ok(piece.mark.clone())

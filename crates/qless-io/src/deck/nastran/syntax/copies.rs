@@ -24,7 +24,7 @@ pub struct CopyRule(Vec<Vec<u8>>);
 /// The number of copies that a line makes, and their rule. A line without fields uses the rule `before`.
 pub fn read(line: &[u8], before: Option<&CopyRule>, at: FileLine) -> Result<(usize, CopyRule), CardRefusal> {
     const EXPECTED: &str = "`=`, `=n` or `=(n)`, and for a first copy what changes in it";
-    let refused = |problem| CardRefusal { at, field: None, problem };
+    let refused = |problem| CardRefusal::of_line(at, problem);
     let fields = split(line).map_err(refused)?;
     let expected = || refused(Problem::Expected { expected: EXPECTED, found: quote(line.trim_ascii()) });
     let number = inner(fields.name.strip_prefix(b"=").unwrap_or_default());

@@ -121,12 +121,6 @@ mod tests {
         assert_eq!(real(b"1.+400"), Err(NumberFault::Overflow));
         assert_eq!(real(b"1.-400"), Err(NumberFault::Underflow));
     }
-}
-
-#[cfg(test)]
-mod small_field_tests {
-    use super::*;
-    use crate::number;
 
     /// The text at every possible position in a field.
     fn fields(text: &str) -> impl Iterator<Item = SmallField> {
@@ -137,7 +131,7 @@ mod small_field_tests {
     }
 
     #[test]
-    fn all_that_is_read_is_what_the_long_way_reads() {
+    fn the_fast_path_agrees_with_the_general_path() {
         let mut state = 1_u64;
         let mut next = |below: usize| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -1,4 +1,5 @@
-//! A deck with other constraints: cards become comments, new equations are `MPC` cards in the set that is selected.
+//! Writes a deck with changed constraints: comments replace removed cards, and new equations become `MPC` cards in sets that the
+//! load cases select.
 
 mod select;
 mod target;
@@ -16,10 +17,10 @@ use crate::deck::{Deck, Model};
 use select::TextChange;
 use target::EquationGroup;
 
-/// Terms of a certificate that a comment names at most.
+/// Limit on the terms of a certificate that a comment names.
 const NAMED: usize = 8;
 
-/// The main file with the plan carried out. Included files that must change are written into it.
+/// The main file after the plan. It contains the text of included files that change.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let cases = deck.model.cases.len();
     let mut groups: Vec<EquationGroup> = Vec::new();
@@ -33,23 +34,24 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     write_groups(deck, &plan.removed, &groups)
 }
 
-/// The main file without the cards of the equations that go, and with those of each group in its load cases alone. A card goes in all
-/// load cases: what of it has to stay in some of them is among what is written there.
+/// The main file without the cards of removed equations, and with the new equations of each group in its load cases only.
+///
+/// A card is removed from all load cases. The groups must contain the equations that some load cases still need.
 pub fn write_groups(deck: &Deck, removed: &[Removed], groups: &[EquationGroup]) -> Result<Vec<u8>, CleanError> {
     let content = deck.again(read)?;
     let is_written = groups.iter().any(|(_, written)| !written.is_empty());
     let mut changes = comments(&deck.model, &content, removed, is_written);
-    let targets = MpcTargets::of(&content, deck, removed, groups)?;
+    let targets = MpcTargets::new(&content, deck, removed, groups)?;
     changes.extend(select::changes(&content, &targets));
     if is_written {
         let at = place_of_new(&content);
-        once(&content, at, deck)?;
+        check_included_once(&content, at, deck)?;
         changes.push((at, 0, new_text(&targets, content.control.is_some())));
     }
     Ok(NastranWriter { deck, content: &content, changes: &changes }.file(0, false))
 }
 
-/// A comment for each card that goes; one of several equations is told for all of the card.
+/// A comment in place of each removed card. It gives the reason of one of its equations, preferably a fault.
 fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_written: bool) -> Vec<TextChange> {
     let mut texts: BTreeMap<FileLine, (u32, String)> = BTreeMap::new();
     for removed in removed {
@@ -66,13 +68,12 @@ fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_wri
     texts.into_iter().map(|(at, (lines, text))| (at, lines, text)).chain(continuations).collect()
 }
 
-/// In the place of a continuation that does not stand right after its card.
-const CONTINUED: &str = "$ qless: continuation of a card that is gone\n";
+/// Replaces a continuation line that other cards separate from its card.
+const CONTINUED: &str = "$ qless: continuation of a removed card\n";
 
-/// Why a card is gone, in a line.
+/// A comment line with the reason why a card was removed.
 fn comment(model: &Model, removed: &Removed, is_written: bool) -> String {
     let equation = model.nth(removed.equation);
-    let place = |i: usize| model.label_of(i);
     let what = format!("$ qless: {}", model.place(equation.origin));
     match &removed.reason {
         Reason::Redundant(because) if because.is_empty() => {
@@ -80,7 +81,7 @@ fn comment(model: &Model, removed: &Removed, is_written: bool) -> String {
         }
         Reason::Redundant(because) => {
             let terms: Vec<String> =
-                because.iter().take(NAMED).map(|&(i, c)| format!("{c} * ({})", place(i))).collect();
+                because.iter().take(NAMED).map(|&(i, c)| format!("{c} * ({})", model.label_of(i))).collect();
             let more = because.len().saturating_sub(NAMED);
             let more = if more > 0 { format!(" + {more} more") } else { String::new() };
             let own = model.label_of(removed.equation);
@@ -95,19 +96,19 @@ fn now(is_written: bool) -> &'static str {
     if is_written { "written anew as MPC" } else { "removed" }
 }
 
-/// New cards are written wherever their file is included.
-fn once(content: &NastranContent, (file, line): FileLine, deck: &Deck) -> Result<(), CleanError> {
+/// Refuses to write new cards into a file that is included more than once: they would be repeated.
+fn check_included_once(content: &NastranContent, (file, line): FileLine, deck: &Deck) -> Result<(), CleanError> {
     match content.landmarks.includes.iter().filter(|include| include.inner == file).count() {
         0 | 1 => Ok(()),
         _ => Err(CleanError::Place {
             path: deck.model.files[file as usize].clone(),
             line: line as usize,
-            why: "new cards would stand here, but this file is included more than once; move BEGIN BULK to the main file",
+            why: "new cards belong here, but this file is included more than once; move BEGIN BULK to the main file",
         }),
     }
 }
 
-/// After `BEGIN BULK`; in bulk data alone, at the end.
+/// The place of new cards: after `BEGIN BULK`, or at the end of a deck without it.
 fn place_of_new(content: &NastranContent) -> FileLine {
     content.landmarks.bulk.or(content.landmarks.end).unwrap_or((0, u32::MAX))
 }
@@ -136,30 +137,30 @@ struct NastranWriter<'a> {
 }
 
 impl NastranWriter<'_> {
-    /// A file with its changes; within another file, with all that it includes.
-    fn file(&self, file: u32, is_within: bool) -> Vec<u8> {
+    /// A file with its changes. If it becomes part of another file, so do all files that it includes.
+    fn file(&self, file: u32, is_embedded: bool) -> Vec<u8> {
         let mut edits = Edits::default();
         for ((_, line), lines, text) in self.changes.iter().filter(|((of, _), ..)| *of == file) {
             edits.replace(*line, *lines, text.clone().into_bytes());
         }
         let mut done = BTreeSet::new();
         for include in self.content.landmarks.includes.iter().filter(|include| include.file == file) {
-            if done.insert(include.line) && (is_within || self.is_changed(include.inner)) {
+            if done.insert(include.line) && (is_embedded || self.is_changed(include.inner)) {
                 let head = b"$ qless: included here, because it was changed\n";
                 let inner = self.file(include.inner, true);
                 edits.replace(include.line, include.lines, [&head[..], &inner].concat());
             }
         }
         let text = &self.deck.texts[file as usize];
-        let text = if is_within { text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text) } else { text };
+        let text = if is_embedded { text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text) } else { text };
         let mut text = edits.apply(text);
-        if is_within && !text.ends_with(b"\n") {
+        if is_embedded && !text.ends_with(b"\n") {
             text.push(b'\n');
         }
         text
     }
 
-    /// Whether a file or one that it includes has changes. Includes make no circle, as the deck could be read.
+    /// Whether a file or one that it includes changes. The deck could be read, so the recursion ends.
     fn is_changed(&self, file: u32) -> bool {
         let includes = || self.content.landmarks.includes.iter().filter(|include| include.file == file);
         self.changes.iter().any(|((of, _), ..)| *of == file) || includes().any(|include| self.is_changed(include.inner))
@@ -184,7 +185,7 @@ mod tests {
         Written { slave: dof(a), terms: vec![(dof(b), -1.0)], rhs: 0.0, cases: Cases::All }
     }
 
-    /// The equations in force in each case, as the nodes they tie.
+    /// The equations of each case, as the nodes that they tie.
     fn ties(deck: &Deck) -> Vec<Vec<[u32; 2]>> {
         let nodes = |i: usize| [0, 1].map(|k| deck.model.dofs[deck.model.nth(i).columns[k] as usize].node);
         deck.model.cases.iter().map(|case| deck.model.in_force(case).map(nodes).collect()).collect()
@@ -197,9 +198,9 @@ mod tests {
     const BULK: &str = "BEGIN BULK\nGRID,1\nGRID,2\nGRID,3\nGRID,4\nMPC,1,1,1,1.,2,1,-1.\nMPC,2,1,1,1.,3,1,-1.\nMPC,2,3,1,1.,4,1,-1.\n\
                         MPCADD,9,1,2\nENDDATA\n";
 
-    fn written(control: &str, gone: &[usize], groups: &[EquationGroup]) -> (String, Vec<Vec<[u32; 2]>>) {
+    fn written(control: &str, without: &[usize], groups: &[EquationGroup]) -> (String, Vec<Vec<[u32; 2]>>) {
         let deck_before = deck(&format!("SOL 101\nCEND\n{control}{BULK}"));
-        let text = write_groups(&deck_before, &removed(gone), groups).unwrap_or_else(|error| panic!("{error}"));
+        let text = write_groups(&deck_before, &removed(without), groups).unwrap_or_else(|error| panic!("{error}"));
         let text = String::from_utf8(text).expect("text");
         let found = ties(&deck(&text));
         (text, found)
@@ -215,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_of_an_old_set_is_selected_along_with_the_new() {
+    fn kept_cards_of_an_old_set_are_selected_with_the_new_set() {
         let control = "MPC=9\nSUBCASE 1\nSUBCASE 2\nSPC=3\nSUBCASE 4\nSPC=4\n";
         let groups = [(vec![0], vec![tie(3, 1)]), (vec![2], vec![tie(1, 3)])];
         let (text, found) = written(control, &[1], &groups);
@@ -240,13 +241,13 @@ mod tests {
     }
 
     #[test]
-    fn a_subcase_whose_set_has_no_cards_does_not_take_what_is_selected_above() {
+    fn a_subcase_whose_set_has_no_cards_does_not_inherit_a_set() {
         let (text, found) = written("MPC=1\nSUBCASE 1\nSUBCASE 2\nMPC=2\n", &[1, 2], &[]);
         assert_eq!(found, [vec![[1, 2]], vec![]], "{text}");
     }
 
     #[test]
-    fn what_no_subcase_goes_by_is_not_taken_back_but_removed() {
+    fn unused_common_choices_are_removed_not_cancelled() {
         let (text, found) = written("MPC=1\nSUBCASE 1\nMPC=2\n", &[0, 1], &[]);
         assert_eq!(found, [[[0; 2]; 0]], "{text}");
         assert!(!text.contains("\nMPC = 0") && !text.contains("\nMPC=1"), "{text}");
@@ -256,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_select_for_themselves() {
+    fn steps_have_their_own_selection() {
         let control = "SUBCASE 1\nMPC=1\nSTEP 1\nSTEP 2\nSPC=3\n";
         let (text, found) = written(control, &[0], &[(vec![1], vec![tie(2, 4)])]);
         assert_eq!(found, [vec![], vec![[2, 4]]], "{text}");
@@ -264,14 +265,14 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_stand_apart_go_with_their_card() {
+    fn separated_continuation_lines_are_removed_with_their_card() {
         let text =
             "GRID,1\nGRID,2\nGRID,3\nGRID,4\nMPC,1,1,1,1.,2,1,-1.,,+A\nGRID,5\n+A,,3,1,-1.\nMPC,1,3,1,1.,4,1,-1.\n";
         let before = deck(text);
         assert_eq!(before.model.nth(1).columns.len(), 3, "the card is complete");
         let after = write_groups(&before, &removed(&[1]), &[]).unwrap_or_else(|error| panic!("{error}"));
         let after = String::from_utf8(after).expect("text");
-        assert!(after.contains("GRID,5\n$ qless: continuation of a card that is gone\nMPC,1,3"), "{after}");
+        assert!(after.contains("GRID,5\n$ qless: continuation of a removed card\nMPC,1,3"), "{after}");
         assert_eq!(ties(&deck(&after)), [[[3, 4]]], "{after}");
     }
 }

@@ -1,7 +1,7 @@
-//! Which set the new `MPC` cards of each group of subcases go to, and what every subcase selects afterwards.
+//! Chooses the set of the new `MPC` cards of each group of load cases, and the new selection of every load case.
 //!
-//! Cards go to a set that the subcases of the group select and no others; where there is none, to a new one. Where a subcase also
-//! needs cards of its old sets, it selects a new union of both.
+//! The set is one that exactly the load cases of the group select, or else a new one. A load case that also needs cards of its old
+//! sets selects a new union of both.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,10 +11,10 @@ use crate::deck::nastran::control::selected::selections;
 use crate::deck::nastran::reader::NastranContent;
 use crate::deck::{Deck, Model};
 
-/// Load cases, as indices into those of the model, and the equations that hold in them in the place of those that go.
+/// Load cases by their index in the model, and the new equations that hold in exactly these.
 pub type EquationGroup = (Vec<usize>, Vec<Written>);
 
-/// Sets of the new cards, and what load cases select.
+/// Sets of the new cards, and selections of the load cases.
 pub struct MpcTargets<'a> {
     /// The set of each group that writes equations.
     pub cards: Vec<(u32, &'a [Written])>,
@@ -22,18 +22,18 @@ pub struct MpcTargets<'a> {
     pub unions: BTreeMap<Vec<u32>, u32>,
     /// The MPC set that each load case selects before and after.
     pub selected: Vec<(Option<u32>, Option<u32>)>,
-    /// Sets none of whose cards stay, and unions of nothing else.
+    /// Sets whose cards are all removed, and unions of such sets only.
     pub dead: BTreeSet<u32>,
 }
 
 impl<'a> MpcTargets<'a> {
-    pub fn of(
+    pub fn new(
         content: &NastranContent,
         deck: &Deck,
         removed: &[Removed],
         groups: &'a [EquationGroup],
     ) -> Result<Self, CleanError> {
-        let before = SelectedSets::of(content);
+        let before = SelectedSets::new(content);
         let written = || groups.iter().filter(|(_, written)| !written.is_empty());
         let refused = |why| CleanError::Place { path: deck.model.files[0].clone(), line: 1, why };
         if written().any(|(_, written)| written.iter().any(|written| written.rhs != 0.0)) {
@@ -72,31 +72,31 @@ impl<'a> MpcTargets<'a> {
         Ok(targets)
     }
 
-    /// The one new set that all load cases select where none of them selected any.
+    /// The new set that all load cases select, if none of them selected any set before.
     pub fn common(&self) -> Option<u32> {
         let (_, first) = *self.selected.first()?;
         first.filter(|_| self.selected.iter().all(|&(before, after)| before.is_none() && after == first))
     }
 }
 
-/// What load cases select.
+/// MPC selections of the load cases, and the sets in each.
 struct SelectedSets {
     sets: Vec<Option<u32>>,
     members: Vec<BTreeSet<u32>>,
 }
 
 impl SelectedSets {
-    fn of(content: &NastranContent) -> Self {
+    fn new(content: &NastranContent) -> Self {
         let mut unused = Model::new(Vec::new());
         let chosen = selections(content.control.as_ref(), &content.bulk, &mut unused);
         let sets: Vec<Option<u32>> = chosen.iter().map(|(_, choice)| choice.mpc.map(|choice| choice.set)).collect();
-        // The unions could be read, so they have no circle.
-        let of = |set: &Option<u32>| set.map(|set| members(set, &content.bulk.mpc_unions).unwrap_or_default());
-        let members = sets.iter().map(|set| of(set).unwrap_or_default()).collect();
+        // The model could be built, so no union contains itself.
+        let members_of = |set: &Option<u32>| set.map(|set| members(set, &content.bulk.mpc_unions).unwrap_or_default());
+        let members = sets.iter().map(|set| members_of(set).unwrap_or_default()).collect();
         Self { sets, members }
     }
 
-    /// A set in force in all of these cases and in no other.
+    /// A set that all of these load cases contain and no other does.
     fn own_set(&self, cases: &[usize]) -> Option<u32> {
         let (inside, outside): (Vec<usize>, Vec<usize>) =
             (0..self.members.len()).partition(|case| cases.contains(case));
@@ -109,7 +109,7 @@ impl SelectedSets {
     }
 }
 
-/// Sets of which some card stays.
+/// Sets that keep a card.
 fn kept(content: &NastranContent, deck: &Deck, removed: &[Removed]) -> impl Iterator<Item = u32> {
     let place = |removed: &Removed| {
         let origin = deck.model.nth(removed.equation).origin;
@@ -119,21 +119,21 @@ fn kept(content: &NastranContent, deck: &Deck, removed: &[Removed]) -> impl Iter
     content.bulk.ties.mpcs().filter(move |card| !gone.contains(&(card.file, card.line))).map(|card| card.set)
 }
 
-/// Sets that had cards and keep none, and unions of such sets alone.
+/// Sets whose cards are all removed, and unions of such sets only.
 fn dead(content: &NastranContent, kept: &BTreeSet<u32>) -> BTreeSet<u32> {
     let mut dead: BTreeSet<u32> =
         content.bulk.ties.mpcs().map(|card| card.set).filter(|set| !kept.contains(set)).collect();
     let unions = &content.bulk.mpc_unions;
-    let of_dead = |set: &&u32| {
+    let is_dead = |set: &&u32| {
         let members = members(**set, unions).unwrap_or_default();
         !members.is_empty() && members.is_subset(&dead)
     };
-    let whole: Vec<u32> = unions.keys().filter(of_dead).copied().collect();
+    let whole: Vec<u32> = unions.keys().filter(is_dead).copied().collect();
     dead.extend(whole);
     dead
 }
 
-/// The largest number of an MPC set, defined or selected; 0 where there is none.
+/// The largest number of an MPC set, defined or selected; 0 if there is none.
 fn last_set(content: &NastranContent) -> u32 {
     let own = content.bulk.ties.mpcs().map(|card| card.set);
     let unions = content.bulk.mpc_unions.iter();

@@ -1,4 +1,4 @@
-//! An equation as an `MPC` card in large field, whose numbers have 16 columns: a sign, a point and up to 14 digits.
+//! Writes an equation as an `MPC` card in large field: numbers have 16 columns, for a sign, a point and up to 14 digits.
 
 use crate::deck::clean::Written;
 
@@ -21,8 +21,8 @@ pub fn mpc(set: u32, written: &Written) -> String {
     text
 }
 
-/// The number in 16 columns: exact if that is possible, else the nearest that fits.
-pub fn number(value: f64) -> String {
+/// The number in at most 16 columns: exact if possible, else the nearest that fits.
+fn number(value: f64) -> String {
     let exact = [nastran(&format!("{value:?}")), nastran(&format!("{value:e}"))];
     if let Some(text) = exact.into_iter().filter(|text| text.len() <= NUMBER).min_by_key(String::len) {
         return text;
@@ -35,7 +35,7 @@ pub fn number(value: f64) -> String {
         .unwrap_or_else(|| "0.".into())
 }
 
-/// `-0.5` as `-.5`, `1e-7` as `1.-7`, `12` as `12.`.
+/// Nastran's short form: `-.5` for `-0.5`, `1.-7` for `1e-7`, `12.` for `12`.
 fn nastran(text: &str) -> String {
     let (mantissa, exponent) = text.split_once('e').unwrap_or((text, ""));
     let point = if mantissa.contains('.') { "" } else { "." };
