@@ -9,7 +9,7 @@ use std::process::{Command, ExitStatus};
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 
-use qless_mpi::{Alone, World, WorldError, together};
+use qless_mpi::{Alone, World, WorldError, on_threads};
 use rounds::play::play;
 
 const SIZES: [usize; 4] = [1, 2, 4, 7];
@@ -66,7 +66,7 @@ fn in_process(size: usize, seed: u64, rounds: u64) -> String {
     if size == 1 {
         return play(&Alone, seed, rounds);
     }
-    together(size, |ranks| play(ranks, seed, rounds)).swap_remove(0)
+    on_threads(size, |ranks| play(ranks, seed, rounds)).swap_remove(0)
 }
 
 #[derive(Debug)]
