@@ -1,7 +1,7 @@
-//! Mortar ties `D u - M v = 0` of well-shaped meshes: of full rank without a doubt, and `|C_i u| <= 1e-10` of its parts.
+//! Mortar ties `D u - M v = 0` of well-shaped meshes have full rank without doubt, and `|C_i u| <= 1e-10` of the terms.
 //!
-//! D is symmetric, positive definite and well-conditioned at every size, so that slaves with a small T exist and are within
-//! reach: those of the slave side. Whatever chooses slaves row by row loses all digits here, the sooner the finer the mesh.
+//! D is symmetric, positive definite and well-conditioned at every size, so the DOFs of the slave side are slaves with a small T. An
+//! algorithm that chooses slaves row by row loses all digits here, the more the finer the mesh.
 
 #[macro_use]
 mod support;
