@@ -96,7 +96,7 @@ fn a_larger_face(backend: BackendChoice) {
     check(backend, [("25 to 17".to_owned(), face([Degree::Linear; 2], [24, 17], true).and_then(|face| face.scene(1)))]);
 }
 
-/// A scene and what it is called.
+/// A scene and its name.
 type Named = (String, Result<Scene, SceneError>);
 
 /// For every pair of degrees and numbers of elements.
@@ -138,7 +138,7 @@ fn check(backend: BackendChoice, cases: impl IntoIterator<Item = Named>) {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// What is wrong, if anything, as text.
+/// The first error as text.
 fn fault(name: &str, scene: &Scene, options: &Options) -> Option<String> {
     let (system, start) = (&scene.system, std::time::Instant::now());
     let analysis = diagnose(system, options);

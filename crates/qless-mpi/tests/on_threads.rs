@@ -1,4 +1,4 @@
-//! Ranks within one process say what they must, and what they send is counted.
+//! Ranks within one process exchange the expected messages, and their traffic is counted.
 
 mod rounds;
 

@@ -1,4 +1,4 @@
-//! A system dealt out to ranks, and its results put together again.
+//! Distributes a system to ranks and collects the results.
 
 use std::collections::BTreeMap;
 
