@@ -1,11 +1,11 @@
-//! Which option for which need, with what the measurements say of each.
+//! A table of options for given needs, with the measurements of each option.
 
 use std::fmt::Write;
 
 use super::methods::BenchMethod;
 use super::sample::{Measured, Sample};
 
-/// A need, the option for it, the methods that were measured with it, and what it risks in words.
+/// A need, the option for it, the methods with this option, and its risk.
 struct Advice {
     need: &'static str,
     option: &'static str,
