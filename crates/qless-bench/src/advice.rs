@@ -84,7 +84,7 @@ pub fn advice(samples: &[Sample], methods: &[BenchMethod]) -> String {
         };
         _ = writeln!(text, "| {need} | {option} | {} | {} | {risk} |", of(times), of(ranks));
     }
-    text + "\nWith several methods for a need the numbers are those of each, in this order. `alone` means without presolve: the \
+    text + "\nIf a need has several methods, each has its numbers, in this order. `alone` means without presolve: the \
             whole system goes to that backend. The other methods change one option of the default.\n"
 }
 
