@@ -52,7 +52,7 @@ impl<'a> Model<'a> {
     /// Gives the cell another mean displacement gradient. Collective.
     pub fn stretch(&mut self, e: &Gradient) -> Result<(), Box<dyn Error>> {
         self.constraints.stretch(e);
-        self.map.refresh(self.ranks, &self.constraints.share, &Options::default())?;
+        self.map.update(self.ranks, &self.constraints.share, &Options::default())?;
         let Self { ranks, map, hexahedra, stiffness, condensed, k_q, load, .. } = self;
         let element = |e: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&stiffness[hexahedra[e].0]);
         let dofs = |e: usize| hexahedra[e].1;

@@ -177,7 +177,7 @@ impl DistributedElimination {
     ///
     /// # Errors
     /// As [`DistributedElimination::new`]; then nothing changes.
-    pub fn refresh(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
+    pub fn update(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
         let Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants } =
             Self::new(ranks, share, options)?;
         // A condensed pattern belongs to its elimination, so keep that unless the equations have changed.

@@ -154,7 +154,7 @@ fn new_right_hand_sides_leave_t_as_it_is() {
             share.set_rhs(i, 0.0);
         }
         share.set_prescribed(|dof| 0.25 + dof as f64);
-        map.refresh(ranks, &share, &Options::default()).expect("consistent");
+        map.update(ranks, &share, &Options::default()).expect("consistent");
         assert_eq!(map.local().reduction().t(), &before);
         let (mut k_q, mut load) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
         let spring = |_: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&[1.0, -1.0, -1.0, 1.0]);
