@@ -9,7 +9,7 @@ use crate::error::{Error, agree};
 use crate::ranks::{Outbox, Ranks, real};
 use crate::share::ShareRows;
 use crate::solve::{
-    LocalAnalysis, ReductionRows, ReturnedResults, SlaveRows, Soundness, ask, return_results, substitute,
+    LocalAnalysis, ReductionRows, ReturnedResults, SlaveRows, Soundness, request_rows, return_results, substitute,
 };
 
 /// The input of the analysis, which is the same in all attempts.

@@ -45,7 +45,7 @@ impl ConnectedComponents {
         for ((&dof, &fragment), _) in dofs.filter(|&((_, &fragment), flags)| flags.is_shared() && fragment != NONE) {
             post.to(layout.owner(dof)).extend([dof, u64::from(fragment)]);
         }
-        let use_of = |(rank, [dof, fragment])| (dof, vertex(rank, fragment as usize));
+        let use_of = |(rank, [dof, fragment]): (usize, [u64; 2])| (dof, vertex(rank, fragment as usize));
         let mut uses: Vec<(u64, u64)> = post.send_records(ranks).map(use_of).collect();
         uses.sort_unstable();
         let mut pairs: Vec<(u64, u64)> = Vec::new();

@@ -147,7 +147,7 @@ impl Case {
             let reals = [self.share.rows.rhs[i], largest].map(f64::to_bits);
             answers.to(0).extend([self.share.numbers()[i], reals[0], reals[1], values.len() as u64, prescribed]);
         }
-        let facts = |(_, [number, rhs, largest, dofs, prescribed])| {
+        let facts = |(_, [number, rhs, largest, dofs, prescribed]): (usize, [u64; 5])| {
             (number, Facts { rhs: real(rhs), largest: real(largest), dofs, prescribed })
         };
         answers.send_records(ranks).map(facts).collect()

@@ -124,8 +124,11 @@ fn read_prescribed(
         let holder = dofs.holder(column as u64 - 1);
         post.to(holder).extend([column as u64, value.to_bits(), line as u64]);
     }
-    let line =
-        |(_, [column, bits, line])| PrescribedLine { column: column as usize, value: real(bits), line: line as usize };
+    let line = |(_, [column, bits, line]): (usize, [u64; 3])| PrescribedLine {
+        column: column as usize,
+        value: real(bits),
+        line: line as usize,
+    };
     let lines = post.send_records(ranks).map(line).collect();
     agree(ranks, chunk::merge_prescribed(path, lines).map_err(CaseError::from))
 }
