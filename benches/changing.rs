@@ -23,7 +23,7 @@ fn main() {
     for round in 0..ROUNDS {
         full.push(seconds(|| drop(black_box(fresh(blocks)))));
         whole.push(seconds(|| _ = black_box(as_one(blocks))));
-        // The allocator tidies up after the large sets in the first call that comes: many changes, one after the other.
+        // The first call pays for the release of the large sets, so many changes run in sequence.
         change.extend((0..CHANGES).map(|c| {
             let k = (round * 7919 + c * 104_729 + 13) % ids.len();
             seconds(|| {

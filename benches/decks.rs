@@ -1,7 +1,7 @@
 //! Reading a deck of a million equations against counting its lines with a buffered reader: `cargo bench --bench decks`
 //! (`-- --test` for a small one, `-- bdf` for one format).
 //!
-//! Both are taken in turns in one process. Wanted: at most 3 times the time, and at most 3 times the bytes of the file at any moment.
+//! Both run in turns in one process. Target: at most 3 times the time, and at most 3 times the bytes of the file at any moment.
 
 mod timing;
 
@@ -20,7 +20,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 
 const ROUNDS: usize = 11;
 
-/// A deck's text by the number of equations.
+/// Makes the text of a deck with a number of equations.
 type Text = fn(usize) -> String;
 
 fn main() {
@@ -48,7 +48,7 @@ fn main() {
     }
 }
 
-/// Two-term equations, with one card for all or one for each, and with the cards of the nodes.
+/// Two-term equations with one card for all or one for each, and the cards of the nodes.
 fn calculix(equations: usize, a_card_each: bool, nodes: bool) -> String {
     let mut text = String::new();
     if nodes {
@@ -87,7 +87,7 @@ fn ansys(equations: usize) -> String {
     text + "FINISH\n"
 }
 
-/// What periodicity looks like: the three components of two nodes and of a dummy one.
+/// Periodicity: the three components of two nodes and of a dummy node.
 fn three_terms(equations: usize) -> String {
     let mut text = String::from("*EQUATION\n");
     for i in 0..equations {
@@ -114,7 +114,7 @@ fn measure(name: &str, path: &Path, equations: usize) {
             peak = MEMORY.peak_usage() - before;
         }));
     }
-    // Small numbers weigh more than their share, so a short deck says nothing.
+    // In a short deck fixed costs dominate, so it is not compared.
     let is_within = peak as f64 <= 3.0 * bytes || equations < 1_000_000;
     assert!(is_within, "{name}: peak memory is {:.2} times the file", peak as f64 / bytes);
     let (counting, reading) = (median(counting), median(reading));

@@ -1,4 +1,4 @@
-//! What a code does with constraints every step, one thread unless it says otherwise: `cargo bench --bench map`.
+//! The operations of a finite-element code in every step, on one thread unless stated otherwise: `cargo bench --bench elimination`.
 //!
 //! A cube of hexahedra (three DOFs a node) with a face tied to another twice, a mean and a face that is prescribed; T is sparse. And the
 //! mortar twin, of which T is dense. Ratios of medians of both sides taken in turns in one process; `--test` takes a small cube.
@@ -38,7 +38,7 @@ impl Cube {
         let mut builder = SystemBuilder::new(dofs);
         for y in 0..side {
             for z in 0..side {
-                // A node of one face between four of the other, as on meshes that do not match.
+                // A node of one face lies between four of the other, as on non-matching meshes.
                 for d in 0..3 {
                     let dof = |at| 3 * Self::node(side, at) + d;
                     let other = [[side, y, z], [side, y + 1, z], [side, y, z + 1], [side, y + 1, z + 1]];
@@ -69,7 +69,7 @@ impl Cube {
     }
 }
 
-/// Numbers of an element, as dear as reading them.
+/// The matrix of an element, as cheap as reading it.
 fn element(matrix: &mut [f64], forces: &mut [f64]) {
     matrix.iter_mut().enumerate().for_each(|(k, v)| *v = if k % 25 == 0 { 8.0 } else { -0.3 });
     forces.fill(1.0);

@@ -1,8 +1,8 @@
 //! How peak memory grows: the paper's tie model from 3e4 to 3e6 equations, `cargo bench --bench peak` (`-- --test` for the two
 //! smallest sizes).
 //!
-//! A program of its own: the allocator that counts fills arrays of zeros itself, where the system's leaves that to the first use
-//! of each page, and would change the times of [`scaling`](../scaling.rs).
+//! It is a separate program: its counting allocator zeroes arrays itself, whereas the system's allocator defers that to the first use
+//! of each page; this would change the times of [`scaling`](../scaling.rs).
 
 mod sizes;
 

@@ -69,7 +69,7 @@ fn compare(name: &str, columns: &Csr) -> f64 {
     a / b
 }
 
-/// A system that is built when it is wanted.
+/// A system that is built on demand.
 struct System {
     name: String,
     build: Box<dyn Fn() -> Option<Csr>>,

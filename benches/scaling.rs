@@ -1,10 +1,10 @@
 //! How time grows: the paper's tie model from 3e4 to 3e6 equations, `cargo bench --bench scaling` (`-- --test` for the two
 //! smallest sizes).
 //!
-//! All sizes are taken in turns, each with one transposition of C, in one process, so that a busy minute of the machine falls on
-//! all of them. DOFs are numbered as equations name them, as a mesh generator would, and at random: there passes over DOFs wait
-//! for memory as soon as it is larger than the caches, and the exponent of the transposition shows how much of that is the
-//! machine's. Exponents are fitted to the medians of all sizes by least squares of logarithms.
+//! All sizes run in turns, each with one transposition of C, in one process, so that a busy minute of the machine affects
+//! all of them. DOFs are numbered in the order of the equations, as by a mesh generator, and at random: then passes over DOFs wait
+//! for memory as soon as the data exceed the caches, and the exponent of the transposition shows the share of
+//! the machine. Exponents are fitted to the medians of all sizes by least squares of logarithms.
 //!
 //! The process keeps its memory from one round to the next, as it does at small sizes anyway; `-- --fresh` leaves glibc its rule.
 
@@ -20,7 +20,7 @@ use qless_scenes::{families, memory};
 use sizes::{ORDERS, Order, exponent, sizes, system, whole};
 use timing::{median, seconds};
 
-/// In each, every size has its turn.
+/// Number of rounds; each runs every size.
 const ROUNDS: usize = 15;
 
 fn main() -> ExitCode {
@@ -50,10 +50,10 @@ fn growth(name: &str, order: Order) {
 /// Seconds of the whole elimination and of one transposition, of every round.
 type Times = [Vec<f64>; 2];
 
-/// One round of a size: repeated where it is small, so that most do not find another size's data in the caches.
+/// One round of a size. Small sizes are repeated, so that most runs do not find data of another size in the caches.
 ///
-/// All the same 3e4 equations numbered at random take about a fifth longer here than alone (2.9 for 2.4 ms), which takes some
-/// hundredths from the exponent.
+/// Nevertheless 3e4 equations numbered at random take about a fifth longer here than alone (2.9 instead of 2.4 ms), which reduces
+/// the exponent by some hundredths.
 fn round(system: &ConstraintSystem, times: &mut Times) {
     for _ in 0..(600_000 / system.equations()).max(1) {
         times[0].push(seconds(|| {
@@ -77,7 +77,7 @@ fn line(name: &str, system: &ConstraintSystem, times: Times) -> [f64; 3] {
     [system.equations() as f64, eliminate, transpose]
 }
 
-/// Shapes that make others slow: long chains, a closed one, and DOFs that occur in every equation.
+/// Shapes that are slow for other algorithms: long chains, a closed chain, and DOFs that occur in every equation.
 fn extremes(size: usize) {
     let shapes = [
         ("chain", families::path(size + 1)),
@@ -94,7 +94,7 @@ fn extremes(size: usize) {
     }
 }
 
-/// Everything, as [`whole`], whatever the growth; returns the number of terms of all certificates.
+/// The whole elimination as in [`whole`] without the check of growth; returns the number of terms of all certificates.
 fn certificates_and_reduction(system: &ConstraintSystem) -> usize {
     let analysis = analyse(system, &Options::default()).expect("a valid system");
     black_box(analysis.reduction().expect("within the gate").t().nnz());

@@ -17,13 +17,13 @@ use qless_solve::enforce::reduced;
 
 type Stage = fn(Timings) -> Duration;
 
-/// Nearly all of it is peeled: work for presolve, classify and reduce.
+/// Presolve peels nearly all of it: work for presolve, classify and reduce.
 fn tie(short: bool) -> ConstraintSystem {
     let level = if short { Level::P50 } else { Level::P110 };
     fssi::tie(&level.mesh(), 1).expect("a scene").system
 }
 
-/// What presolve leaves is one large sparse block.
+/// Presolve leaves one large sparse block.
 fn windows(short: bool) -> ConstraintSystem {
     let side = if short { 16 } else { 40 };
     let windows = Windows { extent: [side, side, 1], d: 1, window: 4, stride: 2, rows: 2, combos: 20 };
@@ -66,7 +66,7 @@ fn stages(criterion: &mut Criterion) {
         bencher.iter(|| black_box(analysis.reduction().expect("within the gate")));
     });
     let reduction = analysis.reduction().expect("within the gate");
-    // Part of the line above: every reduction is checked against the user's equations.
+    // This is included in the line above: every reduction is checked against the user's equations.
     criterion.bench_function("gate (tie)", |bencher| {
         bencher.iter(|| black_box(analysis.residual(&reduction).expect("its own DOFs")));
     });

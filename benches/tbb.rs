@@ -1,7 +1,7 @@
 //! SuiteSparseQR's task tree on two threads against the sequence, one BLAS thread each: `cargo bench --bench tbb --features tbb`.
 //!
-//! Both are taken in turns in one process; ratios are of medians. Hosts of virtual machines take cores away at times: a round counts
-//! if two cores gave at least 1.7 times the work of one just before and just after it, and how many of the rounds did is said.
+//! Both run in turns in one process; ratios are of medians. Hosts of virtual machines sometimes take cores away. A round counts only
+//! if two cores did at least 1.7 times the work of one just before and just after it. The output states the number of such rounds.
 //! `--test` takes small sizes. The process keeps its memory from one round to the next; `-- --fresh` leaves glibc its rule.
 
 mod timing;
@@ -20,18 +20,18 @@ use qless_scenes::{Scene, SceneError, memory};
 use timing::{median, seconds};
 
 const TOLERANCE: f64 = 1e-10;
-/// What two cores must do for a round to count, in what one does.
+/// Work that two cores must do for a round to count, relative to one core.
 const CORES: f64 = 1.7;
-/// Before a look at the cores.
+/// Pause before a measurement of the cores.
 const REST: Duration = Duration::from_millis(60);
-/// Between two looks at the cores.
+/// Pause between two measurements of the cores.
 const PAUSE: Duration = Duration::from_millis(300);
-/// For one system.
+/// Time limit for one system.
 const LIMIT: Duration = Duration::from_secs(40);
 
 struct System {
     name: &'static str,
-    /// What the ratios of the factorization alone and of the whole call are to be at least.
+    /// Least ratios of the factorization alone and of the whole call.
     wanted: [f64; 2],
     scene: Result<Scene, SceneError>,
 }
@@ -75,9 +75,9 @@ fn spin() {
     black_box(sum);
 }
 
-/// How many cores' worth of work two threads do.
+/// The work of two threads relative to that of one.
 fn cores() -> f64 {
-    // Threads of oneTBB and OpenBLAS look for work for some time before they sleep.
+    // Idle threads of oneTBB and OpenBLAS spin for some time before they sleep.
     std::thread::sleep(REST);
     let one = seconds(spin);
     let two = seconds(|| {
@@ -101,7 +101,7 @@ fn compare(name: &str, wanted: [f64; 2], columns: &Csr, limit: Duration) {
             std::thread::sleep(PAUSE);
             continue;
         }
-        // Which comes first changes: a call finds more or fewer pages in place, as the one before it left them.
+        // The order alternates, because the memory pages of a call depend on the call before.
         let (mut first, mut second) = (Spqr::default(), Spqr::on(2));
         let swapped = rounds % 2 == 1;
         if swapped {
@@ -110,7 +110,7 @@ fn compare(name: &str, wanted: [f64; 2], columns: &Csr, limit: Duration) {
         let (first, second) = (factor(first, columns), factor(second, columns));
         let pair = if swapped { (second, first) } else { (first, second) };
         rounds += 1;
-        // Where no round was a good one the last is shown: none of so many.
+        // If no round counts, the last one is shown.
         let is_good = !late && cores() >= CORES;
         if is_good || (late && alone.is_empty()) {
             good += usize::from(is_good);

@@ -1,7 +1,7 @@
 //! The paper's Table 1 (tie), whole elimination, in units of one transposition of C: `cargo bench --bench tie`.
 //!
 //! Criterion gives each side's time; the line printed first gives the ratio of medians of both sides taken in turns in one
-//! process, which noise of the machine changes least.
+//! process, which is least sensitive to noise of the machine.
 
 mod timing;
 

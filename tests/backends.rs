@@ -15,7 +15,7 @@ fn backends() -> Vec<BackendChoice> {
     [BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss].into_iter().chain(spqr).collect()
 }
 
-/// What may depend neither on the backend nor on presolve nor on the order.
+/// Results that must not depend on the backend, on presolve or on the order.
 #[derive(Clone, Debug, PartialEq)]
 struct Answer {
     rank: usize,
@@ -25,7 +25,7 @@ struct Answer {
     generated: Vec<usize>,
 }
 
-/// The answer for a system whose DOF j was `dofs[j]`.
+/// The answer for a reordered system; its DOF j was `dofs[j]`.
 fn answer(analysis: &Analysis, dofs: &[usize]) -> Answer {
     let mut generated: Vec<usize> = analysis.generated().iter().map(|&(j, _)| dofs[j]).collect();
     generated.sort_unstable();
@@ -37,7 +37,7 @@ fn answer(analysis: &Analysis, dofs: &[usize]) -> Answer {
     }
 }
 
-/// Every identity, and that the default backend does not call doubtful what is not.
+/// Checks every identity, and that the default backend reports no doubt without reason.
 fn check_identities(system: &ConstraintSystem, analysis: &Analysis, options: &Options) {
     check_certificates(system, analysis);
     let reduction = analysis.reduction().expect("within the gate");
@@ -49,7 +49,7 @@ fn check_identities(system: &ConstraintSystem, analysis: &Analysis, options: &Op
     assert!(!doubted, "{:?}", analysis.confidence());
 }
 
-/// Natural, reversed and two random orders of rows and DOFs: the system, and what its DOFs were before.
+/// The system in natural, reversed and two random orders of rows and DOFs, with the original numbers of its DOFs.
 fn in_every_order(system: &ConstraintSystem) -> Vec<(ConstraintSystem, Vec<usize>)> {
     let with_natural = |n: usize| std::iter::once((0..n).collect()).chain(orders(n)).collect::<Vec<Vec<usize>>>();
     let (rows, dofs) = (with_natural(system.equations()), with_natural(system.dofs()));
@@ -73,7 +73,7 @@ fn check_all(scenes: Vec<(&str, Result<Scene, SceneError>)>) {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// The truth is that of the scene; generated boundary conditions that it leaves open are those of the first answer.
+/// Compares with the truth of the scene, or with the first answer for generated boundary conditions that the scene does not state.
 fn check_scene(name: &str, scene: &Scene, backend: BackendChoice) -> Vec<String> {
     let (rank, redundant) = (scene.truth.rank_free.expect("known"), scene.truth.redundant.expect("known"));
     let known = scene.truth.generated.as_ref().map(|all| all.iter().map(|&(j, _)| j).collect());
@@ -231,7 +231,7 @@ fn corpus_spqr() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// Elimination without orthogonality has no bound on the growth of its numbers: these systems it gets wrong.
+/// Gauss elimination has no bound on the growth of its entries; it gives wrong results for these systems.
 const WRONG_WITH_GAUSS: [&str; 0] = [];
 
 #[test]

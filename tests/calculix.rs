@@ -1,6 +1,6 @@
-//! CalculiX decks: the diagnosis of each, and what the real `ccx` makes of the cleaned ones.
+//! CalculiX decks: the diagnosis of each, and runs of the cleaned decks with the real `ccx`.
 //!
-//! Decks with known behaviour are those of the folder that `QLESS_CORPUS` names; then `ccx` must be installed.
+//! Decks with known behaviour are in the folder that `QLESS_CORPUS` names. These tests need `ccx`.
 
 #[path = "support/corpus.rs"]
 mod known;

@@ -1,4 +1,4 @@
-//! Constraints that come and go: after any history of changes the results are those of a fresh run, to the last bit.
+//! Constraints that are added and removed: after any sequence of changes the results are those of a new run, to the last bit.
 
 use proptest::prelude::*;
 use qless::change::{ChangeError, EquationId};
@@ -8,7 +8,7 @@ const DOFS: usize = 24;
 
 type Terms = Vec<(usize, f64)>;
 
-/// A change of the set; numbers that name an equation count those that are there.
+/// A change of the set; equations are named by their index among the present ones.
 #[derive(Clone, Debug)]
 enum Change {
     Add(Terms, f64),
@@ -20,7 +20,7 @@ enum Change {
     Update,
 }
 
-/// Few terms with small whole coefficients on near DOFs: many blocks, many dependent equations.
+/// A few terms with small whole coefficients on neighbouring DOFs, which give many blocks and many dependent equations.
 fn terms() -> impl Strategy<Value = Terms> {
     let near = (0..DOFS - 3, prop::collection::vec((0..4_usize, -2..=2_i32), 1..4));
     near.prop_map(|(first, terms)| terms.into_iter().map(|(d, a)| (first + d, f64::from(a))).collect())
@@ -39,7 +39,7 @@ fn change() -> impl Strategy<Value = Change> {
     ]
 }
 
-/// What the set should be.
+/// The expected content of the set.
 #[derive(Default)]
 struct Mirror {
     equations: Vec<(EquationId, Terms, f64)>,
@@ -77,7 +77,7 @@ impl Mirror {
         Ok(())
     }
 
-    /// A set that was never anything else.
+    /// A new set with the same content.
     fn fresh(&self) -> (ChangingSystem, Vec<EquationId>) {
         let mut set = ChangingSystem::new(DOFS, Options::default()).expect("few DOFs");
         self.prescribed.iter().for_each(|(&dof, &value)| set.prescribe(dof, value).expect("in range"));
@@ -87,7 +87,7 @@ impl Mirror {
         (set, ids)
     }
 
-    /// Rank and number of conflicts of the whole, as one system.
+    /// Rank and number of conflicts of the content as one system.
     fn whole(&self) -> (usize, usize) {
         let mut builder = SystemBuilder::new(DOFS);
         self.equations.iter().for_each(|(_, terms, rhs)| _ = builder.equation(terms.clone(), *rhs));
@@ -97,7 +97,7 @@ impl Mirror {
     }
 }
 
-/// Everything that a block says, equations by their position.
+/// All results of a block, with equations by their position.
 fn said(set: &ChangingSystem, ids: &[EquationId]) -> Vec<String> {
     let position = |id: EquationId| ids.iter().position(|other| *other == id);
     let one = |&id: &EquationId| {
@@ -131,10 +131,10 @@ proptest! {
         let (fresh, fresh_ids) = mirror.fresh();
         prop_assert!(said(&set, &ids) == said(&fresh, &fresh_ids));
         prop_assert_eq!((set.rank(), set.equations()), (fresh.rank(), ids.len()));
-        // And what the whole gives as one system.
+        // Compare with the content as one system.
         let conflicts = ids.iter().filter(|&&id| set.kind(id) == Some(Kind::Conflicting)).count();
         prop_assert_eq!((set.rank(), conflicts), mirror.whole());
-        // Nothing is left to do.
+        // A second update has no work.
         prop_assert_eq!(set.update().expect("analysed"), 0);
     }
 }
@@ -149,7 +149,7 @@ fn only_what_is_touched_is_done_again() {
     assert_eq!(set.block_of(ids[0]).map(|block| block.equations().len()), Some(3));
     set.remove(bridge).expect("there");
     assert_eq!((set.update().expect("analysed"), set.rank()), (2, 100));
-    // A prescribed DOF parts its block.
+    // A prescribed DOF splits its block.
     let other = set.add([(0, 1.0), (2, -1.0)], 0.0).expect("valid");
     set.update().expect("analysed");
     set.prescribe(0, 0.5).expect("in range");

@@ -1,4 +1,4 @@
-//! The program as its users meet it: exit codes, messages, both forms of the report, and the files of `reduce`.
+//! The program from the user's view: exit codes, messages, both forms of the report, and the files of `reduce`.
 
 mod cli {
     #[cfg(all(feature = "faults", unix))]

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use qless::{Analysis, BackendChoice, ConstraintSystem, Kind, Options, analyse};
 
-/// What is known of a system.
+/// The truth about a system.
 #[derive(serde::Deserialize)]
 struct Expected {
     name: String,
@@ -42,7 +42,7 @@ fn backends() -> Vec<BackendChoice> {
     all
 }
 
-/// What is wrong with the answer, if anything.
+/// The first error of an answer, if any.
 fn fault(case: &Case, system: &ConstraintSystem, analysis: &Analysis) -> Option<String> {
     let expected = &case.expected;
     let rank = expected.rank_free.or(expected.rank);
@@ -63,9 +63,9 @@ fn fault(case: &Case, system: &ConstraintSystem, analysis: &Analysis) -> Option<
     }
 }
 
-/// With tolerance t a system at relative distance d from lower rank must get the full rank if `d > 100 t`, the lower one if
-/// `d < t / 100`, either in between, or be flagged. It must be flagged in any case where d is below 1e-6; above that, the gap to
-/// rounding is large (`rbe2_nearly_collinear`, 3e-6, is not flagged).
+/// A system at relative distance d from lower rank must get the full rank if `d > 100 t` and the lower rank if `d < t / 100`, for the
+/// tolerance t. Between these limits either rank is right. A flagged rank is accepted too, and for d below 1e-6 the flag is required;
+/// above that the gap to rounding is large (`rbe2_nearly_collinear`, 3e-6, is not flagged).
 fn ambiguous_fault(expected: &Expected, analysis: &Analysis) -> Option<String> {
     const T: f64 = 1e-10;
     let (full, low) = (expected.rank?, expected.rank_low.or(expected.rank)?);
@@ -84,7 +84,7 @@ fn ambiguous_fault(expected: &Expected, analysis: &Analysis) -> Option<String> {
     (!analysis.confidence().ambiguous && distance < 1e-6).then(|| "not flagged as ambiguous".to_owned())
 }
 
-/// `row_k - sum c_i row_i` vanishes on the free DOFs, for the first dependent rows.
+/// Checks that `row_k - sum c_i row_i` vanishes on the free DOFs for the first dependent rows.
 fn certificates(system: &ConstraintSystem, analysis: &Analysis) -> Option<String> {
     let mut free = vec![true; system.dofs()];
     system.prescribed().iter().for_each(|&(j, _)| free[j] = false);
@@ -200,7 +200,7 @@ fn cases_are_right_on_the_sparse_backend_without_presolve() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// What the small corpus says of itself, in exact arithmetic.
+/// The truth of the small corpus agrees with exact arithmetic.
 #[test]
 fn the_small_corpus_is_what_it_says() {
     let small = known::small("cases");
@@ -214,7 +214,7 @@ fn the_small_corpus_is_what_it_says() {
     }
 }
 
-/// Sizes, rank and conflict of each small deck; cleaned it is independent, unless it conflicts.
+/// Sizes, rank and conflicts of each small deck. A cleaned deck is independent unless it conflicts.
 #[test]
 fn small_decks_are_right() {
     let folder = known::small("decks");

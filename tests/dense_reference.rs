@@ -1,12 +1,12 @@
 //! Certificates, growth, residuals and sigma against dense algorithms that share no code with the library.
 //!
-//! `properties.rs` shows exactly that no equation of a certificate can be left out.
+//! `properties.rs` checks exactly that every equation of a certificate is needed.
 
 #[macro_use]
 mod support;
 
 mod dense_reference {
-    /// Certificates in rows and units of any size, relative to their terms.
+    /// Certificates for rows of any size and DOFs in any unit, relative to their terms.
     mod certificates;
     /// `max |T_ij|` is within the bound of a dense strong rank-revealing QR.
     mod growth;

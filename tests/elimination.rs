@@ -1,4 +1,4 @@
-//! What a code does with constraints in every step, against dense products with the same L and u_0, for random systems.
+//! The operations of every step (expand, restrict, condense) against dense products with the same L and u_0, for random systems.
 
 #[path = "elimination/condensed.rs"]
 mod condensed;

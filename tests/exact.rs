@@ -1,4 +1,4 @@
-//! The exact rank: of numbers as typed against whole-number arithmetic, and the laws that it shares with every other result.
+//! The exact rank of typed numbers against whole-number arithmetic, and its independence of order, blocks and threads.
 
 mod exact {
     mod laws;

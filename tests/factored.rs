@@ -1,4 +1,4 @@
-//! Reductions in factor form: the same solutions, the same bounds and the same bits as numbers, without T.
+//! Reductions in factored form have the same solutions and bounds as explicit ones, and the same bits on any number of threads.
 
 mod support;
 
@@ -36,7 +36,7 @@ fn random(k: usize) -> f64 {
     ((k * 7919 + 13) % 101) as f64 / 50.0 - 1.01
 }
 
-/// T by columns, all of it.
+/// The dense T by columns.
 fn t_of(reduction: &Reduction) -> Csr {
     let mut columns = Csr::empty(reduction.slaves().len());
     (0..reduction.masters().len())
@@ -44,7 +44,7 @@ fn t_of(reduction: &Reduction) -> Csr {
     columns.transpose().expect("few enough slaves")
 }
 
-/// `f . T x = x . T^T f`, columns and rows of T are those of its products, and none is above the bound.
+/// `f . T x = x . T^T f`; columns and rows of T equal its products with unit vectors; no entry exceeds the bound.
 fn check(analysis: &Analysis, reduction: &Reduction, growth: f64, what: &str) {
     assert!(analysis.residual(reduction).expect("its own DOFs") < 1e-12, "{what}");
     let t = t_of(reduction);
@@ -88,7 +88,7 @@ fn factors_are_t_within_the_bound() {
     assert!(factored > 2000, "{factored} in factor form");
 }
 
-/// u from factors is a solution of the explicit form, and the other way round: both describe one space.
+/// A solution of the factored form is one of the explicit form and vice versa: both describe the same space.
 #[test]
 fn both_forms_have_the_same_solutions() {
     for seed in 0..400 {
@@ -115,7 +115,7 @@ fn factors_take_new_right_hand_sides() {
         let Some(system) = planted(seed) else { continue };
         let analysis = Arc::new(diagnosed(&system, 4.0));
         let mut reduction = analysis.reduction_in(Form::Factored).expect("within the gate");
-        // A right-hand side that some u meets, each DOF in its unit, so that nothing conflicts.
+        // The right-hand side of some u, with each DOF in its unit, so that nothing conflicts.
         let u: Vec<f64> = (0..system.dofs()).map(|j| random(j) / unit(seed, j)).collect();
         let given: Vec<f64> = system.prescribed().iter().map(|&(j, _)| u[j]).collect();
         let refresher = Refresher::new(Arc::clone(&analysis)).expect("small");
@@ -130,7 +130,7 @@ fn factors_take_new_right_hand_sides() {
     }
 }
 
-/// Bits do not depend on threads, nor on what stands beside.
+/// Bits do not depend on the number of threads or on other components.
 #[test]
 fn factors_are_the_same_bits_everywhere() {
     let scene = fssi::mortar(&Level::P50.mesh(), 1).expect("a scene");
@@ -150,7 +150,7 @@ fn factors_are_the_same_bits_everywhere() {
     assert_eq!(slaves[..alone.1.len()], alone.1);
 }
 
-/// The units of one part are none of another's.
+/// The units of one component do not affect another.
 #[test]
 fn units_beside_change_no_bit() {
     for seed in 0..300 {
@@ -175,7 +175,7 @@ fn units_beside_change_no_bit() {
     }
 }
 
-/// T that would be dense stays a factor, and one that is sparse does not.
+/// A dense T stays factored, a sparse T becomes explicit.
 #[test]
 fn what_is_dense_stays_a_factor() {
     let windows = families::Windows { extent: [30, 30, 1], d: 1, window: 3, stride: 2, rows: 2, combos: 20 };

@@ -1,4 +1,4 @@
-//! The inputs that fuzzing found or started with pass the checks of every fuzz target, and so do random calls of the library.
+//! The seeds and the kept inputs of fuzzing pass the checks of every fuzz target, and so do random calls of the library.
 
 use std::path::{Path, PathBuf};
 

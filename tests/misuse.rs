@@ -1,6 +1,6 @@
-//! Wrong arguments to every public function of the libraries: a typed error, or what the documentation says, and no panic.
+//! Wrong arguments to every public function of the libraries give a typed error or the documented result, and no panic.
 //!
-//! Empty, foreign, short, long, NaN, huge, repeated and the same list twice. One module for each crate, or part of one.
+//! Arguments are empty, of another object, too short, too long, NaN, huge or repeated. One module for each crate or part of a crate.
 
 #[path = "misuse/constraints.rs"]
 mod constraints;
@@ -17,18 +17,18 @@ mod system;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Numbers that lists are short of.
+/// Lists of wrong lengths.
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
-/// Indices and sizes beyond all.
+/// Indices and sizes that are too large.
 const HUGE: [usize; 3] = [1 << 32, usize::MAX - 1, usize::MAX];
 
-/// Runs it; a panic fails the test and says of what.
+/// Calls a function; a panic fails the test with the name of the call.
 fn survives<T>(what: &str, call: impl FnOnce() -> T) -> T {
     catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|_| panic!("{what} panicked"))
 }
 
-/// It must be an error with a message.
+/// Calls a function, which must return an error with a message.
 fn refused<T, E: std::error::Error>(what: &str, call: impl FnOnce() -> Result<T, E>) -> E {
     match survives(what, call) {
         Ok(_) => panic!("{what} was accepted"),

@@ -1,7 +1,7 @@
 //! Mortar ties of the paper's Table 1: dense coupling, no column singletons, blocks of thousands of rows that are factored sparse.
 //!
-//! A QR without pivoting keeps dependent rows here, so this is what the checked rank is for. The number of redundant rows follows
-//! from the mesh: 12 for each layer that the near field has more than the far one ([`fssi::mortar`]).
+//! A QR without pivoting keeps dependent rows here, so these systems test the check of the rank. The number of redundant rows follows
+//! from the mesh: 12 for each layer by which the near field exceeds the far field ([`fssi::mortar`]).
 
 mod support;
 
@@ -34,7 +34,7 @@ fn ranks_spqr() {
     ranks(BackendChoice::Spqr);
 }
 
-/// Slaves of large blocks are well-conditioned, though the first independent columns are not.
+/// The chosen slaves of large blocks are well-conditioned; the first independent columns would not be.
 #[test]
 fn a_reduction_meets_the_equations() {
     let scene = fssi::mortar(&fssi::Mesh::with_equations(5000), 1).expect("a scene");
@@ -48,7 +48,7 @@ fn a_reduction_meets_the_equations() {
     check_reduction(&scene.system, &analysis, &reduction, limit);
 }
 
-/// More numbers of certificates than are held at once: 1,253 equations over 15,621 others.
+/// The certificates exceed the memory for one batch: 1,253 equations over 15,621 others.
 #[test]
 fn many_redundant_equations_are_explained() {
     let linkage = families::Linkage::with_bodies(3000, true);

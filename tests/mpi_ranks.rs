@@ -1,4 +1,4 @@
-//! `mpirun -n N qless check`: the verdicts of one process, one report, one exit code. Needs `mpirun`, of OpenMPI or MPICH.
+//! `mpirun -n N qless check` gives the verdicts of a single process, one report and one exit code. Needs `mpirun` of OpenMPI or MPICH.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ fn ranks_say_what_one_process_says() {
     for (k, case) in cases.iter().enumerate() {
         let arguments = ["check", "--format", "json"];
         let serial = Command::new(PROGRAM).args(arguments).arg(case).output().expect("the program runs");
-        // Every case on every number of ranks would take minutes: tests of the library do that.
+        // Every case on every number of ranks would take minutes; tests of the library do that.
         let size = [2, 4, 7, 1][k % 4];
         let ranks = mpirun(size).args(arguments).arg(case).output().expect("mpirun runs");
         let what = format!("{} on {size}: {}", case.display(), String::from_utf8_lossy(&ranks.stderr));
@@ -90,12 +90,12 @@ fn a_report_is_written_once_and_faults_are_told_once() {
     assert_eq!(names.collect::<Vec<_>>(), ["case"], "nothing else is left");
 }
 
-/// One rank is killed while all are at work.
+/// One rank is killed while all are running.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_rank_that_is_killed_leaves_no_report() {
     let place = tempfile::tempdir().expect("a folder");
-    // Long enough to be killed in.
+    // The run must be long enough for the kill.
     let (matrix, report) = (place.path().join("C.mtx"), place.path().join("report.json"));
     let count = 1_000_000;
     let entries: Vec<String> = (1..=count).map(|k| format!("{k} {k} 1\n{k} {} -1\n", k + 1)).collect();
@@ -104,7 +104,7 @@ fn a_rank_that_is_killed_leaves_no_report() {
     let mut job = mpirun(3);
     job.arg("check").arg(&matrix).arg("-o").arg(&report).stdout(Stdio::null()).stderr(Stdio::null());
     let mut job = job.spawn().expect("mpirun runs");
-    // Where a process is killed while the job starts, OpenMPI itself may wait for ever.
+    // OpenMPI itself may wait for ever if a process is killed while the job starts.
     let victim = until(|| ranks_of(&matrix).into_iter().find(|&rank| ticks(rank) >= 40));
     Command::new("kill").args(["-KILL", &victim.to_string()]).status().expect("kill runs");
     let status = until(|| job.try_wait().expect("a job of this process"));
@@ -113,7 +113,7 @@ fn a_rank_that_is_killed_leaves_no_report() {
     assert_eq!(fs::read_dir(&place).expect("a folder").count(), 1, "the matrix alone is left");
 }
 
-/// Processes of the program at work on this file.
+/// Processes of the program that check this file.
 #[cfg(target_os = "linux")]
 fn ranks_of(input: &Path) -> Vec<u32> {
     let all = fs::read_dir("/proc").expect("Linux").filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok());
@@ -167,7 +167,7 @@ fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
 }
 
-/// The program on so many ranks, with more ranks than cores, and as root: containers have no other user.
+/// The program on several ranks. It allows more ranks than cores, and the user root, which is the only one in containers.
 fn mpirun(size: usize) -> Command {
     let version = Command::new("mpirun").arg("--version").output();
     let version = version.expect("these tests need mpirun: install openmpi-bin, or mpich");
@@ -176,7 +176,7 @@ fn mpirun(size: usize) -> Command {
         command.arg("--oversubscribe").envs([
             ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
             ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
-            // Containers may forbid what it wants to read memory of other ranks with.
+            // Containers may forbid the system call by which OpenMPI reads the memory of other ranks.
             ("OMPI_MCA_btl_vader_single_copy_mechanism", "none"),
         ]);
     }

@@ -1,6 +1,6 @@
-//! Two cards that claim one DOF of a Nastran deck: what is said of MYSTRAN, and what MYSTRAN does.
+//! Two cards of a Nastran deck that claim one DOF: the stated behaviour of MYSTRAN against a run of MYSTRAN.
 //!
-//! `scripts/mystran` fetches it; with `QLESS_MYSTRAN` set it must be there.
+//! `scripts/mystran` installs it. If `QLESS_MYSTRAN` is set, it must be installed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,7 +8,7 @@ use std::process::Command;
 use qless_io::deck::clean::{self, Finding};
 use qless_io::deck::{Outcome, Solver, parse};
 
-/// Where `scripts/mystran` puts the solver, if it has.
+/// The solver in the folder of `scripts/mystran`, if it is installed.
 fn program() -> Option<PathBuf> {
     let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/mystran/mystran");
     if program.exists() {
@@ -19,7 +19,7 @@ fn program() -> Option<PathBuf> {
     None
 }
 
-/// Beams 1-2-3-5 and 1-4 with a load, and room for more.
+/// Beams 1-2-3-5 and 1-4 with a load, and a place for more cards.
 fn deck(cards: &str) -> String {
     let select = if cards.contains("MPC,") { "MPC = 2\n" } else { "" };
     let grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\nGRID,4,,2.,0.,0.\nGRID,5,,3.,0.,0.\n";
@@ -28,7 +28,7 @@ fn deck(cards: &str) -> String {
     format!("SOL 101\nCEND\nSPC = 1\n{select}LOAD = 3\nDISP = ALL\nBEGIN BULK\n{grids}{beams}{rest}{cards}ENDDATA\n")
 }
 
-/// Whether MYSTRAN goes to the end; it has no exit code for that.
+/// Whether MYSTRAN completes its run; its exit code does not tell.
 fn runs(program: &Path, text: &str) -> bool {
     let place = tempfile::tempdir().expect("a folder");
     std::fs::write(place.path().join("deck.bdf"), text).expect("written");
@@ -42,7 +42,7 @@ fn findings(text: &str) -> Vec<Finding> {
     clean::findings(deck.model(), &deck.model().cases()[0], Solver::Mystran)
 }
 
-/// What is said and what MYSTRAN does are the same; whether it stops.
+/// Checks that the stated behaviour is that of MYSTRAN; returns whether it stops.
 fn judge(program: &Path, cards: &str) -> bool {
     let text = deck(cards);
     let said = findings(&text);

@@ -1,4 +1,4 @@
-//! Near-dependences meant as the same: the rank as typed and the rank as meant, against both truths.
+//! Equations that nearly repeat others: the rank as typed and the rank as meant, against both truths.
 
 use std::collections::BTreeMap;
 
@@ -13,14 +13,14 @@ fn read(system: &ConstraintSystem) -> (Analysis, Option<NearDependence>) {
     (analysis, meant)
 }
 
-/// The scene with its rows and DOFs in another order, and at once as it is.
+/// The scene in its own order and in another one.
 fn orders(scene: Scene, seed: u64) -> [Scene; 2] {
     let mut other = scene.clone();
     other = other.shuffle(seed).expect("as large as before").0;
     [scene, other]
 }
 
-/// `|sum_i c_i row_i - row_k|` is small, and no equation of the combination is itself meant as one.
+/// `|sum_i c_i row_i - row_k|` is small, and no equation of the combination is itself a near-dependence.
 fn assert_combinations(
     system: &ConstraintSystem,
     analysis: &Analysis,
@@ -46,7 +46,7 @@ fn assert_combinations(
     }
 }
 
-/// Equations typed twice: the later of the two is named, by the earlier alone.
+/// Of two equations typed twice the later one is named, as a multiple of the earlier one.
 fn check_twice(scene: &Scene, n: usize, digits: usize, name: &str) {
     let (analysis, meant) = read(&scene.system);
     assert_eq!(Some(analysis.rank()), scene.truth.rank_free, "{name}: as typed");
@@ -80,7 +80,7 @@ fn equations_typed_twice_are_meant_as_one() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// One rod of each pentagon, and only rods of its own explain it.
+/// One rod of each pentagon is named, as a combination of rods of the same pentagon.
 #[test]
 fn pentagons_with_typed_cosines_are_meant_to_turn() -> Result<(), SceneError> {
     for (seed, digits) in (0..6).flat_map(|seed| (3..=8).map(move |digits| (seed, digits))) {
@@ -131,7 +131,7 @@ fn harmless_systems_have_one_reading() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The law of blocks: what stands beside a part changes no bit of what is said of it.
+/// Other components do not change a bit of the results of a component.
 #[test]
 fn what_stands_beside_changes_nothing() -> Result<(), SceneError> {
     let mut rng = Rng::new(3);

@@ -1,4 +1,4 @@
-//! Preferences: what can be met is met, and what is not met cannot be, by the exact rank of the columns or rows left.
+//! Preferences are met as far as possible; the exact rank of the remaining columns or rows shows that no more can be met.
 
 mod support;
 
@@ -16,7 +16,7 @@ on_each_backend!(
     a_kept_equation_wins_over_one_that_contradicts_it
 );
 
-/// A small system with planted combinations, and which of its DOFs and rows are named.
+/// A small system with planted combinations, and the DOFs and rows that preferences name.
 fn systems() -> impl Strategy<Value = (ConstraintSystem, Vec<bool>)> {
     let sizes = (2_usize..9, 1_usize..6, 1_usize..5, any::<bool>(), 0_u64..500);
     (sizes, vec(any::<bool>(), 40)).prop_map(|((rows, more, combos, conflict, seed), named)| {
@@ -47,7 +47,7 @@ fn part(system: &ConstraintSystem, rows: &[usize], keeps: impl Fn(usize) -> bool
     builder.build().expect("valid")
 }
 
-/// Unwanted slaves are those that the rank forces: `rank C - rank C(wanted columns)`. The rank does not change.
+/// The number of unwanted slaves is the least possible: `rank C - rank C(wanted columns)`. The rank does not change.
 fn slaves_are_chosen_as_preferred(backend: BackendChoice) {
     hold(|system, flags| {
         let masters = named(flags, system.dofs());
@@ -68,7 +68,7 @@ fn slaves_are_chosen_as_preferred(backend: BackendChoice) {
     });
 }
 
-/// Dependent equations that were to be kept are those that the rank forces: `|K| - rank C(K)`.
+/// The number of dependent equations among those to keep is the least possible: `|K| - rank C(K)`.
 fn equations_are_kept_as_preferred(backend: BackendChoice) {
     hold(|system, flags| {
         let equations = named(flags, system.equations());
@@ -89,7 +89,7 @@ fn equations_are_kept_as_preferred(backend: BackendChoice) {
     });
 }
 
-/// Two springs of a chain and its closure with a gap: whichever is given up, the others hold in T, G, g.
+/// Two springs of a chain and its closure with a gap. Whichever equation is dropped, T, G and g satisfy the others.
 fn a_kept_equation_wins_over_one_that_contradicts_it(backend: BackendChoice) {
     let mut builder = SystemBuilder::new(3);
     builder.equation([(0, 1.0), (1, -1.0)], 0.0);

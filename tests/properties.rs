@@ -1,8 +1,7 @@
-//! Random systems whose truth is known exactly, in random order and in random units, on every backend.
+//! Random systems with exactly known properties, in random order and in random units, on every backend.
 //!
-//! All coefficients are whole numbers, so the oracle's rank, consistency and fixed DOFs are those of the system. No change
-//! of order, of row scale or of units (from 1e-6 to 1e6) may change them. Seeds are fixed; systems found wrong once
-//! are kept as a test.
+//! All coefficients are whole numbers, so the oracle gives the exact rank, consistency and fixed DOFs. Changes of order, of row scale
+//! and of units (from 1e-6 to 1e6) must not change them. Seeds are fixed; systems that gave wrong results once are kept as tests.
 
 #[macro_use]
 mod support;
@@ -12,11 +11,11 @@ mod properties {
     mod change;
     /// Small systems, sparse or full, of any rank.
     mod dense;
-    /// What is true of a system.
+    /// The exact properties of a system.
     mod exact;
-    /// Models of which the rank is known.
+    /// Models of known rank.
     mod families;
-    /// Every property of an answer.
+    /// The checks of an answer.
     mod identities;
     /// Systems near dependence.
     mod near;
@@ -27,7 +26,7 @@ use proptest::test_runner::{Config, FileFailurePersistence, RngSeed, TestRunner}
 use qless::ConstraintSystem;
 use qless_scenes::{Scene, Truth};
 
-/// Runs a check on as many random values; the same ones each time.
+/// Runs a check on `cases` random values, which are the same each time.
 fn hold<S: Strategy>(cases: u32, strategy: &S, check: impl Fn(S::Value)) {
     let config = Config {
         cases,
@@ -45,7 +44,7 @@ fn hold<S: Strategy>(cases: u32, strategy: &S, check: impl Fn(S::Value)) {
     }
 }
 
-/// A scene of which nothing is said.
+/// A scene without a truth.
 fn scene(system: ConstraintSystem) -> Scene {
     Scene { system, truth: Truth::default(), nodes: Vec::new(), dofs: Vec::new() }
 }

@@ -1,4 +1,4 @@
-//! The stated rank and its confidence are right, doubt grows with danger, and no component changes the result of another.
+//! The stated rank and its confidence are right, doubt does not disappear as a system gets worse, and components do not affect each other.
 //!
 //! The reference is a dense SVD ([`qless_scenes::oracle::singular_values`]) and residuals computed here. The systems are all scene
 //! families at small sizes and 2,000 seeded random ones. A failure names family, seed and options, so that it can be repeated.
@@ -21,7 +21,7 @@ mod rank_confidence {
     mod scenes;
     /// The dense SVD and what it allows to conclude.
     mod svd_reference;
-    /// Coefficients of 1e-25 to 1e-300 beside normal ones.
+    /// Coefficients of 1e-25 to 1e-300 together with normal ones.
     mod tiny_coefficients;
     /// Residual check, sigma, rank and false alarms over all systems.
     mod verdicts;

@@ -1,4 +1,4 @@
-//! New right-hand sides without a new factorization: as a fresh run finds them, on every backend.
+//! New right-hand sides without a new factorization give the results of a new run, on every backend.
 
 #[macro_use]
 mod support;
@@ -25,7 +25,7 @@ fn random(rng: &mut Rng) -> f64 {
     rng.below(2001) as f64 / 1000.0 - 1.0
 }
 
-/// The same C with other numbers.
+/// The same C with other right-hand sides and prescribed values.
 fn with(system: &ConstraintSystem, rhs: &[f64], prescribed: &[f64]) -> ConstraintSystem {
     let values: Vec<_> = system.prescribed().iter().zip(prescribed).map(|(&(j, _), &v)| (j, v)).collect();
     ConstraintSystem::from_csr(system.matrix(), rhs, &values).expect("as valid as before")
@@ -45,7 +45,7 @@ fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
     numbers.into_iter().fold(f64::MIN_POSITIVE, |most: f64, v| most.max(v.abs()))
 }
 
-/// T, G and roles to the last bit, g and fixed values to `1e-13` of the largest, and the same kinds.
+/// Compares T, G and slaves to the last bit, g and fixed values to `1e-13` of the largest, and kinds.
 fn check(system: &ConstraintSystem, options: &Options, rhs: &[f64], prescribed: &[f64]) -> (Arc<Analysis>, Reduction) {
     let analysis = Arc::new(diagnose(system, options));
     let mut reduction = analysis.reduction().expect("within the gate");
@@ -69,7 +69,7 @@ fn check(system: &ConstraintSystem, options: &Options, rhs: &[f64], prescribed: 
     for (a, b) in refreshed.mismatches.iter().zip(fresh.dependent()) {
         assert!((a - b.mismatch).abs() <= 1e-12 * largest(rhs.iter().copied()), "{a}, fresh {}", b.mismatch);
     }
-    // Not only as the other run: C u = b, to within the condition.
+    // The results also satisfy C u = b, up to the condition number.
     check_reduction(&other, &fresh, &reduction, 1e-12_f64.max(1e-13 / fresh.confidence().sigma_kept));
     (analysis, reduction)
 }
@@ -88,7 +88,7 @@ fn systems() -> Vec<ConstraintSystem> {
     systems.flat_map(|system| [prescribed(&system), system]).collect()
 }
 
-/// Every eleventh DOF prescribed.
+/// Prescribes every eleventh DOF.
 fn prescribed(system: &ConstraintSystem) -> ConstraintSystem {
     let values: Vec<_> = (0..system.dofs()).step_by(11).map(|j| (j, 0.25)).collect();
     ConstraintSystem::from_csr(system.matrix(), system.rhs(), &values).expect("valid")
@@ -103,7 +103,7 @@ fn right_hand_sides_are_those_of_a_fresh_run(backend: BackendChoice) {
             let refreshed =
                 refresher.refresh(&rhs, &values, &mut analysis.reduction().expect("within the gate")).expect("valid");
             assert!(!refreshed.kinds.contains(&Kind::Conflicting), "b = C u is consistent");
-            // Wrong in every dependent equation.
+            // Every dependent equation conflicts.
             let wrong: Vec<f64> = (0..rhs.len()).map(|i| rhs[i] + 0.1 * (1 + i % 3) as f64).collect();
             check(system, &options, &wrong, &values);
         }
@@ -154,8 +154,8 @@ fn prescribed_values_contradict_and_agree(backend: BackendChoice) {
     }
 }
 
-/// An equation to be kept makes another one conflicting; g is that of the kept one. Nothing is prescribed, because then C u = b would
-/// hold for the prescribed values given only.
+/// If an equation is to be kept, another one conflicts, and g satisfies the kept one. No DOF is prescribed, because C u = b would
+/// then hold for those values only.
 fn a_kept_equation_still_wins(backend: BackendChoice) {
     for (seed, system) in systems().iter().filter(|system| system.prescribed().is_empty()).enumerate().take(3) {
         let wanted: Vec<usize> = (0..system.equations()).rev().step_by(3).collect();

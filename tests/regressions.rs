@@ -1,4 +1,4 @@
-//! Systems on which an earlier version gave a wrong answer without doubt, each as small as possible: now right, ambiguous, or refused.
+//! Small systems for which an earlier version gave a wrong answer without doubt. Now the answer must be right, ambiguous or an error.
 
 mod support;
 
@@ -52,7 +52,7 @@ fn spotted_bands_are_solved(backend: BackendChoice) {
     }
 }
 
-/// Doubt is that of the component, whatever bound stands elsewhere.
+/// The doubt of a component does not depend on the bounds of other components.
 fn an_ambiguous_block_beside_a_harmless_chain_is_in_doubt(backend: BackendChoice) {
     let harmless = families::rotations(300).expect("in range");
     let doubtful = families::near(3, 1e-7, families::Near::Own).expect("in range");
@@ -64,7 +64,7 @@ fn an_ambiguous_block_beside_a_harmless_chain_is_in_doubt(backend: BackendChoice
     }
 }
 
-/// Equations of local windows, with a few that are combinations: 210, 460 and 1,810.
+/// 210, 460 and 1,810 equations of local windows, with a few combinations.
 fn windows(nodes: usize) -> Scene {
     let windows = Windows { extent: [nodes, nodes, 1], d: 1, window: 4, stride: 2, rows: 2, combos: 10 };
     windows.scene(1).expect("in range")
@@ -79,7 +79,7 @@ fn windows_are_sure(backend: BackendChoice) {
     }
 }
 
-/// A tie found by a search, with weights of 4e-15 where zero is meant, said twice.
+/// A tie from a search, stated twice; weights of 4e-15 stand for zeros.
 fn weights_of_rounding_decide_nothing(backend: BackendChoice) {
     let mut builder = SystemBuilder::new(60);
     for k in 0..20 {

@@ -1,8 +1,8 @@
-//! The source keeps its structure: no import circles, folders that import in the direction that ARCHITECTURE.md states, type names that
-//! mean one thing, and files that hold a whole idea.
+//! The structure of the source: no import circles, imports in the direction that ARCHITECTURE.md states, few type names that are defined
+//! twice, and few short files.
 //!
-//! Imports are read from the syntax tree (`use` items and paths that start with `crate`, `self` or `super`); tests inside of source files
-//! do not count.
+//! Imports are read from the syntax tree (`use` items and paths that start with `crate`, `self` or `super`), without tests inside source
+//! files.
 
 mod structure {
     mod circles;

@@ -6,7 +6,7 @@ mod support;
 use qless::{BackendChoice, ConstraintSystem, Options, Reduction, SystemBuilder, analyse};
 use qless_scenes::families::{self, Windows};
 
-/// What is kept beside a model can be sent and shared.
+/// Types that a program keeps with its model are `Send` and `Sync`.
 #[test]
 fn everything_can_be_sent_and_shared() {
     fn both<T: Send + Sync>() {}
@@ -73,7 +73,7 @@ fn many_blocks(backend: BackendChoice) {
     agree(&scene.system, &options);
 }
 
-/// A block with an elimination tree of its own to share out.
+/// A block with an elimination tree that several threads process.
 fn one_large_block(backend: BackendChoice) {
     let windows = Windows { extent: [40, 40, 1], d: 1, window: 4, stride: 2, rows: 2, combos: 60 };
     let scene = windows.scene(3).expect("a scene");

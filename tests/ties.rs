@@ -1,7 +1,7 @@
-//! Mortar ties `D u - M v = 0` of well-shaped meshes: of full rank without a doubt, and `|C_i u| <= 1e-10` of its parts.
+//! Mortar ties `D u - M v = 0` of well-shaped meshes have full rank without doubt, and `|C_i u| <= 1e-10` of the terms.
 //!
-//! D is symmetric, positive definite and well-conditioned at every size, so that slaves with a small T exist and are within
-//! reach: those of the slave side. Whatever chooses slaves row by row loses all digits here, the sooner the finer the mesh.
+//! D is symmetric, positive definite and well-conditioned at every size, so the DOFs of the slave side are slaves with a small T. An
+//! algorithm that chooses slaves row by row loses all digits here, the more the finer the mesh.
 
 #[macro_use]
 mod support;
@@ -96,7 +96,7 @@ fn a_larger_face(backend: BackendChoice) {
     check(backend, [("25 to 17".to_owned(), face([Degree::Linear; 2], [24, 17], true).and_then(|face| face.scene(1)))]);
 }
 
-/// A scene and what it is called.
+/// A scene and its name.
 type Named = (String, Result<Scene, SceneError>);
 
 /// For every pair of degrees and numbers of elements.
@@ -138,7 +138,7 @@ fn check(backend: BackendChoice, cases: impl IntoIterator<Item = Named>) {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// What is wrong, if anything, as text.
+/// The first error as text.
 fn fault(name: &str, scene: &Scene, options: &Options) -> Option<String> {
     let (system, start) = (&scene.system, std::time::Instant::now());
     let analysis = diagnose(system, options);

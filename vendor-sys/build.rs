@@ -1,6 +1,6 @@
 //! Finds SuiteSparseQR, links it, and writes the bindings of the headers found to `OUT_DIR/bindings.rs`.
 //!
-//! `sizeof(cholmod_common)` changes between SuiteSparse releases, so bindings never ship with the crate.
+//! `sizeof(cholmod_common)` differs between releases of SuiteSparse, so the crate contains no bindings.
 
 #[path = "build/bindings.rs"]
 mod bindings;
@@ -43,13 +43,13 @@ fn write_bindings() -> Result<(), String> {
     bindings::generate(&include, &target)
 }
 
-/// So it is with ELF, where a function of the program takes the place of a library's with the same name.
+/// True with ELF: a function of the program replaces the library's function of the same name.
 fn calls_go_through_the_dynamic_linker() -> bool {
     let target = |what: &str| env::var(format!("CARGO_CFG_TARGET_{what}")).unwrap_or_default();
     target("FAMILY") == "unix" && target("VENDOR") != "apple"
 }
 
-/// docs.rs has no SuiteSparse: the same names, good for documenting and type checking, never for linking.
+/// docs.rs has no SuiteSparse. The stub has the same names, for documentation and type checks, and cannot be linked.
 fn copy_stub(target: &Path) -> Result<(), String> {
     fs::copy("build/docs_stub.rs", target).map(drop).map_err(|e| format!("the bindings' stub cannot be copied: {e}"))
 }

@@ -1,20 +1,20 @@
-//! The paper's tie model in sizes from 3e4 to 3e6 equations, and what is done with each.
+//! The paper's tie model in sizes from 3e4 to 3e6 equations, and the work for each.
 
 use qless::{ConstraintSystem, Csr, Options, analyse};
 use qless_scenes::fssi::{self, Mesh};
 
 const SIZES: [usize; 5] = [30_000, 100_000, 300_000, 1_000_000, 3_000_000];
 
-/// Numbers of equations, about; the two smallest with `--test`.
+/// Approximate numbers of equations; the two smallest with `--test`.
 pub fn sizes() -> &'static [usize] {
     let short = std::env::args().any(|argument| argument == "--test");
     if short { &SIZES[..2] } else { &SIZES }
 }
 
-/// Numbers the DOFs of a system again.
+/// Renumbers the DOFs of a system.
 pub type Order = fn(&ConstraintSystem) -> ConstraintSystem;
 
-/// As equations name them, as a mesh generator would, and at random, as the scene is.
+/// Two numberings: in the order of the equations, as by a mesh generator, and at random, as in the scene.
 pub const ORDERS: [(&str, Order); 2] = [("as named", by_appearance), ("random", Clone::clone)];
 
 pub fn system(size: usize, order: Order) -> ConstraintSystem {

@@ -2,7 +2,7 @@
 //!
 //! Both have their default tolerance, relative to the largest column. Where x is unique (the rank is full and the condition
 //! number far from 1e16) residuals must agree to 1e-12 of |b| and norms of x to 1e-12 of |x|. The other systems have singular
-//! values about the tolerance, so that the two see different ranks: they get a b in the range of A, and our residual must be
+//! values near the tolerance, so the two may find different ranks. They get a b in the range of A, and our residual must be
 //! at most theirs or 1e-12 of |b| + |A| |x|.
 
 use std::hint::black_box;
@@ -13,9 +13,9 @@ use spqr_sys::solve::{Columns, backslash, minimum_norm as shortest};
 
 use crate::timing::{median, seconds};
 
-/// Condition numbers up to which x is unique as far as such differences tell.
+/// Largest condition number for which x is compared.
 const SURE: f64 = 1e3;
-/// How far residuals and norms may be apart.
+/// Allowed relative difference of residuals and norms.
 const CLOSE: f64 = 1e-12;
 
 fn ours(a: &Matrix, b: &[f64]) -> Solution {

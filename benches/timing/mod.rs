@@ -1,4 +1,4 @@
-//! What the benchmarks share.
+//! Timing helpers of the benchmarks.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ pub fn seconds(work: impl FnOnce()) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// The middle value; the upper one of two.
+/// The median; of an even number the upper middle value.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values[values.len() / 2]

@@ -1,4 +1,4 @@
-//! Small decks, each with one thing wrong (or nothing): what is found, and that `ccx` solves the cleaned ones.
+//! Small decks with one fault or none: the faults are found, and `ccx` solves the cleaned decks.
 
 use qless::{Kind, Options, analyse};
 use qless_io::deck::clean::{CleanError, EquationFault, faults};
@@ -6,7 +6,7 @@ use qless_io::deck::{self, Deck};
 
 use super::solver::{cleaned, decks, difference, inputs, is_there, solve, stem};
 
-/// What is to be found in a deck.
+/// The expected findings of a deck.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Finding {
     redundant: usize,
@@ -25,7 +25,7 @@ struct Finding {
 const NOTHING: Finding =
     Finding { redundant: 0, conflicting: 0, ambiguous: false, prescribed: 0, twice: 0, zero: 0, generated: 0 };
 
-/// What is known of each deck; the others are sound.
+/// The expected findings of each deck; decks not listed are sound.
 fn known(name: &str) -> Finding {
     match name {
         "b2_redundant_cycle" | "b3_redundant_numeric" | "b4_redundant_roundoff" | "e4_scaled_duplicate_other_slave" => {

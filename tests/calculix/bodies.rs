@@ -1,11 +1,11 @@
-//! Bodies and steps: what cleaning writes in the place of couplings and rigid bodies, and equations that steps take back.
+//! Cleaning with bodies and steps: replacements for couplings and rigid bodies, and equations that steps remove.
 
 use qless::Options;
 use qless_io::deck::clean::{self, CleanError};
 
 use super::solver::{cleaned, difference, is_there, parse, solve};
 
-/// A brick on supports below a reference node 9; the constraints come in front of the step.
+/// A brick on supports below a reference node 9; the constraints come before the step.
 fn brick(constraints: &str, steps: &str) -> String {
     let nodes = "*NODE, NSET=NALL\n1,0.,0.,0.\n2,1.,0.,0.\n3,1.,1.,0.\n4,0.,1.,0.\n5,0.,0.,1.\n6,1.,0.,1.\n7,1.,1.,1.\n8,0.,1.,1.\n9,.4,.5,2.\n\
         *NSET, NSET=TOP\n5,6,7,8\n";
@@ -20,10 +20,10 @@ fn step(lines: &str) -> String {
 
 const LOADS: &str = "*CLOAD\n9,1,10.\n9,3,5.\n";
 
-/// The same body in three ways, with a rotation held and a moment.
+/// The same body in three forms, with a fixed rotation and a moment.
 const BODIES: [(&str, &str, &str); 3] = [
     ("*COUPLING, REF NODE=9, SURFACE=S, CONSTRAINT NAME=C\n*KINEMATIC\n1,3\n", "9,5,5\n", "9,6,3.\n"),
-    // Without a node for its rotation nothing else reaches it.
+    // Without a rotation node no other card can use the rotation.
     ("*RIGID BODY, NSET=TOP, REF NODE=9\n", "9,5\n", "9,6,3.\n"),
     ("*NODE\n10,.4,.5,2.\n*RIGID BODY, NSET=TOP, REF NODE=9, ROT NODE=10\n", "10,2,2\n", "10,3,3.\n"),
 ];
@@ -40,7 +40,7 @@ fn clean_text(text: &str) -> Vec<u8> {
 fn a_body_with_a_prescribed_slave_becomes_equations() {
     for (body, held, moment) in BODIES {
         let steps = step(&format!("{LOADS}{moment}"));
-        // A stiff spring holds the slave as well as a prescribed value, and every solver takes it.
+        // A stiff spring has the effect of a prescribed value, and every solver accepts it.
         let spring = "*ELEMENT, TYPE=SPRING1, ELSET=ESTIFF\n9,6\n*SPRING, ELSET=ESTIFF\n2\n1.e11\n";
         let sound = brick(&format!("{spring}{body}*BOUNDARY\n{held}"), &steps);
         let spoiled = brick(&format!("{body}*BOUNDARY\n6,2,2\n{held}"), &steps);
@@ -80,7 +80,7 @@ fn an_equation_ends_where_a_step_prescribes_all_of_it() {
     }
 }
 
-/// Equation 2 repeats equation 1 by another slave; the second step takes it back by the slave that it has.
+/// Equation 2 repeats equation 1 with another slave; the second step removes it by its slave.
 #[test]
 fn what_a_step_takes_back_stays_taken_back() {
     let ties = "*EQUATION\n2\n5,1,1.,6,1,-1.\n2\n7,3,1.,8,3,-1.\n2\n7,3,2.,8,3,-2.\n";
@@ -95,7 +95,7 @@ fn what_a_step_takes_back_stays_taken_back() {
     }
 }
 
-/// Equations cannot come back: what the first step makes redundant and a later one needs is refused.
+/// A removed equation cannot be restored, so an equation that is redundant in the first step and needed later is refused.
 #[test]
 fn equations_that_would_have_to_come_back_are_refused() {
     let tie = "*EQUATION\n2\n5,1,1.,6,1,-1.\n";

@@ -1,4 +1,4 @@
-//! Two cards that claim one DOF: what `clean::findings` says of ccx, and what ccx does.
+//! Two cards that claim one DOF: the predictions of `clean::findings` for ccx against runs of ccx.
 
 use qless_io::deck::clean::{self, EquationFault, Finding};
 use qless_io::deck::{Deck, Outcome, Solver};
@@ -7,7 +7,7 @@ use qless_scenes::Rng;
 use super::scene::{At, Claim, KINDS, Kind, Says, Scene};
 use super::solver::{decks, inputs, is_there, parse, solve, stem};
 
-/// Displacements of the free nodes in direction 3, by step; `None` where ccx stops.
+/// Displacements of the free nodes in direction 3, by step; `None` if ccx stops.
 fn run(text: &str) -> Option<Vec<Vec<(u32, f64)>>> {
     let words = solve(text.as_bytes())?;
     let mut steps = Vec::new();
@@ -22,13 +22,13 @@ fn run(text: &str) -> Option<Vec<Vec<(u32, f64)>>> {
     Some(steps)
 }
 
-/// What is said of each step.
+/// The predictions for each step.
 fn findings(deck: &Deck) -> Vec<Vec<Finding>> {
     let cases = deck.model().cases().iter();
     cases.map(|case| clean::findings(deck.model(), case, Solver::Ccx)).collect()
 }
 
-/// Whether a claim is in force in a step, by what is said of it.
+/// Whether a claim is predicted to be in force in a step.
 fn holds(deck: &Deck, claim: &Claim, step: usize, said: &[Finding]) -> bool {
     let model = deck.model();
     let lies = |line: u32| claim.lines.contains(&line);
@@ -46,7 +46,7 @@ fn holds(deck: &Deck, claim: &Claim, step: usize, said: &[Finding]) -> bool {
     !is_removed && !said.iter().filter_map(Finding::dropped).any(is_third)
 }
 
-/// Runs ccx on a deck and compares with what is said; how many claims were seen to be dropped, and whether ccx stopped.
+/// Runs ccx on a deck and compares with the predictions. Returns the number of dropped claims, and whether ccx stopped.
 fn judge(name: &str, scene: Scene) -> (usize, bool) {
     let (text, claims) = scene.write();
     let deck = parse(text.as_bytes());
@@ -116,7 +116,7 @@ fn every_card_whose_slave_is_prescribed() {
 /// These make all steps nonlinear.
 const IS_MPC: [Kind; 3] = [Kind::Plane, Kind::Beam, Kind::Straight];
 
-/// A slave that is prescribed in step 2 only, where ccx looks at it.
+/// A slave that is prescribed in step 2 only.
 #[test]
 fn a_value_in_a_later_step_is_refused_where_ccx_looks_again() {
     if !is_there() {
@@ -137,7 +137,7 @@ fn a_value_in_a_later_step_is_refused_where_ccx_looks_again() {
         removal.link(18, 17);
         removal.steps[1] = "*EQUATION, REMOVE\n18,3\n".to_owned();
         assert!(judge(&format!("{kind:?} removal of another"), removal).1);
-        // In nonlinear steps ccx 2.20 breaks off at random where equations go.
+        // ccx 2.20 fails at random in nonlinear steps that remove equations.
         if !IS_MPC.contains(&kind) {
             let (mut own, _) = scene();
             own.steps[1] = "*EQUATION, REMOVE\n11,3\n".to_owned();
@@ -172,7 +172,7 @@ fn a_tie_that_gave_way_in_the_first_step_does_not_come_back() {
     assert_eq!(judge("later", later), (2, false));
 }
 
-/// Which component of its node a card makes a slave, where several count as much.
+/// The component that a card makes a slave if several have equal coefficients.
 #[test]
 fn slaves_of_slanted_lines_and_planes() {
     if !is_there() {
@@ -180,7 +180,7 @@ fn slaves_of_slanted_lines_and_planes() {
     }
     for [x, y, z] in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, -1.0]] {
         let at = |s: f64| format!("{},{},{}", 0.3 + s * x, 0.2 + s * y, 2.0 + s * z);
-        // The plane through node 15 across the direction: by two directions in it.
+        // The plane through node 15 normal to the direction, from two directions in the plane.
         let (p, q) = if x == 0.0 { ([1.0, 0.0, 0.0], [0.0, z, -y]) } else { ([y, -x, 0.0], [z, 0.0, -x]) };
         let on = |s: f64, v: [f64; 3]| format!("{},{},{}", 0.3 + s * v[0], 0.2 + s * v[1], 2.0 + s * v[2]);
         for (card, nodes) in [
@@ -215,7 +215,7 @@ fn masters_that_are_slaves_and_circles() {
     circle.link(18, 17);
     circle.link(17, 11);
     assert!(judge("circle", circle).1);
-    // A tie that gives way opens the circle of its DOF.
+    // A dropped tie opens the circle of its DOF.
     let mut open = Scene::new(1);
     open.claim(Kind::Tie, 11);
     open.link(11, 18);
@@ -288,7 +288,7 @@ fn known_decks_are_refused_where_it_is_said() {
     assert_eq!(refused, 12);
 }
 
-/// A deck drawn by chance: up to three claims on each of three nodes, links among them, values, steps.
+/// A random deck: up to three claims on each of three nodes, links between them, prescribed values, steps.
 fn drawn(seed: u64) -> Scene {
     let mut rng = Rng::new(seed);
     let mut scene = Scene::new(1 + rng.below(3));
@@ -296,7 +296,7 @@ fn drawn(seed: u64) -> Scene {
     rng.shuffle(&mut nodes);
     let mut cards: Vec<(u32, Option<Kind>, u32)> = Vec::new();
     for &node in &nodes[..3] {
-        // Those that stop are drawn less often, so that there is something to see.
+        // Cards that make ccx stop are less frequent, because a stopped run has no results.
         let kinds = if rng.below(3) == 0 { &KINDS[..] } else { &GIVE_WAY[..] };
         let count = rng.below(4);
         cards.extend((0..count).map(|_| (node, Some(kinds[rng.below(kinds.len())]), 0)));
@@ -329,7 +329,7 @@ fn drawn(seed: u64) -> Scene {
     scene
 }
 
-/// Cards that give way to others.
+/// Cards that are dropped if another card claims their DOF.
 const GIVE_WAY: [Kind; 5] = [Kind::Tie, Kind::Tie, Kind::Kinematic, Kind::RigidBody, Kind::Plane];
 
 #[test]

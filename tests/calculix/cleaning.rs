@@ -1,4 +1,4 @@
-//! What cleaning does to the text: only constraints change, includes and line ends are kept, and what it cannot do it refuses.
+//! Cleaning changes constraints only, keeps includes and line ends, and refuses what it cannot express.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use qless_io::deck::{Deck, Format};
 
 use super::solver::{cleaned, difference, is_there, parse, solve};
 
-/// A brick on supports, with room for constraints.
+/// A brick on supports, with a place for constraints.
 fn brick(constraints: &str) -> String {
     let nodes = "*NODE, NSET=NALL\n1,0.,0.,0.\n2,1.,0.,0.\n3,1.,1.,0.\n4,0.,1.,0.\n5,0.,0.,1.\n6,1.,0.,1.\n7,1.,1.,1.\n8,0.,1.,1.\n";
     let solid = "*ELEMENT, TYPE=C3D8, ELSET=EALL\n1,1,2,3,4,5,6,7,8\n*MATERIAL, NAME=EL\n*ELASTIC\n210000.,0.3\n*SOLID SECTION, ELSET=EALL, MATERIAL=EL\n";
@@ -69,7 +69,7 @@ fn text_of_included(deck: &Deck, files: &[(&str, &str)]) -> String {
 
 #[test]
 fn a_tie_beside_equations_that_repeat_it() {
-    // A second brick, smaller, on top of the first; its foot is tied, and then tied again by hand.
+    // A smaller second brick on top of the first; its lower face is tied, and tied again by equations.
     let upper = "*NODE, NSET=NALL\n11,.2,.2,1.\n12,.8,.2,1.\n13,.8,.8,1.\n14,.2,.8,1.\n15,.2,.2,2.\n16,.8,.2,2.\n17,.8,.8,2.\n18,.2,.8,2.\n*ELEMENT, TYPE=C3D8, ELSET=EALL\n2,11,12,13,14,15,16,17,18\n";
     let tie = "*SURFACE, NAME=FOOT\n2,S1\n*SURFACE, NAME=TOP\n1,S2\n*TIE, NAME=T, POSITION TOLERANCE=.01\nFOOT,TOP\n";
     let again = "*EQUATION\n5\n11,3,1.,5,3,-.64,6,3,-.16,7,3,-.04\n8,3,-.16\n";
@@ -90,7 +90,7 @@ fn a_slave_with_a_vanishing_coefficient_is_not_chosen_again() {
     for equations in
         ["2\n5,1,11.,6,1,-1e8\n2\n5,1,11.,6,1,-1e8\n", "2\n5,1,1.,6,1,-2965324.\n2\n7,1,1.,6,1,-1999999.\n"]
     {
-        // The checks are those of `cleaned`: no faults are left, and a second time changes nothing.
+        // `cleaned` checks that no faults remain and that a second cleaning changes nothing.
         let text = brick(&format!("*EQUATION\n{equations}"));
         assert!(cleaned(&parse(text.as_bytes())).is_ok_and(|cleaned| cleaned != text.as_bytes()));
     }
@@ -109,7 +109,7 @@ fn refused(text: &str) -> CleanError {
 
 #[test]
 fn what_cannot_be_cleaned_is_refused_in_words() {
-    // Two bodies that claim the same node, and turn far: no equation can stand in for either.
+    // Two bodies with large rotations claim the same node: no linear equation can replace one of them.
     let bodies = "*NODE\n30,0.,0.,3.\n31,0.,1.,3.\n*NSET, NSET=A\n5,6\n*RIGID BODY, NSET=A, REF NODE=30\n*RIGID BODY, NSET=A, REF NODE=31\n";
     let error = refused(&brick(bodies).replacen("*STEP", "*STEP, NLGEOM", 1)).to_string();
     let why = "5:1 is the slave of line 27 *RIGID BODY, and of line 28 *RIGID BODY";

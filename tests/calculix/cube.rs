@@ -66,7 +66,7 @@ fn deck(soft_core: bool, ties: &[String]) -> String {
     text + "*NODE PRINT, NSET=NALL\nU\n*END STEP\n"
 }
 
-/// Displacements by node, in their order.
+/// Displacements in the order of the nodes.
 fn displacements(printed: &[String]) -> Vec<[f64; 3]> {
     let start = printed.iter().position(|word| word == "1").expect("node 1");
     let row = |words: &[String]| [1, 2, 3].map(|c| words[c].parse().expect("a number"));

@@ -1,10 +1,10 @@
-//! Cards with geometry: every rigid motion of the whole, and for ties every even deformation, must fulfil their equations.
+//! Cards with geometry: rigid motions of the whole, and for ties also homogeneous deformations, must satisfy their equations.
 
 use qless_io::deck::{Deck, Model};
 
 use super::solver::parse;
 
-/// Nodes at irregular places; 1 to 8 a skew brick, 9 to 16 a second one on its top, 20 to 27 on a line and a plane.
+/// Nodes at irregular places: 1 to 8 are a skew brick, 9 to 16 a second brick on top of it, 20 to 27 lie on a line and a plane.
 const NODES: &str = "*NODE, NSET=NALL
 1,0.,0.,0.\n2,1.,.1,0.\n3,1.2,1.1,0.\n4,.1,.9,0.\n5,0.,0.,1.\n6,1.,.1,1.\n7,1.2,1.1,1.\n8,.1,.9,1.
 9,.2,.2,1.\n10,.8,.2,1.\n11,.7,.8,1.\n12,.2,.7,1.\n13,.2,.2,2.\n14,.8,.2,2.\n15,.7,.8,2.\n16,.2,.7,2.
@@ -17,7 +17,7 @@ const NODES: &str = "*NODE, NSET=NALL
 *ORIENTATION, NAME=ROUND, SYSTEM=CYLINDRICAL\n.5,.5,0.,.5,.5,1.
 ";
 
-/// Positions of the nodes, and the axes along which the components of transformed ones count.
+/// Positions of the nodes, and the axes of transformed nodes.
 fn position(node: u32) -> [f64; 3] {
     let line = NODES.lines().find(|line| line.starts_with(&format!("{node},")) && line.matches('.').count() >= 3);
     let numbers: Vec<f64> =
@@ -57,7 +57,7 @@ fn residual(model: &Model, field: &dyn Fn([f64; 3]) -> [f64; 3], w: [f64; 3]) ->
         let equation = model.equation(i).expect("an equation");
         let terms = equation.columns.iter().zip(equation.coefficients).map(|(&j, a)| {
             let dof = model.dofs()[j as usize];
-            // From 21 on it is a rotation that only the solver knows.
+            // Nodes from 21 on are rotations that only the solver knows.
             let k = usize::from(if dof.component > 20 { dof.component - 17 } else { dof.component }) - 1;
             let turned = if dof.node == 31 { w } else { field(position(dof.node)) };
             a * if k < 3 { dot(axes(dof.node)[k], turned) } else { dot(axes(dof.node)[k - 3], w) }

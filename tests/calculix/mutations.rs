@@ -1,4 +1,4 @@
-//! Sound decks, spoiled by seeded mutations and cleaned again: `ccx` takes what comes out, and its results are those of the sound deck.
+//! Sound decks get a random fault and are cleaned again: `ccx` accepts the cleaned deck, with the results of the sound one.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use qless_io::deck::clean::CleanError;
 
 use super::solver::{cleaned, decks, difference, inputs, is_there, parse, solve, stem};
 
-/// Mutations that must be carried through.
+/// Number of mutations to test.
 const WANTED: usize = 200;
 
 /// `splitmix64`.
@@ -25,7 +25,7 @@ impl Random {
 /// Node, component and coefficient.
 type Term = (u32, u8, f64);
 
-/// A deck as lines, and its equations: where they stand, and their terms.
+/// A deck as lines, with the positions and terms of its equations.
 #[derive(Clone)]
 struct Sheet {
     lines: Vec<String>,
@@ -53,7 +53,7 @@ impl Sheet {
         sheet
     }
 
-    /// The equation that begins at a line; none where it is not plain numbers.
+    /// The equation that begins at a line; `None` unless it has plain numbers only.
     fn equation(&self, at: usize) -> Option<(std::ops::Range<usize>, Vec<Term>)> {
         let count: usize = self.lines[at].split(',').next()?.trim().parse().ok()?;
         let (mut terms, mut end) = (Vec::new(), at + 1);
@@ -75,7 +75,7 @@ impl Sheet {
         Self::of(&lines.join("\n"))
     }
 
-    /// The text with one more equation behind the last.
+    /// The text with one more equation after the last.
     fn and(&self, terms: &[Term]) -> Self {
         let end = self.equations.iter().map(|(range, _)| range.end).max().unwrap_or(0);
         let mut lines = self.lines.clone();
@@ -87,7 +87,7 @@ impl Sheet {
         self.lines.join("\n") + "\n"
     }
 
-    /// The last step once more, with these lines at its start.
+    /// The last step repeated, with these lines at its start.
     fn second_step(&self, more: &str) -> Option<Self> {
         let is = |line: &String, word: &str| line.to_ascii_uppercase().starts_with(word);
         let start = self.lines.iter().rposition(|line| is(line, "*STEP"))?;
@@ -131,20 +131,20 @@ fn sum(a: f64, e: &[Term], b: f64, f: &[Term]) -> Vec<Term> {
     terms
 }
 
-/// What takes an equation back.
+/// The lines that remove an equation in a step.
 fn taken_back(equation: &[Term]) -> String {
     let (node, component, _) = equation[0];
     format!("*EQUATION, REMOVE\n{node},{component},{component}")
 }
 
-/// A sound deck and the same spoiled; none where this one cannot be spoiled so.
+/// A sound deck and its faulty copy; `None` if this fault is impossible for the deck.
 fn spoiled(sheet: &Sheet, kind: usize, random: &mut Random) -> Option<(Sheet, Sheet)> {
     let count = sheet.equations.len();
     let (i, k) = (random.below(count), random.below(count));
     let (e, f) = (&sheet.equations[i].1, &sheet.equations[k].1);
     let factor = [2.0, -1.0, 0.5, 3.0][random.below(4)];
     let repeated = sum(factor, e, 0.0, &[]);
-    // Another slave is not what the deck itself takes back.
+    // The deck itself removes the equation by its slave, which therefore must not change.
     let takes_back = sheet.lines.iter().any(|line| line.to_ascii_uppercase().contains("REMOVE"));
     if takes_back && [2, 3, 6].contains(&kind) {
         return None;
@@ -159,7 +159,7 @@ fn spoiled(sheet: &Sheet, kind: usize, random: &mut Random) -> Option<(Sheet, Sh
             Some((sheet.clone(), sheet.with(i, &turned)))
         }
         3 => {
-            // Whatever it says elsewhere, the slave is prescribed; for the sound deck another DOF becomes the slave.
+            // The slave is prescribed; in the sound deck another DOF becomes the slave.
             let mut turned = e.clone();
             turned.rotate_left(1);
             Some((sheet.with(i, &turned).prescribing(e[0])?, sheet.prescribing(e[0])?))
@@ -167,7 +167,7 @@ fn spoiled(sheet: &Sheet, kind: usize, random: &mut Random) -> Option<(Sheet, Sh
         4 => Some((sheet.second_step("")?, sheet.and(&repeated).second_step("")?)),
         5 => Some((sheet.second_step(&taken_back(e))?, sheet.and(&repeated).second_step(&taken_back(e))?)),
         _ => {
-            // Another equation has to be written anew beside one that the second step takes back.
+            // Cleaning must rewrite an equation while the second step removes another.
             let mut turned = f.clone();
             turned.rotate_left(1);
             let good = sheet.with(k, &turned).prescribing(f[0])?.second_step(&taken_back(e))?;
@@ -200,7 +200,7 @@ fn own(seed: u64) -> String {
         let slave = free.swap_remove(random.below(free.len()));
         let mut terms = vec![(slave.0, slave.1, 1.0)];
         for _ in 0..=random.below(3) {
-            // Masters are never slaves of others: they stay in front.
+            // Masters are never slaves of others, so they come first.
             let master = free[random.below(free.len() / 2)];
             let a = [-1.0, 0.5, -2.0, 0.25][random.below(4)];
             terms = sum(1.0, &terms, 1.0, &[(master.0, master.1, a)]);
@@ -224,7 +224,7 @@ fn sound() -> Vec<(String, Sheet)> {
     all.filter(|(_, sheet)| !sheet.equations.is_empty()).collect()
 }
 
-/// How far results may lie apart: iterations of nonlinear steps end where a residual is small enough.
+/// Allowed difference of results: nonlinear steps end with a nonzero residual.
 fn tolerance(text: &str) -> f64 {
     let text = text.to_ascii_uppercase();
     let is_iterated = ["NLGEOM", "CONTACT", "DYNAMIC", "PLASTIC"].iter().any(|word| text.contains(word));
@@ -261,7 +261,7 @@ fn spoiled_decks_give_the_results_of_sound_ones() {
         }
         used.insert(name.clone());
         of_kind[kind] += 1;
-        // One in four is run as it was, too.
+        // One in four faulty decks is run too.
         stopped += usize::from(done % 4 == 0 && solve(bad.text().as_bytes()).is_none());
         done += 1;
         if done == WANTED {

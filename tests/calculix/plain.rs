@@ -1,4 +1,4 @@
-//! Real decks whose constraints are all `*EQUATION`: counted as known, and solved after cleaning as before.
+//! Real decks with `*EQUATION` constraints only: the counts are as expected, and cleaning does not change the results of ccx.
 
 use qless::{Options, analyse};
 use qless_io::deck;

@@ -1,10 +1,10 @@
-//! Small decks in which cards claim the same DOF: a brick whose nodes 11, 15, 16, 17 and 18 are free to be claimed in direction 3.
-//! Every claim moves its slave by a distance of its own, so that the result tells whether it is in force.
+//! Small decks in which cards claim the same DOF: direction 3 of nodes 11, 15, 16, 17 and 18 of a brick.
+//! Every claim moves its slave by a different distance, so the result shows which claim is in force.
 
 use std::fmt::Write;
 use std::ops::Range;
 
-/// A card that makes a node's component 3 a slave; some do so with components 1 and 2 as well.
+/// A card that makes component 3 of a node a slave; some do the same with components 1 and 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Equation,
@@ -31,25 +31,25 @@ pub const KINDS: [Kind; 9] = [
     Kind::Straight,
 ];
 
-/// Where a value stands.
+/// Position of a prescribed value in the deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum At {
-    /// Before the cards that claim.
+    /// Before the claims.
     Before,
-    /// After them.
+    /// After the claims.
     After,
     /// In a step, from 1.
     Step(usize),
 }
 
-/// What a claim says of a node's component 3.
+/// The effect of a claim on component 3 of a node.
 #[derive(Clone, Copy, Debug)]
 pub enum Says {
     Is(f64),
     Follows(u32),
 }
 
-/// A claim of a deck: its lines, and what it says; a value holds from a step on.
+/// A claim of a deck: its lines and its effect; a value holds from a step on.
 #[derive(Clone, Debug)]
 pub struct Claim {
     pub lines: Range<u32>,
@@ -59,7 +59,7 @@ pub struct Claim {
     pub is_value: bool,
 }
 
-/// A deck in the making.
+/// Builds a deck.
 #[derive(Default)]
 pub struct Scene {
     nodes: String,
@@ -73,7 +73,7 @@ pub struct Scene {
     pub model: String,
     pub steps: Vec<String>,
     pub is_nonlinear: bool,
-    /// Whether each later step begins anew (`OP=NEW`) with what holds the claims' own nodes.
+    /// Whether each later step starts with `OP=NEW` and the supports of the claims' own nodes.
     pub begins_anew: bool,
     count: u32,
 }
@@ -81,7 +81,7 @@ pub struct Scene {
 const CORNERS: [[f64; 3]; 8] =
     [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0., 0., 1.], [1., 0., 1.], [1., 1., 1.], [0., 1., 1.]];
 
-/// Where a node of the brick is.
+/// Coordinates of a node of the brick.
 fn place(node: u32) -> [f64; 3] {
     let [x, y, z] = CORNERS[node as usize - 11];
     [x + 0.3, y + 0.2, z + 1.0]
@@ -105,7 +105,7 @@ impl Scene {
         }
     }
 
-    /// A node that is moved in direction 3, and held otherwise.
+    /// A node that is moved in direction 3 and fixed in the others.
     fn master(&mut self, number: u32, at: [f64; 3], value: f64) {
         self.node(number, at);
         self.drive(number, value);
@@ -116,7 +116,7 @@ impl Scene {
         writeln!(self.moved, "{number},3,3,{value}").expect("text");
     }
 
-    /// Lets a card claim a node's component 3; returns the first number of the claim's own nodes.
+    /// Adds a card that claims component 3 of a node; returns the first number of the claim's own nodes.
     pub fn claim(&mut self, kind: Kind, node: u32) -> u32 {
         let (n, v) = (1000 + 20 * self.count, 0.011 + 0.003 * f64::from(self.count));
         self.count += 1;

@@ -1,4 +1,4 @@
-//! The real solver, and the decks of the corpus.
+//! Runs the real solver, and finds the decks of the corpus.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -37,7 +37,7 @@ pub fn is_there() -> bool {
     there
 }
 
-/// Every word that `ccx` prints to its .dat file, or `None` where it stops with an error.
+/// Every word that `ccx` prints to its .dat file; `None` if it stops with an error.
 pub fn solve(text: &[u8]) -> Option<Vec<String>> {
     let place = tempfile::tempdir().expect("a folder");
     std::fs::write(place.path().join("deck.inp"), text).expect("written");
@@ -62,13 +62,13 @@ pub fn difference(a: &[String], b: &[String]) -> f64 {
     a.iter().zip(b).map(one).fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE)
 }
 
-/// Reads a deck whose name may be that of no file.
+/// Reads a deck from text.
 pub fn parse(text: &[u8]) -> Deck {
     let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
     deck::parse(deck::Format::Calculix, Path::new("deck.inp"), text.to_vec(), &mut none).expect("a deck")
 }
 
-/// The deck cleaned; what comes out is checked: it has no faults, and cleaning it again changes nothing.
+/// The cleaned deck. Checks that it has no faults and that a second cleaning changes nothing.
 pub fn cleaned(deck: &Deck) -> Result<Vec<u8>, CleanError> {
     let plan = clean::plan(deck, &Options::default())?;
     let text = clean::write(deck, &plan)?;

@@ -1,11 +1,11 @@
-//! Each allocation of the program fails in turn: it ends with 3 and says what was needed and what was there, or does without and is
+//! Each allocation of the program fails in turn. The program ends with exit code 3 and states the memory needed and available, or its result is
 //! right; the output is the old one or the new one, whole, nothing else is left behind, and the next run works.
 //!
-//! `QLESS_FAULTS=all` for every allocation; by default the first hundred, and then steps of a hundredth.
+//! `QLESS_FAULTS=all` tests every allocation; by default the first hundred, and then steps of a hundredth.
 
 use super::harness::Place;
 
-/// Of each command that writes: what makes the output that stands there before, and what fails.
+/// For each command that writes: the run that makes the existing output, and the run that fails.
 const CASES: [[&str; 2]; 4] = [
     ["reduce a -o out -q --threads 1", "reduce b -o out -q --threads 1"],
     ["clean a.inp -o out.inp -q --threads 1", "clean b.inp -o out.inp -q --threads 1"],
@@ -34,7 +34,7 @@ fn every_allocation_of_a_run_may_fail() {
 
 type Files = Vec<(std::path::PathBuf, Vec<u8>)>;
 
-/// Every file, but for what a run took.
+/// Every file, without times and memory in it.
 fn everything(place: &Place) -> Files {
     let timeless = |text: Vec<u8>| {
         text.split(|&byte| byte == b'\n').filter(|line| !line.starts_with(b"Time: ")).collect::<Vec<_>>().concat()
@@ -42,7 +42,7 @@ fn everything(place: &Place) -> Files {
     place.everything().into_iter().map(|(path, text)| (path, timeless(text))).collect()
 }
 
-/// How a run ended whose `k`-th allocation failed; none if it makes fewer.
+/// Result of a run whose `k`-th allocation failed; `None` if it makes fewer.
 fn fails(place: &Place, [old, new]: [&str; 2], k: usize, [before, after]: [&Files; 2]) -> Option<i32> {
     let output = place.command(new).env("QLESS_FAIL_AT", k.to_string()).env("RUST_BACKTRACE", "0").output();
     let output = output.expect("the program starts");

@@ -1,4 +1,4 @@
-//! What users get wrong: each is refused with its exit code and a message that says where and what, and nothing is
+//! Wrong input is refused with an exit code and a message with place and reason, and nothing is
 //! written.
 
 use std::process::Stdio;
@@ -133,7 +133,7 @@ fn a_full_disk_is_an_error_and_a_closed_pipe_is_not_a_word() {
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&output.stderr).contains("No space left"), "{output:?}");
 
-    // Who reads no more, such as `head -1`, has what it wants: the exit code is that of the verdict.
+    // If the reader closes the pipe, as `head -1` does, the exit code is still that of the verdict.
     for (arguments, code) in [("check case", 0), ("check case --format html", 0), ("check case --deny redundant", 1)] {
         let (reader, writer) = std::io::pipe().expect("a pipe");
         drop(reader);

@@ -1,4 +1,4 @@
-//! A case as a program without qless reads it, changes it and puts numbers into its equations.
+//! Reads and changes a case without qless, and evaluates its equations.
 
 use std::fs;
 use std::path::Path;
@@ -34,7 +34,7 @@ impl Case {
         Self { c, b: numbers(&place.path(folder).join("b.txt")), prescribed: Vec::new(), units: false }
     }
 
-    /// Rotations in radians beside lengths, and equations in units of their own.
+    /// Changes the units: rotations in radians beside lengths, and scaled equations.
     pub fn mix_units(&mut self) {
         self.units = true;
         let of_columns: Vec<f64> = (0..self.c.columns).map(|j| self.column_unit(j)).collect();
@@ -43,7 +43,7 @@ impl Case {
         self.b.iter_mut().enumerate().for_each(|(i, b)| *b *= row(i));
     }
 
-    /// Coefficients of DOF j, times its value, are of one size.
+    /// Scales such that coefficients times values have about the same size.
     pub fn column_unit(&self, j: usize) -> f64 {
         if self.units { [1.0, 1e-5, 1.0, 7e4][(j ^ (j >> 3)) % 4] } else { 1.0 }
     }
@@ -74,7 +74,7 @@ impl Case {
     }
 }
 
-/// Without columns too, as G is where nothing is prescribed.
+/// The matrix may have no columns, as G without prescribed DOFs.
 pub fn matrix(path: &Path) -> Triplets {
     let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut lines = text.lines().skip(1).map(|line| line.split(' ').collect::<Vec<_>>());

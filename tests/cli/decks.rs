@@ -1,10 +1,10 @@
-//! Decks as input: exit codes, the deck's own words in the report, and what `clean` writes or refuses to.
+//! Decks as input: exit codes, names of the deck in the report, and the output and refusals of `clean`.
 
 use std::fs;
 
 use super::harness::Place;
 
-/// A brick's nodes and supports, and room for more.
+/// Nodes and supports of a brick, with a place for more cards.
 fn deck(constraints: &str, step: &str) -> String {
     let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n4,0.,0.,1.\n";
     format!("{nodes}*BOUNDARY\n1,1,3\n{constraints}*STEP\n*STATIC\n{step}*END STEP\n")
@@ -32,7 +32,7 @@ fn a_redundant_deck_is_named_in_its_own_words_and_cleaned() {
     let run = place.run("clean -q clean.inp -o again.inp");
     assert!(run.out.contains("nothing had to be changed"), "{}", run.out);
     assert_eq!(fs::read_to_string(place.path("again.inp")).expect("written"), cleaned);
-    // In its own place, too.
+    // The same in place.
     assert_eq!(place.run("clean -q twice.inp -o twice.inp").code, 0);
     assert_eq!(fs::read_to_string(place.path("twice.inp")).expect("written"), cleaned);
 }
@@ -157,7 +157,7 @@ fn a_page_needs_nothing_else_and_says_all() {
     assert_eq!(page_data(&run.out)["report"]["dependent"][0]["label"], "</script><b>");
 }
 
-/// What a browser makes of a page; nothing where there is none.
+/// The text that a browser shows for a page; `None` without a browser.
 fn shown(place: &Place, page: &str) -> Option<String> {
     let chromium = |arguments: &[&str]| std::process::Command::new("chromium").args(arguments).output();
     if chromium(&["--version"]).is_err() {
@@ -192,7 +192,7 @@ fn a_browser_shows_the_page() {
     assert!(!shown.contains("did not run to its end"), "{shown}");
 }
 
-/// A label may hold anything but a line break; the page shows it as it is.
+/// A label may contain anything except a line break; the page shows it unchanged.
 #[test]
 fn labels_cannot_break_the_page() {
     let ascii: String = (1..128_u8).map(char::from).filter(|c| !matches!(c, '\n' | '\r')).collect();
@@ -212,7 +212,7 @@ fn labels_cannot_break_the_page() {
         assert!(shown.contains("<td>&lt;!--</td>") && shown.contains("<td>&lt;/script&gt;&lt;b&gt;</td>"), "{shown}");
         assert!(shown.contains("7 of 7</span>") && !shown.contains("did not run to its end"), "{shown}");
     }
-    // A page whose script fails says so, and no green bar says otherwise.
+    // If the script of a page fails, the page shows an error and no green bar.
     fs::write(place.path("broken.html"), page.replace("id=\"data\">{", "id=\"data\">{,")).expect("written");
     if let Some(shown) = shown(&place, "broken.html") {
         assert!(shown.contains("did not run to its end") && shown.contains("SyntaxError"), "{shown}");

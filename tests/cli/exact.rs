@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::harness::{HEADER, Place, Run};
 
-/// Writes C and b as typed, rows of blank-separated numbers with the right-hand side last, and `column value` lines.
+/// Writes C, b and the prescribed values as typed: rows of numbers with the right-hand side last, and `column value` lines.
 fn typed(place: &Place, folder: &str, rows: &[&str], prescribed: &str) {
     let rows: Vec<Vec<&str>> = rows.iter().map(|row| row.split_whitespace().collect()).collect();
     let columns = rows[0].len() - 1;
@@ -70,7 +70,7 @@ fn the_exact_rank_of_a_recurrence_is_full() {
     let report = place.run("check recurrence --exact --format json").json();
     let exact = &report["exact_rank"];
     assert_eq!((&exact["rank"], &exact["augmented_rank"], &exact["solvable"]), (&json!(40), &json!(40), &json!(true)));
-    // Whatever the analysis says, the text says whether that is the same.
+    // The text states whether the exact rank is that of the analysis.
     let text = place.run("check recurrence --exact");
     let rank = report["rank"].as_u64().expect("a number");
     let said =
@@ -79,7 +79,7 @@ fn the_exact_rank_of_a_recurrence_is_full() {
     assert_eq!(exact["differences"].as_array().map(Vec::len), Some(usize::from(rank != 40)));
 }
 
-/// The second equation is off by 1e-13, which the tolerance takes for rounding; the third part has nothing to do with it.
+/// The second equation is off by 1e-13, which the tolerance accepts as rounding; the third component is not involved.
 #[test]
 fn a_difference_names_its_connected_part() {
     let place = Place::new();
@@ -125,7 +125,7 @@ fn a_solution_that_only_one_of_the_two_finds_is_said() {
     assert_says(&run, &["rank 1 of 2, as in floating point.", "As typed the equations have no solution"]);
     let exact = &place.run("check off --exact --format json").json()["exact_rank"];
     assert_eq!((&exact["augmented_rank"], &exact["solvable"]), (&json!(2), &json!(false)));
-    // As typed, 1000 * 0.1 = 100; in doubles the sum is off by 1e-12, which so small a tolerance does not take for rounding.
+    // As typed, 1000 * 0.1 = 100. In doubles the sum is off by 1e-12, which exceeds this small tolerance.
     let n = 1000;
     let entries: Vec<_> = (1..=n).flat_map(|i| [(i, i, 1.0), (n + 1, i, 1.0)]).collect();
     let b: Vec<f64> = (0..=n).map(|i| if i < n { 0.1 } else { 100.0 }).collect();
@@ -136,7 +136,7 @@ fn a_solution_that_only_one_of_the_two_finds_is_said() {
     let exact = &place.run("check sum --exact --tolerance 1e-15 --format json").json()["exact_rank"];
     let part = &exact["differences"][0];
     assert_eq!((&part["solvable"], &part["analysis_solvable"]), (&json!(true), &json!(false)));
-    // A conflict that both find is no difference.
+    // A conflict that both find is not a difference.
     let exact = &place.paper("conflict", 0.0).run("check conflict --exact --format json").json()["exact_rank"];
     assert_eq!((&exact["solvable"], &exact["differences"]), (&json!(false), &json!([])));
 }

@@ -1,4 +1,4 @@
-//! The files of a reduction as another program would use them: sparse triangular solves.
+//! Evaluates the files of a reduction as another program would: by sparse triangular solves.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use qless_io::matrix_market::Triplets;
 use super::case::{Case, add_product, indices, matrix, numbers};
 use super::harness::Place;
 
-/// Everything that `reduce` wrote; indices from 0.
+/// The files that `reduce` wrote; indices from 0.
 pub struct Whole {
     pub t: Triplets,
     pub g_matrix: Triplets,
@@ -53,7 +53,7 @@ impl Whole {
     }
 }
 
-/// A block in factor form.
+/// A factored component.
 pub struct Factors {
     pub l: Triplets,
     pub u: Triplets,
@@ -118,7 +118,7 @@ impl Factors {
         self.solve(&right)
     }
 
-    /// C_M, C_p and b are the user's to the last bit; `U^T L^T` gives C_S back.
+    /// C_M, C_p and b equal the user's to the last bit; `U^T L^T` is C_S.
     pub fn check_against(&self, case: &Case) {
         let count = self.equations.len();
         assert_eq!([self.l.rows, self.l.columns, self.u.rows, self.u.columns, self.slaves.len()], [count; 5]);
@@ -147,7 +147,7 @@ impl Factors {
             for &(j, v) in &given[i] {
                 place(&self.slaves, j).into_iter().for_each(|s| sum[s] -= v);
             }
-            // Relative to the largest part of the equation, each DOF in its unit.
+            // Relative to the largest term of the equation, with each DOF in its unit.
             let unit = |s: usize| case.column_unit(self.slaves[s]);
             let most = (0..count).fold(0.0, |most: f64, s| most.max(size[s] / unit(s)));
             assert!((0..count).all(|s| sum[s].abs() <= 1e-14 * most * unit(s)), "equation {i}");
@@ -162,7 +162,7 @@ fn by_rows(count: usize, entries: impl Iterator<Item = (usize, usize, f64)>) -> 
     rows
 }
 
-/// Solves by rows, in the order in which each needs only those before.
+/// Solves by rows in an order in which each row needs only earlier unknowns.
 fn triangular<'a>(rows: impl Iterator<Item = (usize, &'a Vec<(usize, f64)>)>, mut x: Vec<f64>) -> Vec<f64> {
     for (k, row) in rows {
         let mut diagonal = 0.0;

@@ -1,4 +1,4 @@
-//! `reduce --form`: the files of parts in factor form, read back with nothing but the documented formula.
+//! `reduce --form`: the files of factored components, evaluated by the documented formulas only.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use super::case::{Case, random};
 use super::factors::{Factors, Whole};
 use super::harness::Place;
 
-/// A mortar tie as it is, in mixed units, with prescribed DOFs and b, or with all of that.
+/// A mortar tie: plain, in mixed units, with prescribed DOFs and b, or with all of these.
 fn mortar(place: &Place, units: bool, prescribed: bool) -> Case {
     assert_eq!(place.run("generate fssi --equations 1500 --coupling mortar -o scene").code, 0);
     let mut case = Case::read(place, "scene");
@@ -16,7 +16,7 @@ fn mortar(place: &Place, units: bool, prescribed: bool) -> Case {
         case.mix_units();
     }
     if prescribed {
-        // Masters can be prescribed without any equation becoming dependent.
+        // Prescribed masters make no equation dependent.
         assert_eq!(place.run("reduce scene -o plain").code, 0);
         let masters = Whole::read(place, "plain").masters;
         case.prescribed = (0..7).map(|k| (masters[k * masters.len() / 7], random(k as u64))).collect();
@@ -48,7 +48,7 @@ fn factors_solve_the_equations_by_the_documented_formula() {
     }
 }
 
-/// In one unit: in mixed ones T loses digits that the factors have.
+/// In one unit only: in mixed units T is less accurate than the factors.
 #[test]
 fn what_follows_from_t_follows_from_the_factors() {
     for prescribed in [false, true] {
@@ -137,7 +137,7 @@ fn files_of_all_blocks_or_none_are_written() {
 #[test]
 fn auto_keeps_factors_where_they_are_worth_it_and_says_so() {
     let place = Place::new();
-    // Windows overlap, so that each slave follows all masters.
+    // Windows overlap, so each slave depends on all masters.
     assert_eq!(place.run("generate windows --nx 30 --ny 30 -o case").code, 0);
     let text = place.run("reduce case -o out --form auto");
     assert_eq!(text.code, 0, "{}", text.err);
@@ -180,7 +180,7 @@ fn auto_writes_t_alone_where_it_is_sparse() {
     assert_eq!(reduction("factored")["reduction"]["form"], "factored");
 }
 
-/// Slaves that are wished for are chosen on numbers.
+/// A component with preferred slaves is explicit.
 #[test]
 fn many_small_blocks_and_parts_with_wishes_keep_to_the_screen() {
     let place = Place::new();

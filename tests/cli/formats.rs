@@ -1,4 +1,4 @@
-//! What an input is: known by its first cards, whatever it is called, packed or encoded; what is nothing known says so.
+//! The first cards determine the format of an input, for any name, compression and encoding; an unknown format is an error.
 
 use std::fs;
 use std::io::Write;
@@ -57,7 +57,7 @@ fn encodings_and_standard_input_make_no_difference() {
         place.file("deck.inp", text);
         for run in [place.run("check -q deck.inp"), place.run_fed("check -q -", text)] {
             assert_eq!(run.code, 0, "{k}: {}", run.err);
-            // Positions are those that an editor shows.
+            // Line numbers are those of an editor.
             assert!(
                 run.out.contains("\"line 8 *EQUATION 2:1\" = -2 * row 1 \"line 6 *EQUATION 1:1\""),
                 "{k}: {}",
@@ -71,7 +71,7 @@ fn encodings_and_standard_input_make_no_difference() {
         assert!(place.run("check -q C.mtx.gz").out.contains("1 of 2 equations is redundant"));
         assert!(place.run_fed("check -q -", &text).out.contains("1 of 2 equations is redundant"));
     }
-    // Prescribed values beside a matrix of standard input.
+    // Prescribed values together with a matrix from standard input.
     place.file("given.txt", "1 1\n");
     assert_eq!(place.run_fed("check -q - --prescribed given.txt", matrix.as_bytes()).code, 1);
 }
@@ -87,7 +87,7 @@ fn a_cleaned_deck_is_plain_text() {
     assert_eq!((run.code, fs::read_to_string(place.path("unpacked.inp")).expect("written")), (0, expected.clone()));
     assert_eq!(place.run_fed("clean -q - -o fed.inp", CALCULIX.as_bytes()).code, 0);
     assert_eq!(fs::read_to_string(place.path("fed.inp")).expect("written"), expected);
-    // In its own place, without a change: all of it is decoded.
+    // In place and without a change: the output is the decoded text.
     assert_eq!(place.run("clean -q sound.bdf -o sound.bdf").code, 0);
     assert_eq!(fs::read_to_string(place.path("sound.bdf")).expect("written"), NASTRAN);
     // By its content it is a deck of ANSYS.
@@ -172,7 +172,7 @@ fn a_solver_reads_its_own_format() {
         let run = place.run(arguments);
         assert!(run.code == 2 && parts.iter().all(|part| run.err.contains(part)), "{arguments}: {}", run.err);
     }
-    // A card of two languages: the solver that is asked for decides.
+    // A card of two languages: the option --solver decides.
     place.file("tie.txt", "RBE3,1,,1,123,1.,123,2\n");
     assert_eq!(place.run("check -q tie.txt").code, 2);
     assert_ne!(place.run("check -q tie.txt --solver nastran").err, place.run("check -q tie.txt --solver ansys").err);

@@ -1,4 +1,4 @@
-//! Runs `qless` in a folder of its own.
+//! Runs `qless` in a temporary folder.
 
 use std::fs;
 use std::io::Write;
@@ -9,10 +9,10 @@ use tempfile::TempDir;
 
 pub const HEADER: &str = "%%MatrixMarket matrix coordinate real general\n";
 
-/// A folder with files, removed at the end.
+/// A temporary folder with files.
 pub struct Place(TempDir);
 
-/// What a run left behind.
+/// The result of a run.
 pub struct Run {
     pub code: i32,
     pub out: String,
@@ -56,7 +56,7 @@ impl Place {
         self
     }
 
-    /// Equations (12)-(14) of the paper, (13) with the sign that its (16) needs: (14) = (12) + (13) for `rhs` 1.
+    /// Equations (12)-(14) of the paper, (13) with the sign that its (16) requires: (14) = (12) + (13) for `rhs` 1.
     pub fn paper(&self, folder: &str, rhs: f64) -> &Self {
         let rows = [[1.0, -1.0, 2.0], [1.0, 2.0, -1.0], [2.0, 1.0, 1.0]];
         let entries: Vec<_> = (0..9).map(|k| (k / 3 + 1, k % 3 + 1, rows[k / 3][k % 3])).collect();
@@ -68,18 +68,18 @@ impl Place {
         Self::ended(self.command(arguments).output().expect("the program starts"))
     }
 
-    /// Runs it with arguments that may hold blanks.
+    /// Runs `qless` with arguments that may contain blanks.
     pub fn run_words(&self, arguments: &[&str]) -> Run {
         Self::ended(self.command("").args(arguments).output().expect("the program starts"))
     }
 
-    /// Runs it with this on standard input.
+    /// Runs `qless` with text on standard input.
     pub fn run_fed(&self, arguments: &str, input: &[u8]) -> Run {
         let mut command = self.command(arguments);
         let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = piped.spawn().expect("the program starts");
         let mut pipe = child.stdin.take().expect("piped");
-        // A program that has read enough closes it.
+        // The program may close standard input before the end.
         let _ = pipe.write_all(input);
         drop(pipe);
         Self::ended(child.wait_with_output().expect("it ends"))

@@ -1,4 +1,4 @@
-//! Decks with cards that constrain and are not read: no verdict that the whole deck would not bear.
+//! Decks with constraint cards that are not understood: no verdict that these cards could change.
 
 use serde_json::json;
 
@@ -6,7 +6,7 @@ use super::harness::Place;
 
 const NODES: &str = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,2.,0.,0.\n";
 const TIE: &str = "*EQUATION\n2\n2,1,1.,3,1,-1.\n";
-/// A constraint of a type that is not known.
+/// A constraint of an unknown type.
 const UNREAD: &str = "*MPC\nNOVELTY,1,2\n";
 
 fn place() -> Place {
@@ -29,7 +29,7 @@ fn what_was_left_out_has_a_status_and_an_exit_code_of_its_own() {
         ("alone.inp", 4, 0, "incomplete"),
         ("rest.inp", 4, 0, "incomplete"),
         ("twice.inp", 4, 0, "incomplete"),
-        // A conflict is one whatever else there is.
+        // A conflict does not depend on the unread cards.
         ("conflict.inp", 1, 1, "conflicting"),
     ] {
         let run = place.run(&format!("check -q {deck} --format json"));
@@ -38,7 +38,7 @@ fn what_was_left_out_has_a_status_and_an_exit_code_of_its_own() {
         assert_eq!(place.run(&format!("check -q {deck} --allow-incomplete")).code, allowed, "{deck}");
         assert_eq!(report["incomplete"].as_array().map(Vec::len), (deck != "sound.inp").then_some(1), "{deck}");
     }
-    // A redundancy is one whatever else there is, too.
+    // A redundancy does not depend on the unread cards either.
     assert_eq!(place.run("check -q twice.inp --deny redundant").code, 1);
     assert_eq!(place.run("check -q rest.inp --deny redundant").code, 4);
 }
@@ -78,7 +78,7 @@ fn nothing_is_reduced_that_lacks_constraints_unless_that_is_allowed() {
     assert!(place.path("out/T.mtx").exists());
 }
 
-/// What says nothing of constraints is passed over in silence.
+/// Cards that do not constrain are skipped without a message.
 #[test]
 fn other_unknown_cards_leave_nothing_out() {
     let place = Place::new();

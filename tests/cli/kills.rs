@@ -1,6 +1,6 @@
-//! Programs that are killed: the output is the old one or the new one, whole, and signals that can be caught leave nothing behind.
+//! Killed runs leave the old or the new output, complete; signals that can be caught leave no temporary files.
 //!
-//! `QLESS_KILLS` says how often, for each command; by default few times. Times of the kills follow a seed.
+//! `QLESS_KILLS` sets the number of kills for each command; the default is small. A seed determines their times.
 
 mod folder;
 
@@ -15,7 +15,7 @@ use folder::{content, hidden, numbers};
 
 const SIGNALS: [Signal; 3] = [Signal::KILL, Signal::TERM, Signal::INT];
 
-/// A command with two results: that of `old` and that of `new`, in what `output` names.
+/// A command with two inputs, `old` and `new`, whose results differ, and the name of its output.
 struct Case {
     name: &'static str,
     old: &'static str,
@@ -53,7 +53,7 @@ fn what_is_killed_leaves_the_old_or_the_new_output() {
     }
 }
 
-/// Models, and an output folder with files and folders of the user.
+/// A folder with models, and an output folder with files and folders of the user.
 fn prepare(place: &Place, case: &Case) {
     for (name, seed) in [("a", 1), ("b", 2)] {
         let run = place.run(&format!("generate planted --rows 60 --dofs 90 --combos 6 --seed {seed} -o {name} -q"));
@@ -65,7 +65,7 @@ fn prepare(place: &Place, case: &Case) {
     place.file(&format!("{}/notes", case.output), "mine").file(&format!("{}/deep/notes", case.output), "mine too");
 }
 
-/// Kills one run; whether the old output is found, the new one, or the run was over.
+/// Kills one run. Returns whether the output is the old or the new one, or whether the run had ended.
 fn kill(place: &Place, case: &Case, k: usize) -> usize {
     let signal = SIGNALS[k / 4 % 3];
     let number = signal.as_raw();
@@ -75,7 +75,7 @@ fn kill(place: &Place, case: &Case, k: usize) -> usize {
     assert!(run.code < 2, "{}", run.err);
     let folder = place.path(case.output);
     let (old, old_numbers) = (content(&folder), numbers(&folder));
-    // What earlier kills left, and a run removes after a minute.
+    // Removes the temporary files of earlier kills, which a run would remove after a minute.
     let before = [hidden(&place.path("")), hidden(&folder)];
     let is_more_above = || !hidden(&place.path("")).is_subset(&before[0]);
     let is_more = || is_more_above() || !hidden(&folder).is_subset(&before[1]);

@@ -1,11 +1,11 @@
-//! Input that never ends, more threads than there are, names of nothing.
+//! Endless input, too many threads, names that select nothing.
 
 use std::os::unix::fs::symlink;
 use std::time::{Duration, Instant};
 
 use super::harness::{HEADER, Place};
 
-/// Found after a megabyte: quickly, and with both numbers.
+/// The error comes after a megabyte, with both numbers.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_never_ends_is_not_read_to_its_end() {
@@ -28,7 +28,7 @@ fn what_never_ends_is_not_read_to_its_end() {
         "reduce lone.mtx --prescribed /dev/zero -o out",
     ] {
         let start = Instant::now();
-        // Little memory would not do if more were read.
+        // The run would exceed this memory limit if it read more.
         let mut command = std::process::Command::new("prlimit");
         let program = env!("CARGO_BIN_EXE_qless");
         command.args(["--data=268435456", program]).args(arguments.split(' ')).env("RAYON_NUM_THREADS", "1");

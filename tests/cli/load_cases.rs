@@ -1,4 +1,4 @@
-//! Load cases, each by itself: which are looked at, and what is said of each.
+//! Load cases are analysed separately: their selection and their verdicts.
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,7 @@ use super::harness::Place;
 const NODES: &str = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,2.,0.,0.\n";
 const TIE: &str = "*EQUATION\n2\n2,1,1.,3,1,-1.\n";
 
-/// A deck with a tie from 2:1 to 3:1, and these boundary conditions in its steps.
+/// A deck with a tie of 2:1 and 3:1, and the given boundary conditions in its steps.
 fn steps(boundaries: &[&str]) -> String {
     let step = |text: &&str| format!("*STEP\n*STATIC\n{text}*END STEP\n");
     format!("{NODES}{TIE}{}", boundaries.iter().map(step).collect::<String>())
@@ -48,7 +48,7 @@ fn every_load_case_has_an_entry() {
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
-    // What is independent in one load case and redundant in another is both.
+    // An equation can be independent in one load case and redundant in another.
     place.file("two.inp", steps(&[REDUNDANT, CONFLICT]));
     let report = place.run("check -q two.inp --format json").json();
     assert_eq!(
@@ -86,7 +86,7 @@ fn a_reduction_has_to_be_told_which() {
     assert_eq!(place.run("reduce -q same.inp -o other").code, 0);
 }
 
-/// Both ends of a tie prescribed: the values agree at the end, and in between only if they take the same course.
+/// Both ends of a tie are prescribed: the values agree at the end, and in between only with the same amplitude.
 #[test]
 fn values_of_different_amplitudes_conflict() {
     let place = Place::new();
@@ -113,7 +113,7 @@ fn the_page_has_a_table_of_them() {
     assert!(page.contains("id=\"case-rows\"") && page.contains("\"cases\":[{\"name\":\"step 1\""));
 }
 
-/// Many faults in many load cases: everything is told, or counted, in 24 lines.
+/// Many faults in many load cases are listed or counted in 24 lines.
 #[test]
 fn a_full_report_keeps_to_its_lines() {
     let place = Place::new();
@@ -139,7 +139,7 @@ fn a_full_report_keeps_to_its_lines() {
     }
 }
 
-/// What the solver refuses is told, whichever load case it is in.
+/// Claims that the solver refuses are reported for every load case.
 #[test]
 fn the_worst_load_case_is_the_one_that_the_solver_refuses() {
     let place = Place::new();
@@ -159,7 +159,7 @@ fn the_worst_load_case_is_the_one_that_the_solver_refuses() {
     assert!(place.run("check -q two.bdf --case 1").out.contains("Next: nothing to mend."));
 }
 
-/// A later step with redundant equations is shown; what the solver refuses in another is in the lists all the same.
+/// A later step with redundant equations is shown; claims that the solver refuses in another step are listed too.
 #[test]
 fn what_is_refused_in_a_load_case_that_is_not_shown_is_listed() {
     let place = Place::new();

@@ -1,8 +1,8 @@
-//! Where the rank is in doubt `check` says what may be meant.
+//! If the rank is ambiguous, `check` states the rank as meant.
 
 use super::harness::Place;
 
-/// The third is the first with six digits; with `apart` it is another equation.
+/// The third equation is the first one with six digits; with `apart` it is different.
 fn typed(place: &Place, apart: f64) {
     let entries = [
         (1, 1, 0.123_456_789),

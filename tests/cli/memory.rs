@@ -1,4 +1,4 @@
-//! Tight memory: `--memory` and `ulimit -v`. A run is done, or ends with 3 and says what was needed and what was allowed; nothing
+//! Little memory, by `--memory` and `ulimit -v`. A run succeeds, or ends with exit code 3 and states the memory needed and allowed; nothing
 //! stays behind.
 
 #![cfg(target_os = "linux")]
@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use super::harness::{Place, Run};
 
-/// Scenes that need presolve alone, dense blocks, sparse factors, and much of all.
+/// Scenes that need presolve only, dense blocks, sparse factors, or a lot of each.
 const SCENES: [&str; 6] = [
     "path --nodes 200000",
     "spider --legs 50000",
@@ -23,7 +23,7 @@ const BACKENDS: [&str; 3] = ["faer", "sparse", "gauss"];
 #[cfg(feature = "spqr")]
 const BACKENDS: [&str; 4] = ["faer", "sparse", "gauss", "spqr"];
 
-/// A place with the scene in the folder `scene`.
+/// A temporary folder with the scene in `scene`.
 fn scene(name: &str) -> Place {
     let place = Place::new();
     assert_eq!(place.run(&format!("generate {name} -o scene -q")).code, 0, "{name}");
@@ -48,7 +48,7 @@ fn ended(output: std::process::Output) -> Run {
     Run { code, out: text(output.stdout), err: text(output.stderr) }
 }
 
-/// Done, or refused with both numbers; nothing but the result is there. Whether it was done.
+/// Checks that the run succeeded, or failed with both numbers and left no files. Returns whether it succeeded.
 fn is_done(place: &Place, run: &Run, what: &str) -> bool {
     let done = place.path("out").is_dir();
     assert_eq!(run.code, if done { 0 } else { 3 }, "{what}: {}", run.err);
@@ -68,7 +68,7 @@ fn is_done(place: &Place, run: &Run, what: &str) -> bool {
     done
 }
 
-/// From the least to enough for all; below some 70 MB the system cannot load a program with OpenBLAS, and says so itself.
+/// Limits from the smallest to enough for all. Below about 70 MB the system cannot load a program with OpenBLAS.
 const STEPS: &[usize] =
     if cfg!(feature = "spqr") { &[80, 90, 120, 160, 220, 8000] } else { &[60, 75, 90, 120, 160, 220, 8000] };
 
@@ -87,10 +87,10 @@ fn within_any_address_space_a_run_is_done_or_says_what_it_needs() {
     }
 }
 
-/// The most resident pages of a run, in KiB, as last seen before it ended; and how it ended.
+/// The peak of the resident memory of a run in KiB, as last read before its end, and the result of the run.
 fn measured(place: &Place, arguments: &str) -> (u64, Run) {
     let mut command = place.command(&format!("reduce scene -o out -q --form auto {arguments}"));
-    // Whoever wants a backtrace of the end pays for its symbols.
+    // A backtrace would load symbols.
     command.env("RUST_BACKTRACE", "0");
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
     let status = format!("/proc/{}/status", child.id());
@@ -104,10 +104,10 @@ fn measured(place: &Place, arguments: &str) -> (u64, Run) {
     (most, ended(child.wait_with_output().expect("it ended")))
 }
 
-/// Pages of C's libraries, code and what they allocate within a call, are seen only afterwards.
+/// Pages of C libraries (code, and allocations within a call) are counted only afterwards.
 const UNSEEN: u64 = if cfg!(feature = "spqr") { 4 << 10 } else { 0 };
 
-/// From too little for the program to enough; the pages of a run that starts are at most a tenth more than allowed.
+/// Limits from too small for the program to sufficient. A run that starts exceeds its limit by at most a tenth.
 #[test]
 fn a_run_stays_within_its_memory_or_says_what_it_needs() {
     for (name, backend) in SCENES.iter().flat_map(|name| BACKENDS.iter().map(move |backend| (name, backend))) {
@@ -124,7 +124,7 @@ fn a_run_stays_within_its_memory_or_says_what_it_needs() {
     }
 }
 
-/// What a run takes is enough for it: the limit is not a guess.
+/// The peak of a run is sufficient as its limit.
 #[test]
 fn a_run_is_done_with_a_tenth_more_than_it_takes() {
     // Dense products reserve much more than they touch.
@@ -141,7 +141,7 @@ fn a_run_is_done_with_a_tenth_more_than_it_takes() {
 fn a_limit_below_the_program_itself_is_refused_before_it_starts() {
     let place = scene("equations");
     for memory in ["1", "2MiB", "4096KiB"] {
-        // The folder does not exist, which the run would find first.
+        // The output folder does not exist, so a run that starts would report that.
         let run = place.run(&format!("check nowhere --memory {memory}"));
         assert!(run.code == 3 && run.err.contains("the smallest of runs needs"), "{}", run.err);
         assert!(run.err.contains("--memory allows"), "{}", run.err);
@@ -152,7 +152,7 @@ fn a_limit_below_the_program_itself_is_refused_before_it_starts() {
     }
 }
 
-/// Threads that cannot be had are not missed.
+/// A run works with fewer threads if some cannot be started.
 #[test]
 fn more_threads_than_there_is_address_space_for_are_fewer_threads() {
     let place = scene("path --nodes 1000");

@@ -1,11 +1,11 @@
-//! What an output may replace, and what it keeps of it.
+//! The files that an output may replace, and the attributes that it keeps.
 
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
 
 use super::harness::Place;
 
-/// Two equations, of which the second says the same; the first stands in another file.
+/// Two equal equations; the first is in an included file.
 fn deck(place: &Place) {
     place
         .file("deck.inp", "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*INCLUDE,INPUT=ties.inp\n*EQUATION\n2\n1,1,2.,2,1,-2.\n")
@@ -29,7 +29,7 @@ fn no_output_replaces_an_input() {
         "clean deck.inp -o ties.inp",
         "check case -o case/C.mtx",
         "check case -o case/b.txt",
-        // Not there yet: it would become part of the case.
+        // The file does not exist yet, but would become part of the case.
         "check case -o case/rows.txt",
         "check case --rhs b -o b",
         "check lone.mtx -o same.mtx",
@@ -67,13 +67,13 @@ fn a_deck_that_is_cleaned_in_place_stays_what_it_was() {
     assert!(fs::read_to_string(&path).expect("a deck").contains("** qless"));
     assert_eq!(owner(&path), before);
 
-    // A link that leads nowhere yet.
+    // A link whose target does not exist yet.
     symlink("new.inp", place.path("empty.inp")).expect("linked");
     assert_eq!(place.run("clean far.inp -o empty.inp").code, 0);
     assert!(place.path("empty.inp").is_symlink() && place.path("new.inp").is_file());
 }
 
-/// A new file would leave the old text under the other names; one written over in place could be torn.
+/// A new file would leave the old text under the other names, and overwriting in place could leave an incomplete file.
 #[test]
 fn a_file_with_several_names_is_refused() {
     let place = Place::new();
@@ -86,7 +86,7 @@ fn a_file_with_several_names_is_refused() {
     assert!(place.everything() == before);
 }
 
-/// The folder, and all in it that is not written, stay what they are.
+/// The folder and its other files do not change.
 #[test]
 fn a_set_of_files_changes_nothing_else_in_its_folder() {
     let place = Place::new();
@@ -109,7 +109,7 @@ fn a_set_of_files_changes_nothing_else_in_its_folder() {
     assert!(place.everything().iter().all(|(path, _)| !path.to_string_lossy().contains(".qless-")));
 }
 
-/// A folder that is not there is a mistake in the name, and `-` is no name.
+/// A missing folder is an error, and `-` is not a file name.
 #[test]
 fn a_deck_goes_into_a_folder_that_is_there() {
     let place = Place::new();

@@ -34,7 +34,7 @@ fn equations_are_kept_by_any_name() {
         ("line 9,line 11", 3),
         ("line 11,Line 13", 1),
         ("line 9,line 13", 2),
-        // Its card and all of its label.
+        // The card and the full label.
         ("2:1,line 12 *equation 1:1", 1),
         ("\"line 8 *EQUATION 1:1\",3", 2),
         ("1:1", 2),
@@ -46,7 +46,7 @@ fn equations_are_kept_by_any_name() {
     }
 }
 
-/// Columns that `reduce` made slaves.
+/// The slave columns that `reduce` wrote.
 fn slaves(place: &Place, input: &str, option: &str, list: &str) -> String {
     let run = place.run_words(&["reduce", "-q", input, "-o", "out", option, list]);
     assert_eq!(run.code, 0, "{list}: {}", run.err);
@@ -90,7 +90,7 @@ fn words_that_name_nothing_are_named_with_the_nearest() {
     assert!(run.code == 2 && run.err.contains("`` is no word of a list"), "{}", run.err);
 }
 
-/// A line whose equation a step removes is known, but nothing is kept there.
+/// A line whose equation a step removes is accepted, but selects nothing.
 #[test]
 fn removed_equations_are_known() {
     let place = Place::new();

@@ -1,4 +1,4 @@
-//! What `check` prints, in both forms, and its exit codes.
+//! The output of `check` in both forms, and its exit codes.
 
 use serde_json::{Value, json};
 
@@ -105,7 +105,7 @@ fn labels_and_generated_boundary_conditions_are_reported_from_1() {
 #[test]
 fn a_certificate_that_is_too_long_is_left_out_and_counted() {
     let place = Place::new();
-    // More terms than the 1,000,000 that a report has.
+    // More terms than the limit of a report, 1,000,000.
     assert_eq!(place.run("generate cycle --nodes 1200000 -o ring").code, 0);
     let report = place.run("check ring --format json").json();
     let ring = &report["dependent"][0];
@@ -126,7 +126,7 @@ fn redundant_equations_can_be_denied() {
     assert!(place.everything() == before);
 }
 
-/// Pairs of DOFs tied up to 500 times, with names that are far too long, and a last tie that contradicts if `gap` is not 0.
+/// Pairs of DOFs tied up to 500 times, with very long names; the last tie conflicts if `gap` is not 0.
 fn crowded(place: &Place, gap: f64) -> Run {
     let row = |i: usize| [(i + 1, i % 4 + 1, 1.0 + i as f64), (i + 1, i % 4 + 5, -1.0 - i as f64)];
     let entries: Vec<_> = (0..504).flat_map(row).collect();

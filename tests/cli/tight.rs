@@ -1,10 +1,10 @@
-//! The build with SuiteSparseQR under a limit of address space: it ends, in order.
+//! The build with SuiteSparseQR under a limit of address space ends with a proper exit code.
 
 use std::process::{Command, Stdio};
 
 use super::harness::Place;
 
-/// The exit code with so many MiB, 124 after 20 seconds; the machine's own settings of BLAS do not count.
+/// The exit code with a limit in MiB, 124 after 20 seconds; BLAS settings of the environment are removed.
 fn code(mebibytes: usize, arguments: &[&str]) -> i32 {
     let script = format!("ulimit -v {}; exec timeout 20 \"$@\"", mebibytes << 10);
     let mut run = Command::new("sh");
@@ -13,13 +13,13 @@ fn code(mebibytes: usize, arguments: &[&str]) -> i32 {
     run.status().expect("a shell").code().expect("an end of its own")
 }
 
-/// A thread of OpenBLAS's, which it starts as it is loaded for each core but one, would find no memory and never end.
+/// When OpenBLAS is loaded, it would start a thread for each further core, which would never end without memory.
 #[test]
 fn no_blas_thread_is_started_for_what_needs_none() {
     assert_eq!(code(190, &["--version"]), 0);
 }
 
-/// OpenBLAS would ask for ever for a buffer of 128 MiB.
+/// OpenBLAS would retry for ever to allocate a buffer of 128 MiB.
 #[test]
 fn a_factorization_that_blas_has_no_memory_for_is_refused() {
     let place = Place::new();

@@ -51,7 +51,7 @@ fn times(c: &Triplets, u: &[f64]) -> Vec<f64> {
     result
 }
 
-/// Several ties, one twice and one weighted, with two prescribed DOFs.
+/// Several ties, one of them stated twice and one weighted, and two prescribed DOFs.
 fn model(place: &Place) -> ([f64; 5], [f64; 2]) {
     let entries = [
         (1, 1, 1.0),
@@ -193,7 +193,7 @@ fn a_short_bench_writes_its_page_table_and_plots() {
     }
 }
 
-/// Its own process measures memory; the lines of the text are those of the CSV.
+/// A process of its own measures memory; the lines of the table are those of the CSV file.
 #[test]
 fn a_bench_of_chosen_methods_compares_with_the_first_and_counts_memory() {
     let place = Place::new();
@@ -210,13 +210,13 @@ fn a_bench_of_chosen_methods_compares_with_the_first_and_counts_memory() {
         assert_eq!((line[at("rank")], line[at("false_drops")], line[at("false_keeps")]), ("200", "0", "0"));
         let number = |name: &str| line[at(name)].parse::<f64>().expect(name);
         assert!(number("error") < 1e-12, "{line:?}");
-        // 220 equations of up to 5 terms, and what their factors need.
+        // Memory for 220 equations of up to 5 terms and their factors.
         assert!(!cfg!(target_os = "linux") || number("peak_bytes") < 2e8, "{line:?}");
     }
     assert_eq!(lines[1][at("times_first")], "1.000");
 }
 
-/// A factorization that takes seconds and cannot be interrupted ends with its process.
+/// A factorization that takes seconds cannot be interrupted; it ends with its process.
 #[cfg(feature = "peers")]
 #[test]
 fn other_libraries_are_stopped_at_the_limit() {

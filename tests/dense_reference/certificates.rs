@@ -11,10 +11,10 @@ use crate::support::{diagnose, settings};
 
 on_each_backend!(certificates_hold_in_graded_rows_and_mixed_units);
 
-/// Relative to the parts, at a smallest singular value of 1.
+/// Limit relative to the terms, for a smallest singular value of 1.
 const PRECISION: f64 = 1e-11;
 
-/// What a certificate leaves of its equation, in DOFs of one unit, relative to its largest part.
+/// The residual of a certificate, in DOFs of one unit, relative to its largest term.
 fn left(system: &ConstraintSystem, units: &[f64], analysis: &Analysis, row: usize) -> f64 {
     let dependent = analysis.dependent().iter().find(|d| d.row == row).expect("listed");
     let mut sums: HashMap<usize, f64> = HashMap::new();
@@ -32,7 +32,7 @@ fn left(system: &ConstraintSystem, units: &[f64], analysis: &Analysis, row: usiz
     sums.iter().filter(|(j, _)| free(j)).fold(0.0, |most: f64, (_, v)| most.max(v.abs())) / largest.max(1e-300)
 }
 
-/// The scene as it is, with rows of sizes from 2^-30 to 2^30, and in units from 1e-6 to 1e6 as well.
+/// The scene itself, with rows scaled by 2^-30 to 2^30, and in addition in units from 1e-6 to 1e6.
 fn variants(scene: &Scene, seed: u64) -> Vec<(&'static str, ConstraintSystem, Vec<f64>)> {
     let mut rng = Rng::new(seed);
     let units: Vec<f64> =
@@ -59,7 +59,7 @@ fn certificates_hold_in_graded_rows_and_mixed_units(backend: BackendChoice) {
     assert!(checked > 1000, "{checked}");
 }
 
-/// Checks all certificates; how many there are.
+/// Checks all certificates; returns their number.
 fn check(name: &str, system: &ConstraintSystem, units: &[f64], options: &Options) -> usize {
     let analysis = diagnose(system, options);
     let limit = PRECISION / analysis.confidence().sigma_kept;

@@ -1,6 +1,6 @@
 //! `max |T_ij| <= 10` wherever a dense strong rank-revealing QR reaches that.
 //!
-//! That T is the right one is shown by the residuals of the same systems in `residual.rs`.
+//! `residual.rs` checks the residuals of T for the same systems.
 
 use qless::{BackendChoice, Options};
 use qless_scenes::families;
@@ -11,7 +11,7 @@ use crate::support::{check_reduction, diagnose, settings};
 
 on_each_backend!(growth_is_that_of_a_strong_rrqr, growth_needs_the_bound, low_bounds_are_reached);
 
-/// What the comparison asks for; the product's default is 4.
+/// Bound of this comparison; the default of the library is 4.
 const BOUND: f64 = 10.0;
 
 fn growth_is_that_of_a_strong_rrqr(backend: BackendChoice) {
@@ -38,7 +38,7 @@ fn growth_is_that_of_a_strong_rrqr(backend: BackendChoice) {
     }
 }
 
-/// Below 2 a pair of DOFs could change places for ever, at 1 by rounding alone.
+/// With a bound below 2 two DOFs could be exchanged for ever; at 1 rounding suffices.
 fn low_bounds_are_reached(backend: BackendChoice) {
     let planted = families::planted(60, 90, 6, 2, false).expect("in range");
     let mut exchanges = 0;
@@ -57,7 +57,7 @@ fn low_bounds_are_reached(backend: BackendChoice) {
     assert!(exchanges > 100, "{exchanges}");
 }
 
-/// Without a bound T grows beyond the default one, so that the test above can fail.
+/// Without a bound T exceeds the default, so the test above can fail.
 fn growth_needs_the_bound(backend: BackendChoice) {
     let unbounded = Options { backend, growth: 1e300, ..Options::default() };
     let growth = |(_, scene): (_, qless_scenes::Scene)| {

@@ -9,10 +9,10 @@ use qless_scenes::{Rng, Scene};
 use super::scenes::{definite, kept, steep};
 use crate::support::{diagnose, settings};
 
-/// Per unit of the condition reported.
+/// Limit of the residual, relative to the reported condition number.
 const PRECISION: f64 = 1e-13;
 
-/// All DOFs for random u_q and u_p in `[-1, 1)`, and the sum s_j of the sizes of the parts that make each.
+/// All DOFs for random u_q and u_p in `[-1, 1)`, and for each the sum s_j of the absolute values of its terms.
 fn expand(reduction: &Reduction, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut rng = Rng::new(seed);
     let mut random = |n: usize| (0..n).map(|_| rng.real()).collect::<Vec<f64>>();
@@ -41,7 +41,7 @@ fn residual(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reductio
     (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent).map(of).fold(0.0, f64::max)
 }
 
-/// What is wrong, if anything, as text.
+/// The first error as text.
 fn fault(name: &str, system: &ConstraintSystem, options: &Options) -> Option<String> {
     let analysis = diagnose(system, options);
     let reduction = analysis.reduction().expect("within the gate");
@@ -64,7 +64,7 @@ fn residuals_of_families(backend: BackendChoice) {
     }
 }
 
-/// The same limit with the smallest singular value of the kept rows instead of what is reported.
+/// The same limit with the smallest singular value of the kept rows instead of the reported one.
 fn residuals_by_the_true_condition(backend: BackendChoice) {
     let lossy = |options: &Options| {
         let over = |(name, scene): (&'static str, Scene)| {
@@ -80,7 +80,7 @@ fn residuals_by_the_true_condition(backend: BackendChoice) {
     }
 }
 
-/// One constant in ten off by 1e-9 is found: the tests can fail.
+/// An error of 1e-9 in one of ten constants is found, so the tests can fail.
 fn a_wrong_constant_is_found(backend: BackendChoice) {
     for (name, scene) in definite() {
         let analysis = diagnose(&scene.system, &Options { backend, ..Options::default() });

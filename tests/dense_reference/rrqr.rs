@@ -1,12 +1,12 @@
 //! `C Pi = Q [R1 R2]`, `T = -R1^-1 R2` and exchanges until `max |T_ij| <= f`: strong rank-revealing QR, dense.
 //!
 //! Gu and Eisenstat (SIAM J. Sci. Comput. 17 (1996) 848): column pivoting first, then a column of R1 and one of R2
-//! change places as long as that raises `|det R1|` by more than f. Behind the rank nothing is left of C, so that the
-//! factor of an exchange is `|T_ij|` alone.
+//! change places as long as that raises `|det R1|` by more than f. The remainder of C behind the rank is zero, so the
+//! factor of an exchange is `|T_ij|`.
 
 use qless::ConstraintSystem;
 
-/// `max |T_ij|` as column pivoting leaves it and after the exchanges.
+/// `max |T_ij|` after column pivoting and after the exchanges.
 pub struct Dense {
     pub pivoted: f64,
     pub strong: f64,
@@ -33,7 +33,7 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(a, b)| a * b).sum()
 }
 
-/// The largest `|T_ij|` and where it stands; 0 for an empty T.
+/// The largest `|T_ij|` and its position; 0 for an empty T.
 fn largest(t: &[Vec<f64>]) -> (f64, usize, usize) {
     let all = t.iter().enumerate().flat_map(|(i, row)| row.iter().enumerate().map(move |(j, v)| (v.abs(), i, j)));
     all.fold((0.0, 0, 0), |a, b| if b.0 > a.0 { b } else { a })

@@ -5,10 +5,10 @@ use qless_scenes::families::{self, Windows};
 use qless_scenes::fssi::{self, Mesh};
 use qless_scenes::{Rng, Scene, SceneError, Truth, paper};
 
-/// A scene and what it is called.
+/// A scene and its name.
 pub type Named = (&'static str, Scene);
 
-/// Systems whose singular values are either large or rounding, of up to 700 rows.
+/// Systems of up to 700 rows whose singular values are either large or rounding.
 pub fn definite() -> Vec<Named> {
     [sparse(), graphs(), models()].concat()
 }
@@ -61,7 +61,7 @@ fn models() -> Vec<Named> {
     ])
 }
 
-/// Systems on which elimination or pivoting alone lets T grow, or whose columns are of very different size.
+/// Systems for which elimination or pivoting alone gives a large T, or with columns of very different size.
 pub fn steep() -> Vec<Named> {
     let graded = |base: f64, cols: f64| {
         let scaled = |(i, row): (usize, Vec<f64>)| {

@@ -15,8 +15,8 @@ on_each_backend!(
     sigma_kept_falls_with_the_distance_from_dependence,
 );
 
-/// The product's five steps of inverse iteration come from above to within `n^(1/18)` of the smallest value for a random
-/// start, 1.43 for n = 600; a start with a tenth of the expected part in its vector has 1.85.
+/// Five steps of inverse iteration give an upper estimate within `n^(1/18)` of the smallest value for a random
+/// start: 1.43 for n = 600. A start with a tenth of the expected component along its vector has 1.85.
 const FACTOR: f64 = 2.0;
 /// Rounding of the SVD, relative to the largest singular value.
 const ROUNDING: f64 = 1e-13;
@@ -62,7 +62,7 @@ fn sigma_kept_is_the_smallest_of_independent_rows(backend: BackendChoice) {
     }
 }
 
-/// All are held to `FACTOR sigma_r(C)`, which bounds the estimate for any choice of rows.
+/// The limit for all is `FACTOR sigma_r(C)`, which bounds the estimate for any choice of rows.
 fn sigma_kept_is_near_the_smallest_of_the_kept_rows(backend: BackendChoice) {
     let mut off = Vec::new();
     for (name, scene) in definite() {
@@ -78,7 +78,7 @@ fn sigma_kept_is_near_the_smallest_of_the_kept_rows(backend: BackendChoice) {
     assert!(off.is_empty(), "{off:?}");
 }
 
-/// Down to 100 times the tolerance: of full rank, measured and flagged.
+/// Down to 100 times the tolerance the rank is full, sigma is estimated, and the rank is flagged.
 fn sigma_kept_falls_with_the_distance_from_dependence(backend: BackendChoice) {
     for digits in 3..=8 {
         for column in [Near::Own, Near::Shared] {
@@ -116,7 +116,7 @@ fn no_doubt_where_the_svd_has_none_spqr() {
     assert_eq!(settings(BackendChoice::Spqr).map(|options| doubted(&options)), [const { Vec::<&str>::new() }; 2]);
 }
 
-/// `u_i - sum_{j > i} u_j = 1`, upper triangular with ones: exactly of full rank, and at `2^-58` from a lower one.
+/// `u_i - sum_{j > i} u_j = 1`, upper triangular with ones: exactly of full rank, at distance `2^-58` from a lower rank.
 fn wilkinson() -> ConstraintSystem {
     let mut builder = SystemBuilder::new(60);
     for i in 0..60 {
@@ -146,7 +146,7 @@ fn only_the_check_finds_what_no_pivot_shows() {
     }
 }
 
-/// The rank is the same, the doubt is not.
+/// The rank is the same, but one is ambiguous.
 #[test]
 fn without_the_check_nobody_is_told_of_a_doubt() {
     let system = families::near(10, 1e-7, Near::Own).expect("in range").system;

@@ -1,4 +1,4 @@
-//! `K_q` and `f_q` against dense products: every storage, rows and columns, both counts, prescribed DOFs kept or eliminated.
+//! `K_q` and `f_q` against dense products, for every storage, index base, and treatment of prescribed DOFs.
 
 use qless::elimination::{CondensedPattern, EliminationError, PrescribedDofs, Storage, View};
 use qless::{ArgumentError, Elimination, Form, Options, SystemBuilder, SystemError};
@@ -72,7 +72,7 @@ fn condensing_is_the_dense_product() {
     assert!(seen > 1000, "{seen} systems had slaves");
 }
 
-/// Elements of random DOFs, assembled into K and condensed, or condensed one by one: the same.
+/// Elements with random DOFs: assembling K and condensing it equals condensing element by element.
 #[test]
 fn elements_condensed_one_by_one_make_the_same_matrix() {
     for seed in 0..600 {
@@ -114,7 +114,7 @@ fn elements_condensed_one_by_one_make_the_same_matrix() {
     }
 }
 
-/// A plate of squares, large enough for threads, with a tie across its middle and an edge held.
+/// A plate of squares, large enough for threads, with a tie across its middle and a fixed edge.
 fn plate(side: usize) -> (Elimination, Vec<[usize; 4]>) {
     let node = |x: usize, y: usize| y * (side + 1) + x;
     let mut builder = SystemBuilder::new((side + 1) * (side + 1));
@@ -165,7 +165,7 @@ fn bits_do_not_depend_on_threads() {
     [2, 3, 8].into_iter().for_each(|threads| assert!(run(threads) == one, "{threads} threads"));
 }
 
-/// DOFs that K does not know: as lines left out at its end, or as empty ones.
+/// DOFs without entries in K: omitted at its end, or as empty lines.
 #[test]
 fn lines_behind_the_arrays_are_empty() {
     for seed in 0..300 {
@@ -234,7 +234,7 @@ fn numbers_that_do_not_fit_are_refused() {
         bad[place] = f64::NAN;
         let found = pattern.condense_into(&map, &ones, &bad, &mut k_q, &mut f_q).expect_err("a NaN");
         assert!(matches!(found, ArgumentError::NotFinite { .. }), "{found}");
-        // What prescribed DOFs push on one another nobody asks for.
+        // Entries between two prescribed DOFs are not compared.
         let is_unused = map.prescribed().contains(&place);
         let found = pattern.condense_into(&map, &bad, &ones, &mut k_q, &mut f_q);
         assert!(is_unused || matches!(found, Err(ArgumentError::NotFinite { .. })), "{found:?}");

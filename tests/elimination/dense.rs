@@ -1,4 +1,4 @@
-//! L and u_0 as numbers, and random systems to make them of.
+//! Dense L and u_0, and random systems.
 
 use qless::elimination::PrescribedDofs;
 use qless::{ConstraintSystem, Elimination, Form, Options, SystemBuilder, analyse};
@@ -7,7 +7,7 @@ use qless_scenes::Rng;
 /// Rows of numbers.
 pub type Dense = Vec<Vec<f64>>;
 
-/// A consistent system with some equations said twice and some prescribed DOFs.
+/// A consistent system with some repeated equations and some prescribed DOFs.
 pub fn random_system(rng: &mut Rng) -> ConstraintSystem {
     let n = 2 + rng.below(14);
     let mut builder = SystemBuilder::new(n);
@@ -33,12 +33,12 @@ pub fn random_system(rng: &mut Rng) -> ConstraintSystem {
     builder.build().expect("a system")
 }
 
-/// A map of it; none where rounding has made equations contradict one another.
+/// Its elimination; `None` if rounding made equations conflict.
 pub fn map_of(system: &ConstraintSystem, form: Form) -> Option<Elimination> {
     Elimination::from_analysis(analyse(system, &Options::default()).expect("small"), form).ok()
 }
 
-/// L and u_0, by what [`Elimination::row`] says.
+/// L and u_0 from [`Elimination::row`].
 pub fn parts(map: &Elimination, given: PrescribedDofs) -> (Dense, Vec<f64>) {
     let n = map.dofs();
     let mut unknowns = map.masters().to_vec();

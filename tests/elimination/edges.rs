@@ -1,4 +1,4 @@
-//! Systems at the edge: nothing to do, nothing left, more DOFs than equations know of, elements that name a DOF twice.
+//! Edge cases: no equations, no masters, DOFs without equations, elements that name a DOF twice.
 
 use qless::elimination::{EliminationError, PrescribedDofs, Storage, View};
 use qless::{Elimination, Options, SystemBuilder};
@@ -40,13 +40,13 @@ fn where_all_is_prescribed_or_fixed_nothing_is_left() {
     map.restrict_into(&[1.0; 3], &mut []).expect("nothing");
     map.restrict_many_into(&[1.0; 6], &mut []).expect("nothing");
     map.expand_increments_into(&[], &mut [1.0; 6]).expect("nothing");
-    // The slave's force goes to the prescribed DOF: 3 on u2 is -1.5 on u0.
+    // The force on the slave acts on the prescribed DOF: 3 on u2 is -1.5 on u0.
     let lambda = map.multipliers(&[0.0, 0.0, 3.0]).expect("factored");
     assert_eq!((lambda[0], map.reactions(&[0.0, 0.0, 3.0], &lambda).expect("finite")), (1.5, vec![1.5, 0.0]));
     assert_eq!(map.loads_without_effect(&[1.0, 1.0, 4.0]).expect("finite"), [(2, 4.0)]);
 }
 
-/// K is singular on its own, the element's DOFs repeat, and a slave follows a master of the same element.
+/// K alone is singular, DOFs of the element repeat, and a slave depends on a master of the same element.
 #[test]
 fn elements_may_name_a_dof_twice_and_hold_their_own_masters() {
     let mut builder = SystemBuilder::new(4);
@@ -88,7 +88,7 @@ fn elements_may_name_a_dof_twice_and_hold_their_own_masters() {
     }
 }
 
-/// Without its equations an elimination has no multipliers and takes no right-hand sides; T, G and g work as ever.
+/// Without its equations an elimination computes no multipliers and takes no right-hand sides; T, G and g work as usual.
 #[test]
 fn an_elimination_from_a_reduction_has_no_equations() {
     let mut builder = SystemBuilder::new(3);
@@ -108,7 +108,7 @@ fn an_elimination_from_a_reduction_has_no_equations() {
     whole.expand_into(&[1.5], &mut u).expect("one master");
     bare.expand_into(&[1.5], &mut same).expect("one master");
     assert_eq!(u, same);
-    // A value of another time, as `update` gives it where the equations are known.
+    // A prescribed value of another time, as `update` sets it if the equations are known.
     bare.set(whole.reduction().g(), &[1.0]).expect("one slave");
     bare.expand_into(&[1.5], &mut same).expect("one master");
     assert_eq!(same[0] - 2.0 * same[1] + 3.0 * same[2], 0.5);

@@ -1,18 +1,18 @@
-//! Random sparse matrices, in every way that a code may hold them.
+//! Random sparse matrices in all supported storage formats.
 
 use qless::elimination::Storage;
 use qless_scenes::Rng;
 
 use super::dense::Dense;
 
-/// Compressed lines counted from a base.
+/// Compressed lines with indices from a base of 0 or 1.
 pub struct Held {
     pub starts: Vec<i64>,
     pub index: Vec<i32>,
     pub values: Vec<f64>,
 }
 
-/// A matrix with about a third of its entries, symmetric if that is asked for.
+/// A matrix with about a third of its entries, optionally symmetric.
 pub fn random(n: usize, symmetric: bool, rng: &mut Rng) -> Dense {
     let mut k = vec![vec![0.0; n]; n];
     for i in 0..n {
@@ -28,7 +28,7 @@ pub fn random(n: usize, symmetric: bool, rng: &mut Rng) -> Dense {
     k
 }
 
-/// The stored entries by rows or by columns; some lines in disorder, some entries in two parts.
+/// The stored entries by rows or by columns; some lines are unsorted, some entries are split in two.
 pub fn held(k: &Dense, by_columns: bool, storage: Storage, base: usize, rng: &mut Rng) -> Held {
     let n = k.len();
     let mut held = Held { starts: vec![base as i64], index: Vec::new(), values: Vec::new() };

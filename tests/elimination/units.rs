@@ -1,4 +1,4 @@
-//! What the units of DOFs and equations, and the sizes of constants, must not change.
+//! Results do not depend on the units of DOFs and equations, or on the sizes of constants.
 
 use qless::elimination::{PrescribedDofs, Storage};
 use qless::{ArgumentError, ConstraintSystem, Elimination, Form, Kind, Options, SystemBuilder, analyse};
@@ -73,7 +73,7 @@ fn increments_lose_nothing_beside_large_constants() {
         let mut rng = Rng::new(seed);
         let plain = random_system(&mut rng);
         let mut builder = SystemBuilder::new(plain.dofs());
-        // Every DOF is moved by 1e12 times what it was.
+        // Every DOF is shifted by 1e12 times its size.
         (0..plain.equations()).for_each(|i| {
             builder.equation(plain.matrix().row(i), plain.rhs()[i] * 2.0_f64.powi(40));
         });

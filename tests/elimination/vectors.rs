@@ -1,4 +1,4 @@
-//! Expand, increment, project, operator, multipliers and refresh, against L and u_0, in both forms of T.
+//! Expand, increment, restrict, operator, multipliers and update against L and u_0, in both forms of T.
 
 use qless::elimination::{EliminationError, PrescribedDofs};
 use qless::{ArgumentError, Elimination, Form, Options, SystemBuilder};
@@ -92,7 +92,7 @@ fn vectors_go_there_and_back_as_l_says() {
     }
 }
 
-/// `K u + C^T lambda = f` at every DOF, reactions holding those that are prescribed, where u solves the condensed equations.
+/// If u solves the condensed equations, `K u + C^T lambda = f` at every DOF, with reactions at the prescribed DOFs.
 #[test]
 fn multipliers_balance_every_dof() {
     let mut checked = 0;
@@ -106,7 +106,7 @@ fn multipliers_balance_every_dof() {
         map.expand_into(&u_q, &mut u).expect("finite");
         let k = random(n, false, &mut rng);
         let stress: Vec<f64> = k.iter().map(|row| row.iter().zip(&u).map(|(k, u)| k * u).sum()).collect();
-        // Forces that balance it with some multipliers and no reactions: at masters and slaves exactly.
+        // Forces in balance with some multipliers and no reactions: exactly at masters and slaves.
         let mut f = stress.clone();
         for (i, lambda) in lambda.iter().enumerate() {
             system.matrix().row(i).for_each(|(j, v)| f[j] += v * lambda);
@@ -148,7 +148,7 @@ fn the_operator_is_the_condensed_matrix() {
     }
 }
 
-/// As a map made afresh with the new numbers, which are consistent; refused and unchanged where they are not.
+/// An update equals a new elimination with the new numbers; inconsistent numbers are refused and change nothing.
 #[test]
 fn refreshed_maps_are_those_of_a_fresh_system() {
     let (mut refused, mut taken) = (0, 0);

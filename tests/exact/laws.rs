@@ -1,10 +1,10 @@
-//! Order, blocks, threads and primes do not change an exact rank; memory has a limit that is told.
+//! Order, blocks, threads and primes do not change an exact rank; exceeding the memory limit is an error.
 
 use qless::exact::{self, ExactError, ExactRank, Reading, Settings};
 use qless::{ConstraintSystem, SystemBuilder};
 use qless_scenes::{Rng, families};
 
-/// Systems of several parts, dependent and conflicting ones among them, whose elimination fills in.
+/// Systems of several components, some dependent or conflicting, whose elimination fills in.
 fn random(rng: &mut Rng) -> ConstraintSystem {
     let (m, n) = (3 + rng.below(30), 3 + rng.below(40));
     let mut builder = SystemBuilder::new(n);
@@ -33,7 +33,7 @@ fn random(rng: &mut Rng) -> ConstraintSystem {
     builder.build().expect("valid")
 }
 
-/// The equations of several systems side by side, row i where `order` says, DOFs numbered anew.
+/// The equations of several systems in one, with rows in the given order and new DOF numbers.
 fn reordered(systems: &[&ConstraintSystem], rng: &mut Rng) -> (ConstraintSystem, Vec<usize>) {
     let dofs = systems.iter().map(|system| system.dofs()).sum();
     let columns = rng.permutation(dofs).expect("few");
@@ -58,7 +58,7 @@ fn exact(system: &ConstraintSystem, reading: Reading) -> ExactRank {
     exact::rank(system, reading).expect("small")
 }
 
-/// What is said of the part of each equation.
+/// The result of the component of each equation.
 fn by_equation(exact: &ExactRank) -> Vec<exact::PartRank> {
     exact.part_of.iter().map(|&part| exact.parts[part as usize]).collect()
 }
@@ -146,13 +146,13 @@ fn fill_beyond_the_limit_is_refused_with_its_size() {
             panic!("{} rows were not refused", system.equations())
         };
         assert!(rows <= system.equations() && told == limit);
-        // It is noticed at once, not when memory is gone.
+        // The limit stops the run early.
         assert!(fill > limit && fill < 2 * limit, "{fill}");
         assert_eq!(exact(&system, Reading::Typed).rank, system.equations());
     }
 }
 
-/// What is peeled takes no room.
+/// Peeled equations need no memory.
 #[test]
 fn peeled_equations_do_not_count_as_fill() {
     let path = families::path(1000).expect("a scene").system;

@@ -58,7 +58,7 @@ fn paths_and_rings_of_a_million_equations() {
     assert_eq!((exact.rank, exact.augmented_rank), (999_999, 1_000_000));
 }
 
-/// Two averages over many DOFs that three-term equations join: long rows, changed by short ones.
+/// Two averages over many DOFs, and three-term equations between these DOFs: elimination changes long rows by short ones.
 #[test]
 fn long_rows_are_changed_in_place() {
     let n = 20_000;
@@ -85,14 +85,14 @@ fn recurrence(rows: usize, start: [f64; 2]) -> SystemBuilder {
     builder
 }
 
-/// Each equation fixes the next DOF, so the rank is full, however large they grow.
+/// Each equation fixes the next DOF, so the rank is full, although the values grow.
 #[test]
 fn a_recurrence_that_grows_has_full_rank() {
     let exact = typed(&recurrence(40, [0.0, 1.0]).build().expect("valid"));
     assert_eq!((exact.rank, exact.augmented_rank), (40, 40));
 }
 
-/// Its values are whole numbers, so a wrong one is found in the last digit.
+/// The values are whole numbers, so an error in the last digit is found.
 #[test]
 fn values_that_equations_fix_are_exact() {
     let (mut u, mut next) = (0_i64, 1_i64);
@@ -102,7 +102,7 @@ fn values_that_equations_fix_are_exact() {
     assert!(next.unsigned_abs() > 100_000_000_000 && next.unsigned_abs() < 1 << 53);
     for (off, solvable) in [(0, true), (1, false), (-1, false)] {
         let mut builder = recurrence(20, [0.0, 0.1]);
-        // A tenth of the last value, typed.
+        // A tenth of the last value as a decimal.
         let tenth: f64 = format!("{}e-1", next + off).parse().expect("a number");
         builder.equation([(21, 1.0)], tenth);
         let exact = typed(&builder.build().expect("valid"));

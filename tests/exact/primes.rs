@@ -1,4 +1,4 @@
-//! A matrix chosen after the primes can fool one of them, and not both.
+//! A matrix that was chosen for one prime gives a wrong rank for this prime only; the second prime detects it.
 
 use qless::exact::{self, ExactRank, Reading};
 use qless::{ConstraintSystem, SystemBuilder};
@@ -7,7 +7,7 @@ fn typed(system: &ConstraintSystem) -> ExactRank {
     exact::rank(system, Reading::Typed).expect("small")
 }
 
-/// The primes that every call with the standard seed draws.
+/// The primes of the standard seed.
 fn primes() -> [u64; 2] {
     typed(&SystemBuilder::new(1).build().expect("valid")).primes
 }

@@ -1,4 +1,4 @@
-//! Decimals times a power of ten are whole numbers, whose rank is elimination without a remainder.
+//! The rank of decimal numbers against fraction-free elimination of whole numbers (the decimals times a power of ten).
 
 use qless::exact::{self, Reading};
 use qless::{ConstraintSystem, SystemBuilder};
@@ -13,7 +13,7 @@ struct Decimal {
     prescribed: Vec<(usize, i128)>,
 }
 
-/// What a user types: 7, -0.25 or 1.5, or the same with an exponent.
+/// The text of a number: 7, -0.25 or 1.5, or with an exponent.
 fn typed(cents: Cents, shift: i32, scientific: bool) -> f64 {
     let text = if scientific || shift != 0 {
         format!("{cents}e{}", shift - 2)
@@ -88,7 +88,7 @@ fn divisor(a: i128, b: i128) -> i128 {
     if b == 0 { a.abs() } else { divisor(b, a % b) }
 }
 
-/// Eliminates the first `cols` columns in place, the pivot rows first, and divides each row by what its numbers have in common.
+/// Eliminates the first `cols` columns in place, the pivot rows first, and divides each row by its greatest common divisor.
 fn rank_of(rows: &mut [Vec<i128>], cols: usize) -> usize {
     let mut rank = 0;
     for col in 0..cols {
@@ -122,7 +122,7 @@ fn numbers_as_typed_have_the_ranks_of_whole_numbers() {
             [rank < system.equations(), rank < augmented, stored.rank > rank, stored.augmented_rank > augmented];
         kinds.iter().zip(&mut seen).for_each(|(&kind, count)| *count += usize::from(kind));
     }
-    // Dependent, unsolvable, and otherwise in binary: each often enough to be tested.
+    // Dependent systems, unsolvable ones, and systems that differ in binary occur often enough.
     assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
 }
 

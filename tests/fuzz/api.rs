@@ -1,4 +1,4 @@
-//! Calls of the library in any order and with any arguments: a result or a typed error, never a panic; what is returned is finite.
+//! Calls of the library in any order and with any arguments give a finite result or a typed error, and no panic.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use qless::{
     SystemBuilder, Tolerance, analyse,
 };
 
-/// At most 16 of them: a count and that many, so that inputs are lists and not ends of lists.
+/// A list of at most 16 values: a count, then the values.
 #[derive(Debug)]
 struct List<T>(Vec<T>);
 
@@ -29,12 +29,12 @@ impl<T> std::ops::Deref for List<T> {
     }
 }
 
-/// A place that is there, most often; sometimes any.
+/// An index, mostly in range.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 struct Index(u8, u8);
 
 impl Index {
-    /// Of so many.
+    /// An index for `count` entries.
     fn of(self, count: usize) -> usize {
         match self.1 {
             255 => usize::MAX,
@@ -45,7 +45,7 @@ impl Index {
     }
 }
 
-/// A small number, most often; sometimes one that is none, or near the end of the range.
+/// A number, mostly small; sometimes NaN, infinite or near the end of the range.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 struct Number(i8, u8);
 
@@ -145,7 +145,7 @@ struct Input {
     changes: List<Change>,
 }
 
-/// Makes the calls that the bytes stand for.
+/// Makes the calls that the bytes encode.
 pub fn api(data: &[u8]) {
     let Ok(input) = Input::arbitrary_take_rest(Unstructured::new(data)) else { return };
     let dofs = if input.dofs == u8::MAX { 0 } else { 1 + usize::from(input.dofs % 24) };
@@ -153,7 +153,7 @@ pub fn api(data: &[u8]) {
     for (terms, rhs) in input.equations.iter() {
         builder.equation(terms.iter().map(|(j, v)| (j.of(dofs), v.get())), rhs.get());
     }
-    // One value for each, most often.
+    // Mostly one value for each.
     let mut held = std::collections::BTreeSet::new();
     let given = input.prescribed.iter().filter(|(j, v)| held.insert(j.of(dofs)) || v.1 > 250);
     given.for_each(|(j, v)| builder.prescribe(j.of(dofs), v.get()));
@@ -236,7 +236,7 @@ fn calls(system: &ConstraintSystem, analysis: Analysis, calls: &[Call]) {
     }
 }
 
-/// A row or a column that is there, or an error.
+/// A row or a column in range, or an error.
 fn place<T, E>(k: usize, count: usize, of: impl FnOnce(usize) -> Result<T, E>) {
     assert_eq!(of(k).is_ok(), k < count);
 }

@@ -1,4 +1,4 @@
-//! A folder with `C.mtx` and what else the input holds of a case.
+//! A folder with `C.mtx` and the other files of a case in the input.
 
 use std::path::Path;
 
@@ -8,14 +8,14 @@ use super::files::split;
 
 const PARTS: [&str; 4] = ["b.txt", "prescribed.txt", "rows.txt", "cols.txt"];
 
-/// Reads the case. One that is accepted must read back the same from what is written of it.
+/// Reads the case. An accepted case must be the same after writing and reading it.
 pub fn case(data: &[u8]) {
     let place = tempfile::tempdir().expect("a temporary folder");
     let folder = place.path().join("case");
     put(&folder, data);
     match read_case(&folder, None, None) {
         Ok(system) => {
-            // Labels may hold a lone CR, which is refused with a typed error.
+            // A label with a lone CR is refused with a typed error.
             let copy = place.path().join("copy");
             if write_case(&copy, &system).is_ok() {
                 assert_eq!(read_case(&copy, None, None).expect("what was written is read"), system);

@@ -9,7 +9,7 @@ use qless_io::deck::{Deck, DeckError, Format, parse};
 
 use super::files::split;
 
-/// Terms of a deck that is cleaned: the reader is what is looked at here.
+/// Largest number of terms of a deck that is cleaned; the target mainly tests the reader.
 const TERMS: usize = 2_000;
 
 /// Reads and cleans a CalculiX deck.
@@ -58,7 +58,7 @@ fn check(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
     }
 }
 
-/// A deck that is cleaned is read again without faults, and cleaned a second time stays as it is.
+/// A cleaned deck is read again without faults, and a second cleaning does not change it.
 fn clean(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
     let Ok(first) = plan(deck, &Options::default()) else { return };
     let Ok(text) = write(deck, &first) else { return };

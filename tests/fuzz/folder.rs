@@ -1,5 +1,5 @@
-//! A case folder by its meaning, not by its bytes: sizes, coefficients, right-hand sides, prescribed values, labels, and lists of
-//! equations and DOFs that are preferred. Most inputs are read, and go on to the analysis and the reduction.
+//! A case folder made from decoded values instead of raw bytes: sizes, coefficients, right-hand sides, prescribed values, labels, and
+//! lists of preferred equations and DOFs. Most inputs are valid and reach the analysis and the reduction.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use arbitrary::{Arbitrary, Unstructured};
 use qless::{Analysis, AnalysisError, ConstraintSystem, Form, Options, Preferences, analyse};
 use qless_io::{read_case, write_case};
 
-/// What the folder holds, and how it is looked at.
+/// The content of the folder, and the options of the analysis.
 #[derive(Arbitrary, Debug)]
 struct Folder {
     rows: u8,
@@ -24,7 +24,7 @@ struct Folder {
     factored: bool,
 }
 
-/// A coefficient: mostly small and whole, so that equations are dependent; now and then at the edge of what there is.
+/// A coefficient: mostly a small whole number, so that equations are dependent; sometimes near the limits of doubles.
 #[derive(Arbitrary, Debug)]
 enum Number {
     Whole(i8),
@@ -46,7 +46,7 @@ impl Number {
     }
 }
 
-/// Rows and columns at most.
+/// Largest number of rows and of columns.
 const SIZE: u8 = 24;
 
 /// Reads, writes, analyses and reduces the case.
@@ -98,7 +98,7 @@ impl Folder {
         Options { preferences, presolve: self.presolve, ..Options::default() }
     }
 
-    /// Options are refused for lists that name what there is not, or the same DOF twice.
+    /// Options are refused if a list names a DOF or equation that does not exist, or a DOF twice.
     fn assert_listed_wrongly(&self, system: &ConstraintSystem) {
         let Preferences { equations, slaves, masters, .. } = self.options().preferences;
         let is_beyond = equations.iter().any(|&i| i >= system.equations())
@@ -106,7 +106,7 @@ impl Folder {
         assert!(is_beyond || slaves.iter().any(|slave| masters.contains(slave)));
     }
 
-    /// What is returned solves the equations; what is not is a typed error.
+    /// A reduction satisfies the equations, or there is a typed error.
     fn check(&self, system: &ConstraintSystem, analysis: &Analysis) {
         assert_eq!(analysis.kinds().len(), system.equations());
         assert_eq!(analysis.rank() + analysis.dependent().len(), system.equations());

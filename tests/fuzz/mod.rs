@@ -1,7 +1,7 @@
-//! Checks that every input must pass, whatever its bytes: a reader returns, and what it accepts is a valid system.
+//! Checks for arbitrary input: a reader returns, and every accepted input is a valid system.
 //!
-//! An input is one or more files: a line `=== NAME` starts the next one. The tests run these checks over the kept inputs, and
-//! libFuzzer over new ones.
+//! An input is one or more files; a line `=== NAME` starts the next file. The tests run these checks on the kept inputs, libFuzzer
+//! on new ones.
 
 mod api;
 mod case;

@@ -69,7 +69,7 @@ fn sets_take_their_own_only() {
     survives("no DOFs", || ConstraintSet::builder(0).build().map(|set| set.allocate())).expect("empty");
 }
 
-/// Adds it, and evaluates what was accepted; neither may panic.
+/// Adds a constraint and, if it is accepted, evaluates it; neither may panic.
 fn take<C: Constraint>(constraint: C) {
     survives(C::NAME, || {
         let mut builder = ConstraintSet::builder(40);
@@ -287,7 +287,7 @@ fn vectors_and_derivatives_of_what_is_no_number() {
     }
 }
 
-/// A type that hands over another number of DOFs than it has.
+/// A type that states a wrong number of DOFs.
 struct Miscounted(Vec<usize>);
 
 /// `u_0 u_1`.

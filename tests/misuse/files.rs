@@ -50,7 +50,7 @@ fn names_and_numbers_that_cannot_be_written() {
     survives("labels", || write_case(&place.path().join("case"), &system)).ok();
 }
 
-/// Nothing of a set of files is put in place that would go over an input.
+/// A set of files is not written if one of them would replace an input.
 #[test]
 fn files_that_would_go_over_an_input() {
     let place = tempfile::tempdir().expect("a folder");

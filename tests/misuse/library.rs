@@ -20,7 +20,7 @@ fn analysed(system: &ConstraintSystem) -> Analysis {
     analyse(system, &Options::default()).expect("analysed")
 }
 
-/// Equations that are coupled enough to stay factors.
+/// Equations that are coupled enough to stay factored.
 fn coupled() -> ConstraintSystem {
     let mut builder = SystemBuilder::new(12);
     (0..4).for_each(|i| {
@@ -54,7 +54,7 @@ fn options_out_of_range() {
     }
     let preferences = Preferences { masters: vec![0, 0], slaves: vec![0, 1, 1], ..Preferences::default() };
     refused("a contradiction", || analyse(&system, &Options { preferences, ..default() }).map(drop));
-    // The least that is allowed, with no memory at all: an error or a result, never a panic.
+    // The smallest values with a memory limit of zero give an error or a result, not a panic.
     for (growth, memory) in [(1.0, 0), (1e300, 1), (4.0, usize::MAX)] {
         for backend in [qless::BackendChoice::Faer, qless::BackendChoice::Sparse, qless::BackendChoice::Gauss] {
             for system in [ring(4), coupled()] {
@@ -68,7 +68,7 @@ fn options_out_of_range() {
     }
 }
 
-/// All that an analysis and a reduction tell, of systems with little in them.
+/// Calls all methods of an analysis and a reduction of nearly empty systems.
 #[test]
 fn what_is_told_of_little() {
     let mut doubtful = SystemBuilder::new(3);
@@ -98,7 +98,7 @@ fn what_is_told_of_little() {
     }
 }
 
-/// No equations, empty ones, all DOFs prescribed: all that can be asked of them.
+/// Systems without equations, with empty equations, and with all DOFs prescribed.
 #[test]
 fn systems_with_nothing_in_them() {
     let mut empty_rows = SystemBuilder::new(2);
@@ -189,7 +189,7 @@ fn expand_and_its_transposed_take_their_lengths_only() {
             refused("one master too far", || reduction.column(q));
         }
     }
-    // Numbers beyond the range are no result.
+    // An overflow is an error.
     let mut builder = SystemBuilder::new(3);
     builder.equation([(0, 1.0), (1, -2.0), (2, -2.0)], 0.0);
     let options = Options { growth: 1e9, ..Options::default() };
@@ -230,7 +230,7 @@ fn a_reduction_of_other_dofs_has_no_residual() {
     held.prescribe(4, 0.0);
     let held = analysed(&held.build().expect("valid"));
     assert!(matches!(refused("prescribed", || held.residual(&foreign)), ArgumentError::Foreign { .. }));
-    // Of the same DOFs it may be anybody's, and is judged: that of two equations does not meet five.
+    // A reduction of another system with the same DOFs is accepted and checked: that of two equations does not satisfy five.
     let mut two = SystemBuilder::new(5);
     two.equation([(0, 1.0), (1, 1.0)], 0.0);
     let residual = large.residual(&analysed(&two.build().expect("valid")).reduction().expect("reduced"));

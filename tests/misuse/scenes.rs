@@ -1,4 +1,4 @@
-//! `qless-scenes`: sizes, numbers and truths that make no scene.
+//! `qless-scenes`: invalid sizes, numbers and truths.
 
 use qless::Csr;
 use qless_scenes::families::{
@@ -92,7 +92,7 @@ fn counts_of_what_cannot_be_made() {
     });
 }
 
-/// What takes nothing that could be wrong.
+/// Functions that accept every argument.
 #[test]
 fn scenes_and_truths_of_any_size() {
     use paper::FloorInput::{Accepted, Chain, Star};
@@ -131,7 +131,7 @@ fn numbers_that_make_no_scene() {
     survives("nothing", || Rng::new(0).coefficient(0) + Rng::new(0).coefficient(usize::MAX));
 }
 
-/// A scene whose parts do not fit one another, which anybody can put together.
+/// A scene with inconsistent fields, which are public.
 #[test]
 fn scenes_that_were_changed() {
     let mut scene = families::path(3).expect("a path");

@@ -52,7 +52,7 @@ fn arrays_that_are_no_matrix() {
     refused("rows beyond 32 bits", || Csr::zero(usize::MAX, 1));
 }
 
-/// Threads look at rows side by side; what is said does not depend on who finds a fault first.
+/// Threads check rows in parallel; the error does not depend on which thread finds a fault first.
 #[test]
 fn of_many_faults_that_of_the_first_row_is_named() {
     let start: Vec<usize> = (0..=100_000).collect();
@@ -77,7 +77,7 @@ fn systems_of_wrong_lists() {
         refused("a start", || ConstraintSystem::from_csc(2, &[0, rows, 1], &[0], &[1.0], &b, &[]));
         refused("a prescribed DOF", || ConstraintSystem::from_triplets(2, 2, &[], &b, &[(rows, 0.0)]));
     }
-    // Fewer equations than are said, with nothing made for those that are not there.
+    // Fewer equations than stated: nothing is allocated for the missing ones.
     refused("many rows", || ConstraintSystem::from_triplets(u32::MAX as usize - 1, 2, &[], &b, &[]));
     for bad in BAD {
         refused("a coefficient", || ConstraintSystem::from_triplets(2, 2, &[(0, 0, bad)], &b, &[]));
@@ -90,7 +90,7 @@ fn systems_of_wrong_lists() {
         refused("a b of another length", || ConstraintSystem::from_triplets(2, 2, &[], &vec![0.0; count], &[]));
     }
     refused("two values", || ConstraintSystem::from_triplets(2, 2, &[], &b, &[(1, 0.0), (1, 1.0)]));
-    // The same list as matrix values, right-hand side: only its length counts.
+    // The same list as matrix values and right-hand side: only its length matters.
     let numbers = [1.0, 2.0];
     survives("aliases", || ConstraintSystem::from_csc(2, &[0, 2], &[0, 1], &numbers, &numbers, &[])).expect("valid");
 }
@@ -119,7 +119,7 @@ fn builders_say_what_is_wrong_at_the_end() {
     with(&|builder| builder.dof_labels(vec!["one".to_owned()]));
 }
 
-/// A matrix may hold what no system may.
+/// A matrix accepts values that a system refuses.
 #[test]
 fn values_that_are_written_into_a_matrix() {
     for bad in BAD {
@@ -163,7 +163,7 @@ fn labels_of_what_is_not_there() {
     refused("one DOF label", || system.clone().with_labels(Vec::new(), vec!["a".to_owned()]));
 }
 
-/// Copies share the numbers: what an analysis keeps costs nothing.
+/// Copies share the numbers, so an analysis keeps its system at no cost.
 #[test]
 fn a_copy_is_the_same_numbers() {
     let system = ring(5);

@@ -1,17 +1,17 @@
-//! The same system in another order, with rows scaled, in other units.
+//! Variants of a system: another order, scaled rows, other units.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
 use qless::ConstraintSystem;
 use qless_scenes::{Rng, Scene};
 
-/// Seeds by which a system is put in another way.
+/// Seeds of the variants of a system.
 #[derive(Clone, Debug)]
 pub struct Change {
     pub order: u64,
     pub rows: u64,
     pub units: u64,
-    /// DOFs are measured in these powers of ten; none for no change of units.
+    /// The units of the DOFs as powers of ten; `None` for the original units.
     pub decades: Vec<i32>,
 }
 
@@ -40,11 +40,11 @@ impl Change {
     }
 }
 
-/// One way to put a system.
+/// A variant of a system.
 pub struct Variant {
     pub name: &'static str,
     pub system: ConstraintSystem,
-    /// What DOF j was.
+    /// The original number of DOF j.
     pub dofs: Vec<usize>,
     /// Unit of DOF j.
     pub units: Vec<f64>,
@@ -52,7 +52,7 @@ pub struct Variant {
     pub exact: bool,
 }
 
-/// As it is, in another order, with rows scaled and in both; in other units twice and else not at all.
+/// The system itself, in another order, with scaled rows, with both; and, if the seeds have units, two variants in other units.
 pub fn variants(scene: &Scene, change: &Change) -> Vec<Variant> {
     let units = change.units(scene.system.dofs());
     let measured = if change.decades.is_empty() { scene.clone() } else { scene.scale_dofs(&units).expect("in range") };

@@ -65,13 +65,13 @@ fn check_dense(backend: BackendChoice, units: Units) {
     });
 }
 
-/// Rare in the random tests above, so they stand here.
+/// Cases that the random tests above rarely reach.
 fn small_systems_found_wrong_once(backend: BackendChoice) {
     let found: [(&[[i32; 4]], u64); 4] = [
-        // gauss: the equations that fix DOF 3 were not found, for pivots that were rounding.
+        // gauss did not find the equations that fix DOF 3, because of pivots that were rounding.
         (&[[0, 26, -3, 15], [0, -26, 2, -15], [0, 0, 0, 0]], 203),
         (&[[-2, -10, 0, -1], [-1, -1, 0, 3], [3, 11, 8, -2]], 203),
-        // spqr: a fixed DOF was not found, for rounding in its row of T.
+        // spqr did not find a fixed DOF, because of rounding in its row of T.
         (&[[-3, 6, -3, -12], [-9, 1, -11, 4], [17, -2, 21, -12]], 263),
         (&[[11, 14, -9, -18], [2, 13, -8, -6], [-13, 6, -3, 18]], 271),
     ];
@@ -81,7 +81,7 @@ fn small_systems_found_wrong_once(backend: BackendChoice) {
         let solution = solution(4, order);
         check(backend, &scene(system(&rows, &solution, &[0; 4], &[])), &change, Some(&solution));
     }
-    // spqr: an equation that is not needed in a certificate, for rounding in its coefficient.
+    // spqr put an unnecessary equation into a certificate, because of rounding in its coefficient.
     let change = Change { order: 430, rows: 0, units: 0, decades: Vec::new() };
     check(backend, &families::rbe2(6, 2, 462).expect("in range"), &change, None);
 }

@@ -1,9 +1,9 @@
-//! What is true of a system, from the oracle, and what an analysis says of it.
+//! The exact properties of a system from the oracle, and the results of an analysis.
 
 use qless::{Analysis, ConstraintSystem, Kind};
 use qless_scenes::oracle;
 
-/// What is true of the free part of a system.
+/// The exact properties of the free part of a system.
 #[derive(Debug, PartialEq)]
 pub struct Exact {
     pub rank: usize,

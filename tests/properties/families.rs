@@ -1,4 +1,4 @@
-//! Models of which the rank is known: planted combinations, graphs, rigid spiders, periodic cells.
+//! Models of known rank: planted combinations, graphs, rigid spiders, periodic cells.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -42,7 +42,7 @@ fn check_planted(backend: BackendChoice, units: Units) {
     });
 }
 
-/// Nodes and edges `(a, b, gap)`; a gap that is not 0 is missing from the sum of steps around the edge's cycles.
+/// Nodes and edges `(a, b, gap)`; the steps around a cycle add up to the sum of its gaps.
 fn graphs() -> impl Strategy<Value = (usize, Vec<(usize, usize, f64)>)> {
     let gap = prop_oneof![9 => Just(0.0), 1 => (-3..=3).prop_map(f64::from)];
     (2_usize..25).prop_flat_map(move |nodes| {
@@ -51,7 +51,7 @@ fn graphs() -> impl Strategy<Value = (usize, Vec<(usize, usize, f64)>)> {
     })
 }
 
-/// Whole numbers, one per DOF: a solution made up before the right-hand sides.
+/// A random whole number for each DOF: a solution from which right-hand sides are computed.
 pub fn solution(dofs: usize, seed: u64) -> Vec<f64> {
     let mut rng = Rng::new(seed);
     (0..dofs).map(|_| rng.below(19) as f64 - 9.0).collect()

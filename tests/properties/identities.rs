@@ -1,4 +1,4 @@
-//! Every property of an answer.
+//! The checks of an answer.
 
 use qless::{Analysis, BackendChoice, ConstraintSystem, Csr, Dependent, Kind, Options, SystemBuilder};
 use qless_scenes::{Scene, oracle};
@@ -7,7 +7,7 @@ use super::change::{Change, Variant, variants};
 use super::exact::Exact;
 use crate::support::{certificate_error, check_certificates, check_reduction, diagnose, settings};
 
-/// Every property of every variant; `solution` solves the system as it is, where one is known.
+/// Checks every variant. `solution` is a solution of the original system, if one is known.
 pub fn check(backend: BackendChoice, scene: &Scene, change: &Change, solution: Option<&[f64]>) {
     let exact = Exact::of(&scene.system);
     assert!(scene.truth.rank_free.is_none_or(|rank| rank == exact.rank), "the scene's own rank");
@@ -31,7 +31,7 @@ fn check_identities(variant: &Variant, analysis: &Analysis, options: &Options, w
     let reduction = analysis.reduction().expect("within the gate");
     let residual = analysis.residual(&reduction).expect("its own DOFs");
     assert!(residual <= 1e-12, "residual {residual:e}, {what}");
-    // Without presolve QR is right relative to the largest right-hand side of the block only, whatever its unit.
+    // Without presolve the error of QR is relative to the largest right-hand side of the block, in any unit.
     if variant.exact || options.presolve {
         check_reduction(system, analysis, &reduction, 1e-12);
     }
@@ -47,8 +47,8 @@ fn check_identities(variant: &Variant, analysis: &Analysis, options: &Options, w
     }
 }
 
-/// Exactly: the equations of a certificate are independent, imply the row, all are needed for that, and the row
-/// conflicts iff it contradicts them.
+/// In exact arithmetic: the equations of a certificate are independent and imply the row, all of them are needed, and the row
+/// conflicts if and only if it contradicts them.
 fn check_dependent(system: &ConstraintSystem, analysis: &Analysis, dependent: &Dependent, what: &str) {
     let support: Vec<usize> =
         analysis.because(dependent.row).expect("one of its rows").iter().map(|term| term.row).collect();
@@ -70,7 +70,7 @@ fn check_dependent(system: &ConstraintSystem, analysis: &Analysis, dependent: &D
     assert_eq!(dependent.kind, kind, "mismatch {:e}: {what}", dependent.mismatch);
 }
 
-/// Generated boundary conditions have the values that they have in the solution.
+/// Generated boundary conditions have the values of the solution.
 fn check_values(variant: &Variant, analysis: &Analysis, solution: &[f64], what: &str) {
     let largest = solution.iter().fold(1.0, |a: f64, v| a.max(v.abs()));
     for &(dof, value) in analysis.generated() {

@@ -1,4 +1,4 @@
-//! Systems near dependence: the rank may be doubted, and must be where that is fair.
+//! Systems near dependence: the rank may be ambiguous, and must be if the distance is small.
 
 use proptest::prelude::*;
 use qless::{BackendChoice, SystemBuilder};
@@ -12,7 +12,7 @@ use crate::{hold, scene};
 
 on_each_backend!(triples_near_dependence, combinations_near_dependence);
 
-/// In one's own units only: others would change what is near.
+/// Only the original units, because other units change the distance to dependence.
 fn check_doubt(backend: BackendChoice, scene: &Scene, change: &Change, ranks: [usize; 2], ambiguous: bool) {
     for variant in variants(scene, change) {
         for options in settings(backend) {
@@ -27,7 +27,7 @@ fn check_doubt(backend: BackendChoice, scene: &Scene, change: &Change, ranks: [u
 
 fn triples_near_dependence(backend: BackendChoice) {
     let column = prop_oneof![Just(Near::Own), Just(Near::Shared)];
-    // At 1e-5 either verdict on the doubt is fair.
+    // At 1e-5 the rank may be ambiguous or not.
     let digits = prop_oneof![Just(4), 6..=14_i32];
     hold(160, &(1_usize..5, digits, column, changes(Units::Kept)), |(triples, digits, column, change)| {
         let scene = families::near(triples, 10_f64.powi(-digits), column).expect("in range");
@@ -54,7 +54,7 @@ fn combinations_near_dependence(backend: BackendChoice) {
             }
             let near = scene(builder.build().expect("valid"));
             let rank = oracle::rank_free(&near.system).expect("within reach");
-            // Where the coefficient's DOF is fixed by the others anyway, the row is as dependent as before.
+            // If the others fix the DOF of the coefficient, the row is still dependent.
             if rank > planted.rows {
                 check_doubt(backend, &near, &change, [planted.rows, rank], true);
             }

@@ -1,4 +1,4 @@
-//! What is said of one system with some options, against the SVD and the residual.
+//! The results for one system and one set of options against the SVD and the residual.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
@@ -9,21 +9,21 @@ use qless_scenes::oracle::consistent;
 use super::residual;
 use super::svd_reference::{Case, Truth, kept};
 
-/// Largest residual of what leaves the library.
+/// Largest residual of a returned reduction.
 const RESIDUAL: f64 = 1e-10;
 /// `sigma_kept` may be off by this, either way.
 const FACTOR: f64 = 100.0;
-/// No system here has work for longer than this.
+/// Time limit for one system.
 const LONG: Duration = Duration::from_secs(10);
 
-/// What does not hold.
+/// A violated law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
     /// An error, a panic or no end.
     Ends,
     /// A reduction exists where the SVD is clear.
     Gate,
-    /// What leaves meets the equations.
+    /// The returned reduction satisfies the equations.
     Residual,
     /// `sigma_kept` is that of the kept rows.
     Sigma,
@@ -31,7 +31,7 @@ pub enum Law {
     Rank,
     /// No doubt where the SVD has none.
     Alarm,
-    /// What is called a conflict without doubt is one in exact arithmetic.
+    /// A conflict without doubt is one in exact arithmetic.
     Conflict,
     /// Generated boundary conditions follow from the equations where the SVD is clear.
     Generated,
@@ -44,13 +44,13 @@ pub fn tolerance(options: &Options) -> f64 {
     tolerance
 }
 
-/// In short, what differs from the default.
+/// A short text with the options that differ from the default.
 pub fn text(options: &Options) -> String {
     let Options { backend, presolve, growth, tolerance, .. } = options;
     format!("{backend:?}, presolve {presolve}, growth {growth}, {tolerance:?}")
 }
 
-/// All that is wrong with one system.
+/// All violated laws of one system.
 pub fn faults(case: &Case, truth: &Truth, options: &Options) -> Vec<Fault> {
     let what = format!("{} [{}]", case.name, text(options));
     let start = Instant::now();
@@ -107,7 +107,7 @@ fn sigma(case: &Case, analysis: &Analysis) -> Option<String> {
     let of_kept = Truth::new(&kept(&case.system, analysis), 0.0);
     let least = of_kept.values.last().map_or(0.0, |sigma| sigma.min(1.0));
     let found = analysis.confidence().sigma_kept;
-    // Below the rounding of the SVD any small number is as good as any other.
+    // Below the rounding of the SVD any small number is accepted.
     let most = FACTOR * least.max(of_kept.rounding());
     let is_low = found < least / FACTOR && least > of_kept.rounding();
     let ambiguous = analysis.confidence().ambiguous;
@@ -115,7 +115,7 @@ fn sigma(case: &Case, analysis: &Analysis) -> Option<String> {
         .then(|| format!("sigma_kept {found:.1e} for {least:.1e}, factor {:.0e}, ambiguous {ambiguous}", found / least))
 }
 
-/// Where doubt is reported and fair, the rank may be another one.
+/// If doubt is reported and justified, the rank may differ.
 fn rank(truth: &Truth, analysis: &Analysis) -> Option<String> {
     let (found, ambiguous) = (analysis.rank(), analysis.confidence().ambiguous);
     let must_hold = if ambiguous { truth.is_clear() } else { truth.has_gap() };
@@ -125,7 +125,7 @@ fn rank(truth: &Truth, analysis: &Analysis) -> Option<String> {
         .then(|| format!("rank {found}, {} by SVD {around:?}, ambiguous {ambiguous}", truth.rank))
 }
 
-/// Equations that have an exact solution are no conflict, unless that is doubted.
+/// Equations with an exact solution do not conflict, unless there is doubt.
 fn conflict(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
     let ambiguous = analysis.confidence().ambiguous;
     let found = analysis.dependent().iter().find(|d| d.kind == Kind::Conflicting).filter(|_| !ambiguous)?;
@@ -138,7 +138,7 @@ fn conflict(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
     })
 }
 
-/// Rows are what every tolerance is relative to, as the DOFs are given: their units are taken back only where whole columns
+/// Every tolerance is relative to the rows in the given units of the DOFs. Columns are scaled only if whole columns
 /// are small.
 fn is_clear_as_given(case: &Case) -> bool {
     Truth::new(&case.system, tolerance(&Options::default())).is_clear()

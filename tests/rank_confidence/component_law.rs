@@ -1,6 +1,6 @@
 //! `f(A + B)` is `f(A)` and `f(B)` to the last bit: kinds, ranks, doubt, slaves, T, G and g.
 //!
-//! Where rows and DOFs are shuffled, A alone is taken in the order in which its rows and DOFs then stand.
+//! If rows and DOFs are shuffled, A alone has its rows and DOFs in the shuffled order.
 
 use qless::{Analysis, BackendChoice, ConstraintSystem, Kind, Options, Reduction, SystemBuilder, Tolerance, analyse};
 use qless_scenes::families::{self, Near};
@@ -11,7 +11,7 @@ use super::random;
 use super::scenes::triangle;
 use super::svd_reference::Case;
 
-/// A part of a whole: its rows and DOFs by their numbers in the whole, ascending, and the part alone.
+/// A component: its rows and DOFs by their numbers in the whole, ascending, and its own system.
 struct Part {
     rows: Vec<usize>,
     dofs: Vec<usize>,
@@ -19,7 +19,7 @@ struct Part {
 }
 
 impl Part {
-    /// What is left of `whole` on some rows and DOFs, which are connected with no other.
+    /// The system of some rows and DOFs of `whole`, which are not connected with others.
     fn of(whole: &ConstraintSystem, rows: Vec<usize>, dofs: Vec<usize>) -> Self {
         let own = |j: usize| dofs.binary_search(&j).expect("a DOF of the part");
         let mut builder = SystemBuilder::new(dofs.len());
@@ -38,7 +38,7 @@ fn scene(name: &str, scene: Result<Scene, SceneError>) -> Named {
     (name.into(), scene.unwrap_or_else(|e| panic!("{name}: {e}")))
 }
 
-/// Of rows of one size, so that no column is scaled whatever stands beside.
+/// Systems with rows of equal size, in which no column is scaled.
 fn even() -> Vec<Named> {
     let mesh = fssi::Mesh { columns: 7, layers: 2, far_columns: 5, far_layers: 2, rings: 2, sectors: 4, wall: 3 };
     let mut all = vec![
@@ -65,7 +65,7 @@ fn even() -> Vec<Named> {
     all
 }
 
-/// Of other units, or with tiny coefficients: their columns may be scaled.
+/// Systems in other units, or with tiny coefficients; their columns may be scaled.
 fn uneven() -> Vec<Named> {
     [2, 10]
         .into_iter()
@@ -88,7 +88,7 @@ fn options(backend: BackendChoice) -> Vec<Options> {
     each.chain([(true, 4.0, 1e-7), (false, 4.0, 1e-13)]).map(|(p, g, t)| with(p, g, t)).collect()
 }
 
-/// All pairs of some with others, on one backend.
+/// All pairs of two lists of systems, on one backend.
 fn pairs(firsts: &[Named], seconds: &[Named], backend: BackendChoice, step: usize) {
     let mut faults = Vec::new();
     let each = firsts.iter().flat_map(|a| seconds.iter().map(move |b| (a, b)));
@@ -120,7 +120,7 @@ fn pairs(firsts: &[Named], seconds: &[Named], backend: BackendChoice, step: usiz
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// The first difference between the whole and its parts.
+/// The first difference between the whole and its components.
 fn compare(whole: &ConstraintSystem, parts: &[Part; 2], options: &Options) -> Option<String> {
     let of = |system: &ConstraintSystem| {
         let analysis = analyse(system, options).expect("valid");
@@ -164,7 +164,7 @@ fn compare(whole: &ConstraintSystem, parts: &[Part; 2], options: &Options) -> Op
     }
 }
 
-/// What is said of dependent equations, and the least and the most of the estimates, to the last bit.
+/// Compares dependent equations and the extremes of the estimates to the last bit.
 fn compare_dependent<R>(all: &Analysis, parts: &[Part; 2], alone: &[(Analysis, R); 2]) -> Option<String> {
     let [a, b] = [&alone[0].0.confidence(), &alone[1].0.confidence()];
     let estimates = (a.sigma_kept.min(b.sigma_kept), a.sigma_dropped.max(b.sigma_dropped));
@@ -199,7 +199,7 @@ fn compare_generated<R>(all: &Analysis, parts: &[Part; 2], alone: &[(Analysis, R
     })
 }
 
-/// Slaves, T, G and g to the last bit.
+/// Compares slaves, T, G and g to the last bit.
 fn compare_reductions(name: &str, all: &Reduction, part: &Part, alone: &Reduction) -> Option<String> {
     let place = |j: &usize| part.dofs.binary_search(j).ok();
     let slaves: Vec<usize> = all.slaves().iter().filter_map(place).collect();
@@ -228,10 +228,10 @@ fn compare_reductions(name: &str, all: &Reduction, part: &Part, alone: &Reductio
     None
 }
 
-/// A DOF of the part, and the bits of its coefficient.
+/// A DOF of the component, and the bits of its coefficient.
 type Entry = (Option<usize>, u64);
 
-/// By how much.
+/// Text of a difference.
 fn largest(here: &[Entry], there: &[Entry]) -> String {
     if here.iter().map(|e| e.0).ne(there.iter().map(|e| e.0)) {
         return format!("{} and {} coefficients", here.len(), there.len());
@@ -245,13 +245,13 @@ fn a_component_beside_changes_nothing() {
     pairs(&even(), &even(), BackendChoice::Faer, 1);
 }
 
-/// The choice of scaling is one of each component.
+/// Scaling is chosen separately for each component.
 #[test]
 fn a_component_in_other_units_beside_changes_nothing() {
     pairs(&uneven(), &[even(), uneven()].concat(), BackendChoice::Faer, 1);
 }
 
-/// More than 800 rows are worth some fill in presolve, of which each component has its own.
+/// With more than 800 rows presolve allows some fill, separately for each component.
 #[test]
 fn large_components_beside_change_nothing() {
     let planted = |rows, dofs, seed| scene("planted", families::planted(rows, dofs, 40, seed, false));
@@ -266,7 +266,7 @@ fn a_component_beside_changes_nothing_here(backend: BackendChoice) {
 
 on_each_backend!(a_component_beside_changes_nothing_here);
 
-/// Two thousand random systems in pairs, presolved or not: T is computed again, or not, for each alone.
+/// Two thousand random systems in pairs, with and without presolve: T may be recomputed for each component alone.
 #[test]
 fn random_systems_beside_change_nothing() {
     let mut faults = Vec::new();

@@ -1,4 +1,4 @@
-//! Once a system of a family that gets worse step by step is in doubt, so are all further ones.
+//! If a system of a family that gets worse step by step is in doubt, all further ones are too.
 //!
 //! A family ends where some units in the last place of coefficients that are there make rows dependent exactly, as in `near` with
 //! an eps of rounding: sums of decimals differ by that much, and an equation said twice is redundant without any doubt. Chains and
@@ -16,7 +16,7 @@ use super::checks::text;
 use super::scenes::triangle;
 use crate::support::settings;
 
-/// A name and systems from harmless to worst.
+/// A name and systems from well-conditioned to nearly dependent.
 type Family = (String, Vec<(String, ConstraintSystem)>);
 
 on_each_backend!(
@@ -33,7 +33,7 @@ fn family(name: String, steps: impl Iterator<Item = (String, Scene)>) -> Family 
     (name, steps.map(|(step, scene)| (step, scene.system)).collect())
 }
 
-/// Flags of all steps must be none, then all; at least the last is in doubt where the family is to end so.
+/// Once a step is flagged, all later ones must be; the last one must be flagged if the family requires that.
 fn check(backend: BackendChoice, families: &[Family], ends_in_doubt: bool) {
     let mut faults = Vec::new();
     for (name, steps) in families {
@@ -72,7 +72,7 @@ fn check(backend: BackendChoice, families: &[Family], ends_in_doubt: bool) {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// 10, 5 and 2 parts in 10 of each decade, down to 45 units in the last place.
+/// 10, 5 and 2 times each power of ten, down to 45 units in the last place.
 fn distances() -> impl Iterator<Item = f64> {
     let decade = |digits: i32| [1.0, 0.5, 0.2].map(|part| part * 10_f64.powi(-digits));
     (1..=14).flat_map(decade).filter(|&eps| eps >= 0.99e-14)
@@ -92,7 +92,7 @@ fn chain(n: usize, factor: f64) -> Scene {
     families::geometric_chain(n, factor).expect("in range")
 }
 
-/// The longer, the nearer to dependence, by the factor each DOF.
+/// Each DOF brings the chain nearer to dependence by the factor.
 fn chains_that_grow(backend: BackendChoice) {
     let steps = |factor: f64| (2..120).map(move |n| (format!("{n}"), chain(n, factor)));
     let all = [1.5, 2.0, 10.0, -3.0, 1e3].map(|factor| family(format!("geometric_chain(n, {factor})"), steps(factor)));
@@ -110,14 +110,14 @@ fn recurrences(backend: BackendChoice) {
     check(backend, &[family("recurrence(rows)".into(), steps)], true);
 }
 
-/// Square ones: of n equations on n DOFs.
+/// Square systems: n equations on n DOFs.
 fn triangles(backend: BackendChoice) {
     let steps = |c: f64| (2..100).map(move |n| (format!("{n}"), triangle(n, c, false)));
     let all = [0.285, 0.5, 1.0].map(|c| family(format!("triangle(n, {c}, square)"), steps(c)));
     check(backend, &all, true);
 }
 
-/// One equation in three is typed again with so many digits: `families::typed_twice` beyond 8 digits.
+/// One equation in three is typed again with `digits` digits: like `families::typed_twice`, but beyond 8 digits.
 fn typed_twice(seed: u64, digits: usize) -> ConstraintSystem {
     let (n, mut rng) = (20, Rng::new(seed));
     let mut builder = SystemBuilder::new(2 * n);
@@ -147,7 +147,7 @@ fn equations_typed_twice(backend: BackendChoice) {
     check(backend, &all, true);
 }
 
-/// Harmless components of any length do not hide the doubt.
+/// Well-conditioned components of any length do not hide the doubt.
 fn near_dependence_beside_a_chain(backend: BackendChoice) {
     let harmless: Vec<(String, Scene)> = vec![
         ("rotations(3)".into(), families::rotations(3).expect("in range")),

@@ -15,7 +15,7 @@ pub fn all() -> Vec<Case> {
     named().into_iter().map(case).collect()
 }
 
-/// As they are; and in another order, with rows scaled by powers of two.
+/// The system itself, and in another order with rows scaled by powers of two.
 pub fn named() -> Vec<Named> {
     let plain: Vec<Named> = [sparse(), graphs(), chains(), near(), models(), mortar(), steep()].concat();
     let changed = plain.iter().map(|(name, scene)| {
@@ -130,7 +130,7 @@ fn mortar() -> Vec<Named> {
     collect(all)
 }
 
-/// Triangles on which no pivot is small: of n - 1 equations on n DOFs, so clear, or of n, so near dependence where n is large.
+/// Triangular systems without small pivots: n - 1 equations on n DOFs have a clear rank, n equations are near dependence for large n.
 fn steep() -> Vec<Named> {
     let name =
         |c: f64, n: usize, wide: bool| format!("triangle(c {c}, n {n}, {})", if wide { "wide" } else { "square" });

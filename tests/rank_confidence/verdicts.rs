@@ -1,4 +1,4 @@
-//! Reductions meet the equations, sigma is that of the kept rows, the rank is that of the SVD, and nothing is doubted without reason.
+//! Reductions satisfy the equations, sigma is that of the kept rows, the rank is that of the SVD, and there is no doubt without reason.
 
 use std::sync::OnceLock;
 
@@ -21,7 +21,7 @@ fn of_scenes(step: usize, backend: BackendChoice) -> Vec<Fault> {
     cases.par_iter().flat_map_iter(|case| of(case, backend)).collect()
 }
 
-/// A number of steps that is no multiple of the number of classes.
+/// A step that is not a multiple of the number of classes.
 fn of_random(step: usize, backend: BackendChoice) -> Vec<Fault> {
     let seeds: Vec<u64> = (0..random::COUNT).step_by(step).collect();
     seeds.par_iter().flat_map_iter(|&seed| of(&random::case(seed), backend)).collect()
@@ -32,7 +32,7 @@ fn hold(law: Law, all: &[Fault]) {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// The default backend on everything, judged once.
+/// The default backend on all systems, evaluated once.
 fn scene(law: Law) {
     static ALL: OnceLock<Vec<Fault>> = OnceLock::new();
     hold(law, ALL.get_or_init(|| of_scenes(1, BackendChoice::Faer)));

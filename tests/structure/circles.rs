@@ -1,4 +1,4 @@
-//! Modules do not import one another in a circle; a parent and its child may.
+//! There are no import circles between modules, except between a parent and its child.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -32,7 +32,7 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// All Rust files below a folder, those of unit tests left out.
+/// All Rust files below a folder, except those of unit tests.
 pub fn sources(folder: &Path) -> Vec<PathBuf> {
     let (folders, files): (Vec<_>, Vec<_>) = entries(folder).into_iter().partition(|path| path.is_dir());
     let files = files.into_iter().filter(|path| path.extension().is_some_and(|ending| ending == "rs"));
@@ -174,7 +174,7 @@ impl<'ast> Visit<'ast> for Paths<'_> {
 
 /// The modules in which the things that a module uses are defined.
 fn targets(module: &Module, own: &[Use], uses: &BTreeMap<Module, Vec<Use>>) -> BTreeSet<Module> {
-    // The root of a folder re-exports names for its public path; that is no use of them.
+    // The root of a folder re-exports names for its public path, which does not count as an import.
     let is_folder = uses.keys().any(|other| other.len() > module.len() && other.starts_with(module));
     let counts = |one: &&Use| !(one.is_public && is_folder);
     let found = own.iter().filter(counts).filter_map(|one| resolve(&one.path, uses, 0));

@@ -1,7 +1,7 @@
 //! The folders of each crate import in the direction that ARCHITECTURE.md states.
 //!
-//! There, a fenced block `layers` has a line for each crate: `qless: common < input < presolve < ...`. A folder (or file of the root) imports
-//! from itself and from those to its left; `a | b` are beside each other and do not import from one another.
+//! A fenced block `layers` there has a line for each crate: `qless: common < input < presolve < ...`. A folder (or file of the root) imports
+//! from itself and from those to its left; `a | b` do not import from each other.
 
 use std::collections::BTreeMap;
 use std::path::Path;

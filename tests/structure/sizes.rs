@@ -1,4 +1,4 @@
-//! A file holds a whole idea, and a type name means one thing.
+//! Limits for short source files and for type names that are defined twice.
 
 use std::collections::BTreeMap;
 
@@ -6,9 +6,9 @@ use syn::visit::Visit;
 
 use super::imports::crates;
 
-/// A file below this many lines is a crumb ...
+/// A file with fewer lines is short.
 const CRUMB: usize = 40;
-/// ... and this many of them are allowed: roots of folders and lists of formats can be short.
+/// Number of short files that are allowed: roots of folders and lists of formats can be short.
 const MOST_CRUMBS: usize = 60;
 /// Type names that may be defined in several crates, for the same idea.
 const MOST_REPEATED: usize = 40;

@@ -12,7 +12,7 @@ pub fn small(part: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(part)
 }
 
-/// The case folders of a part, ascending: `cases` of this repository and of the larger corpus, other parts of the larger one.
+/// The case folders of a kind, ascending: `cases` are in this repository and in the larger corpus, other kinds in the larger corpus only.
 pub fn folders(part: &str) -> Vec<PathBuf> {
     let here = (part == "cases").then(|| small(part));
     here.into_iter().chain(larger().map(|corpus| corpus.join(part))).flat_map(|folder| inside(&folder)).collect()

@@ -1,4 +1,4 @@
-//! What the tests of results share: every backend, every order, the identities.
+//! Helpers of the tests: every backend, every order, the identities.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 pub mod corpus;
@@ -43,7 +43,7 @@ pub fn reorder(system: &ConstraintSystem, rows: &[usize], dofs: &[usize]) -> Con
     builder.build().expect("as valid as before")
 }
 
-/// 0..n in reversed order, and in two random ones.
+/// 0..n in reversed order and in two random orders.
 pub fn orders(n: usize) -> Vec<Vec<usize>> {
     let shuffled = |seed: u64| {
         let mut list: Vec<usize> = (0..n).collect();
@@ -70,7 +70,7 @@ pub fn certificate_error(system: &ConstraintSystem, target: &[(usize, f64)], bec
     rest.iter().filter(|(j, _)| free(j)).fold(0.0, |a: f64, (_, v)| a.max(v.abs())) / size.max(f64::MIN_POSITIVE)
 }
 
-/// Every certificate: over kept equations only, and its identity holds.
+/// Checks that every certificate has kept equations only and that its identity holds.
 pub fn check_certificates(system: &ConstraintSystem, analysis: &Analysis) {
     for dependent in analysis.dependent() {
         let because = analysis.because(dependent.row).expect("one of its rows");

@@ -1,4 +1,4 @@
-//! bindgen over the installed headers, only what `qless` calls.
+//! Generates bindings of the functions that `qless` calls, by bindgen from the installed headers.
 
 use std::panic::{catch_unwind, set_hook, take_hook};
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ const FUNCTIONS: &str = "SuiteSparseQR_C(_backslash_default|_factorize|_solve|_q
 const CONSTANTS: &str = "CHOLMOD_(OK|NOT_INSTALLED|OUT_OF_MEMORY|TOO_LARGE|INVALID|GPU_PROBLEM|LONG|REAL|DOUBLE)|\
     SPQR_(ORDERING_DEFAULT|DEFAULT_TOL|RTX_EQUALS_ETB|QX)|(SPQR|SUITESPARSE)_(MAIN|SUB|SUBSUB)_VERSION";
 
-/// Writes `target`; a missing libclang is an error like any other, not a panic.
+/// Writes the bindings to `target`. A missing libclang is an error, not a panic.
 pub fn generate(include: &[PathBuf], target: &Path) -> Result<(), String> {
     let bindings =
         quietly(|| builder(include).generate().map_err(|e| format!("bindgen cannot read the headers: {e}")))?;
@@ -29,7 +29,7 @@ fn builder(include: &[PathBuf]) -> bindgen::Builder {
         .parse_callbacks(Box::new(bindgen::CargoCallbacks::new()))
 }
 
-/// bindgen panics when it cannot load libclang: turns that into its first line, without a backtrace.
+/// bindgen panics if it cannot load libclang: returns the first line of the panic as an error, without a backtrace.
 fn quietly<T>(work: impl FnOnce() -> Result<T, String> + std::panic::UnwindSafe) -> Result<T, String> {
     let hook = take_hook();
     set_hook(Box::new(|_| {}));

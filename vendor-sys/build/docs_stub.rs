@@ -1,4 +1,4 @@
-// Stands for the bindings where SuiteSparse is not installed (docs.rs). Sizes and versions are not real.
+// Replaces the bindings if SuiteSparse is not installed (docs.rs). Sizes and versions are not real.
 use core::ffi::{c_char, c_int, c_void};
 
 pub const CHOLMOD_OK: i32 = 0;

@@ -1,10 +1,10 @@
-//! Where the library is: environment variables, then pkg-config, then the usual folders with a link test.
+//! Searches for the library: environment variables, then pkg-config, then the usual folders with a link test.
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::{env, fs};
 
-/// Debian and Fedora put the headers in a folder of their own; others do not.
+/// Debian and Fedora install the headers in a folder of their own; others do not.
 const USUAL_INCLUDES: [&str; 6] = [
     "/usr/include/suitesparse",
     "/usr/local/include/suitesparse",
@@ -21,7 +21,7 @@ const CALLS_EVERY_LIBRARY: &str = "#include \"SuiteSparseQR_C.h\"\n\
     int main(void) { void *f[3] = {(void *) SuiteSparseQR_C, (void *) cholmod_l_start, (void *) SuiteSparse_version};\n\
     return f[0] == f[1] && f[1] == f[2]; }\n";
 
-/// Tells cargo what to link and returns the folders of the headers.
+/// Passes the libraries to cargo and returns the folders of the headers.
 pub fn find_and_link() -> Result<Vec<PathBuf>, String> {
     println!("cargo::rerun-if-env-changed=SUITESPARSE_INCLUDE_DIR");
     println!("cargo::rerun-if-env-changed=SUITESPARSE_LIB_DIR");
@@ -36,7 +36,7 @@ pub fn find_and_link() -> Result<Vec<PathBuf>, String> {
     from_usual_folders(&existing(&USUAL_INCLUDES), &existing(&USUAL_LIBS))
 }
 
-/// What the user named is used or refused, never passed over in silence.
+/// A folder that the user named is used, or it is an error.
 fn from_environment(include: Option<PathBuf>, lib: Option<PathBuf>) -> Result<Vec<PathBuf>, String> {
     let includes = include.map_or_else(|| existing(&USUAL_INCLUDES), |folder| vec![folder]);
     let libs = lib.map_or_else(|| existing(&USUAL_LIBS), |folder| vec![folder]);
@@ -48,7 +48,7 @@ fn from_environment(include: Option<PathBuf>, lib: Option<PathBuf>) -> Result<Ve
 fn from_pkg_config() -> Option<Vec<PathBuf>> {
     let mut include = Vec::new();
     for name in ["SPQR", "CHOLMOD", "SuiteSparse_config"] {
-        // Cargo is told only when all three are there.
+        // The libraries go to cargo only if all three exist.
         include.extend(pkg_config::Config::new().cargo_metadata(false).probe(name).ok()?.include_paths);
     }
     for name in ["SPQR", "CHOLMOD", "SuiteSparse_config"] {
@@ -72,7 +72,7 @@ fn from_usual_folders(includes: &[PathBuf], libs: &[PathBuf]) -> Result<Vec<Path
     Ok(vec![include.clone()])
 }
 
-/// A header without its library would fail much later, in the words of the linker.
+/// Without this test, a header without its library would fail much later, with an error of the linker.
 fn link_test(include: &Path, libs: &[PathBuf]) -> Result<(), String> {
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     let source = out.join("link_test.c");

@@ -1,4 +1,4 @@
-//! Compiles the task tree, where oneTBB is installed and SuiteSparseQR is the release that it is written for.
+//! Compiles the task tree if oneTBB is installed and the version of SuiteSparseQR is the one that it was written for.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ const CALLS_TBB: &str =
 const NEEDS_RELEASE: &str = "#include \"SuiteSparseQR_definitions.h\"\n\
     #if SPQR_MAIN_VERSION != 2 || SPQR_SUB_VERSION != 1\n#error \"another release\"\n#endif\nint main() { return 0; }\n";
 
-/// With another release of SuiteSparseQR there is no tree, and a warning.
+/// With another version of SuiteSparseQR it prints a warning and compiles no task tree.
 pub fn compile(include: &[PathBuf]) -> Result<(), String> {
     println!("cargo::rerun-if-changed=cpp");
     if !compiles(include, "tbb_test.cpp", CALLS_TBB)? {
@@ -18,7 +18,7 @@ pub fn compile(include: &[PathBuf]) -> Result<(), String> {
         );
     }
     if !compiles(include, "release_test.cpp", NEEDS_RELEASE)? {
-        println!("cargo::warning=SuiteSparseQR is not 2.1, whose task tree is known: it runs in sequence");
+        println!("cargo::warning=the task tree needs SuiteSparseQR 2.1; this version runs sequentially");
         return Ok(());
     }
     let mut build = builder(include);

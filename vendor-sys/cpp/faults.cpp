@@ -1,4 +1,4 @@
-// For tests: what C++ allocates fails on purpose too, of all the process.
+// For tests: injects failures into all C++ allocations of the process.
 
 #include <cstdlib>
 #include <new>

@@ -1,11 +1,11 @@
-// R by columns, from the fronts of a factorization whose tasks ran in a tree.
+// Extracts R by columns from the fronts of a factorization whose tasks ran in a tree.
 //
-// The library counts the entries of each column (spqr_rcount) and copies them (spqr_rconvert) one front after the other, on one
-// thread. It makes these calls through the dynamic linker too, so those exported by tree.rs take their place. Each thread counts fronts of its own, and copies columns of its own, in the library's order: R is
-// the same to the last bit.
+// The library counts the entries of each column (spqr_rcount) and copies them (spqr_rconvert) front by front, on one thread. It
+// calls both through the dynamic linker, so the functions that tree.rs exports replace them. Each thread counts some fronts and
+// copies some columns, in the library's order, so R is the same to the last bit.
 //
-// The R block of a front holds, column after column, the rows that the front has found so far: one more with each of its pivot
-// columns that is not dead, and all of them in the columns after.
+// The R block of a front is stored by columns. A column holds the rows found so far: each live pivot column adds one row, and
+// the columns after the pivots hold all rows.
 
 #include "SuiteSparseQR.hpp"
 #include "spqr.hpp"
@@ -27,10 +27,10 @@ using Count = void (*)(spqr_symbolic *, Numeric *, Long, Long, Long, int, Long *
 using Convert = void (*)(spqr_symbolic *, Numeric *, Long, Long, Long, int, Long *, Long *, double *, Long *, Long *, double *,
                          Long *, Long *, double *, double *);
 
-// How many times R was copied here.
+// Number of copies of R that were made here.
 std::atomic<unsigned long long> copies{0};
 
-// The library's own function of this name, the next definition after the program's.
+// The library's own function of this name: the next definition after ours in the order of the dynamic linker.
 template <class Function> Function own(const char *name)
 {
     return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
@@ -48,7 +48,7 @@ struct Fronts
         return !numeric.Rdead || !numeric.Rdead[j];
     }
 
-    // visit(column, entries, how many) for each column of a front.
+    // Calls visit(column, entries, count) for each column of a front.
     template <class Visit> void each_column(Long front, const Visit &visit) const
     {
         const Long first = symbolic.Super[front], pivots = symbolic.Super[front + 1] - first;
@@ -63,7 +63,7 @@ struct Fronts
         }
     }
 
-    // The first row of R of each front, and how many there are in all.
+    // The first row of R of each front, and the total number of rows.
     std::vector<Long> first_rows() const
     {
         std::vector<Long> rows(symbolic.nf + 1);
@@ -78,13 +78,13 @@ struct Fronts
     }
 };
 
-// Parts of the work: no more than this, as each counts in an array over all columns.
+// Largest number of shares of the work: each counts in an array over all columns.
 std::size_t parts_of_all()
 {
     return std::size_t(std::min(qless::threads(), 8));
 }
 
-// As qless::share, but all is done in the end.
+// Like qless::share, but completes all work.
 template <class Work> void share_all(std::size_t count, const Work &work)
 {
     const std::unique_ptr<std::atomic<bool>[]> done(new std::atomic<bool>[count]);
@@ -99,7 +99,7 @@ template <class Work> void share_all(std::size_t count, const Work &work)
             work(k);
 }
 
-// Where to cut `total` (ascending sums) into parts of about the same size.
+// Cuts `total` (ascending sums) into shares of about the same size.
 std::vector<Long> cuts(const std::vector<Long> &total, std::size_t parts)
 {
     std::vector<Long> cut(parts + 1);
@@ -112,7 +112,7 @@ std::vector<Long> cuts(const std::vector<Long> &total, std::size_t parts)
     return cut;
 }
 
-// Adds the entries of each column that are not zero, in rows before `end`.
+// Adds the number of nonzero entries of each column in rows before `end`.
 void count(const Fronts &fronts, Long n1rows, Long end, std::vector<Long> &counts_of_all)
 {
     const std::size_t parts = parts_of_all(), n = counts_of_all.size();
@@ -137,7 +137,7 @@ void count(const Fronts &fronts, Long n1rows, Long end, std::vector<Long> &count
             counts_of_all[j] += part[j];
 }
 
-// One part of R: where each of its columns goes on, rows and values of its entries.
+// One output matrix: the next free place of each column, and rows and values of the entries.
 struct Columns
 {
     Long *next;
@@ -145,19 +145,19 @@ struct Columns
     double *value;
 };
 
-// Copies the entries that are not zero, in rows before `end`: those of the columns before n2 to `a`, the others to `b`.
+// Copies the nonzero entries in rows before `end`: columns before n2 to `a`, the others to `b`.
 void convert(const Fronts &fronts, Long n1rows, Long end, Long n2, const Columns &a, const Columns &b)
 {
     const std::size_t parts = parts_of_all();
     const Long n = fronts.symbolic.n;
     const std::vector<Long> rows = fronts.first_rows();
-    // a.next still says where columns start; how long they are tells how to share them.
+    // a.next still holds the starts of the columns; their lengths determine the shares.
     std::vector<Long> starts(a.next, a.next + n2 + 1);
     for (Long &at : starts)
         at -= a.next[0];
     const std::vector<Long> cut = cuts(starts, parts);
     share_all(parts, [&](std::size_t part) {
-        // The last takes the columns of `b` too, which are few.
+        // The last share also copies the columns of `b`, which are few.
         const Long from = cut[part], to = part + 1 == parts ? n : cut[part + 1];
         for (Long front = 0; front < fronts.symbolic.nf; front++)
         {
@@ -200,7 +200,7 @@ extern "C" void qless_result_count(void *symbolic_in, void *numeric_in, Long n1r
         }
         catch (...)
         {
-            // No memory, and nothing has been added.
+            // Out of memory; nothing was added.
         }
     }
     static const Count library = own<Count>("_Z11spqr_rcountIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_S6_S6_");
@@ -223,7 +223,7 @@ extern "C" void qless_result_convert(void *symbolic_in, void *numeric_in, Long n
         }
         catch (...)
         {
-            // No memory, and nothing has been copied.
+            // Out of memory; nothing was copied.
         }
     }
     static const Convert library = own<Convert>(

@@ -1,4 +1,4 @@
-// What the task tree and the copy of R share: how many threads the caller wants, and how work is given to them.
+// Shared by the task tree and the copy of R: the requested number of threads, and the distribution of work to them.
 
 #pragma once
 
@@ -10,21 +10,21 @@
 namespace qless
 {
 
-// What the caller on this thread asked for: 0 or 1 leaves the library alone.
+// Threads that the caller on this thread requested; 0 or 1 leaves the work to the library.
 extern thread_local int wanted_threads;
 
-// The same, but no more than there are cores, which would only take turns.
+// The same, but at most one per core.
 int threads();
 
-// Whether the factorization just made on this thread, of which this is the numeric object, ran its tasks in a tree.
+// Whether the last factorization on this thread ran its tasks in a tree; `numeric` is its numeric object.
 bool has_tree(const void *numeric);
 
-// oneTBB orders the start of its tasks after what came before and their end before what comes then, by means that ThreadSanitizer
-// cannot see. So it is said again: whoever looks comes after all who marked before.
+// oneTBB synchronizes the start and the end of its tasks with the caller, but ThreadSanitizer cannot see that. These functions repeat
+// it: look() synchronizes with all earlier calls of mark().
 void mark();
 void look();
 
-// Does work(0), ..., work(count - 1), which throw nothing, in oneTBB. Without memory or threads for all some may not be done.
+// Runs work(0), ..., work(count - 1) in oneTBB; work must not throw. Some calls may be missing if memory or threads run out.
 template <class Work> void share(std::size_t count, const Work &work)
 {
     mark();
@@ -45,7 +45,7 @@ template <class Work> void share(std::size_t count, const Work &work)
     }
     catch (...)
     {
-        // oneTBB found no memory or no thread: what was done is done, the rest is the caller's.
+        // oneTBB ran out of memory or threads: the caller does the remaining work.
     }
     look();
 }

@@ -1,10 +1,10 @@
 // SuiteSparseQR's task tree on oneTBB.
 //
-// The library splits the frontal tree into tasks when cc->SPQR_grain > 1 and then calls spqr_kernel for one task after the
-// other, children first. It makes these calls through the dynamic linker, so a definition in the program takes their place:
-// the one exported by tree.rs, which comes here. On the first task of a factorization whose caller asked for threads, all
-// tasks are run in oneTBB, each as soon as its children are done; the calls for the others then find their work done.
-// Every task does what it does in sequence, on its own memory, so results are the same to the last bit.
+// If cc->SPQR_grain > 1 the library splits the frontal tree into tasks and calls spqr_kernel for each, children first. It calls it
+// through the dynamic linker, so the function that tree.rs exports replaces it and calls this file. At the first task of a
+// factorization whose caller requested threads, all tasks run in oneTBB, each as soon as its children are done. The calls for the
+// other tasks then return at once. Every task does the same work on the same memory as in sequence, so results are the same to the
+// last bit.
 
 #include "SuiteSparseQR.hpp"
 #include "spqr.hpp"
@@ -33,14 +33,14 @@ using Kernel = void (*)(Long, Blob *);
 
 using qless::wanted_threads;
 
-// The factorization whose tasks have all been run, and what it makes.
+// The factorization whose tasks have all run, and its numeric object.
 thread_local const Blob *finished = nullptr;
 thread_local const void *made = nullptr;
 
 std::atomic<unsigned long long> trees{0};
 std::atomic<unsigned long long> marks{0};
 
-// The library's own kernel, the next definition after the program's.
+// The library's own kernel: the next definition after ours in the order of the dynamic linker.
 Kernel own_kernel()
 {
     static const Kernel kernel =
@@ -48,7 +48,7 @@ Kernel own_kernel()
     return kernel;
 }
 
-// Operations of a front at most: a Householder vector for each row or column, applied to the columns right of it.
+// Upper bound of the operations of a front: a Householder vector for each row or column, applied to the columns to its right.
 double operations(const spqr_symbolic &symbolic, Long front)
 {
     const double rows = double(symbolic.Fm[front]), columns = double(symbolic.Rp[front + 1] - symbolic.Rp[front]);
@@ -88,7 +88,7 @@ public:
     void run()
     {
         qless::share(ready.size(), [this](std::size_t) { take(); });
-        // Zero if all have run.
+        // Zero if all tasks have run.
         if (pending[root] != 0)
             for (Long task = 0; task < root; task++)
                 if (!done[task])
@@ -96,8 +96,8 @@ public:
     }
 
 private:
-    // One runner for each task that is ready at first. Each takes the task with the longest way to the root, whichever that is by
-    // then, and goes on if it finished the last child of another: so there is a task for every runner, and none ever waits.
+    // One runner for each task that is ready at the start. A runner takes the ready task with the longest path to the root. If it
+    // completes the last child of another task, it continues with a ready task. So there is a task for every runner, and none waits.
     void take()
     {
         for (Long task = pop(); task != root; task = pop())
@@ -122,7 +122,7 @@ private:
     {
         const std::lock_guard<std::mutex> lock(guard);
         if (ready.empty())
-            return root; // an exception elsewhere has lost a task, and ends the run
+            return root; // an exception in another runner has lost a task and ends the run
         std::pop_heap(ready.begin(), ready.end(), [this](Long a, Long b) { return path[a] < path[b]; });
         const Long task = ready.back();
         ready.pop_back();
@@ -147,7 +147,7 @@ bool run_tree(Blob *blob)
     }
     catch (...)
     {
-        // No memory for the tree itself, and nothing has been run.
+        // Out of memory for the tree itself; no task has run.
         return false;
     }
     return true;

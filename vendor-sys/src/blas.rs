@@ -1,52 +1,52 @@
-//! OpenBLAS held at one thread, with working memory, while SuiteSparseQR runs.
+//! Limits OpenBLAS to one thread, and reserves its work buffers, while SuiteSparseQR runs.
 //!
-//! Threads inside BLAS calls change the order of sums, and with it the last bits and, near the tolerance, the rank; inside a task
-//! tree they also cost far more than they gain. The setting is the process's: other callers of OpenBLAS have one thread
-//! for that time too. Found at run time: with another BLAS nothing happens.
+//! Threads inside BLAS calls change the order of summation, and so the last bits and, near the tolerance, the rank. Inside a task
+//! tree they also cost far more than they gain. The limit applies to the whole process: other callers of OpenBLAS have one thread
+//! too until it is lifted. OpenBLAS is looked up at run time; another BLAS is left alone.
 //!
-//! OpenBLAS gives each call the first of its buffers that no other call has at that moment. Where all are in use it makes another, keeps it,
-//! and asks for ever where there is no memory for it. So [`hold`] has it make what is needed, after a look whether there is room, and lets no
-//! more callers in than there are buffers. To have one made, all others must be taken, which callers that run at that time may miss: the
-//! look is for theirs too. (So it is in builds with one set of buffers for all threads, OpenBLAS's default and that of the
-//! distributions; with `USE_TLS` each thread has its own, which nobody else can make.)
+//! OpenBLAS gives each call the first free buffer. If all are in use it allocates another one, keeps it, and retries for ever if
+//! there is no memory for it. [`hold`] therefore checks the free memory, makes OpenBLAS allocate the buffers, and admits at most as many
+//! callers as there are buffers. OpenBLAS allocates a buffer only while all others are taken. Callers that run at that time may need
+//! buffers too, so the check includes theirs. (This holds for builds with one set of buffers for all threads: OpenBLAS's default
+//! and that of the distributions. With `USE_TLS` each thread allocates its own buffers.)
 //!
-//! When it is loaded, OpenBLAS starts a thread for each core, each with such a buffer: where there is no room they run for ever,
-//! and `exit` waits for them. A program, not a library, may say that it wants none, with the feature `serial-blas` of this
-//! crate and the linker's option `--export-dynamic-symbol=openblas_num_threads_env` (in the program's `build.rs`,
-//! `cargo::rustc-link-arg-bins`): then OpenBLAS starts with one thread, unless `OPENBLAS_NUM_THREADS` says otherwise, and
-//! starts others only when it is told to. Any other program does the same by `OPENBLAS_NUM_THREADS=1` in its environment.
+//! When OpenBLAS is loaded, it starts a thread with such a buffer for each core. Without memory for the buffers these threads
+//! never end, and `exit` waits for them. A program (not a library) can prevent this with the feature `serial-blas` of this
+//! crate and the linker option `--export-dynamic-symbol=openblas_num_threads_env` (in the program's `build.rs`,
+//! `cargo::rustc-link-arg-bins`): then OpenBLAS starts with one thread unless `OPENBLAS_NUM_THREADS` is set. Setting
+//! `OPENBLAS_NUM_THREADS=1` in the environment has the same effect for any program.
 
 use core::ffi::{CStr, c_int, c_void};
 use core::mem::transmute;
 use core::num::NonZero;
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// One thread until this is dropped; the number before is restored with the last of several.
+/// Keeps OpenBLAS at one thread. Dropping the last of several restores the previous number.
 #[derive(Debug)]
 pub struct Held {
     callers: usize,
 }
 
 struct BlasState {
-    /// How many hold it, ...
+    /// Number of [`Held`] values.
     holders: usize,
-    /// ... and how many threads of theirs call it at once.
+    /// Number of threads that may call OpenBLAS at once, for all holders.
     callers: usize,
-    /// Buffers that OpenBLAS has at least.
+    /// Lower bound of the buffers that OpenBLAS has.
     buffers: usize,
-    /// Threads before the first holder.
+    /// Number of threads before the first holder.
     before: c_int,
 }
 
 static STATE: Mutex<BlasState> = Mutex::new(BlasState { holders: 0, callers: 0, buffers: 0, before: 1 });
 
-/// Some of those who hold it have ended.
+/// Signals that a holder has ended.
 static ENDED: Condvar = Condvar::new();
 
-/// Holds OpenBLAS, if that is the BLAS, at one thread for each of so many callers at once, or of fewer if there is no memory
-/// for their buffers. Waits for others who hold it if there is none for one; none if there are no others.
+/// Limits OpenBLAS to one thread per call, for up to `callers` concurrent callers; fewer if memory for their buffers is short.
+/// If there is no memory for one buffer, it waits for other holders to end, and returns `None` if there are none.
 ///
-/// Nobody may ask again while holding it.
+/// A thread must not call it again while it holds the result: it could wait for itself.
 pub fn hold(callers: usize) -> Option<Held> {
     let mut state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut granted = admit(&mut state, callers.max(1));
@@ -65,7 +65,7 @@ pub fn hold(callers: usize) -> Option<Held> {
 }
 
 impl Held {
-    /// How many threads may call it at once.
+    /// Number of threads that may call OpenBLAS at once.
     pub fn callers(&self) -> usize {
         self.callers
     }
@@ -83,15 +83,15 @@ impl Drop for Held {
     }
 }
 
-/// Number of threads that OpenBLAS uses; none with another BLAS.
+/// Number of threads that OpenBLAS uses; `None` with another BLAS.
 pub fn threads() -> Option<c_int> {
-    // SAFETY: this is the function's type in OpenBLAS, which alone has this name.
+    // SAFETY: only OpenBLAS has this name, and this is the function's type there.
     let get =
         unsafe { find(c"openblas_get_num_threads").map(|at| transmute::<*mut c_void, extern "C" fn() -> c_int>(at)) };
     get.map(|get| get())
 }
 
-/// Changes the number of threads, unless it is as wanted or there is no OpenBLAS.
+/// Changes the number of threads if OpenBLAS is there and the numbers differ.
 fn set(from: c_int, to: c_int) {
     // SAFETY: as above.
     let set = unsafe { find(c"openblas_set_num_threads").map(|at| transmute::<*mut c_void, extern "C" fn(c_int)>(at)) };
@@ -100,7 +100,7 @@ fn set(from: c_int, to: c_int) {
     }
 }
 
-/// For how many more callers, of those wanted, there are buffers.
+/// Number of further callers, at most `wanted`, for whom there are buffers.
 fn admit(state: &mut BlasState, wanted: usize) -> usize {
     let Some((take, give_back)) = buffer_functions() else { return wanted };
     if state.buffers < state.callers + wanted {
@@ -109,14 +109,14 @@ fn admit(state: &mut BlasState, wanted: usize) -> usize {
     wanted.min(state.buffers.saturating_sub(state.callers))
 }
 
-/// Has OpenBLAS make buffers, until there are `wanted` or no room: takes as many at once, and gives them back.
+/// Makes OpenBLAS allocate buffers, up to `wanted` or the free memory, by taking as many at once and returning them.
 fn make(state: &mut BlasState, wanted: usize, take: Take, give_back: GiveBack) {
     let taken = taken(state, wanted, room::is_left, || take(0));
     taken.iter().filter(|buffer| !buffer.is_null()).for_each(|&buffer| give_back(buffer));
     state.buffers = state.buffers.max(taken.len());
 }
 
-/// So many buffers, or fewer where there is no room (`is_left`) for those that may have to be made.
+/// Takes `wanted` buffers, or fewer if `is_left` finds no memory for those that OpenBLAS may have to allocate.
 fn taken<T>(state: &BlasState, wanted: usize, is_left: impl Fn(usize) -> bool, mut take: impl FnMut() -> T) -> Vec<T> {
     let mut taken = Vec::new();
     if taken.try_reserve_exact(wanted).is_ok() {
@@ -127,7 +127,7 @@ fn taken<T>(state: &BlasState, wanted: usize, is_left: impl Fn(usize) -> bool, m
     taken
 }
 
-/// How many buffers OpenBLAS may have to make, for us and for callers that run, if one more is taken than so many.
+/// Upper bound of the buffers that OpenBLAS allocates, for us and for running callers, if one more than `taken` is taken.
 fn made_at_most(state: &BlasState, taken: usize) -> usize {
     (taken + 1 + state.callers).saturating_sub(state.buffers.max(taken))
 }
@@ -137,7 +137,7 @@ type GiveBack = extern "C" fn(*mut c_void);
 
 fn buffer_functions() -> Option<(Take, GiveBack)> {
     let (take, give_back) = (find(c"blas_memory_alloc")?, find(c"blas_memory_free")?);
-    // SAFETY: these are the functions' types in OpenBLAS, which alone has these names.
+    // SAFETY: only OpenBLAS has these names, and these are the functions' types there.
     Some(unsafe { (transmute::<*mut c_void, Take>(take), transmute::<*mut c_void, GiveBack>(give_back)) })
 }
 
@@ -145,20 +145,20 @@ fn buffer_functions() -> Option<(Take, GiveBack)> {
 mod room {
     use core::ptr::null_mut;
 
-    /// A buffer of OpenBLAS on x86-64 and ARM64.
+    /// Size of a buffer of OpenBLAS on x86-64 and ARM64.
     const BUFFER: usize = 128 << 20;
 
-    /// What other threads may allocate between the look and OpenBLAS's request, which nothing can make one.
+    /// Reserve for other threads that allocate between this check and OpenBLAS's own request; the two cannot be one step.
     const BETWEEN: usize = 16 << 20;
 
-    /// Whether there is room for so many more buffers: a request as large as OpenBLAS's, given back at once.
+    /// Whether memory for more buffers is free: maps as much as OpenBLAS would, and unmaps it at once.
     pub fn is_left(buffers: usize) -> bool {
         if buffers == 0 {
             return true;
         }
         let size = buffers.saturating_mul(BUFFER).saturating_add(BETWEEN);
         let (access, kind) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
-        // SAFETY: new memory, which nobody else knows of, and no other.
+        // SAFETY: it unmaps only the memory that it has just mapped.
         unsafe {
             let block = libc::mmap(null_mut(), size, access, kind, -1, 0);
             block != libc::MAP_FAILED && libc::munmap(block, size) == 0
@@ -173,11 +173,11 @@ mod room {
     }
 }
 
-/// OpenBLAS asks itself, when it is loaded, how many threads the environment wants; before `main`.
+/// Replaces the function by which OpenBLAS reads the number of threads from the environment when it is loaded, before `main`.
 #[cfg(all(feature = "serial-blas", interposition))]
 #[unsafe(export_name = "openblas_num_threads_env")]
 pub extern "C" fn threads_at_start() -> c_int {
-    // SAFETY: a C string, and nothing changes the environment before `main`; the value is a C string or null.
+    // SAFETY: the name is a C string, nothing changes the environment before `main`, and the value is a C string or null.
     let wanted = unsafe {
         let value = libc::getenv(c"OPENBLAS_NUM_THREADS".as_ptr());
         if value.is_null() { 0 } else { libc::atoi(value) }
@@ -187,7 +187,7 @@ pub extern "C" fn threads_at_start() -> c_int {
 
 #[cfg(unix)]
 fn find(name: &CStr) -> Option<*mut c_void> {
-    // SAFETY: the name is a C string; nothing is loaded or called.
+    // SAFETY: the name is a C string, and the lookup calls nothing.
     let found = unsafe { libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()) };
     (!found.is_null()).then_some(found)
 }
@@ -203,7 +203,7 @@ mod tests {
 
     use super::*;
 
-    /// For all small numbers: others take all that they may at any moment, and give them back at the next or never.
+    /// All small numbers. Other callers take all their buffers at one moment, and return them at the next or never.
     #[test]
     fn no_buffer_is_asked_for_without_room() {
         for k in 0..4_usize.pow(5) {
@@ -231,10 +231,10 @@ mod tests {
     #[test]
     fn the_last_of_several_holders_restores_the_number() {
         let Some(before) = threads() else {
-            // Another BLAS: everybody has as many as he wants.
+            // Another BLAS has no limit.
             return assert_eq!([hold(1), hold(2)].map(|held| held.expect("no limit").callers), [1, 2]);
         };
-        // Set by hand, so that there is something to restore on a machine with one core too.
+        // On a machine with one core there would be nothing to restore.
         set(before, 3);
         let (first, second) = (hold(1), hold(2));
         assert_eq!(second.as_ref().map(Held::callers), Some(2));

@@ -1,6 +1,6 @@
-//! CHOLMOD's `malloc`, `calloc` and `realloc` under their own names, see [`crate::memory`].
+//! Replacements for CHOLMOD's `malloc`, `calloc` and `realloc`; [`crate::memory`] explains why.
 //!
-//! Each is the library's, unless an allocation under the same `cholmod_common` of ours has failed: then it fails at once.
+//! Each calls the library's function, unless an earlier allocation with the same `cholmod_common` of ours has failed: then it fails too.
 
 use core::ffi::{CStr, c_void};
 use core::mem::transmute;
@@ -13,10 +13,10 @@ use crate::{CHOLMOD_OUT_OF_MEMORY, cholmod_common};
 type Allocate = unsafe extern "C" fn(usize, usize, *mut cholmod_common) -> *mut c_void;
 type Reallocate = unsafe extern "C" fn(usize, usize, *mut c_void, *mut usize, *mut cholmod_common) -> *mut c_void;
 
-/// The library's own function of this name: the next definition after the program's.
-struct OwnedByGuard(&'static CStr, AtomicPtr<c_void>);
+/// The library's own function of a name: the next definition after ours in the order of the dynamic linker.
+struct LibraryFunction(&'static CStr, AtomicPtr<c_void>);
 
-impl OwnedByGuard {
+impl LibraryFunction {
     const fn new(name: &'static CStr) -> Self {
         Self(name, AtomicPtr::new(null_mut()))
     }
@@ -26,14 +26,14 @@ impl OwnedByGuard {
         if !known.is_null() {
             return known;
         }
-        // SAFETY: the name is a C string; nothing is loaded or called.
+        // SAFETY: the name is a C string, and the lookup calls nothing.
         let found = unsafe { libc::dlsym(libc::RTLD_NEXT, self.0.as_ptr()) };
         self.1.store(found, Relaxed);
         found
     }
 
     fn allocate(&self) -> Option<Allocate> {
-        // SAFETY: null is none, the rest a function of this type.
+        // SAFETY: the pointer is null, which is `None`, or a function of this type.
         unsafe { transmute::<*mut c_void, Option<Allocate>>(self.get()) }
     }
 
@@ -43,28 +43,28 @@ impl OwnedByGuard {
     }
 }
 
-static MALLOC: OwnedByGuard = OwnedByGuard::new(c"cholmod_l_malloc");
-static CALLOC: OwnedByGuard = OwnedByGuard::new(c"cholmod_l_calloc");
-static REALLOC: OwnedByGuard = OwnedByGuard::new(c"cholmod_l_realloc");
+static MALLOC: LibraryFunction = LibraryFunction::new(c"cholmod_l_malloc");
+static CALLOC: LibraryFunction = LibraryFunction::new(c"cholmod_l_calloc");
+static REALLOC: LibraryFunction = LibraryFunction::new(c"cholmod_l_realloc");
 
 /// # Safety
-/// As CHOLMOD's.
+/// As the function of CHOLMOD.
 #[unsafe(export_name = "cholmod_l_malloc")]
 pub unsafe extern "C" fn malloc(count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
-    // SAFETY: passed on as it came.
+    // SAFETY: the arguments are passed on unchanged.
     unsafe { allocated(&MALLOC, count, size, common) }
 }
 
 /// # Safety
-/// As CHOLMOD's.
+/// As the function of CHOLMOD.
 #[unsafe(export_name = "cholmod_l_calloc")]
 pub unsafe extern "C" fn calloc(count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
-    // SAFETY: passed on as it came.
+    // SAFETY: the arguments are passed on unchanged.
     unsafe { allocated(&CALLOC, count, size, common) }
 }
 
 /// # Safety
-/// As CHOLMOD's: leaves the block and its count as they are when it fails.
+/// As the function of CHOLMOD. A failure leaves the block and its count unchanged.
 #[unsafe(export_name = "cholmod_l_realloc")]
 pub unsafe extern "C" fn realloc(
     wanted: usize,
@@ -73,7 +73,7 @@ pub unsafe extern "C" fn realloc(
     count: *mut usize,
     common: *mut cholmod_common,
 ) -> *mut c_void {
-    // SAFETY: passed on as it came; CHOLMOD's count is that of the block after the call.
+    // SAFETY: the arguments are passed on unchanged; `count` is valid, and after the call it is the length of the block.
     unsafe {
         let Some(own) = REALLOC.reallocate() else { return block };
         let Some(failure) = AllocatorState::behind(common) else { return own(wanted, size, block, count, common) };
@@ -89,9 +89,9 @@ pub unsafe extern "C" fn realloc(
 }
 
 /// # Safety
-/// Arguments as CHOLMOD gets them.
-unsafe fn allocated(own: &OwnedByGuard, count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
-    // SAFETY: passed on as it came.
+/// The arguments are those of CHOLMOD.
+unsafe fn allocated(own: &LibraryFunction, count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
+    // SAFETY: the arguments are passed on unchanged.
     unsafe {
         let Some(own) = own.allocate() else { return null_mut() };
         let Some(failure) = AllocatorState::behind(common) else { return own(count, size, common) };
@@ -106,31 +106,30 @@ unsafe fn allocated(own: &OwnedByGuard, count: usize, size: usize, common: *mut 
     }
 }
 
-/// Whether an allocation has failed before, which is said again.
+/// Whether an earlier allocation failed; then CHOLMOD's status is set again.
 ///
 /// # Safety
-/// The pointer is to a `cholmod_common` of ours.
+/// `common` points to our `cholmod_common`.
 unsafe fn is_refused(failure: &AtomicI32, common: *mut cholmod_common) -> bool {
     if failure.load(SeqCst) == 0 && fails_on_purpose() {
         failure.store(CHOLMOD_OUT_OF_MEMORY, SeqCst);
     }
     let status = failure.load(SeqCst);
     if status != 0 {
-        // SAFETY: the caller's promise; the library writes it so too.
+        // SAFETY: valid by the caller's promise.
         unsafe { (*common).status = status };
     }
     status != 0
 }
 
-/// The library's allocation has just failed, and its status says why.
+/// Stores the status of the allocation that has just failed, unless another thread failed first.
 ///
 /// # Safety
-/// The pointer is to a `cholmod_common` of ours.
+/// `common` points to our `cholmod_common`.
 unsafe fn remember(failure: &AtomicI32, common: *mut cholmod_common) {
     // SAFETY: the caller's promise.
     let status = unsafe { (*common).status };
     let why = if status < 0 { status } else { CHOLMOD_OUT_OF_MEMORY };
-    // Another thread may have been first.
     _ = failure.compare_exchange(0, why, SeqCst, SeqCst);
 }
 

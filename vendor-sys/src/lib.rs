@@ -1,12 +1,12 @@
-//! `A P = Q R`: raw bindings to SuiteSparseQR's C interface, made from the headers found at build time.
+//! Raw bindings to the C interface of SuiteSparseQR (`A P = Q R`), generated from the installed headers at build time.
 //!
-//! SuiteSparseQR is GPL-2.0-or-later, so a binary that links this crate is too; the code of this crate
-//! itself is MIT OR Apache-2.0. No logic lives here beyond [`version`], [`blas`], [`memory`], [`solve`] and, with the feature
-//! `tbb`, the task tree on oneTBB: `qless` wraps the calls safely.
+//! SuiteSparseQR is GPL-2.0-or-later, and so is a binary that links this crate. The code of this crate itself is
+//! MIT OR Apache-2.0. `qless` wraps the calls safely. Besides the bindings this crate has [`version`], [`blas`], [`memory`], [`solve`]
+//! and, with the feature `tbb`, the task tree on oneTBB.
 //!
-//! Searched in this order: the folders in `SUITESPARSE_INCLUDE_DIR` and `SUITESPARSE_LIB_DIR`, pkg-config,
-//! the usual folders. With `DOCS_RS` set, a stub of the bindings stands in for the library.
-#![allow(unsafe_code, reason = "bindings to a C library are unsafe by nature; qless holds the safe side")]
+//! The build script searches for the library in this order: the folders in `SUITESPARSE_INCLUDE_DIR` and `SUITESPARSE_LIB_DIR`,
+//! pkg-config, the usual folders. If `DOCS_RS` is set, it uses a stub of the bindings and no library.
+#![allow(unsafe_code, reason = "bindings to a C library are unsafe by nature; qless wraps them safely")]
 
 pub mod blas;
 #[cfg(interposition)]

@@ -1,17 +1,17 @@
-//! A `cholmod_common` of our own, in which the first allocation that fails makes all after it fail.
+//! A `cholmod_common` in which every allocation fails after the first failure.
 //!
-//! SuiteSparseQR 2.1 goes on after some failures, and the next allocation that succeeds resets CHOLMOD's status: it then uses what it
-//! did not get, and crashes. When every later allocation of the call fails as well it stops in time, frees what it has, and
-//! says why.
+//! SuiteSparseQR 2.1 continues after some failed allocations. The next successful allocation then resets CHOLMOD's status, and the
+//! library dereferences the null pointer of the failed one. If every later allocation fails too, the library stops, frees its memory and
+//! returns the reason.
 //!
-//! The failure is kept behind the `cholmod_common` itself, which each allocation of CHOLMOD is given, on whatever thread it is made: so a call
-//! has one owner of its state, shared by the workers of its task tree. The library calls its allocation functions through the dynamic
-//! linker, and those exported by `guard.rs` take their place. They hand all calls with a `cholmod_common` that is not ours to the
-//! library as they came. Nothing global is written, SuiteSparse's own hooks neither, so that others in the process may use
-//! the library, set hooks and change them, before and while we run.
+//! The failure is stored directly behind the `cholmod_common`. CHOLMOD passes that pointer to every allocation on every thread, so all
+//! workers of a call's task tree share one state. The library calls its allocation functions through the dynamic linker, and the
+//! functions that `guard.rs` exports replace them. They forward every call with a foreign `cholmod_common` unchanged. This module
+//! changes no global state, not even SuiteSparse's allocation hooks. Other code in the process may use the library and its hooks at
+//! any time.
 //!
-//! Where the library was loaded before this code, as by another `dlopen`ed library, where it is linked with
-//! `-Bsymbolic-functions`, and on other systems than ELF, some or all allocations are the library's own, with its own faults.
+//! The guard misses some or all allocations if the library was loaded before this code (by another `dlopen`ed library), if it was
+//! linked with `-Bsymbolic-functions`, and on systems without ELF. There SuiteSparseQR behaves as without the guard.
 
 use core::ffi::c_char;
 use core::ops::{Deref, DerefMut};
@@ -21,46 +21,46 @@ use std::alloc::{Layout, alloc, dealloc};
 
 use crate::cholmod_common;
 
-/// The parameters of one call and its failure; freed when dropped, after all that was made with it.
+/// The parameters of one call and its failure. Drop it after everything that was allocated with it.
 #[derive(Debug)]
 pub struct Common(NonNull<AllocatorState>);
 
-/// What CHOLMOD gets a pointer to, and behind it what only we know.
+/// The struct that CHOLMOD knows, followed by a field of ours.
 #[repr(C)]
 #[derive(Debug)]
 pub(crate) struct AllocatorState {
     common: cholmod_common,
-    /// CHOLMOD's status when an allocation failed first; 0 before.
+    /// CHOLMOD's status at the first failed allocation; 0 before.
     failure: AtomicI32,
 }
 
 impl Common {
-    /// CHOLMOD's defaults, and nothing printed; none without memory.
-    #[allow(clippy::cast_ptr_alignment, reason = "the layout asked for is that of the struct")]
+    /// CHOLMOD's defaults without printing; `None` if memory runs out.
+    #[allow(clippy::cast_ptr_alignment, reason = "the layout is that of the struct")]
     pub fn start() -> Option<Self> {
         let layout = Layout::new::<AllocatorState>();
-        // SAFETY: the struct has a size; it is numbers, arrays of them and nullable pointers, of which all zeros is a value.
+        // SAFETY: the struct is not zero-sized, and all-zero bytes are a valid value: it holds numbers, arrays and nullable pointers.
         let state = unsafe {
             let state = NonNull::new(alloc(layout).cast::<AllocatorState>())?;
             state.write_bytes(0, 1);
             state
         };
         let mut common = Self(state);
-        // SAFETY: the struct is as large as C's (`tests/layout.rs` checks) and stays in place.
+        // SAFETY: the struct is as large as C's (`tests/layout.rs` checks that) and does not move.
         unsafe { crate::cholmod_l_start(common.as_mut_ptr()) };
         common.print = 0;
         common.error_handler = Some(MARK);
         Some(common)
     }
 
-    /// For calls of the library.
+    /// The pointer to pass to the library.
     pub fn as_mut_ptr(&mut self) -> *mut cholmod_common {
         self.0.as_ptr().cast()
     }
 
-    /// CHOLMOD's status when an allocation failed, if one did.
+    /// CHOLMOD's status at the first failed allocation, if any.
     pub fn failure(&self) -> Option<i32> {
-        // SAFETY: ours, and shared only through the atomic.
+        // SAFETY: the state is alive, and other threads access only this atomic.
         let status = unsafe { &(*self.0.as_ptr()).failure }.load(SeqCst);
         (status != 0).then_some(status)
     }
@@ -70,7 +70,7 @@ impl Deref for Common {
     type Target = cholmod_common;
 
     fn deref(&self) -> &cholmod_common {
-        // SAFETY: started, in place; the library runs only while it is borrowed mutably.
+        // SAFETY: initialized by `start`, and the library accesses it only during a mutable borrow.
         unsafe { &(*self.0.as_ptr()).common }
     }
 }
@@ -84,7 +84,7 @@ impl DerefMut for Common {
 
 impl Drop for Common {
     fn drop(&mut self) {
-        // SAFETY: started once, and finished once; nobody has the pointer any more.
+        // SAFETY: started once and finished once; no pointer to it remains.
         unsafe {
             crate::cholmod_l_finish(self.as_mut_ptr());
             #[cfg(feature = "faults")]
@@ -96,11 +96,11 @@ impl Drop for Common {
 
 type Handler = unsafe extern "C" fn(i32, *const c_char, i32, *const c_char);
 
-/// Tells a `cholmod_common` of ours from others. In a static, so that it has one address.
+/// Identifies our `cholmod_common`. A static, so that it has one address.
 static MARK: Handler = reported;
 
-/// Errors that the library reported in calls of ours. The number keeps a linker from folding the function into another that
-/// does nothing, which somebody else may have put there.
+/// Number of errors that the library reported in our calls. It gives `reported` a body, so that a linker does not merge the function
+/// with another empty one, whose address foreign code may use as its own handler.
 static REPORTED: AtomicU64 = AtomicU64::new(0);
 
 extern "C" fn reported(_: i32, _: *const c_char, _: i32, _: *const c_char) {
@@ -109,12 +109,12 @@ extern "C" fn reported(_: i32, _: *const c_char, _: i32, _: *const c_char) {
 
 #[cfg_attr(not(interposition), allow(dead_code, reason = "for the guard"))]
 impl AllocatorState {
-    /// What is behind a `cholmod_common` of ours; none for another's, which is only read.
+    /// The failure behind our `cholmod_common`; `None` for a foreign one, which is only read.
     ///
     /// # Safety
-    /// The pointer is null or the library's to use.
+    /// The pointer is null or points to a valid `cholmod_common`.
     pub(crate) unsafe fn behind<'a>(common: *mut cholmod_common) -> Option<&'a AtomicI32> {
-        // SAFETY: the caller's promise; with our mark it is the first field of a `State`.
+        // SAFETY: valid by the caller's promise; with our mark it is the first field of an `AllocatorState`.
         unsafe {
             let handler = common.as_ref()?.error_handler?;
             fn_addr_eq(handler, MARK).then(|| &(*common.cast::<Self>()).failure)
@@ -122,44 +122,44 @@ impl AllocatorState {
     }
 }
 
-/// Failures on purpose, for tests: of the calls that are ours, in the whole process, so that one test at a time uses them.
+/// Injects allocation failures into our calls, for tests. The counters are global, so only one test may use them at a time.
 #[cfg(feature = "faults")]
-#[cfg_attr(not(interposition), allow(dead_code, reason = "nothing calls it without the guard"))]
+#[cfg_attr(not(interposition), allow(dead_code, reason = "only the guard calls it"))]
 pub mod faults {
     use core::sync::atomic::{AtomicI64, Ordering::SeqCst};
 
-    /// Allocations until the one that fails; negative for none.
+    /// Allocations until the one that fails; negative if none shall fail.
     static LEFT: AtomicI64 = AtomicI64::new(-1);
     static ASKED: AtomicI64 = AtomicI64::new(0);
     static LEAKED: AtomicI64 = AtomicI64::new(0);
     static INJECTED: AtomicI64 = AtomicI64::new(0);
 
-    /// The `k`-th allocation from now (from 0) fails, and with it all after it in its call.
+    /// The `k`-th allocation from now (counted from 0) fails, and so do all later ones of the same call.
     pub fn fail_at(k: u32) {
         LEFT.store(i64::from(k), SeqCst);
     }
 
-    /// None fails any more.
+    /// Stops the injection.
     pub fn stop() {
         LEFT.store(-1, SeqCst);
     }
 
-    /// Allocations asked for so far.
+    /// Allocations requested so far.
     pub fn asked() -> i64 {
         ASKED.load(SeqCst)
     }
 
-    /// Blocks that calls had not freed when they ended.
+    /// Blocks that calls leaked.
     pub fn leaked() -> i64 {
         LEAKED.load(SeqCst)
     }
 
-    /// Failures made so far.
+    /// Failures injected so far.
     pub fn injected() -> i64 {
         INJECTED.load(SeqCst)
     }
 
-    /// Whether the allocation that is asked for now is to fail.
+    /// Whether the current allocation shall fail.
     pub(crate) fn fails() -> bool {
         ASKED.fetch_add(1, SeqCst);
         let fails = LEFT.fetch_update(SeqCst, SeqCst, |left| (left >= 0).then(|| left - 1)) == Ok(0);
@@ -167,7 +167,7 @@ pub mod faults {
         fails
     }
 
-    /// For `cpp/faults.cpp`: C++ allocates too.
+    /// Called by `cpp/faults.cpp` for the allocations of C++.
     #[cfg(task_tree)]
     #[unsafe(export_name = "qless_fails_on_purpose")]
     pub extern "C" fn cpp_fails() -> bool {

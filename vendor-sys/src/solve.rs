@@ -1,4 +1,4 @@
-//! `x = A\b` and the shortest x with `A x = b`, as the users of SuiteSparseQR call it: for comparisons.
+//! `x = A\b` and the minimum-norm solution of `A x = b`, by the usual calls of SuiteSparseQR; for comparisons.
 
 use core::ptr::null_mut;
 
@@ -16,7 +16,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// None if the arrays are no such matrix.
+    /// `None` if the arrays are not such a matrix.
     pub fn new(rows: usize, start: Vec<i64>, index: Vec<i64>, values: Vec<f64>) -> Option<Self> {
         let ascends = start.first() == Some(&0) && start.windows(2).all(|pair| pair[0] <= pair[1]);
         let ends = start.last().and_then(|&end| usize::try_from(end).ok());
@@ -26,7 +26,7 @@ impl Columns {
         (ascends && fits && inside && start.windows(2).all(sorted)).then_some(Self { rows, start, index, values })
     }
 
-    /// What C reads; it takes mutable pointers but does not write.
+    /// The matrix for C, which takes mutable pointers but does not write.
     fn view(&self) -> cholmod_sparse {
         cholmod_sparse {
             nrow: self.rows,
@@ -47,10 +47,10 @@ impl Columns {
     }
 }
 
-/// `SuiteSparseQR_C_backslash_default`: x of least `|A x - b|`, basic where A is wide or columns are dependent.
+/// An x that minimises `|A x - b|`, by `SuiteSparseQR_C_backslash_default`; a basic solution if columns are dependent.
 ///
 /// # Errors
-/// CHOLMOD's status; [`crate::CHOLMOD_INVALID`] if b has another length.
+/// CHOLMOD's status; [`crate::CHOLMOD_INVALID`] if the length of b is not the number of rows.
 pub fn backslash(a: &Columns, b: &[f64]) -> Result<Vec<f64>, i32> {
     let (mut common, mut a_view, mut b_view) = started(a, b)?;
     let held = blas::hold(1).ok_or(crate::CHOLMOD_OUT_OF_MEMORY)?;
@@ -63,7 +63,7 @@ pub fn backslash(a: &Columns, b: &[f64]) -> Result<Vec<f64>, i32> {
     }
 }
 
-/// What `SuiteSparseQR_min2norm` does with a wide matrix: `A^T P = Q R`, `x = Q R^{-T} P^T b`.
+/// The minimum-norm solution as `SuiteSparseQR_min2norm` computes it for a wide matrix: `A^T P = Q R`, `x = Q R^{-T} P^T b`.
 ///
 /// # Errors
 /// As [`backslash`].
@@ -72,7 +72,7 @@ pub fn minimum_norm(a: &Columns, b: &[f64]) -> Result<Vec<f64>, i32> {
     let (ordering, tolerance) = (crate::SPQR_ORDERING_DEFAULT, f64::from(crate::SPQR_DEFAULT_TOL));
     let held = blas::hold(1).ok_or(crate::CHOLMOD_OUT_OF_MEMORY)?;
     let cc = common.as_mut_ptr();
-    // SAFETY: as in `backslash`; each step is done only with what the one before made, and all of it is freed once.
+    // SAFETY: as in `backslash`; a step runs only if the step before succeeded, and everything is freed once.
     unsafe {
         let mut transposed = crate::cholmod_l_transpose(&raw mut a_view, 2, cc);
         let mut qr: *mut Factorization = null_mut();
@@ -114,10 +114,10 @@ fn started(a: &Columns, b: &[f64]) -> Result<(Common, cholmod_sparse, cholmod_de
     Ok((common, a.view(), dense))
 }
 
-/// Copies one column and frees it.
+/// Copies a vector and frees it.
 ///
 /// # Safety
-/// `x` is null or a dense real vector made under this `common`.
+/// `x` is null or a dense real vector allocated with this `common`.
 unsafe fn read(mut x: *mut cholmod_dense, common: *mut cholmod_common) -> Result<Vec<f64>, i32> {
     // SAFETY: the caller's promise.
     unsafe {

@@ -1,17 +1,17 @@
-//! SuiteSparseQR's task tree on oneTBB (`cpp/tree.cpp`), with the feature `tbb` and SuiteSparseQR 2.1; nothing happens without.
+//! SuiteSparseQR's task tree on oneTBB (`cpp/tree.cpp`). It needs the feature `tbb` and SuiteSparseQR 2.1; otherwise these functions do nothing.
 //!
-//! The exported names are those of the library's kernel and of its copy of R (`cpp/result.cpp`), which the library calls through
-//! the dynamic linker: these definitions take their place in the whole process. A caller that asked for no threads gets the
-//! library's own, as before.
+//! This module exports functions with the names of the library's kernel and of its copy of R (`cpp/result.cpp`). The library calls them
+//! through the dynamic linker, so ours replace them in the whole process. For callers that did not request threads, they call the
+//! library's own functions.
 
 #[cfg(task_tree)]
 use linked as backend;
 #[cfg(not(task_tree))]
 use without as backend;
 
-/// Runs `work`; factorizations started in it, on this thread, run their task trees on so many threads.
+/// Runs `work`. Factorizations that it starts on this thread run their task trees on at most `threads` threads.
 ///
-/// A tree is made only if `SPQR_grain` is above 1 in their `cholmod_common`.
+/// A factorization has a task tree only if `SPQR_grain` is above 1 in its `cholmod_common`.
 pub fn with_threads<T>(threads: usize, work: impl FnOnce() -> T) -> T {
     struct Restore(i32);
     impl Drop for Restore {
@@ -23,22 +23,22 @@ pub fn with_threads<T>(threads: usize, work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// How many of so many threads a task tree has at most: no more than cores, and one where there are no trees.
+/// Number of threads that a task tree uses if `threads` are requested: at most one per core, and 1 without task trees.
 pub fn runners(threads: usize) -> usize {
     if is_active() { backend::runners(i32::try_from(threads).unwrap_or(i32::MAX)).max(1) as usize } else { 1 }
 }
 
-/// How many task trees have run in this process.
+/// Number of task trees that have run in this process.
 pub fn count() -> u64 {
     backend::count()
 }
 
-/// Whether SuiteSparseQR calls our kernel: not where it was loaded before this code was, as by a `dlopen`ed library.
+/// Whether SuiteSparseQR calls our kernel. It does not if it was loaded before this code, for example by a `dlopen`ed library.
 pub fn is_active() -> bool {
     backend::is_active()
 }
 
-/// oneTBB's own version, such as `2021.8`; none if the tree was not compiled in.
+/// Version of oneTBB, such as `2021.8`; `None` if the task tree was not compiled in.
 pub fn runtime() -> Option<&'static str> {
     backend::runtime()
 }
@@ -70,7 +70,7 @@ mod without {
 mod linked {
     use core::ffi::{CStr, c_char, c_int, c_long, c_ulonglong, c_void};
 
-    /// The kernel's name, as C++ mangles it.
+    /// The mangled name of the kernel.
     const NAME: &CStr = c"_Z11spqr_kernelIdEvlP9spqr_blobIT_E";
 
     unsafe extern "C" {
@@ -80,7 +80,7 @@ mod linked {
         fn qless_tree_runtime() -> *const c_char;
     }
 
-    /// A function exported under a name of the library's, as C++ mangles it, that hands all it gets to one of ours.
+    /// Exports a function under a mangled name of the library; it forwards its arguments to our C++ function.
     macro_rules! stand_in {
         ($name:ident = $mangled:literal, $ours:ident($($argument:ident: $kind:ty),*)) => {
             unsafe extern "C" {
@@ -88,11 +88,11 @@ mod linked {
             }
 
             /// # Safety
-            /// For SuiteSparseQR itself: the arguments are those of a factorization in progress.
+            /// Only SuiteSparseQR may call it, with the arguments of a running factorization.
             #[unsafe(export_name = $mangled)]
             #[allow(clippy::too_many_arguments, reason = "the library's")]
             pub unsafe extern "C" fn $name($($argument: $kind),*) {
-                // SAFETY: all comes from SuiteSparseQR as it is, and no exception leaves the function.
+                // SAFETY: the arguments come from SuiteSparseQR unchanged, and no exception leaves the function.
                 unsafe { $ours($($argument),*) }
             }
         };
@@ -102,16 +102,16 @@ mod linked {
     type Index = *mut c_long;
     type Values = *mut f64;
 
-    // spqr_kernel<double>(task, blob), the tasks.
+    // spqr_kernel<double>(task, blob) runs a task.
     stand_in!(kernel = "_Z11spqr_kernelIdEvlP9spqr_blobIT_E", qless_tree_kernel(task: c_long, blob: Data));
 
-    // spqr_rcount<double>, the number of entries in each column of R.
+    // spqr_rcount<double> counts the entries in each column of R.
     stand_in!(count_r = "_Z11spqr_rcountIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_S6_S6_", qless_result_count(
         symbolic: Data, numeric: Data, first: c_long, econ: c_long, n2: c_long, transpose: c_int,
         a: Index, b: Index, h: Index, vectors: Index
     ));
 
-    // spqr_rconvert<double>, the entries.
+    // spqr_rconvert<double> copies the entries of R.
     stand_in!(copy_r = "_Z13spqr_rconvertIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_PS3_S6_S6_S7_S6_S6_S7_S7_", qless_result_convert(
         symbolic: Data, numeric: Data, first: c_long, econ: c_long, n2: c_long, transpose: c_int,
         a_start: Index, a_row: Index, a_value: Values, b_start: Index, b_row: Index, b_value: Values,
@@ -129,28 +129,28 @@ mod linked {
             ),
         ];
         for (name, function) in ours {
-            // SAFETY: the name is a C string; nothing is loaded or called.
+            // SAFETY: the name is a C string, and the lookup calls nothing.
             assert!(core::ptr::eq(unsafe { libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()) }, function), "{name:?}");
         }
     }
 
     pub fn threads(threads: c_int) -> c_int {
-        // SAFETY: sets numbers of this thread only.
+        // SAFETY: it only sets thread-local numbers.
         unsafe { qless_tree_threads(threads) }
     }
 
     pub fn runners(threads: c_int) -> c_int {
-        // SAFETY: the smaller of two numbers.
+        // SAFETY: it only returns the smaller of two numbers.
         unsafe { qless_tree_runners(threads) }
     }
 
     pub fn count() -> u64 {
-        // SAFETY: reads an atomic number.
+        // SAFETY: it only reads an atomic number.
         unsafe { qless_tree_count() }
     }
 
     pub fn is_active() -> bool {
-        // SAFETY: the name is a C string; nothing is loaded or called.
+        // SAFETY: the name is a C string, and the lookup calls nothing.
         let found = unsafe { libc::dlsym(libc::RTLD_DEFAULT, NAME.as_ptr()) };
         core::ptr::eq(found, kernel as *const c_void)
     }

@@ -1,49 +1,49 @@
-//! Headers = library? A binding made from other headers reads the library's structs at wrong places.
+//! Compares the version of the loaded library with that of the headers. Bindings of another version read struct fields at wrong offsets.
 
 use core::fmt;
 
-/// A release, `major.minor.patch`.
+/// A version, `major.minor.patch`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Version {
-    /// Changes with the interface.
+    /// Increases if the interface changes.
     pub major: i32,
-    /// Changes with the layout of structs.
+    /// Increases if the layout of structs may change.
     pub minor: i32,
-    /// Changes with corrections.
+    /// Increases with bug fixes.
     pub patch: i32,
 }
 
-/// SuiteSparseQR's release according to the headers (it cannot be asked at run time).
+/// Version of SuiteSparseQR in the headers. The library has no function that returns its own.
 pub const SPQR: Version =
     Version { major: crate::SPQR_MAIN_VERSION, minor: crate::SPQR_SUB_VERSION, patch: crate::SPQR_SUBSUB_VERSION };
 
-/// SuiteSparse's release according to the headers this crate was built with.
+/// Version of SuiteSparse in the headers that this crate was built with.
 pub const HEADERS: Version = Version {
     major: crate::SUITESPARSE_MAIN_VERSION,
     minor: crate::SUITESPARSE_SUB_VERSION,
     patch: crate::SUITESPARSE_SUBSUB_VERSION,
 };
 
-/// The library loaded now differs from the headers in `major.minor`.
+/// The loaded library differs from the headers in `major.minor`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VersionMismatch {
-    /// Of the headers at build time.
+    /// Version of the headers at build time.
     pub headers: Version,
-    /// Of the library at run time.
+    /// Version of the library at run time.
     pub library: Version,
 }
 
-/// The release of SuiteSparse loaded now.
+/// Version of the loaded SuiteSparse.
 ///
 /// # Errors
-/// [`VersionMismatch`] when `major.minor` differs from [`HEADERS`]: then no other function may be called.
+/// [`VersionMismatch`] if `major.minor` differs from [`HEADERS`]; then no other function may be called.
 pub fn version() -> Result<Version, VersionMismatch> {
     compatible(HEADERS, loaded())
 }
 
 fn loaded() -> Version {
     let mut parts = [0; 3];
-    // SAFETY: the function writes three ints to its argument and does nothing else.
+    // SAFETY: the function only writes three integers to its argument.
     unsafe { crate::SuiteSparse_version(parts.as_mut_ptr()) };
     Version { major: parts[0], minor: parts[1], patch: parts[2] }
 }

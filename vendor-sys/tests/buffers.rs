@@ -1,6 +1,6 @@
-//! OpenBLAS with more callers than there is room for buffers: each has one when it is let in, and nobody asks for ever.
+//! OpenBLAS with more callers than memory for buffers: every admitted caller has a buffer, and none waits for ever.
 //!
-//! A process of its own, because its address space is limited.
+//! It is a test program of its own because it limits the address space.
 #![cfg(target_os = "linux")]
 #![allow(unsafe_code, reason = "calls OpenBLAS without a wrapper")]
 
@@ -12,23 +12,23 @@ use std::time::Duration;
 use spqr_sys::blas;
 
 const CALLERS: usize = 12;
-/// For six buffers and a half.
+/// Memory for six and a half buffers.
 const ROOM: u64 = 830 << 20;
-/// How often each caller is let in, ...
+/// Number of times that each caller is admitted.
 const ROUNDS: usize = 20;
-/// ... and how often it calls then: enough to meet others that come.
+/// Calls each time; enough to overlap with other callers.
 const CALLS: usize = 10_000;
 
 fn find(name: &CStr) -> Option<*mut c_void> {
-    // SAFETY: the name is a C string; nothing is loaded or called.
+    // SAFETY: the name is a C string, and the lookup calls nothing.
     let found = unsafe { libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()) };
     (!found.is_null()).then_some(found)
 }
 
-/// What a BLAS function does with its buffer; none with another BLAS.
+/// Takes and returns a buffer, as a BLAS function does; `None` with another BLAS.
 fn call() -> Option<impl Fn() + Copy + Send> {
     let (take, give_back) = (find(c"blas_memory_alloc")?, find(c"blas_memory_free")?);
-    // SAFETY: these are the functions' types in OpenBLAS, which alone has these names.
+    // SAFETY: only OpenBLAS has these names, and these are the functions' types there.
     let (take, give_back) = unsafe {
         (
             transmute::<*mut c_void, extern "C" fn(c_int) -> *mut c_void>(take),
@@ -38,18 +38,18 @@ fn call() -> Option<impl Fn() + Copy + Send> {
     Some(move || give_back(take(0)))
 }
 
-/// Leaves room for so many bytes of address space.
+/// Limits the address space to the present use and `bytes` more.
 fn limit(bytes: u64) {
     let text = std::fs::read_to_string("/proc/self/statm").expect("Linux has it");
     let pages: u64 = text.split_whitespace().next().and_then(|word| word.parse().ok()).expect("a number");
     let limit = libc::rlimit { rlim_cur: pages * 4096 + bytes, rlim_max: libc::RLIM_INFINITY };
-    // SAFETY: the struct is ours and as the call wants it.
+    // SAFETY: the struct is initialized and alive.
     assert_eq!(unsafe { libc::setrlimit(libc::RLIMIT_AS, &raw const limit) }, 0);
 }
 
-/// It is never asked for buffers, so that nobody waits for one. An OpenBLAS without the functions that make them is a defect.
+/// Another BLAS gets no request for buffers, so no caller waits. An OpenBLAS without these functions fails the test.
 fn another_blas_has_room_for_all() {
-    assert_eq!(blas::threads(), None, "an OpenBLAS that does not tell of its buffers");
+    assert_eq!(blas::threads(), None, "an OpenBLAS that does not export its buffer functions");
     let held: Vec<_> = (1..=CALLERS).map(|callers| blas::hold(callers).expect("no limit").callers()).collect();
     assert!(held.into_iter().eq(1..=CALLERS));
     let (one, other) = (blas::hold(CALLERS), blas::hold(CALLERS));
@@ -58,12 +58,12 @@ fn another_blas_has_room_for_all() {
 
 #[test]
 fn nobody_asks_for_ever_where_there_is_no_room() {
-    // Has the library linked, and with it its BLAS.
+    // A call of the library makes the linker keep it and its BLAS.
     drop(spqr_sys::memory::Common::start().expect("memory"));
     let Some(call) = call() else {
         return another_blas_has_room_for_all();
     };
-    // Threads, their stacks and heaps are there before the limit is.
+    // Threads get their stacks and heaps before the limit is set.
     let (ended, end) = channel();
     let (starts, threads): (Vec<_>, Vec<_>) = (0..CALLERS)
         .map(|_| {

@@ -1,4 +1,4 @@
-//! Sizes, places of fields, constants and signatures in Rust = those in the installed headers; the library loads, starts and finishes.
+//! Sizes, field offsets, constants and signatures are those of the installed headers; the library loads, starts and finishes.
 #![allow(unsafe_code, reason = "calls the library without a wrapper")]
 
 use spqr_sys::{cholmod_common, cholmod_dense, cholmod_sparse};
@@ -7,7 +7,7 @@ use std::mem::{MaybeUninit, offset_of, size_of};
 use std::path::Path;
 use std::process::Command;
 
-/// Sizes, then the places of the fields that are used, then constants, then whether functions have the types given here.
+/// C expressions: sizes, then offsets of the fields that are used, then constants, then comparisons of function types.
 const QUESTIONS: [&str; 38] = [
     "sizeof(cholmod_common)",
     "sizeof(cholmod_sparse)",
@@ -50,7 +50,7 @@ const QUESTIONS: [&str; 38] = [
     "SAME(cholmod_l_free_sparse, int (*)(cholmod_sparse **, cholmod_common *))",
 ];
 
-/// The same functions in Rust, held to the same types by the compiler; those that `guard.rs` stands in for are written there.
+/// The compiler checks the same types in Rust; `guard.rs` states those of the functions that it replaces.
 fn signatures() {
     type Sparse = *mut cholmod_sparse;
     type Dense = *mut cholmod_dense;
@@ -132,7 +132,7 @@ fn the_library_is_the_one_of_the_headers() {
 #[test]
 fn starts_and_finishes() {
     let mut common = MaybeUninit::<cholmod_common>::zeroed();
-    // SAFETY: cholmod_l_start fills the struct, which stays where it is until cholmod_l_finish.
+    // SAFETY: cholmod_l_start initializes the struct, which does not move until cholmod_l_finish.
     let (started, status, finished) = unsafe {
         let started = spqr_sys::cholmod_l_start(common.as_mut_ptr());
         let status = (*common.as_ptr()).status;
@@ -141,7 +141,7 @@ fn starts_and_finishes() {
     assert_eq!((started, status, finished), (1, spqr_sys::CHOLMOD_OK, 1));
 }
 
-/// What C says to each question.
+/// The values of the expressions in C.
 fn answers(folder: &Path) -> Vec<i64> {
     let (source, program) = (folder.join("questions.c"), folder.join("questions"));
     let line = |question: &str| format!("    printf(\"%ld\\n\", (long) {question});\n");

@@ -1,4 +1,4 @@
-// Several callers at once factor grids with task trees, for ThreadSanitizer to watch (threads.rs compiles and runs this).
+// Several concurrent callers factor grids with task trees, under ThreadSanitizer (threads.rs compiles and runs this).
 
 #include "SuiteSparseQR_C.h"
 
@@ -11,7 +11,7 @@ extern "C" int qless_tree_threads(int threads);
 extern "C" unsigned long long qless_tree_count();
 extern "C" unsigned long long qless_result_copies();
 
-// What tree.rs exports to the library.
+// The functions that tree.rs exports to the library.
 extern "C" void stand_in(SuiteSparse_long task, void *blob) __asm__("_Z11spqr_kernelIdEvlP9spqr_blobIT_E");
 extern "C" void stand_in(SuiteSparse_long task, void *blob)
 {
@@ -40,7 +40,7 @@ extern "C" void copy_r(void *symbolic, void *numeric, Index first, Index econ, I
     qless_result_convert(symbolic, numeric, first, econ, n2, transpose, ap, ai, ax, bp, bi, bx, hp, hi, hx, tau);
 }
 
-// Edges x nodes of a square grid; the rank, which is one less than the number of nodes.
+// Factors the edges x nodes matrix of a square grid and returns its rank, which is one less than the number of nodes.
 static long rank_of_grid(long side)
 {
     std::vector<std::vector<std::pair<long, double>>> columns(side * side);

@@ -1,14 +1,14 @@
 //! A cell [0, 1]^3 of two blocks of hexahedra, one on the other, whose meshes do not match. Nodes are numbered by x, so that a range
-//! of numbers is a slab; all of it by formula: no rank holds the mesh.
+//! of numbers is a slab. The mesh is given by formulas, so no rank stores it.
 
 use std::ops::Range;
 
-/// Translations of a node, and so DOFs of it.
+/// DOFs of a node: translations.
 pub const AXES: usize = 3;
-/// DOFs of the rigid inclusion, after those of the nodes: translations and rotations.
+/// DOFs of the rigid inclusion, numbered after those of the nodes: translations and rotations.
 pub const RIGID: usize = 6;
 
-/// Half of the cell.
+/// One block of the cell.
 #[derive(Clone, Copy)]
 pub struct Block {
     /// Along x, y and z.
@@ -20,11 +20,11 @@ pub struct Block {
 #[derive(Clone, Copy)]
 pub struct Cell {
     pub blocks: [Block; 2],
-    /// The corners of the inclusion, if there is one; faces of cells in both blocks.
+    /// The corners of the inclusion, if there is one; they lie on faces of hexahedra of both blocks.
     pub inclusion: Option<[[f64; 3]; 2]>,
 }
 
-/// A node by its block and its place in the grid.
+/// A node: its block and its place in the grid.
 #[derive(Clone, Copy)]
 pub struct Node {
     pub block: usize,
@@ -58,7 +58,7 @@ impl Cell {
         self.nodes() * rank / ranks..self.nodes() * (rank + 1) / ranks
     }
 
-    /// Those of its nodes; the last rank owns the inclusion's too.
+    /// The DOFs that a rank owns; the last rank also owns those of the inclusion.
     pub fn owned_dofs(&self, rank: usize, ranks: usize) -> Range<u64> {
         let Range { start, end } = self.owned(rank, ranks);
         let end = if rank + 1 == ranks { self.dofs() } else { AXES * end };
@@ -113,7 +113,7 @@ impl Cell {
         })
     }
 
-    /// The equations of this cell that say what others say, counted by hand.
+    /// The number of redundant equations of this cell, counted by hand.
     ///
     /// Upright edges: two pairs in x and two in y go around four nodes, one pair for nothing. At the bottom and the top of the upper block
     /// every pair says for tied nodes what the lower block has said before. A tied node within the inclusion is rigid already.

@@ -1,4 +1,4 @@
-//! What is wrong on one rank is wrong on all: none waits for one that has gone.
+//! Checks that all ranks agree on: a failure on one rank is a failure on all, so none waits for ever.
 
 use std::error::Error;
 
@@ -8,7 +8,7 @@ use crate::constraints::Gradient;
 
 /// Whether a difference is small on all ranks. Collective.
 pub fn check(ranks: &dyn Ranks, what: &str, off: f64, most: f64) -> Result<(), Box<dyn Error>> {
-    // Positive doubles, NaN above all, have the order of their bits.
+    // The bits of positive doubles have the order of the numbers, with NaN as the largest.
     let mut worst = [off.abs().to_bits()];
     ranks.max(&mut worst);
     let off = f64::from_bits(worst[0]);
@@ -34,7 +34,7 @@ pub fn same_as_alone(ranks: &dyn Ranks, own: &[f64], alone: Option<&[f64]>) -> f
     alone.map_or(0.0, |alone| difference(&all, alone))
 }
 
-/// NaN where lengths differ or a number is none, so that no check passes.
+/// NaN if lengths differ or a number is NaN, so that no check passes.
 fn difference(a: &[f64], b: &[f64]) -> f64 {
     let worse = |most: f64, off: f64| if off > most || off.is_nan() { off } else { most };
     let offs = a.iter().zip(b).map(|(a, b)| (a - b).abs());

@@ -1,4 +1,4 @@
-//! What constrains the nodes of one rank: the tie, periodicity, the inclusion, a corner that is held.
+//! The constraints on the nodes of one rank: the tie, periodicity, the inclusion, a fixed corner.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -13,21 +13,21 @@ use crate::cell::{AXES, Cell, Node, RIGID};
 /// A displacement gradient.
 pub type Gradient = [[f64; 3]; 3];
 
-/// Nodes that the equations of one node name, at most: it, a face, and two images.
+/// Largest number of nodes in the equations of one node: the node, a face, and two images.
 const NAMED: usize = 1 + 4 + 2;
 
 /// The equations of one rank.
 pub struct Constraints {
     pub share: Share,
-    /// The same over DOFs in a numbering of this rank.
+    /// The same equations over DOFs in the numbering of this rank.
     system: ConstraintSystem,
-    /// The numbers of these DOFs in the job.
+    /// The global numbers of these DOFs.
     dofs: Vec<u64>,
-    /// From the image of each node to it: zero unless they lie on opposite faces. Three equations each.
+    /// The vector from the image of each node to the node; zero unless they lie on opposite faces. Three equations each.
     steps: Vec<[f64; 3]>,
 }
 
-/// Constraints as they come, node by node.
+/// Collects constraints node by node.
 struct Writer<'a> {
     cell: &'a Cell,
     set: SetBuilder,
@@ -38,7 +38,7 @@ struct Writer<'a> {
 }
 
 impl Constraints {
-    /// Of the nodes that a rank owns; a corner is held.
+    /// The constraints on the nodes that a rank owns; a corner is fixed.
     pub fn new(cell: &Cell, ranks: &dyn Ranks) -> Result<Self, Box<dyn Error>> {
         let owned = cell.owned(ranks.rank(), ranks.size());
         let set = ConstraintSet::builder(AXES * NAMED * owned.len() + RIGID);
@@ -56,7 +56,7 @@ impl Constraints {
         if owned.contains(&0) {
             (0..AXES as u64).for_each(|dof| share.prescribe(dof, 0.0));
         }
-        // To see for itself that its equations hold, and to assemble its hexahedra.
+        // The rank needs these DOFs to check its equations and to assemble its hexahedra.
         dofs.iter().for_each(|&dof| share.need(dof));
         let corners = cell.hexahedra_in(owned).flatten();
         corners.for_each(|node| dofs_of(cell, node).into_iter().for_each(|dof| share.need(dof)));
@@ -68,7 +68,7 @@ impl Constraints {
         (0..self.system.equations()).for_each(|i| self.share.set_rhs(i, jump(&self.steps, i, e)));
     }
 
-    /// The largest of `|C u - b|`, equation by equation as they were given.
+    /// The largest `|C u - b|` of the original equations.
     pub fn unmet(&self, map: &DistributedElimination, u: &[f64], e: &Gradient) -> f64 {
         let value = |j: usize| u[map.dofs().binary_search(&self.dofs[j]).expect("it was asked for")];
         let off = |i: usize| {
@@ -91,7 +91,7 @@ pub fn dofs_of(cell: &Cell, node: Node) -> [u64; AXES] {
 }
 
 impl Writer<'_> {
-    /// Each kind of equation of a node has numbers of its own, whoever owns the node.
+    /// Each kind of equation of a node has its own numbers, independent of the owner of the node.
     fn node(&mut self, node: Node) -> Result<(), Box<dyn Error>> {
         let cells = self.cell.blocks[node.block].cells;
         let point = self.point(node);
@@ -130,7 +130,7 @@ impl Writer<'_> {
         self.steps.push(step);
     }
 
-    /// The node as it were at this height, on the face of the lower block that is there.
+    /// The node projected to this height, and the face of the lower block there.
     fn tie(&mut self, node: Node, k: usize, height: f64) -> NodeTie<3> {
         let Node { place, .. } = node;
         let (own, lower) = (self.cell.blocks[1].cells, self.cell.blocks[0].cells);
@@ -142,7 +142,7 @@ impl Writer<'_> {
         NodeTie { node: point, shape: Shape::Quad4, face, tolerance: 1e-9 }
     }
 
-    /// A node as `qless-constraints` wants it, its DOFs numbered by this rank.
+    /// A node for `qless-constraints`, with DOFs in the numbering of this rank.
     fn point(&mut self, node: Node) -> Point {
         Point::new(dofs_of(self.cell, node).map(|dof| self.place(dof)), self.cell.at(node))
     }

@@ -21,7 +21,7 @@ const STEPS: usize = 4;
 /// At the last step.
 const STRETCH: Gradient = [[0.02, 0.01, 0.0], [0.0, -0.01, 0.005], [0.003, 0.0, 0.015]];
 
-/// Every other node of the upper face is one of the lower face: only then do ties of nodes carry a constant stress exactly.
+/// Every other node of the upper face coincides with one of the lower face: only then do node ties transmit a constant stress exactly.
 const PLAIN: Cell =
     Cell { blocks: [Block { cells: [4, 3, 3], young: 1.0 }, Block { cells: [8, 6, 2], young: 1.0 }], inclusion: None };
 /// The meshes meet in every third or second node; the inclusion ends there.
@@ -71,7 +71,7 @@ fn solve(cell: &Cell, ranks: &dyn Ranks) -> Result<Solved, Box<dyn Error>> {
     Ok(Solved { u: own, stress, redundant: counts.redundant, equations: counts.equations, iterations, unmet })
 }
 
-/// What must hold. Collective: the same result on all ranks.
+/// The checks. Collective: the same result on all ranks.
 fn checks(ranks: &dyn Ranks, cell: &Cell, solved: &Solved) -> Result<(), Box<dyn Error>> {
     let Solved { stress, .. } = solved;
     let counted = solved.redundant as f64 - cell.redundant() as f64;
@@ -82,7 +82,7 @@ fn checks(ranks: &dyn Ranks, cell: &Cell, solved: &Solved) -> Result<(), Box<dyn
         let exact = hexahedron::stress(cell.blocks[0].young, &STRETCH);
         check(ranks, "the stress of a homogeneous body", largest(stress, &exact), 1e-9)?;
     }
-    // The others wait for rank 0: it must not return before they have heard of it.
+    // The other ranks wait for rank 0, so it must send its result before it returns.
     let alone = (ranks.rank() == 0).then(|| solve(cell, &Alone).expect("one rank solves what many have solved"));
     let off = same_as_alone(ranks, &solved.u, alone.as_ref().map(|alone| &alone.u[..]));
     check(ranks, "u of one rank", off, 1e-9)?;

@@ -10,7 +10,7 @@ use crate::cell::Cell;
 use crate::constraints::{Constraints, Gradient, dofs_of};
 use crate::hexahedron::{SIZE, stiffness};
 
-/// What remains of the residual.
+/// Relative residual at which the iteration ends.
 const TOLERANCE: f64 = 1e-12;
 
 /// The hexahedra of one rank, condensed.
@@ -18,9 +18,9 @@ pub struct Model<'a> {
     ranks: &'a dyn Ranks,
     pub map: DistributedElimination,
     pub constraints: Constraints,
-    /// The block of each hexahedron, and the places of its DOFs among those of the map.
+    /// The block of each hexahedron, and the places of its DOFs among the local DOFs.
     hexahedra: Vec<(usize, [usize; SIZE])>,
-    /// Of the hexahedra of each block.
+    /// The stiffness of the hexahedra of each block.
     stiffness: [Vec<f64>; 2],
     condensed: CondensedPattern,
     k_q: Vec<f64>,
@@ -29,7 +29,7 @@ pub struct Model<'a> {
 }
 
 impl<'a> Model<'a> {
-    /// Not stretched. Collective.
+    /// The cell without a displacement gradient. Collective.
     pub fn new(cell: &Cell, ranks: &'a dyn Ranks) -> Result<Self, Box<dyn Error>> {
         let constraints = agree(ranks, Constraints::new(cell, ranks).map_err(|error| qless_mpi::Error::of(ranks, &error)))?;
         let map = DistributedElimination::new(ranks, &constraints.share, &Options::default())?;
@@ -49,10 +49,10 @@ impl<'a> Model<'a> {
         Ok(Self { ranks, map, constraints, hexahedra, stiffness, condensed, k_q, load })
     }
 
-    /// Gives the cell another mean displacement gradient. Collective.
+    /// Sets the mean displacement gradient of the cell. Collective.
     pub fn stretch(&mut self, e: &Gradient) -> Result<(), Box<dyn Error>> {
         self.constraints.stretch(e);
-        self.map.refresh(self.ranks, &self.constraints.share, &Options::default())?;
+        self.map.update(self.ranks, &self.constraints.share, &Options::default())?;
         let Self { ranks, map, hexahedra, stiffness, condensed, k_q, load, .. } = self;
         let element = |e: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&stiffness[hexahedra[e].0]);
         let dofs = |e: usize| hexahedra[e].1;
@@ -60,7 +60,7 @@ impl<'a> Model<'a> {
         Ok(agree(*ranks, done.map_err(|error| qless_mpi::Error::of(*ranks, &error)))?)
     }
 
-    /// Improves u_q; the number of iterations. Collective.
+    /// Solves for u_q; returns the number of iterations. Collective.
     pub fn solve(&self, u_q: &mut [f64]) -> Result<usize, String> {
         let dot = |a: &[f64], b: &[f64]| exact_sum(self.ranks, a.iter().zip(b).map(|(a, b)| a * b));
         let diagonal = self.summed(&self.diagonal());
@@ -106,14 +106,14 @@ impl<'a> Model<'a> {
         diagonal
     }
 
-    /// What each rank has for its masters, added up at their owners. Collective.
+    /// Sums the contributions of all ranks to the masters, at their owners. Collective.
     fn summed(&self, local: &[f64]) -> Vec<f64> {
         let mut masters = vec![0.0; self.map.masters().len()];
         self.map.sum_into(self.ranks, local, &mut masters);
         masters
     }
 
-    /// u on the DOFs of the map. Collective.
+    /// u on the local DOFs. Collective.
     pub fn expanded(&self, u_q: &[f64]) -> Vec<f64> {
         let mut u = vec![0.0; self.map.dofs().len()];
         self.map.expand_into(self.ranks, u_q, &mut u);

@@ -1,11 +1,11 @@
-//! Which option for which need, with what the measurements say of each.
+//! A table of options for given needs, with the measurements of each option.
 
 use std::fmt::Write;
 
 use super::methods::BenchMethod;
 use super::sample::{Measured, Sample};
 
-/// A need, the option for it, the methods that were measured with it, and what it risks in words.
+/// A need, the option for it, the methods with this option, and its risk.
 struct Advice {
     need: &'static str,
     option: &'static str,
@@ -84,7 +84,7 @@ pub fn advice(samples: &[Sample], methods: &[BenchMethod]) -> String {
         };
         _ = writeln!(text, "| {need} | {option} | {} | {} | {risk} |", of(times), of(ranks));
     }
-    text + "\nWith several methods for a need the numbers are those of each, in this order. `alone` means without presolve: the \
+    text + "\nIf a need has several methods, each has its numbers, in this order. `alone` means without presolve: the \
             whole system goes to that backend. The other methods change one option of the default.\n"
 }
 

@@ -1,6 +1,6 @@
-//! `K = I + L`: a spring of stiffness 1 from each DOF to the ground and one to the next DOF.
+//! The stiffness `K = I + L` of springs of stiffness 1 from each DOF to the ground and to the next DOF.
 
-/// K, and `K = L D L^T` of its part on the free DOFs.
+/// The factorization `K = L D L^T` on the free DOFs.
 pub struct Chain {
     free: Vec<bool>,
     /// D, and the subdiagonal of L; 1 and 0 for prescribed DOFs.
@@ -8,7 +8,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// `free` says which DOFs are.
+    /// `free` holds whether each DOF is free.
     pub fn new(free: Vec<bool>) -> Self {
         let mut factor: Vec<(f64, f64)> = Vec::with_capacity(free.len());
         for (j, &is_free) in free.iter().enumerate() {
@@ -46,7 +46,7 @@ pub fn times(u: &[f64]) -> Vec<f64> {
     (0..n).map(|j| diagonal(j, n) * u[j] - before(j) - next(j)).collect()
 }
 
-/// The stiffness of DOF j: the ground and its neighbours, of n DOFs in all.
+/// The diagonal entry of DOF j: one spring to the ground and one to each neighbour.
 fn diagonal(j: usize, n: usize) -> f64 {
     1.0 + f64::from(u8::from(j > 0)) + f64::from(u8::from(j + 1 < n))
 }

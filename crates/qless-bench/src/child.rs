@@ -1,9 +1,9 @@
-//! A method in a process of its own: it can be stopped, and its memory is its own.
+//! Runs a method in a child process, which can be stopped and whose memory can be measured.
 //!
-//! The parent runs `qless bench --child SIZE --family F --method M`. The child says `ready` when the system is there, `done` after
-//! the first elimination, and then what it found, as one line of JSON (of methods that the parent runs itself the memory alone); or
-//! why there is nothing. The limit counts between the first two. The child ends with its standard input, that is, when the parent does,
-//! however that ends.
+//! The parent runs `qless bench --child SIZE --family F --method M`. The child prints `ready` when it has the system, `done` after
+//! the first elimination, and then its result as one line of JSON (only the memory for methods that the parent runs itself), or
+//! the reason for a failure. The limit applies between the first two lines. The child ends with its standard input, so it ends
+//! with the parent.
 
 use std::io::{BufRead, BufReader, Write, copy, sink, stdin};
 use std::process::{Child, Command, Stdio, exit};
@@ -19,7 +19,7 @@ use super::quality::Reference;
 use super::run::{once, warmed};
 use super::sample::Measured;
 
-/// Seconds for making the system and for judging the result.
+/// Time limit for generating the system and for evaluating the result, in seconds.
 const AROUND: f64 = 600.0;
 
 /// Prefix of an answer that is the reason for a failure.
@@ -30,7 +30,7 @@ pub fn measure(family: &str, size: &str, method: &BenchMethod, limit: f64) -> Re
     ask(family, size, method, limit, &["--apart"])
 }
 
-/// The memory of another method; none where it fails or takes longer.
+/// The memory of a method; `None` if it fails or exceeds the limit.
 pub fn memory(family: &str, size: &str, method: &BenchMethod, limit: f64) -> Option<u64> {
     ask::<Option<u64>>(family, size, method, limit, &[]).ok().flatten()
 }
@@ -49,7 +49,7 @@ fn ask<T: DeserializeOwned>(
     let mut child =
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().map_err(failed)?;
     let measured = read(&mut child, limit);
-    // The child may have ended already, so errors do not matter.
+    // An error means that the child has already ended.
     _ = child.kill();
     _ = child.wait();
     measured
@@ -68,7 +68,7 @@ fn read<T: DeserializeOwned>(child: &mut Child, limit: f64) -> Result<T, GivenUp
     serde_json::from_str(&next(AROUND)?).map_err(|_| GivenUpReason::Ended)
 }
 
-/// The lines, as they come.
+/// Receives the lines of the child.
 fn lines(child: &mut Child) -> Option<Receiver<String>> {
     let out = BufReader::new(child.stdout.take()?);
     let (send, receive) = channel();
@@ -76,22 +76,22 @@ fn lines(child: &mut Child) -> Option<Receiver<String>> {
     Some(receive)
 }
 
-/// The child's side; all is measured of a method that runs apart. The error is that of its standard output.
+/// The child's side. It measures everything if the method runs in the child only. The error is that of standard output.
 pub fn answer(scene: &Scene, method: &BenchMethod, is_apart: bool, out: &mut dyn Write) -> std::io::Result<()> {
     std::thread::spawn(|| {
-        // Nothing is ever written there, so that an error says the same as an end.
+        // The parent writes nothing, so an error means the end of the parent.
         let _ = copy(&mut stdin(), &mut sink());
         exit(3)
     });
     say(out, "ready")?;
     match found(scene, method, is_apart, out) {
         Ok(json) => say(out, &json?),
-        // Words of more than one line would be several answers.
+        // An answer must be one line.
         Err(reason) => say(out, &format!("{FAILED}{}", reason.words(None).replace('\n', " "))),
     }
 }
 
-/// Runs the method, writes `done`, and returns the answer that follows it.
+/// Runs the method, prints `done`, and returns the answer.
 fn found(
     scene: &Scene,
     method: &BenchMethod,
@@ -117,14 +117,14 @@ fn say(out: &mut dyn Write, line: &str) -> std::io::Result<()> {
     out.flush()
 }
 
-/// Bytes that are resident, once the count of the peak has been set back to them; none where the system does not do that.
+/// Resets the peak of the resident memory; returns the resident bytes, or `None` if the system has no reset.
 fn reset_peak() -> Option<u64> {
     // 5 sets VmHWM back to VmRSS: see proc_pid_clear_refs(5).
     std::fs::write("/proc/self/clear_refs", "5").ok()?;
     status("VmRSS:")
 }
 
-/// Bytes at the peak beyond those at the start.
+/// Peak bytes beyond those at the start.
 fn peak_since(start: Option<u64>) -> Option<u64> {
     Some(status("VmHWM:")?.saturating_sub(start?))
 }
@@ -146,7 +146,7 @@ mod tests {
         let block = std::hint::black_box(vec![1_u8; 64 << 20]);
         drop(block);
         let peak = super::peak_since(Some(start)).expect("Linux tells it");
-        // Tests beside this one allocate too.
+        // Concurrent tests allocate too.
         assert!((60 << 20..2 << 30).contains(&peak), "{peak}");
     }
 }

@@ -1,4 +1,4 @@
-//! Why a method has no number on a system, in words for its line.
+//! The reasons why a method has no result on a system, and their texts.
 
 use qless::backend::BackendError;
 use qless::{AnalysisError, ReductionError};
@@ -21,7 +21,7 @@ pub enum GivenUpReason {
 }
 
 impl GivenUpReason {
-    /// `dense` is what a dense method holds: rows and columns.
+    /// The text; `dense` is the size of the matrix of a dense method.
     pub fn words(&self, dense: Option<(usize, usize)>) -> String {
         let why = match self {
             Self::Foreseen { seconds, limit } => format!("{seconds:.0} s foreseen, limit of {limit} s"),

@@ -1,15 +1,15 @@
-//! `S x = r` by conjugate gradients (Hestenes and Stiefel 1952), and the two such systems of a large problem of springs.
+//! Conjugate gradients (Hestenes and Stiefel 1952) for the two systems `S x = r` of a large problem of springs.
 //!
-//! Both matrices are products of sparse ones, which a factorization would fill.
+//! Both matrices are products of sparse matrices, and a factorization would fill in.
 
 use qless::{ConstraintSystem, Csr, Reduction};
 
 use super::chain::{Chain, times};
 
-/// Steps at most: more mean a condition that they do not get through.
+/// Limit for the steps; more would mean that the condition number is too large.
 const STEPS: usize = 1_000;
 
-/// x with `|S x - r| <= tolerance |r|`, S symmetric and positive definite; none where that is not reached.
+/// x with `|S x - r| <= tolerance |r|` for a symmetric positive definite S; `None` without convergence.
 fn solve(apply: impl Fn(&[f64]) -> Vec<f64>, r: &[f64], tolerance: f64) -> Option<Vec<f64>> {
     let (mut x, mut rest, mut way) = (vec![0.0; r.len()], r.to_vec(), r.to_vec());
     let mut square = dot(&rest, &rest);

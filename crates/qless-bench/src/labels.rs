@@ -1,4 +1,4 @@
-//! Texts in plots and tables: labels that do not overlap, and numbers with commas.
+//! Labels of plots that do not overlap, and numbers with commas.
 
 /// The positions of the labels placed so far, in pixels: left, right and height of each.
 #[derive(Default)]

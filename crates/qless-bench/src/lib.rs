@@ -1,8 +1,8 @@
-//! `qless bench`: what speed costs in accuracy on this machine, for every choice that a user has.
+//! `qless bench`: time and accuracy of every option on this machine.
 //!
-//! Every method runs on every system, in alternation and in one process; times are medians. Truth is known by construction. A method
-//! that was stopped on a smaller system of its family is not tried on a larger one, and one that was slow runs in a process of its own,
-//! which is stopped at the limit; so do other libraries (feature `peers`), which are not tried where they would be slow.
+//! Every method runs on every system, in turns in one process; times are medians. The rank is known by construction. A method
+//! that was stopped on a smaller system of its family does not run on a larger one. A slow method runs in a process of its own,
+//! which is stopped at the limit, and so do other libraries (feature `peers`). These do not run at all if they would be slow.
 
 mod advice;
 mod args;
@@ -37,13 +37,13 @@ use qless_io::write::Output;
 pub use args::BenchArgs;
 use measure::measure;
 
-/// Why nothing was measured or written.
+/// Errors of `qless bench`.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {
-    /// The user can correct it.
+    /// Wrong input of the user.
     #[error("{0}")]
     Input(String),
-    /// The machine lacks something.
+    /// A missing resource of the machine.
     #[error("{0}")]
     Resource(String),
     /// A file could not be written.
@@ -55,17 +55,17 @@ pub enum BenchError {
 struct SelectedMethods {
     methods: Vec<methods::BenchMethod>,
     samples: Vec<sample::Sample>,
-    levels: Vec<figure_15::Level>,
+    levels: Vec<figure_15::FigureLevel>,
 }
 
-/// What a command prints with: a writer of standard output that gets all of one text.
+/// A function that writes a whole text to standard output.
 pub type Text<'a> = &'a mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
 
-/// Measures, prints the tables with `print`, and writes the files if a folder is given. `stage` is told the name of each family of
-/// systems as it begins, and is dropped before anything is printed.
+/// Measures, prints the tables with `print`, and writes the files if a folder is given. `stage` receives the name of each family of
+/// systems when it begins, and is dropped before the output.
 ///
 /// # Errors
-/// An unknown name, a system that cannot be made, a file that cannot be written, or the error of `print`.
+/// An unknown name, a system that cannot be generated, a file that cannot be written, or the error of `print`.
 pub fn run<E: From<BenchError>>(
     args: &BenchArgs,
     stage: impl FnMut(&'static str),
@@ -79,7 +79,7 @@ pub fn run<E: From<BenchError>>(
         return print(&mut |out| child::answer(&scene, &methods[0], args.apart, out));
     }
     let folder = || args.output.as_deref().map(Output::new).transpose().map_err(BenchError::from);
-    // Fails before hours of measuring if the folder cannot be written.
+    // If the folder cannot be written, fail before the measurements.
     drop(folder()?);
     let found = find(methods, &families, args, stage).map_err(BenchError::Input)?;
     print(&mut |out| out.write_all(text(&found).as_bytes()))?;
@@ -89,7 +89,7 @@ pub fn run<E: From<BenchError>>(
     Ok(())
 }
 
-/// Figure 15 has methods of its own, so that it is left out if methods are named.
+/// Figure 15 has methods of its own, so it is omitted if methods are named.
 fn find(
     methods: Vec<methods::BenchMethod>,
     families: &[systems::Family],
@@ -136,14 +136,14 @@ fn write(found: &SelectedMethods, args: &BenchArgs, mut output: Output) -> Resul
     Ok(output.commit()?)
 }
 
-/// The system of this size.
+/// The system of a size.
 fn scene(size: &str, family: &systems::Family) -> Result<qless_scenes::Scene, BenchError> {
     let case = family.cases.iter().find(|case| case.size == size);
     let case = case.ok_or_else(|| BenchError::Input(format!("{} has no size {size}", family.name)))?;
     case.scene().map_err(BenchError::Input)
 }
 
-/// Every name must be one that there is.
+/// Refuses unknown names.
 fn check_names(args: &BenchArgs) -> Result<(), BenchError> {
     let methods: Vec<&str> = methods::all(&[]).iter().map(|method| method.name).collect();
     let families: Vec<&str> = systems::families(false, &[]).iter().map(|family| family.name).collect();
@@ -155,7 +155,7 @@ fn check_names(args: &BenchArgs) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// The command that measures the same again.
+/// The command that repeats the measurements.
 fn command(args: &BenchArgs) -> String {
     let short = if args.short { " --short" } else { "" };
     let memory = if args.memory { " --memory" } else { "" };

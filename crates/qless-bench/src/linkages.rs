@@ -1,7 +1,7 @@
-//! Jacobians of multibody linkages at their reference configuration, each body with a vector and four Euler parameters.
+//! Jacobians of multibody linkages at their reference configuration; each body has a position and four Euler parameters.
 //!
-//! A closed ring of n hinges, one body being the ground, has 7 (n - 1) coordinates and 5 n + (n - 1) equations. It moves in one
-//! way, so that the rank is 7 (n - 1) - 1: hinges that are parallel (four-bar) or as Bricard has them say some things twice.
+//! A closed ring of n hinges and n bodies, one of them the ground, has 7 (n - 1) coordinates and 5 n + (n - 1) equations. It has one
+//! degree of freedom, so the rank is 7 (n - 1) - 1: the other equations are redundant, because hinges are parallel (four-bar) or arranged as by Bricard.
 
 use qless::SystemBuilder;
 use qless_constraints::ConstraintSet;
@@ -44,7 +44,7 @@ fn rings(count: usize, hinges: &[Hinge]) -> BuiltLinkage {
     let mut quantities = set.allocate();
     set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
     let mut system = SystemBuilder::new(set.dofs());
-    // The position is to be kept: no increment is asked for.
+    // The right-hand side is zero: the linkage keeps its position.
     (0..set.equations()).for_each(|row| {
         system.equation(quantities.g().row(row), 0.0);
     });
@@ -52,7 +52,7 @@ fn rings(count: usize, hinges: &[Hinge]) -> BuiltLinkage {
     Ok(Scene { system: system.build()?, truth, nodes: Vec::new(), dofs: Vec::new() })
 }
 
-/// Body i between its two hinges; the ground before the first and after the last.
+/// Body i between its two hinges; bodies 0 and n are the ground.
 fn body(i: usize, hinges: &[Hinge], first: usize) -> Body {
     if i.is_multiple_of(hinges.len()) {
         return Body::ground();

@@ -1,4 +1,4 @@
-//! One family: every method on every system, taken in turns.
+//! Measures a family: every method on every system, in turns.
 
 use qless_scenes::Scene;
 
@@ -15,7 +15,7 @@ use crate::BenchArgs;
 /// A method that takes longer than this, or than a tenth of the limit, is measured only once; seconds.
 const SLOW: f64 = 5.0;
 
-/// Samples of a family. The error is a scene that cannot be made.
+/// Samples of a family; an error if a scene cannot be generated.
 pub fn measure(family: &Family, methods: &[BenchMethod], args: &BenchArgs) -> Result<Vec<Sample>, String> {
     let mut samples: Vec<Sample> = Vec::new();
     let mut past: Vec<Option<Past>> = vec![None; methods.len()];
@@ -71,7 +71,7 @@ fn in_turns(
     methods.iter().zip(plans).zip(results).map(finish).collect()
 }
 
-/// One run; none if the method failed before or is too slow to repeat.
+/// One run; `None` if the method failed before or is too slow to repeat.
 fn turn(
     case: &BenchCase,
     reference: &Reference,

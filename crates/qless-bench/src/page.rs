@@ -1,9 +1,9 @@
-//! The measurements as a short page in Markdown: plots, advice, and where Gauss elimination and QR cross.
+//! The measurements as a page in Markdown: plots, advice, and crossings of Gauss elimination and QR.
 
 use std::fmt::Write;
 
 use super::advice::advice;
-use super::figure_15::{self, Level};
+use super::figure_15::{self, FigureLevel};
 use super::methods::BenchMethod;
 use super::plot::{GROWTH, TRADE, front, has_growth, points};
 use super::sample::Sample;
@@ -13,24 +13,24 @@ use super::table::exponents;
 const COLUMNS: &str = "
 ## The columns of the table that `qless bench` prints
 
-| column | what |
+| column | content |
 | --- | --- |
-| ms, quartiles | median and quartiles of the runs; those below 0.25 s with caches that the same method has warmed |
-| x | time over that of the first line |
-| MiB | most memory beyond that of the system itself, in a process of its own (`--memory`); `-` where it was not measured |
-| rank | against the truth, and whether the report says that it is unsure |
-| drops, keeps | equations taken for dependent that are not, and for independent that are not; of other libraries, which do not name them, the difference of the ranks |
-| residual | of T, G and g in the independent equations, relative |
+| ms, quartiles | median and quartiles of the runs; for runs below 0.25 s the same method has warmed the caches |
+| x | time relative to that of the first line |
+| MiB | peak memory beyond that of the system itself, in a process of its own (`--memory`); `-` if it was not measured |
+| rank | whether the rank is right, and whether the report states that it is ambiguous (`unsure`) |
+| drops, keeps | independent equations that were taken for dependent, and dependent ones that were taken for independent; for other libraries, which do not name them, the difference of the ranks |
+| residual | relative residual of T, G and g in the independent equations |
 | growth | largest entry of T |
-| error | of a solved problem, `max abs(u - u*) / max abs(u*)`: springs of stiffness 1 from each DOF to the ground and to the next, f_j = 1 + j mod 7, solved with T, G, g against Lagrange multipliers refined in twice the precision; `-` where T has more than 200,000 entries, the rank that the defaults find is wrong, or conjugate gradients, which solve systems of more than 3,000 DOFs, do not end |
+| error | of a solved problem, `max abs(u - u*) / max abs(u*)`: springs of stiffness 1 from each DOF to the ground and to the next, f_j = 1 + j mod 7, solved with T, G, g against Lagrange multipliers refined in twice the precision; `-` if T has more than 200,000 entries, if the defaults find a wrong rank, or if conjugate gradients (for more than 3,000 DOFs) do not converge |
 
-Other libraries, and methods whose ranks are not checked, run in processes of their own, which are stopped at the limit. The former
-have no scaling, presolve or checks of the rank: one factorization C P = Q R, then T = -R1^-1 R2 and g = R1^-1 Q^T b. Eigen's own tolerance is 20 (m + n) eps times the largest column, the paper's is
-absolute 1e-5; dgeqp3 has none, max(m, n) eps abs(R_11) is taken.
+Other libraries, and methods whose ranks are not checked, run in processes of their own, which are stopped at the limit. Other
+libraries have no scaling, presolve or checks of the rank: one factorization C P = Q R, then T = -R1^-1 R2 and g = R1^-1 Q^T b. Eigen's own tolerance is 20 (m + n) eps times the largest column, the paper's is
+absolute 1e-5; dgeqp3 has none, so max(m, n) eps abs(R_11) is used.
 ";
 
-/// The page; `command` is what makes it again.
-pub fn markdown(samples: &[Sample], methods: &[BenchMethod], levels: &[Level], command: &str) -> String {
+/// The page; `command` is the command that repeats the measurements.
+pub fn markdown(samples: &[Sample], methods: &[BenchMethod], levels: &[FigureLevel], command: &str) -> String {
     let mut text = format!(
         "# The trade of speed for accuracy\n\nMade by `{command}` (qless {}) on {}, {} threads. Times are medians of the \
          whole elimination, from the validated system to T, G, g.\n\n",
@@ -51,7 +51,7 @@ pub fn markdown(samples: &[Sample], methods: &[BenchMethod], levels: &[Level], c
     text + "\n[trade.csv](trade.csv) has every method on every system, and [figure-15.csv](figure-15.csv) the times of Figure 15.\n"
 }
 
-/// The plots that there are, and what is to be read off them.
+/// The available plots with their main numbers.
 fn plots(text: &mut String, samples: &[Sample], methods: &[BenchMethod]) {
     let all = points(samples, methods);
     if !all.is_empty() {
@@ -71,7 +71,7 @@ fn plots(text: &mut String, samples: &[Sample], methods: &[BenchMethod]) {
     }
 }
 
-/// The processor's name, where the system tells it.
+/// The name of the processor, or else the architecture.
 fn processor() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let line = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));

@@ -19,13 +19,13 @@ pub enum MeasurementPlan {
     Nowhere(GivenUpReason),
 }
 
-/// Seconds that it may take.
+/// Time limit of a method in seconds.
 pub fn limit(method: &BenchMethod, args: &BenchArgs) -> f64 {
     args.peer_limit.filter(|_| method.is_peer()).unwrap_or(args.limit)
 }
 
-/// Time is predicted to grow with the square of the number of equations: too much for sparse methods, too little for dense ones. So
-/// qless itself is still tried, in a process that can be stopped.
+/// Predicts that time grows with the square of the number of equations: too much for sparse methods, too little for dense ones. So
+/// the methods of qless still run, in a process that can be stopped.
 pub fn plan(method: &BenchMethod, past: Option<Past>, equations: usize, limit: f64) -> MeasurementPlan {
     let square = |before: usize| (equations as f64 / before as f64).powi(2);
     match past {
@@ -48,7 +48,7 @@ mod tests {
     use super::super::methods;
     use super::{GivenUpReason, MeasurementPlan, Past, plan};
 
-    /// Our own methods run where they can be stopped, and are tried on everything that did not stop them before.
+    /// Slow methods of qless run in a process of their own, unless they were stopped on a smaller system.
     #[test]
     fn ours_are_tried_where_time_is_foreseen_and_not_where_it_was_stopped() {
         let all = methods::all(&[]);

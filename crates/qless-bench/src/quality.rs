@@ -1,4 +1,4 @@
-//! How good a result is, against what is known by construction.
+//! The quality of a result, compared with the known truth.
 //!
 //! | number | formula |
 //! | --- | --- |
@@ -36,7 +36,7 @@ impl<'a> Reference<'a> {
         Self { scene, rank, analysis: OnceCell::new(), springs, ranks: RefCell::default() }
     }
 
-    /// Everything but memory; other libraries do not name the rows that they keep, so that only their number counts.
+    /// Evaluates everything except memory. Other libraries do not name the rows that they keep, so only their number counts.
     pub fn judge(&self, done: &Done) -> Measured {
         let Self { scene, rank, .. } = self;
         let found = done.reduction.slaves().len();
@@ -58,7 +58,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Rank of some equations; rounded coefficients can have a higher exact rank than what they stand for.
+    /// Rank of some equations, at most the true rank: rounded coefficients can have a higher exact rank.
     fn rank_of(&self, rows: Vec<usize>) -> usize {
         let count = || {
             let exact = oracle::rank_free(&part(&self.scene.system, &rows));
@@ -77,7 +77,7 @@ fn kept(analysis: &Analysis) -> Vec<usize> {
     (0..analysis.kinds().len()).filter(|&i| analysis.kinds()[i] == Kind::Independent).collect()
 }
 
-/// Some of the equations, as they are.
+/// The system of the equations `rows`.
 fn part(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem {
     with_rows(system, rows, |i| system.rhs()[i], |value| value)
 }

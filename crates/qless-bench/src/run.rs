@@ -12,14 +12,14 @@ pub struct Done {
     /// Seconds.
     pub time: f64,
     pub reduction: Reduction,
-    /// None for other libraries.
+    /// `None` for other libraries.
     pub analysis: Option<Analysis>,
 }
 
-/// A run shorter than `SLOW` is repeated once, and then until `WARM` has passed in total; seconds.
+/// A run shorter than `SLOW` is repeated once, and then until the total time is `WARM`; seconds.
 const SLOW: f64 = 0.25;
 const WARM: f64 = 0.01;
-/// Repetitions at most.
+/// Limit for the repetitions.
 const REPEATS: usize = 10;
 
 /// As [`once`], but with warm caches: otherwise the first method of every round would seem slow.
@@ -27,7 +27,7 @@ pub fn warm(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, Giv
     warmed(once(system, method)?, system, method)
 }
 
-/// The same of a method that has run.
+/// The same for a method that has run once.
 pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     let mut total = done.time;
     for repeat in 0..REPEATS {
@@ -42,7 +42,7 @@ pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &BenchMethod) -
     Ok(done)
 }
 
-/// One run. The error is the method's own: mostly a lack of memory.
+/// One run. The error is that of the method, mostly insufficient memory.
 pub fn once(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     match &method.engine {
         Engine::Qless(options, None) => qless(system, options),

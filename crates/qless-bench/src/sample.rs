@@ -9,12 +9,12 @@ pub struct Sample {
     pub equations: usize,
     pub method: &'static str,
     pub rank: usize,
-    /// The error says why the method was given up.
+    /// The error is the reason why the method was given up.
     pub result: Result<Measured, String>,
 }
 
 impl Sample {
-    /// None if the method was given up.
+    /// `None` if the method was given up.
     pub fn measured(&self) -> Option<Measured> {
         self.result.as_ref().ok().copied()
     }
@@ -32,9 +32,9 @@ pub struct Measured {
     pub false_keeps: usize,
     pub residual: f64,
     pub growth: f64,
-    /// Error of the solved problem; none if it was not solved.
+    /// Error of the solved problem; `None` if it was not solved.
     pub error: Option<f64>,
-    /// Peak memory in bytes beyond that before the run; none if it was not measured.
+    /// Peak memory in bytes beyond that before the run; `None` if it was not measured.
     pub memory: Option<u64>,
 }
 

@@ -1,8 +1,8 @@
-//! The problem that shows what a reduction does to a solution: `K u + C^T lambda = f`, `C u = b`, with `K = I + L`.
+//! A problem that shows the effect of a reduction on a solution: `K u + C^T lambda = f`, `C u = b`, with `K = I + L`.
 //!
 //! L are springs of stiffness 1 from each DOF to the next, `f_j = 1 + j mod 7`. Its solution u* comes from a multiplier for each
 //! independent equation ([`Problem::lagrange`]; in large systems [`with_multipliers`]), which needs no T, and is refined with
-//! residuals in twice the precision, so that it is right to rounding where equations are nearly dependent too.
+//! residuals in twice the precision, so it is exact to rounding even if equations are nearly dependent.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
@@ -12,18 +12,18 @@ use super::chain::Chain;
 use super::gradients::{with_masters, with_multipliers};
 use super::run::Done;
 
-/// Larger systems take the sparse LU of the multipliers minutes: conjugate gradients solve them.
+/// For larger systems the sparse LU of the multipliers takes minutes; they are solved by conjugate gradients.
 const MOST_DOFS: usize = 3_000;
 /// Entries of T from which on `T^T K T` may be dense.
 const MOST_ENTRIES: usize = 200_000;
-/// Steps of refinement at most; each gains the digits that the condition leaves.
+/// Limit for the steps of refinement.
 const STEPS: usize = 20;
-/// Relative size of a step that ends it.
+/// Refinement ends with a step of this relative size.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
 
 /// K, f and u*.
 pub struct Springs {
-    /// None for large systems, which are solved by conjugate gradients.
+    /// `None` for large systems, which are solved by conjugate gradients.
     k: Option<SparseColMat<usize, f64>>,
     f: Vec<f64>,
     /// u*.
@@ -32,7 +32,7 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// None if qless finds a rank other than the true one, or if conjugate gradients do not converge on a large system.
+    /// `None` if qless finds a wrong rank, or if conjugate gradients do not converge.
     pub fn new(system: &ConstraintSystem, rank: usize) -> Option<Self> {
         if system.dofs() > MOST_DOFS { Self::large(system, rank) } else { Self::small(system, rank) }
     }
@@ -68,7 +68,7 @@ impl Springs {
         Some(Self { k: None, f, solution, prescribed: prescribed(system) })
     }
 
-    /// `max |u - u*| / max |u*|`, u by transformation with T, G and g ([`reduced`]); none where T is nearly dense.
+    /// `max |u - u*| / max |u*|` with u from T, G and g ([`reduced`]); `None` if T has too many entries.
     pub fn error(&self, done: &Done) -> Option<f64> {
         if done.reduction.t().nnz() > MOST_ENTRIES {
             return None;
@@ -86,10 +86,10 @@ fn largest(x: impl Iterator<Item = f64>) -> f64 {
     x.fold(0.0, |most, v| most.max(v.abs()))
 }
 
-/// Corrections of u and of the multipliers for what is left of both equations.
+/// Corrections of u and of the multipliers for the residuals of both equations.
 type SpringStep = (Vec<f64>, Vec<f64>);
 
-/// Refines u until it no longer changes; none if it does not converge.
+/// Refines u until it no longer changes; `None` without convergence.
 fn refined(
     f: &[f64],
     system: &ConstraintSystem,
@@ -126,7 +126,7 @@ fn stiffness(dofs: usize) -> Option<SparseColMat<usize, f64>> {
     SparseColMat::try_new_from_triplets(dofs, dofs, &ground.chain(springs).collect::<Vec<_>>()).ok()
 }
 
-/// Some of the equations with other right-hand sides and prescribed values.
+/// The equations `rows` with other right-hand sides and prescribed values.
 pub fn with_rows(
     system: &ConstraintSystem,
     rows: &[usize],
@@ -138,7 +138,7 @@ pub fn with_rows(
         builder.equation(system.matrix().row(i), rhs(i));
     });
     system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, prescribed(value)));
-    // It is valid as what it is a part of.
+    // A subset of a valid system is valid.
     builder.build().expect("part of a valid system")
 }
 
@@ -164,11 +164,11 @@ fn residuals(system: &ConstraintSystem, f: &[f64], u: &[f64], lambda: &[f64]) ->
     (rounded(left), rounded(apart))
 }
 
-/// A sum in twice the precision: the number is that of both parts together.
+/// A sum in twice the precision: the value is the sum of both numbers.
 struct Twice(f64, f64);
 
 impl Twice {
-    /// Adds `a b`; the rounding errors of the product and of the sum go to the lower part.
+    /// Subtracts `a b`; the rounding errors of the product and of the sum are added to the second number.
     fn subtract(&mut self, a: f64, b: f64) {
         let product = -a * b;
         let lost = (-a).mul_add(b, -product);
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(left(&[(-1e17, 1.0), (1e17, 1.0)]), 1.0);
     }
 
-    /// `u0 = u1`, `u1 = (1 + eps) u2`, `u0 = u2 + eps`: so that `eps u2` is the last right-hand side.
+    /// `u0 = u1`, `u1 = (1 + eps) u2`, `u0 = u2 + eps`: the difference of the last two gives `eps u2 = eps`.
     #[test]
     fn the_solution_is_right_where_equations_are_nearly_dependent() {
         let eps = f64::powi(2.0, -24);

@@ -12,7 +12,7 @@ pub struct Family {
     pub cases: Vec<BenchCase>,
 }
 
-/// One system, made when it is asked for.
+/// One system, generated on demand.
 pub struct BenchCase {
     pub family: &'static str,
     pub size: String,
@@ -22,7 +22,7 @@ pub struct BenchCase {
 type BuiltSystem = Result<Scene, Box<dyn std::error::Error>>;
 
 impl BenchCase {
-    /// The system. The error is one that cannot be made, in words.
+    /// Generates the system; the error is a text.
     pub fn scene(&self) -> Result<Scene, String> {
         (self.make)().map_err(|error| format!("{} {}: {error}", self.family, self.size))
     }
@@ -33,7 +33,7 @@ pub const TIE: &str = "tie";
 /// Both couplings of its model, on all its levels.
 pub const TABLE_1: [&str; 2] = [TIE, "mortar"];
 
-/// All families, or the smallest of each (without mortar, which is slow to make); with names, those only.
+/// All families, or with `short` their smallest systems (without mortar, which takes long to generate); with names, only those.
 pub fn families(short: bool, only: &[String]) -> Vec<Family> {
     let mut families: Vec<Family> = table_1().into_iter().chain(sized()).chain(extremes()).collect();
     families.retain(|family| only.is_empty() || only.iter().any(|name| name == family.name));
@@ -51,7 +51,7 @@ fn table_1() -> [Family; 2] {
     })
 }
 
-/// The same model on meshes below those of the paper.
+/// The same model on meshes coarser than the paper's.
 pub fn below_table_1(family: &'static str) -> Vec<BenchCase> {
     let case = |equations: usize| {
         let mesh = Mesh::with_equations(equations);
@@ -77,7 +77,7 @@ fn sized() -> [Family; 7] {
     ]
 }
 
-/// Rows and units that differ by powers of two, coefficients that grow along a chain, and rows near others.
+/// Rows and units scaled by powers of two, coefficients that grow along a chain, and nearly dependent rows.
 fn extremes() -> [Family; 6] {
     let planted = |n: usize| planted(n, n + n / 2, n / 10, 2, false);
     [
@@ -90,7 +90,7 @@ fn extremes() -> [Family; 6] {
     ]
 }
 
-/// From `2^-10` to `2^10`, in no order.
+/// Units from `2^-10` to `2^10`, not sorted.
 fn units(count: usize) -> Vec<f64> {
     (0..count).map(|j| f64::powi(2.0, (j * 8 % 21) as i32 - 10)).collect()
 }

@@ -7,33 +7,14 @@ use super::sample::{Measured, Sample, series, verdict};
 use super::systems::TIE;
 
 /// Columns of the CSV file.
-pub const COLUMNS: [&str; 19] = [
-    "family",
-    "size",
-    "equations",
-    "method",
-    "ms",
-    "ms_lower_quartile",
-    "ms_upper_quartile",
-    "times_first",
-    "peak_bytes",
-    "rank",
-    "rank_true",
-    "verdict",
-    "false_drops",
-    "false_keeps",
-    "ambiguous",
-    "residual",
-    "growth",
-    "error",
-    "reason",
-];
+pub const COLUMNS: &str = "family,size,equations,method,ms,ms_lower_quartile,ms_upper_quartile,times_first,peak_bytes,rank,\
+     rank_true,verdict,false_drops,false_keeps,ambiguous,residual,growth,error,reason";
 
 /// Columns of the table for people, which [`cells`] fills; `x` is the time over that of the first method.
 pub const HEAD: [&str; 11] =
     ["method", "ms", "quartiles", "x", "MiB", "rank", "drops", "keeps", "residual", "growth", "error"];
 
-/// Characters of these columns in a terminal; what is not to be on the right begins there.
+/// Widths of these columns in a terminal.
 const WIDTH: [usize; HEAD.len()] = [34, 11, 20, 10, 9, 15, 6, 6, 10, 10, 10];
 
 /// A block for each system.
@@ -92,21 +73,21 @@ pub fn cells(sample: &Sample, first: &Sample) -> [String; HEAD.len()] {
     ]
 }
 
-/// Its time over that of the first method of the table.
+/// Its time relative to that of the first method of the table.
 fn times(measured: &Measured, first: &Sample) -> Option<f64> {
     Some(measured.time / first.measured()?.time)
 }
 
-/// `method exponent` of all that are drawn, on the paper's tie; empty where there are less than two sizes.
+/// `method exponent` of all drawn methods on the paper's tie; empty for fewer than two sizes.
 pub fn exponents(samples: &[Sample], methods: &[BenchMethod]) -> String {
     let exponent = |method: &BenchMethod| Some(format!("{} {:.2}", method.name, series(samples, method.name).1?));
     let drawn = methods.iter().filter(|method| method.is_drawn);
     drawn.filter_map(exponent).collect::<Vec<_>>().join("; ")
 }
 
-/// One line for each sample; what was given up has no numbers.
+/// One line for each sample; methods that were given up have no numbers.
 pub fn csv(samples: &[Sample], methods: &[BenchMethod]) -> String {
-    let mut text = COLUMNS.join(",") + "\n";
+    let mut text = format!("{COLUMNS}\n");
     for block in samples.chunks(methods.len()) {
         block.iter().for_each(|sample| csv_line(&mut text, sample, &block[0]));
     }
@@ -115,7 +96,7 @@ pub fn csv(samples: &[Sample], methods: &[BenchMethod]) -> String {
 
 fn csv_line(text: &mut String, sample: &Sample, first: &Sample) {
     let Sample { family, size, equations, method, rank, .. } = sample;
-    // A name with a comma is quoted, as CSV has it.
+    // CSV requires quotes around a name with a comma.
     let method = if method.contains(',') { format!("\"{method}\"") } else { (*method).to_owned() };
     let m = match &sample.result {
         Ok(measured) => measured,

@@ -1,9 +1,9 @@
-//! What is written is what was measured.
+//! The written texts and plots contain the measured numbers.
 
 use super::sample::{Measured, Sample};
 use super::{methods, page, plot, systems, table};
 
-/// One system, on which every method but the last took as many milliseconds as its number.
+/// Samples of one system: method k took k + 1 milliseconds, and the last one was given up.
 fn samples(methods: &[methods::BenchMethod]) -> Vec<Sample> {
     let result = |k: usize| {
         let time = 1e-3 * (k + 1) as f64;
@@ -53,11 +53,12 @@ fn the_csv_has_every_number_under_its_name() {
     let samples = samples(&methods);
     let csv = table::csv(&samples, &methods);
     let lines: Vec<Vec<String>> = csv.lines().map(fields).collect();
-    assert_eq!(lines[0], table::COLUMNS);
+    let columns = fields(table::COLUMNS);
+    assert_eq!(lines[0], columns);
     assert_eq!(lines.len(), methods.len() + 1);
     for (sample, line) in samples.iter().zip(&lines[1..]) {
-        assert_eq!(line.len(), table::COLUMNS.len(), "{line:?}");
-        let text = |name: &str| line[table::COLUMNS.iter().position(|column| *column == name).expect(name)].as_str();
+        assert_eq!(line.len(), columns.len(), "{line:?}");
+        let text = |name: &str| line[columns.iter().position(|column| *column == name).expect(name)].as_str();
         let is = |name: &str, value: Option<f64>| match value {
             Some(value) => {
                 let found: f64 = text(name).parse().expect(name);
@@ -137,7 +138,7 @@ fn the_advice_has_the_numbers_of_its_methods() {
     let mut all = samples(&methods);
     let place = |name: &str| methods.iter().position(|method| method.name == name).expect(name);
     let (first, again) = (place("gauss"), samples(&methods));
-    // On a second system one method takes ten times as long, and another one's wrong rank is doubted.
+    // On a second system one method takes ten times as long and finds a wrong rank; then this rank is ambiguous.
     all.extend(again);
     let second = methods.len() + first;
     all[second].result = all[second].result.clone().map(|found| Measured { time: 10.0 * found.time, rank: 5, ..found });

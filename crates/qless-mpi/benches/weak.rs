@@ -8,14 +8,14 @@
 //! ```
 
 use qless::{ConstraintSystem, Options};
-use qless_mpi::{Counted, Dealt, Ranks, Sent, Share, analyse, together};
+use qless_mpi::{Counted, Ranks, Sent, Share, WorkCounts, analyse, on_threads};
 use qless_scenes::fssi::{Mesh, tie};
 
 /// What one rank did.
 #[derive(Clone, Copy, Default)]
 struct Work {
     sent: Sent,
-    dealt: Dealt,
+    work: WorkCounts,
     held: usize,
 }
 
@@ -104,11 +104,11 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering) {
     let mut first = None;
     for &size in sizes {
         let twin = Twin::new(each * size, numbering);
-        let work = together(size, |ranks| {
+        let work = on_threads(size, |ranks| {
             let ranks = Counted::new(ranks);
             let share = twin.share(&ranks);
             let analysis = analyse(&ranks, &share, &Options::default()).expect("valid");
-            (Work { sent: ranks.sent(), dealt: analysis.dealt(), held: share.equations() }, analysis.counts())
+            (Work { sent: ranks.sent(), work: analysis.work(), held: share.equations() }, analysis.counts())
         });
         let most = |of: &dyn Fn(&Work) -> u64| work.iter().map(|(work, _)| of(work)).max().unwrap_or(0);
         let mean = |of: &dyn Fn(&Work) -> u64| work.iter().map(|(work, _)| of(work)).sum::<u64>() as f64 / size as f64;
@@ -122,14 +122,11 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering) {
             most(&|w| w.sent.bytes) as f64 / 1e6,
             mean(&|w| w.sent.received) / 1e6,
             most(&|w| w.sent.received) as f64 / 1e6,
-            most(&|w| w.dealt.peeled as u64),
-            most(&|w| w.dealt.analysed as u64),
-            work[0].0.dealt.attempts,
+            most(&|w| w.work.peeled as u64),
+            most(&|w| w.work.analysed as u64),
+            work[0].0.work.attempts,
         );
-        assert!(
-            most(&|w| w.dealt.analysed as u64) as f64 <= 2.0 * mean(&|w| w.held as u64),
-            "the work of a rank grows"
-        );
+        assert!(most(&|w| w.work.analysed as u64) as f64 <= 2.0 * mean(&|w| w.held as u64), "the work of a rank grows");
         let sent = mean(&|w| w.sent.bytes);
         if size == 4 {
             first = Some(sent);
@@ -172,11 +169,11 @@ fn processor_time(equations: usize) {
         let redundant = analysis.dependent().len() as u64;
         drop((analysis, reduction));
         let of_serial = peak();
-        let shares = together(4, |ranks| twin.share(ranks));
+        let shares = on_threads(4, |ranks| twin.share(ranks));
         let of_shares = peak();
         let before = used();
         let counts =
-            together(4, |ranks| analyse(ranks, &shares[ranks.rank()], &Options::default()).expect("valid").counts());
+            on_threads(4, |ranks| analyse(ranks, &shares[ranks.rank()], &Options::default()).expect("valid").counts());
         let spread = used() - before;
         assert_eq!(counts[0].redundant, redundant);
         println!("serial {serial:.2} s, 4 ranks {spread:.2} s of processor time: {:.2}", spread / serial);

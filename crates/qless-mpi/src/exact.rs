@@ -1,8 +1,8 @@
 //! The exact sum of numbers that are spread over ranks, rounded once.
 //!
-//! Any double is an integer multiple of 2^-1074, of at most 2098 bits. Such integers are added without rounding, in digits of 32 bits
-//! each stored in a word of 64 bits, so that carries can be deferred. The digits of all ranks are added as integers, and the result is
-//! rounded once: it depends only on the numbers (Kulisch, Computer Arithmetic and Validity, 2013).
+//! Any double is an integer multiple of 2^-1074 with at most 2098 bits. Such integers are added without rounding, in digits of 32 bits
+//! that are stored in words of 64 bits, so that carries can be deferred. The digits of all ranks are added as integers and the sum is
+//! rounded once, so it depends only on the numbers (Kulisch, Computer Arithmetic and Validity, 2013).
 
 use crate::ranks::Ranks;
 
@@ -15,23 +15,23 @@ const PATIENCE: u32 = 1 << 16;
 /// Added to the highest digit, which is a small signed carry, so that it is positive while the ranks are summed.
 const LIFT: u64 = 1 << 40;
 
-/// The sum of the numbers of all ranks, rounded to the nearest double. The same bits on all ranks, whatever rank has which numbers, in
-/// whatever order, on however many ranks. Collective: one [`Ranks::sum`] of 576 bytes.
+/// The sum of the numbers of all ranks, rounded to the nearest double. Its bits are the same on all ranks, for any distribution and
+/// order of the numbers. Collective: one [`Ranks::sum`] of 576 bytes.
 ///
-/// A dot product whose bits do not depend on the ranks is the sum of the products. An infinite number or NaN gives what `+` gives.
+/// Applied to products it gives a dot product whose bits do not depend on the ranks. Infinite numbers and NaN have the effect of `+`.
 ///
 /// ```
-/// use qless_mpi::{Alone, exact_sum, together};
+/// use qless_mpi::{Alone, exact_sum, on_threads};
 /// let numbers = [1e100, 1.0, 1e-30, -1e100];
 /// assert_eq!(exact_sum(&Alone, numbers), 1.0);
-/// assert_eq!(together(4, |ranks| exact_sum(ranks, [numbers[ranks.rank()]])), [1.0; 4]);
+/// assert_eq!(on_threads(4, |ranks| exact_sum(ranks, [numbers[ranks.rank()]])), [1.0; 4]);
 /// ```
 pub fn exact_sum(ranks: &dyn Ranks, numbers: impl IntoIterator<Item = f64>) -> f64 {
     let mut own = ExactSum::default();
     numbers.into_iter().for_each(|number| own.add(number));
     let mut words = own.into_words();
     ranks.sum(&mut words);
-    ExactSum::of_words(&words, ranks.size()).rounded()
+    ExactSum::from_words(&words, ranks.size()).rounded()
 }
 
 struct ExactSum {
@@ -61,8 +61,8 @@ impl ExactSum {
         let (mantissa, shift) = if exponent == 0 { (fraction, 0) } else { (fraction | 1 << 52, exponent - 1) };
         let mut rest = u128::from(mantissa) << (shift % BITS);
         for digit in &mut self.digits[shift / BITS..][..3] {
-            let part = (rest & 0xffff_ffff) as i64;
-            *digit += if number < 0.0 { -part } else { part };
+            let bits = (rest & 0xffff_ffff) as i64;
+            *digit += if number < 0.0 { -bits } else { bits };
             rest >>= BITS;
         }
         self.added += 1;
@@ -93,7 +93,7 @@ impl ExactSum {
     }
 
     /// The sum from words that were summed over this number of ranks.
-    fn of_words(words: &[u64], ranks: usize) -> Self {
+    fn from_words(words: &[u64], ranks: usize) -> Self {
         let mut sum = Self::default();
         sum.digits.iter_mut().zip(words).for_each(|(digit, &word)| *digit = word as i64);
         sum.digits[DIGITS - 1] -= (LIFT * ranks as u64) as i64;
@@ -126,12 +126,12 @@ impl ExactSum {
 /// `x 2^(shift - 1074)`; exact, since x has few digits whenever the result could be subnormal.
 fn scaled(x: f64, shift: i32) -> f64 {
     let power = |exponent: i32| f64::from_bits(((exponent + 1023) as u64) << 52);
-    let mut left = shift - 1074;
+    let mut exponent = shift - 1074;
     let mut x = x;
-    while left != 0 {
-        let step = left.clamp(-1000, 1000);
+    while exponent != 0 {
+        let step = exponent.clamp(-1000, 1000);
         x *= power(step);
-        left -= step;
+        exponent -= step;
     }
     x
 }

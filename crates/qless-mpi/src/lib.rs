@@ -1,17 +1,17 @@
-//! Constraints `C u = b` of models that are spread over ranks: redundant and conflicting equations, and
+//! Constraints `C u = b` of models that are distributed over ranks: redundant and conflicting equations, and
 //! `u_s = T u_q + G u_p + g` on the DOFs that each rank asks for.
 //!
 //! The result equals that of [`qless::analyse`] and [`qless::Analysis::reduction`] for all equations on one machine, to the last bit,
-//! whichever rank holds which equation. The stages, in order: [`Share`] (the input of a rank), `parts` (owners of DOFs, components across
-//! ranks), `distribute` (which rank analyses which equations), `solve` (the serial library on each rank, results returned), [`Analysis`],
-//! [`DistributedElimination`]. All communication goes through [`Ranks`]: `World` on MPI with the feature `mpi`, [`together`] within one
-//! process.
+//! for any distribution of the equations. The stages, in order: [`Share`] (the input of a rank), `components` (owners of DOFs, connected
+//! components across ranks), `distribute` (which rank analyses which equations), `solve` (the serial library on each rank; returns the
+//! results), [`Analysis`], [`DistributedElimination`]. All communication goes through [`Ranks`]: `World` on MPI with the feature `mpi`,
+//! [`on_threads`] within one process.
 //!
 //! ```
 //! use qless::{Kind, Options};
-//! use qless_mpi::{Share, analyse, together};
-//! // The same tie of u0 and u1, said by both ranks.
-//! let kinds = together(2, |ranks| {
+//! use qless_mpi::{Share, analyse, on_threads};
+//! // Both ranks hold the same tie of u0 and u1.
+//! let kinds = on_threads(2, |ranks| {
 //!     let rank = ranks.rank() as u64;
 //!     let mut share = Share::new(rank..rank + 1);
 //!     share.equation(rank, [(0, 1.0), (1, -1.0)], 0.0);
@@ -21,24 +21,24 @@
 //! ```
 
 mod analysis;
+mod components;
 mod distribute;
 mod elimination;
 mod error;
 mod exact;
 #[cfg(feature = "files")]
 mod files;
-mod parts;
 mod ranks;
 mod share;
 mod solve;
 
-pub use analysis::{Analysis, Counts, Dealt, Term, analyse};
+pub use analysis::{Analysis, JobCounts, Term, WorkCounts, analyse};
 pub use elimination::DistributedElimination;
-pub use error::{Error, Said, Spoken, agree};
+pub use error::{CodedError, Error, ErrorWords, agree};
 pub use exact::exact_sum;
 #[cfg(feature = "files")]
-pub use files::{Case, CaseError, Equation, Facts, Found, read_case};
-pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
+pub use files::{Case, CaseError, Equation, Facts, GatheredFindings, read_case};
+pub use ranks::{Alone, Counted, Message, Ranks, Sent, on_threads};
 #[cfg(feature = "mpi")]
 pub use ranks::{World, WorldError};
 pub use share::{Share, ShareError, SharePlace};

@@ -1,4 +1,4 @@
-//! Real jobs of MPI: many random rounds, and ranks that fail. Needs `mpirun`, of OpenMPI or MPICH.
+//! Real MPI jobs: many random rounds, and ranks that fail. Needs `mpirun` of OpenMPI or MPICH.
 
 mod rounds;
 
@@ -9,7 +9,7 @@ use std::process::{Command, ExitStatus};
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 
-use qless_mpi::{Alone, World, WorldError, together};
+use qless_mpi::{Alone, World, WorldError, on_threads};
 use rounds::play::play;
 
 const SIZES: [usize; 4] = [1, 2, 4, 7];
@@ -61,12 +61,12 @@ fn without_mpi_there_is_no_part_of_a_job() {
     assert_eq!(World::of(&world).err(), Some(WorldError::NotRunning));
 }
 
-/// What the same rounds say within this process.
+/// The result of the same rounds within this process.
 fn in_process(size: usize, seed: u64, rounds: u64) -> String {
     if size == 1 {
         return play(&Alone, seed, rounds);
     }
-    together(size, |ranks| play(ranks, seed, rounds)).swap_remove(0)
+    on_threads(size, |ranks| play(ranks, seed, rounds)).swap_remove(0)
 }
 
 #[derive(Debug)]
@@ -83,7 +83,7 @@ impl Ended {
     }
 }
 
-/// Runs the example on so many ranks, for at most so many seconds.
+/// Runs the example on `ranks` ranks, with a time limit in seconds.
 fn mpirun(size: usize, arguments: &[&str], seconds: u64) -> Ended {
     let folder = tempfile::tempdir().expect("a folder");
     let files = ["output", "errors"].map(|name| folder.path().join(name));
@@ -113,7 +113,7 @@ fn ended_within(mut command: Command, longest: Duration) -> Option<ExitStatus> {
     None
 }
 
-/// With more ranks than cores, and as root: containers have no other user.
+/// Allows more ranks than cores, and the user root, which is the only one in containers.
 fn launcher() -> Command {
     let version = Command::new("mpirun").arg("--version").output();
     let version =
@@ -123,14 +123,14 @@ fn launcher() -> Command {
         command.arg("--oversubscribe").envs([
             ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
             ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
-            // Containers may forbid what it wants to read memory of other ranks with.
+            // Containers may forbid the system call by which OpenMPI reads the memory of other ranks.
             ("OMPI_MCA_btl_vader_single_copy_mechanism", "none"),
         ]);
     }
     command
 }
 
-/// Cargo builds examples before tests, but not for `--test` alone: an old one would prove nothing.
+/// Cargo builds examples before tests, but not for `--test` alone; an outdated example must not run.
 fn example() -> PathBuf {
     const BUILD: &str = "cargo build -p qless-mpi --features mpi --example rounds";
     let test = std::env::current_exe().expect("this test");
@@ -150,7 +150,7 @@ fn changed(path: &Path) -> io::Result<SystemTime> {
     path.metadata()?.modified()
 }
 
-/// When the last file below was changed.
+/// Time of the last change below a folder.
 fn newest(path: &Path) -> io::Result<SystemTime> {
     let mut last = changed(path)?;
     if path.is_dir() {

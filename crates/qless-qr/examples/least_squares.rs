@@ -1,4 +1,4 @@
-//! A plane through scattered heights: least squares, other heights at the same places, new places in the same pattern.
+//! Fits a plane to scattered heights by least squares; then other heights at the same places, and other places with the same pattern.
 
 use qless_qr::{Error, Matrix, Options, least_squares};
 
@@ -23,7 +23,7 @@ fn main() -> Result<(), Error> {
         println!("lifted by {lift}: {:.3?}, condition about {:.1}", factor.solve(&lifted)?, factor.condition());
     }
 
-    // Other places: the analysis serves all values of its pattern.
+    // Other places have the same pattern, so the analysis can be reused.
     let farther: Vec<f64> = values.iter().map(|v| if *v == 1.0 { 1.0 } else { 2.0 * v }).collect();
     let factor = symbolic.factor(&farther, &heights, Options::new())?;
     println!("farther apart: {:.3?}", factor.basic()?);

@@ -1,9 +1,9 @@
-//! Forces in a chain of springs that the equations of equilibrium do not determine: the smallest ones.
+//! The smallest forces in a statically indeterminate chain of springs.
 
 use qless_qr::{Error, Matrix, Options, least_squares, minimum_norm};
 
 fn main() -> Result<(), Error> {
-    // Node i is held by the springs i and i + 1: f_i - f_{i+1} = load_i. One force more than equations.
+    // Node i lies between the springs i and i + 1: f_i - f_{i+1} = load_i. There is one more force than equations.
     let start: Vec<usize> = (0..=4).map(|i| 2 * i).collect();
     let index: Vec<u32> = (0..4).flat_map(|i| [i, i + 1]).collect();
     let values: Vec<f64> = (0..4).flat_map(|_| [1.0, -1.0]).collect();

@@ -1,9 +1,9 @@
-//! Columns that depend on others: rank, basic and shortest solution, tolerance.
+//! Dependent columns: rank, basic and minimum-norm solution, tolerance.
 
 use qless_qr::{Error, Matrix, Options, Tolerance, least_squares, minimum_norm};
 
 fn main() -> Result<(), Error> {
-    // Column 2 is the sum of the first two, but for 1e-9.
+    // Column 2 is the sum of the first two except for 1e-9.
     let columns = [[1.0, 1.0, 0.0, 2.0], [0.0, 1.0, 1.0, 1.0], [1.0, 2.0, 1.0, 3.0 + 1e-9]];
     let start = [0_usize, 4, 8, 12];
     let index: Vec<u32> = (0..12).map(|k| k % 4).collect();

@@ -198,7 +198,7 @@ impl Factor {
 /// Limit for the steps of Hager's ascent, which seldom takes more than three.
 const STEPS: usize = 5;
 /// Limit for the steps of the inverse iteration.
-const TURNS: usize = 30;
+const ITERATIONS: usize = 30;
 
 impl Factor {
     /// Lower estimate of the condition number `|R1|_1 |R1^{-1}|_1`; 1 if the rank is 0, infinite if `R1^{-1}` overflows.
@@ -225,7 +225,7 @@ impl Factor {
         let r = self.rank();
         let mut x: Vec<f64> = (0..r).map(|i| 1.0 + i as f64 / r as f64).collect();
         let mut smallest = f64::INFINITY;
-        for _ in 0..TURNS {
+        for _ in 0..ITERATIONS {
             let size = scaled_norm(&x);
             if size == 0.0 || !size.is_finite() {
                 return if r == 0 { f64::INFINITY } else { 0.0 };

@@ -104,8 +104,8 @@ impl Reflections {
             local.extend(self.rows.iter().map(|&i| column[i as usize]));
         }
         Arch::new().dispatch(FrontReflections { front: self, columns: &mut local[..], backwards });
-        for (column, turned) in b.chunks_exact_mut(m).zip(local.chunks_exact(self.rows.len())) {
-            self.rows.iter().zip(turned).for_each(|(&i, &v)| column[i as usize] = v);
+        for (column, reflected) in b.chunks_exact_mut(m).zip(local.chunks_exact(self.rows.len())) {
+            self.rows.iter().zip(reflected).for_each(|(&i, &v)| column[i as usize] = v);
         }
     }
 }

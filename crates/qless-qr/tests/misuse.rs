@@ -1,4 +1,4 @@
-//! Whatever is given, an answer or an error comes back: arrays that are no matrix, numbers at the ends of the range, limits.
+//! Any input gives an answer or an error: invalid arrays, numbers near the limits of doubles, memory limits.
 
 mod common;
 
@@ -25,7 +25,7 @@ fn options(random: &mut Random) -> Options {
     Options::new().tolerance(tolerance).memory(memory).keep_q(random.below(2) == 0).refinements(random.below(3))
 }
 
-/// Everything there is to call, with right-hand sides of lengths that may not fit.
+/// Calls all functions, with right-hand sides that may have wrong lengths.
 fn use_it(a: &View<i32, i32>, random: &mut Random) -> usize {
     let kinds = [8, 10][random.below(2)];
     let length = [a.rows(), 2 * a.rows(), a.cols(), 1, 0][random.below(5)];

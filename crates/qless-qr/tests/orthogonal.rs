@@ -1,4 +1,4 @@
-//! Q: `Q^T Q = I`, `A P = Q [R1 R2; 0]`, one vector as many, the same bits on any number of threads.
+//! Q: `Q^T Q = I`, `A P = Q [R1 R2; 0]`; the bits do not depend on the number of vectors or threads.
 
 mod common;
 

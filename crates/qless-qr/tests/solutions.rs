@@ -1,4 +1,4 @@
-//! Residuals orthogonal to the range, shortest solutions as the pseudoinverse gives them, refinement to the last digits.
+//! Residuals are orthogonal to the range, minimum-norm solutions equal those of the pseudoinverse, and refinement reaches the last digits.
 
 mod common;
 
@@ -6,14 +6,14 @@ use common::dense::Svd;
 use common::{Matrix, any, dot, minus, multiply, norm};
 use qless_qr::{Error, Options, Solution, Tolerance, least_squares, minimum_norm, solve};
 
-/// What an error of rounding may be, for a system whose solution is unique up to the rank.
+/// Allowed rounding error for a system of known rank.
 fn slack(svd: &Svd, rank: usize, x: &[f64], left: f64) -> f64 {
     let condition = if rank == 0 { 1.0 } else { svd.values[0] / svd.values[rank - 1] };
     let size = svd.values.first().copied().unwrap_or(1.0);
     2e-13 * (condition * norm(x) + condition * condition * left / size)
 }
 
-/// A right-hand side of each kind: anything, in the range, nothing.
+/// Right-hand sides: random, in the range of A, and zero.
 fn right(a: &Matrix, random: &mut common::Random, seed: u64) -> Vec<f64> {
     let x: Vec<f64> = (0..a.cols).map(|_| random.signed()).collect();
     match seed % 4 {
@@ -50,7 +50,7 @@ fn least_squares_and_shortest_solutions_are_those_of_the_pseudoinverse() {
         assert!(basic.x.iter().filter(|&&x| x != 0.0).count() <= basic.rank, "{name}: more than a basis");
         let svd = Svd::new(&a);
         let rank = svd.rank(1e-11);
-        // Where a singular value is neither one nor none, the rank is a matter of taste.
+        // If a singular value is near the tolerance, the rank is not unique.
         if svd.values.iter().any(|&s| s > 1e-14 && s < 1e-6 * svd.values[0]) {
             continue;
         }
@@ -81,7 +81,7 @@ fn later_right_hand_sides_give_the_same() {
         let complete = factor.complete(usize::MAX).expect("a factorization");
         let (basic, short) = (factor.basic().expect("x"), complete.minimum_norm().expect("x"));
         let allowed = slack(&svd, factor.rank(), &basic, norm(&b)) * 10.0 + 1e-15;
-        // R1 of a basic solution may be worse than A.
+        // R1 of a basic solution may have a larger condition number than A.
         let worse = factor.condition() / svd.values.first().map_or(1.0, |s| s / svd.values[svd.rank(1e-11) - 1]);
         let near = |x: &[f64], y: &[f64], what: &str| {
             let gap = norm(&minus(x, y));
@@ -92,7 +92,7 @@ fn later_right_hand_sides_give_the_same() {
         near(&complete.solve(&b).expect("x"), &short, "shortest");
         let c: Vec<f64> = (0..a.cols).map(|_| random.signed()).collect();
         let transposed = minimum_norm(&a.transposed().view(), &c, Options::new()).expect("x");
-        // Heath's test can miss a dependent column, in A^T another than in A.
+        // Heath's test can miss a dependent column, and may miss different ones in A and A^T.
         if transposed.rank == factor.rank() {
             near(&complete.solve_transposed(&c).expect("x"), &transposed.x, "transposed");
         } else {
@@ -131,7 +131,7 @@ fn square_systems_are_solved_or_said_to_be_singular() {
     assert!(solved > 100 && refused > 100, "{solved} solved, {refused} refused");
 }
 
-/// `A = [B; B]`, `b = A x + [s; -s]`: integers, so that x is the exact solution, and columns of graded size.
+/// `A = [B; B]`, `b = A x + [s; -s]` with integers, so that x is the exact solution, and columns of graded size.
 #[test]
 fn refinement_gives_all_digits() {
     let (mut before, mut after) = (0.0_f64, 0.0_f64);
@@ -141,7 +141,7 @@ fn refinement_gives_all_digits() {
         let mut columns = vec![Vec::new(); n];
         for (j, column) in columns.iter_mut().enumerate() {
             for i in 0..n as u32 {
-                // The second column is the first one but for one entry, of 1 in 2^18.
+                // The second column equals the first except for a change of one entry by 2^-18.
                 let v = if j == 1 { 0.0 } else { (random.below(1 << 16) + 1) as f64 };
                 column.push((i, v));
                 column.push((i + n as u32, v));

@@ -1,4 +1,4 @@
-//! The same bits for every number of threads, the limit, and what is refused.
+//! The same bits for every number of threads, the memory limit, and errors.
 
 mod common;
 

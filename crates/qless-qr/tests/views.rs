@@ -1,11 +1,11 @@
-//! Matrices as others hold them: by rows, other integers, in any order, entries of one place in parts; and what is refused.
+//! Matrices in other storage: by rows, other integer types, unsorted, repeated entries; and errors.
 
 mod common;
 
 use common::{Matrix, any};
 use qless_qr::{Error, Index, Matrix as View, Options, least_squares};
 
-/// The factor's R and the tolerance: equal where the same matrix was read.
+/// R and the tolerance of the factor, which are equal for equal matrices.
 fn read<P: Index, I: Index>(a: &View<P, I>) -> (qless_qr::SparseRows, f64) {
     let factor = a.analyse().expect("a pattern").factor(a.values(), &[], Options::new()).expect("a factorization");
     (factor.r().clone(), factor.tolerance())
@@ -36,7 +36,7 @@ fn every_form_of_a_matrix_is_read_alike() {
     }
 }
 
-/// Each entry as two halves, in no order.
+/// Each entry as two halves, unsorted.
 fn in_parts(a: &Matrix, random: &mut common::Random) -> (Vec<usize>, Vec<u32>, Vec<f64>) {
     let (mut start, mut index, mut values) = (vec![0], Vec::new(), Vec::new());
     for j in 0..a.cols {

@@ -1,10 +1,11 @@
-//! `D_r C D_c` and `P C Q`: the same scene in other scales, in another order, or with more in it.
+//! Variants of a scene: `D_r C D_c` and `P C Q`, or with more prescribed DOFs or equations.
 
 use qless::{ConstraintSystem, SystemBuilder};
 
-use crate::{Rng, Scene, SceneError, Truth};
+use crate::error::within;
+use crate::{Dof, Rng, Scene, SceneError, Truth};
 
-/// Where the rows and DOFs of a shuffled scene come from.
+/// The order of rows and DOFs of a shuffled scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Order {
     /// `rows[i]` is the original row of row i.
@@ -14,9 +15,9 @@ pub struct Order {
 }
 
 impl Scene {
-    /// Multiplies row i, and its right-hand side, by a random power of two `2^k`, `-most <= k <= most`.
+    /// Multiplies row i and its right-hand side by a random power of two `2^k`, `-most <= k <= most`.
     ///
-    /// Returns the factors too. Exact while no number leaves the normal range, so the truth stands.
+    /// Also returns the factors. The products are exact unless a number leaves the normal range, so the truth does not change.
     ///
     /// ```
     /// let (scaled, factors) = qless_scenes::families::path(4)?.scale_rows(20, 1)?;
@@ -25,9 +26,9 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::Size`] for `most` above 1000; [`SceneError::System`] where a number overflows.
+    /// [`SceneError::Size`] for `most` above 1000; [`SceneError::System`] if a number overflows.
     pub fn scale_rows(&self, most: usize, seed: u64) -> Result<(Self, Vec<f64>), SceneError> {
-        crate::error::within("the largest exponent", most, 0, 1000)?;
+        within("the largest exponent", most, 0, 1000)?;
         let mut rng = Rng::new(seed);
         let factors: Vec<f64> =
             (0..self.system.equations()).map(|_| power_of_two(rng.below(2 * most + 1) as i64 - most as i64)).collect();
@@ -38,15 +39,15 @@ impl Scene {
 
     /// Measures DOF j in another unit: `u_j = units[j] u'_j`, which multiplies column j by `units[j]`.
     ///
-    /// Exact for powers of two. Other units round each coefficient once: the truth then stands numerically,
-    /// while the exact rank of the rounded numbers may be higher.
+    /// Exact for powers of two. Other units round each coefficient once: the truth then holds numerically, but the exact
+    /// rank of the rounded numbers may be higher.
     ///
     /// # Errors
     /// [`SceneError::Size`] unless there is one unit per DOF; [`SceneError::Number`] for a unit of zero, NaN
-    /// or infinity; [`SceneError::System`] where a number overflows.
+    /// or infinity; [`SceneError::System`] if a number overflows.
     pub fn scale_dofs(&self, units: &[f64]) -> Result<Self, SceneError> {
         let n = self.system.dofs();
-        crate::error::within("the number of units", units.len(), n, n)?;
+        within("the number of units", units.len(), n, n)?;
         if let Some(&found) = units.iter().find(|unit| !unit.is_finite() || **unit == 0.0) {
             return Err(SceneError::Number { what: "a unit", found });
         }
@@ -59,7 +60,7 @@ impl Scene {
         Ok(Self { system, truth, ..self.clone() })
     }
 
-    /// Puts rows and DOFs in random order; labels, nodes and truth go with them.
+    /// Puts rows and DOFs in random order, with their labels, nodes and truth.
     ///
     /// ```
     /// let scene = qless_scenes::families::path(9)?;
@@ -69,11 +70,11 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// None in practice: [`SceneError::System`] would mean that the scene itself was not valid.
+    /// [`SceneError::Size`] for more than 2^27 rows or DOFs; [`SceneError::System`] if the scene itself is not valid.
     pub fn shuffle(&self, seed: u64) -> Result<(Self, Order), SceneError> {
         let mut rng = Rng::new(seed);
-        let rows = rng.shuffled(self.system.equations());
-        let dofs = rng.shuffled(self.system.dofs());
+        let rows = rng.permutation(self.system.equations())?;
+        let dofs = rng.permutation(self.system.dofs())?;
         let system = rebuild(&self.system, &rows, &dofs, &vec![1.0; rows.len()], &vec![1.0; dofs.len()])?;
         let new = inverse(&dofs);
         let mut truth = self.truth.clone();
@@ -85,12 +86,13 @@ impl Scene {
         Ok((Self { system, truth, nodes: self.nodes.clone(), dofs: places }, Order { rows, dofs }))
     }
 
-    /// Prescribes further DOFs. What is known about the rank is lost: [`crate::oracle`] can restore it.
+    /// Prescribes further DOFs. The truth about the rank becomes unknown; [`crate::oracle`] can compute it.
     ///
     /// # Errors
     /// [`SceneError::System`] for a DOF out of range, prescribed twice, or a value that is not finite.
     pub fn with_prescribed(&self, values: &[(usize, f64)]) -> Result<Self, SceneError> {
-        let mut builder = copy(&self.system, self.system.dofs());
+        let mut builder = SystemBuilder::new(self.system.dofs());
+        append(&mut builder, &self.system, 0);
         for &(dof, value) in values {
             builder.prescribe(dof, value);
         }
@@ -99,17 +101,18 @@ impl Scene {
         Ok(Self { system: builder.build()?, truth, ..self.clone() })
     }
 
-    /// Adds `rows` equations `u_own + sum a_j u_j = 0`, each with a new DOF of its own and `others` random old ones.
+    /// Adds `rows` equations `u_own + sum a_j u_j = 0`, each with a new DOF of its own and `others` random old DOFs.
     ///
-    /// The rank grows by `rows`. The new DOFs have no node: the geometry is dropped.
+    /// The rank grows by `rows`. The new DOFs have no node, so the result has no geometry.
     ///
     /// # Errors
-    /// [`SceneError::System`] where the system becomes too large.
+    /// [`SceneError::System`] if the system becomes too large.
     pub fn with_singletons(&self, rows: usize, others: usize, seed: u64) -> Result<Self, SceneError> {
         let n = self.system.dofs();
-        crate::error::within("rows", rows, 0, crate::families::MOST)?;
-        crate::error::within("others", others.min(n), 0, 1 << 16)?;
-        let mut builder = copy(&self.system, n + rows);
+        within("rows", rows, 0, crate::error::MOST)?;
+        within("others", others.min(n), 0, 1 << 16)?;
+        let mut builder = SystemBuilder::new(n + rows);
+        append(&mut builder, &self.system, 0);
         let mut rng = Rng::new(seed);
         for i in 0..rows {
             let old = rng.drawn(others, n).into_iter().map(|j| (j, rng.real())).collect::<Vec<_>>();
@@ -118,6 +121,53 @@ impl Scene {
         let mut truth = Truth { generated: None, ..self.truth.clone() };
         truth.rank_free = truth.rank_free.map(|rank| rank.saturating_add(rows));
         Self::bare(builder, truth)
+    }
+
+    /// Both scenes in one system: first the equations and DOFs of this one, then those of the other.
+    ///
+    /// A property is known if it is known of both scenes. The result is ambiguous or conflicting if one of the scenes is. It has
+    /// labels if one scene has any, and a geometry if both have one. [`Scene::shuffle`] mixes the rows and DOFs.
+    ///
+    /// ```
+    /// use qless_scenes::families::{Near, near, rotations};
+    /// let scene = near(2, 1e-8, Near::Own)?.beside(&rotations(50)?)?;
+    /// assert_eq!((scene.system.equations(), scene.system.dofs()), (6 + 100, 14 + 102));
+    /// assert!(scene.truth.rank_free == Some(106) && scene.truth.ambiguous);
+    /// # Ok::<(), qless_scenes::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::System`] if the system becomes too large.
+    pub fn beside(&self, other: &Self) -> Result<Self, SceneError> {
+        let first = self.system.dofs();
+        let mut builder = SystemBuilder::new(first + other.system.dofs());
+        append(&mut builder, &self.system, 0);
+        append(&mut builder, &other.system, first);
+        if !(self.system.dof_labels().is_empty() && other.system.dof_labels().is_empty()) {
+            let names = |system: &ConstraintSystem| (0..system.dofs()).map(|j| system.dof_label(j)).collect::<Vec<_>>();
+            builder.dof_labels([names(&self.system), names(&other.system)].concat());
+        }
+        let placed = !self.dofs.is_empty() && !other.dofs.is_empty();
+        let moved = |dof: &Dof| Dof { node: dof.node.saturating_add(self.nodes.len()), ..*dof };
+        let dofs = self.dofs.iter().copied().chain(other.dofs.iter().map(moved)).filter(|_| placed).collect();
+        let nodes = if placed { [&self.nodes[..], &other.nodes].concat() } else { Vec::new() };
+        Ok(Self { system: builder.build()?, truth: self.truth.beside(&other.truth, first), nodes, dofs })
+    }
+}
+
+impl Truth {
+    /// The truth about two systems without common DOFs; the DOFs of the second are numbered from `first` on.
+    fn beside(&self, other: &Self, first: usize) -> Self {
+        let sum = |a: Option<usize>, b: Option<usize>| Some(a?.saturating_add(b?));
+        let moved = |&(dof, value): &(usize, f64)| (first.saturating_add(dof), value);
+        let generated = self.generated.as_ref().zip(other.generated.as_ref());
+        Self {
+            rank_free: sum(self.rank_free, other.rank_free),
+            redundant: sum(self.redundant, other.redundant),
+            conflicting: self.conflicting || other.conflicting,
+            generated: generated.map(|(a, b)| a.iter().copied().chain(b.iter().map(moved)).collect()),
+            ambiguous: self.ambiguous || other.ambiguous,
+        }
     }
 }
 
@@ -138,20 +188,20 @@ fn inverse(order: &[usize]) -> Vec<usize> {
     inverse
 }
 
-/// The same equations in a builder for `dofs` DOFs.
-fn copy(system: &ConstraintSystem, dofs: usize) -> SystemBuilder {
-    let mut builder = SystemBuilder::new(dofs);
+/// Appends the equations and prescribed values of a system, with DOFs numbered from `first` on.
+fn append(builder: &mut SystemBuilder, system: &ConstraintSystem, first: usize) {
     for row in 0..system.equations() {
-        builder.labelled_equation(system.equation_label(row), system.matrix().row(row), system.rhs()[row]);
+        let terms = system.matrix().row(row).map(|(j, v)| (first + j, v));
+        match system.equation_labels().get(row) {
+            Some(label) => builder.labelled_equation(label, terms, system.rhs()[row]),
+            None => builder.equation(terms, system.rhs()[row]),
+        };
     }
-    for &(dof, value) in system.prescribed() {
-        builder.prescribe(dof, value);
-    }
-    builder
+    system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(first + dof, value));
 }
 
-/// Rows and DOFs taken in the given orders, each row times its factor, each DOF in its unit; factors and
-/// units are indexed by old numbers.
+/// The system with rows and DOFs in the given orders, each row times its factor, each DOF in its unit. Factors and units
+/// are indexed by old numbers.
 fn rebuild(
     old: &ConstraintSystem,
     rows: &[usize],

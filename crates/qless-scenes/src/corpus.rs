@@ -1,9 +1,9 @@
-//! The folder of a larger corpus of systems and decks, for tests.
+//! The folder with a larger corpus of systems and decks, for tests.
 
 use std::path::PathBuf;
 
-/// The folder that the environment variable `QLESS_CORPUS` names; it holds `cases/`, `extremes/` and `decks/`. None if the variable is
-/// `none`; then the function says on standard error that the larger corpus is skipped.
+/// The folder that the environment variable `QLESS_CORPUS` names, with `cases/`, `extremes/` and `decks/`. `None` if the variable is
+/// `none`; then a message on standard error says that the larger corpus is skipped.
 ///
 /// ```no_run
 /// let Some(corpus) = qless_scenes::corpus::larger() else { return };

@@ -1,63 +1,63 @@
-//! Why a scene cannot be generated as asked.
+//! Errors of the generators.
 
 use qless::SystemError;
 
 use crate::oracle::OracleError;
 
-/// Arguments that make no scene.
+/// Why a scene cannot be generated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// A size outside what the scene's construction needs.
+    /// A size is out of range.
     #[error("{what} is {found}; it must be from {least} to {most}")]
     Size {
-        /// Which size.
+        /// Name of the size.
         what: &'static str,
-        /// The size given.
+        /// Its value.
         found: usize,
-        /// The smallest that works.
+        /// Smallest allowed value.
         least: usize,
-        /// The largest that works.
+        /// Largest allowed value.
         most: usize,
     },
-    /// A size that must be a multiple of another number.
+    /// A size is not a multiple of the required number.
     #[error("{what} is {found}; it must be a multiple of {of}")]
     NotMultiple {
-        /// Which size.
+        /// Name of the size.
         what: &'static str,
-        /// The size given.
+        /// Its value.
         found: usize,
-        /// What must divide it.
+        /// Its required divisor.
         of: usize,
     },
-    /// A number that cannot be used, such as a unit of zero.
+    /// A number is zero, infinite or NaN.
     #[error("{what} is {found}; it must be finite and not zero")]
     Number {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
         /// Its value.
         found: f64,
     },
-    /// Ends of elements that do not ascend from 0 to 1.
+    /// The ends of the elements do not ascend from 0 to 1.
     #[error("end {node} (from 0) of the elements is at {found}; ends must ascend from 0 to 1 by at least 2^-30")]
     Mesh {
-        /// Which end.
+        /// Index of the end.
         node: usize,
-        /// Where it is.
+        /// Its position.
         found: f64,
     },
-    /// The generated equations are not a valid system, for instance because scaling overflowed.
+    /// The generated equations are not a valid system, for example because scaling overflowed.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// The truth about the scene cannot be told.
+    /// The truth about the scene cannot be computed.
     #[error(transparent)]
     Oracle(#[from] OracleError),
 }
 
-/// `least <= found <= most`, or the error that says so.
+/// Checks `least <= found <= most`.
 pub(crate) fn within(what: &'static str, found: usize, least: usize, most: usize) -> Result<(), SceneError> {
     if (least..=most).contains(&found) { Ok(()) } else { Err(SceneError::Size { what, found, least, most }) }
 }
 
-/// Sizes above this are taken for a mistake.
+/// Larger sizes are refused as mistakes.
 pub(crate) const MOST: usize = 1 << 27;

@@ -1,16 +1,16 @@
-//! `C u = b` whose rank, redundancy and conflicts are known before anything is factored.
+//! Constraint systems `C u = b` whose rank, redundancy and conflicts are known by construction.
 //!
-//! Each generator returns a [`Scene`]: the [`qless::ConstraintSystem`], the [`Truth`] about it and, where
-//! the model has a shape, the coordinates of its nodes. The same arguments give the same bits on every
-//! machine: random numbers come from [`Rng`], and no function of the platform's mathematical library is used.
+//! Each generator returns a [`Scene`]: the [`qless::ConstraintSystem`], the [`Truth`] about it and, if the model has a
+//! geometry, the coordinates of its nodes. The same arguments give the same bits on every machine: random numbers come
+//! from [`Rng`], and no function of the platform's mathematical library is used.
 //!
 //! | module | scenes |
 //! | --- | --- |
 //! | [`fssi`] | fluid-structure-soil interaction, sizes and redundancies of the paper's Table 1, tied or mortar-coupled |
 //! | [`paper`] | the paper's figures and small examples |
-//! | [`families`] | sized and seeded families: planted combinations, graphs, rigid spiders, periodic cells, grids |
-//! | [`memory`] | memory that a benchmark keeps from one round to the next |
-//! | [`oracle`] | exact rank and dense singular values, to check all of the above and anything else |
+//! | [`families`] | families of any size and seed: planted combinations, graphs, rigid spiders, periodic cells, grids |
+//! | [`oracle`] | exact rank and dense singular values, as a reference |
+//! | [`memory`] | keeps freed memory in the process between the rounds of a benchmark |
 //!
 //! ```
 //! use qless_scenes::{fssi, oracle};
@@ -21,7 +21,6 @@
 //! # Ok::<(), qless_scenes::SceneError>(())
 //! ```
 
-mod beside;
 mod change;
 pub mod corpus;
 mod error;

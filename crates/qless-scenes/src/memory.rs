@@ -1,15 +1,15 @@
-//! Memory that stays in the process from one round to the next.
+//! Keeps freed memory in the process between the rounds of a benchmark.
 //!
-//! By its own rule glibc gives large arrays back to the kernel, which then fills page after page with zeros for the next: a cost
-//! of large systems alone, as small arrays are kept. `-- --fresh` leaves glibc its rule.
+//! By default glibc returns large arrays to the kernel, and the kernel must zero every page of the next one. Small arrays are kept, so
+//! only large systems pay for this. `-- --fresh` keeps glibc's default.
 
 use std::process::{Command, ExitCode};
 
-/// Settings of glibc by which freed memory stays in the process.
+/// Settings of glibc that keep freed memory in the process.
 const KEPT: &str =
     "glibc.malloc.mmap_threshold=8000000000:glibc.malloc.trim_threshold=32000000000:glibc.malloc.top_pad=3000000000";
 
-/// Runs this program again with memory kept, and there `run`: glibc reads its settings at the start alone.
+/// Starts this program again with [`KEPT`], because glibc reads its settings only at the start, and calls `run` there.
 pub fn kept(run: fn()) -> ExitCode {
     const NAME: &str = "GLIBC_TUNABLES";
     let arguments: Vec<String> = std::env::args().skip(1).collect();

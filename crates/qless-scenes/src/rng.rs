@@ -1,11 +1,11 @@
-//! `x += phi; z = mix(x)`: SplitMix64 (Steele, Lea, Flood 2014), the same numbers everywhere and always.
+//! Pseudo-random numbers by SplitMix64 (Steele, Lea, Flood 2014), the same on every machine.
 
 use qless::common::SplitMix64;
 
 use crate::SceneError;
 use crate::error::{MOST, within};
 
-/// A stream of pseudo-random numbers; two with the same seed are equal.
+/// A stream of pseudo-random numbers; the seed determines the stream.
 ///
 /// ```
 /// use qless_scenes::Rng;
@@ -31,13 +31,13 @@ impl Rng {
         ((u128::from(self.bits()) * n as u128) >> 64) as usize
     }
 
-    /// A whole number in `-most..=most` without 0, as a coefficient; `most` of 0 counts as 1.
+    /// A nonzero whole number in `-most..=most`; a `most` of 0 counts as 1.
     pub fn coefficient(&mut self, most: usize) -> f64 {
         let size = 1 + self.below(most.max(1));
         if self.bits() >> 63 == 0 { size as f64 } else { -(size as f64) }
     }
 
-    /// A multiple of 2^-52 in `-1 <= x < 1`, never 0.
+    /// A nonzero multiple of 2^-52 in `-1 <= x < 1`.
     pub fn real(&mut self) -> f64 {
         loop {
             let x = (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
@@ -60,7 +60,9 @@ impl Rng {
     /// [`SceneError::Size`] for more than 2^27 of them.
     pub fn permutation(&mut self, n: usize) -> Result<Vec<usize>, SceneError> {
         within("n", n, 0, MOST)?;
-        Ok(self.shuffled(n))
+        let mut order: Vec<usize> = (0..n).collect();
+        self.shuffle(&mut order);
+        Ok(order)
     }
 
     /// `count` different numbers of `0..n`, in the order drawn; all of them if `count > n`. O(count^2).
@@ -72,14 +74,7 @@ impl Rng {
         Ok(self.drawn(count, n))
     }
 
-    /// [`Rng::permutation`] of a number of things that are there.
-    pub(crate) fn shuffled(&mut self, n: usize) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..n).collect();
-        self.shuffle(&mut order);
-        order
-    }
-
-    /// [`Rng::distinct`] of a number of things that are few.
+    /// [`Rng::distinct`] without the limit.
     pub(crate) fn drawn(&mut self, count: usize, n: usize) -> Vec<usize> {
         let mut drawn = Vec::with_capacity(count.min(n));
         while drawn.len() < count.min(n) {

@@ -1,4 +1,4 @@
-//! `rank C_f = m - redundant`: a constraint system and what is true of it.
+//! A constraint system with its known properties, such as `rank C_f = m - redundant`.
 
 use qless::{ConstraintSystem, SystemBuilder};
 
@@ -7,17 +7,17 @@ use crate::SceneError;
 /// A generated constraint system with its truth and its geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// m equations on n DOFs, all of which occur unless the generator says otherwise.
+    /// m equations on n DOFs. Every DOF occurs in an equation unless the generator states otherwise.
     pub system: ConstraintSystem,
-    /// What is known about the system by construction.
+    /// Known properties of the system.
     pub truth: Truth,
     /// Coordinates x, y, z of the nodes in metres; empty for a scene without geometry.
     pub nodes: Vec<[f64; 3]>,
-    /// Where each DOF stands; length n, or empty for a scene without geometry.
+    /// Node and component of each DOF; length n, or empty for a scene without geometry.
     pub dofs: Vec<Dof>,
 }
 
-/// What is known about a system by construction, `None` where nothing is.
+/// Properties of a system that follow from its construction; `None` if unknown.
 ///
 /// ```
 /// use qless_scenes::Truth;
@@ -26,21 +26,21 @@ pub struct Scene {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
-    /// Rank of `C_f`, the columns of the free DOFs, in real arithmetic: coefficients that had to be rounded may
-    /// have a higher exact rank as stored, which no sound tolerance sees.
+    /// Rank of `C_f`, the columns of the free DOFs, in real arithmetic. Rounded coefficients may have a higher exact rank
+    /// as stored, but the difference is far below any sensible tolerance.
     pub rank_free: Option<usize>,
-    /// m - rank: equations that are combinations of the others, conflicting ones included.
+    /// m - rank: number of dependent equations, conflicting ones included.
     pub redundant: Option<usize>,
     /// Whether `C_f u_f = b - C_p u_p` has no solution.
     pub conflicting: bool,
-    /// All generated boundary conditions `(DOF, value)`: free DOFs that have one value in every solution.
+    /// All generated boundary conditions `(DOF, value)`: free DOFs that have the same value in every solution.
     pub generated: Option<Vec<(usize, f64)>>,
-    /// Whether the exact rank and the numerical rank can differ for good reasons: small singular values without a clear gap.
+    /// Whether the numerical rank may differ from the exact rank, because of small singular values without a clear gap.
     pub ambiguous: bool,
 }
 
 impl Truth {
-    /// m equations of which none depends on the others.
+    /// m independent equations.
     pub fn independent(equations: usize) -> Self {
         Self { rank_free: Some(equations), redundant: Some(0), ..Self::default() }
     }
@@ -58,14 +58,14 @@ impl Truth {
         self
     }
 
-    /// States, where `certain`, that no free DOF has a generated boundary condition.
+    /// States that there are no generated boundary conditions, or that they are unknown if not `certain`.
     #[must_use]
     pub(crate) fn without_generated(mut self, certain: bool) -> Self {
         self.generated = certain.then(Vec::new);
         self
     }
 
-    /// States whether the equations contradict one another.
+    /// States whether equations conflict.
     #[must_use]
     pub fn with_conflict(mut self, conflicting: bool) -> Self {
         self.conflicting = conflicting;
@@ -73,13 +73,21 @@ impl Truth {
     }
 }
 
-/// Where a DOF stands.
+/// Node and component of a DOF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dof {
     /// Index into [`Scene::nodes`].
     pub node: usize,
-    /// What moves.
+    /// The displacement component.
     pub component: Component,
+}
+
+impl Dof {
+    /// The DOFs of nodes with the first `components` of x, y and z, by node.
+    pub(crate) fn of_nodes(nodes: usize, components: usize) -> Vec<Self> {
+        let dof = |j| Self { node: j / components, component: Component::SPACE[j % components] };
+        (0..nodes * components).map(dof).collect()
+    }
 }
 
 /// A displacement component of a node.
@@ -99,7 +107,7 @@ impl Component {
     /// x, y and z.
     pub const SPACE: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
-    /// As labels write it: `x`, `y`, `z`, `n`.
+    /// The letter in labels: `x`, `y`, `z`, `n`.
     pub fn letter(self) -> char {
         ['x', 'y', 'z', 'n'][self as usize]
     }

@@ -1,11 +1,11 @@
-//! What is in a folder: the user's files, and the temporary ones.
+//! Lists the user's files and the temporary files of a folder.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::os::unix::fs::DirEntryExt;
 use std::path::Path;
 
-/// Each file of a folder that is no temporary one.
+/// The files of a folder except temporary ones.
 pub type Content = BTreeMap<String, Vec<u8>>;
 
 fn is_hidden(name: &str) -> bool {
@@ -29,13 +29,13 @@ fn collect(folder: &Path, prefix: &str, all: &mut Content) {
     }
 }
 
-/// The numbers of the files, which tell them from others of the same content.
+/// The inode numbers of the files, which distinguish files of equal content.
 pub fn numbers(folder: &Path) -> BTreeMap<String, u64> {
     let entries = fs::read_dir(folder).expect("a folder").flatten().filter(|entry| !entry.path().is_dir());
     entries.map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.ino())).collect()
 }
 
-/// The names of the temporary ones.
+/// The names of the temporary files.
 pub fn hidden(folder: &Path) -> BTreeSet<String> {
     let names = fs::read_dir(folder).expect("a folder").flatten().map(|e| e.file_name().to_string_lossy().into_owned());
     names.filter(|name| is_hidden(name)).collect()

@@ -1,8 +1,8 @@
-//! The blocks of the paper's section 3.1: they share no free DOF, and each is factored separately.
+//! The blocks of the paper's section 3.1: connected components, each factored separately.
 
 use qless::{ConstraintSystem, Csr};
 
-/// One block, both ways round.
+/// One block, C and its transpose.
 pub struct FigureBlock {
     /// C by columns, as backends take it: row j is column j.
     pub c: Csr,
@@ -12,7 +12,7 @@ pub struct FigureBlock {
     pub rhs: Vec<f64>,
 }
 
-/// The blocks of C without its prescribed DOFs, ordered by their first equation; equations that have no free DOF are in none.
+/// The blocks of C without its prescribed DOFs, ordered by their first equation. Equations without a free DOF are in no block.
 pub fn blocks(system: &ConstraintSystem) -> Vec<FigureBlock> {
     let c = free(system);
     let mut place = vec![usize::MAX; c.cols()];
@@ -29,7 +29,7 @@ fn free(system: &ConstraintSystem) -> Csr {
     c
 }
 
-/// The equations of each connected part, ascending.
+/// The equations of each connected component, ascending.
 fn parts(c: &Csr) -> Vec<Vec<usize>> {
     let by_dof = c.transpose().expect("C has few enough columns");
     let mut seen = vec![false; c.rows()];
@@ -53,7 +53,7 @@ fn parts(c: &Csr) -> Vec<Vec<usize>> {
     parts
 }
 
-/// `place` is scratch: no DOF has a place in it before.
+/// `place` is a work array.
 fn block(c: &Csr, rhs: &[f64], rows: &[usize], place: &mut [usize]) -> FigureBlock {
     let mut dofs: Vec<usize> = rows.iter().flat_map(|&i| c.row(i).map(|(j, _)| j)).collect();
     dofs.sort_unstable();
@@ -72,7 +72,7 @@ mod tests {
 
     use super::blocks;
 
-    /// A prescribed DOF does not connect; the last equation has no other.
+    /// A prescribed DOF does not connect equations; the last equation has no free DOF.
     #[test]
     fn blocks_share_no_free_dof() {
         let mut builder = SystemBuilder::new(6);

@@ -1,9 +1,9 @@
 //! Crossings of the times of Gauss elimination and of a QR, and a sentence about them; the paper's own times.
 
 use super::super::labels::thousands;
-use super::{FigureSide, GAUSS, Level};
+use super::{FigureLevel, FigureSide, GAUSS};
 
-/// Both on one system.
+/// The times of Gauss elimination and of a QR on one system.
 #[derive(Clone)]
 pub struct Pair {
     pub size: String,
@@ -23,7 +23,7 @@ impl Pair {
     }
 }
 
-/// A crossing after the k-th of the pairs: equations and seconds, on straight lines in logarithms.
+/// A crossing after the k-th pair: equations and seconds, interpolated linearly in logarithms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     pub after: usize,
@@ -47,7 +47,7 @@ fn between(after: usize, a: &Pair, b: &Pair) -> Crossing {
     Crossing { after, equations: along(a.equations, b.equations), time: along(a.gauss, b.gauss) }
 }
 
-/// Says which method is faster at which sizes, and by how much at both ends; none if nothing was measured.
+/// States which method is faster at which sizes, and the ratio at both ends; `None` for fewer than two pairs.
 pub fn sentence(pairs: &[Pair]) -> Option<String> {
     let [first, .., last] = pairs else { return None };
     let found = crossings(pairs);
@@ -82,14 +82,14 @@ pub fn sentence(pairs: &[Pair]) -> Option<String> {
     ))
 }
 
-/// To the next hundred, which is more than two levels tell.
+/// Rounds to hundreds, the accuracy that two levels allow at most.
 fn rounded(equations: f64) -> String {
     thousands((equations / 100.0).round() as usize * 100)
 }
 
-/// Levels that both did.
-pub fn pairs(levels: &[Level], family: &str, side: FigureSide, qr: &str) -> Vec<Pair> {
-    let pair = |level: &Level| {
+/// The levels on which both were measured.
+pub fn pairs(levels: &[FigureLevel], family: &str, side: FigureSide, qr: &str) -> Vec<Pair> {
+    let pair = |level: &FigureLevel| {
         let (gauss, qr) = (level.time(GAUSS, side)?, level.time(qr, side)?);
         Some(Pair { size: level.size.clone(), equations: level.equations as f64, gauss, qr })
     };
@@ -108,7 +108,7 @@ const TABLE_1: [(u32, u32, [f64; 3], [f64; 3]); 7] = [
     (110, 31_832, [126.666, 128.127, 128.739], [99.192, 96.681, 96.195]),
 ];
 
-/// All levels.
+/// The paper's times on all levels.
 pub fn papers_pairs() -> Vec<Pair> {
     let mean = |trials: [f64; 3]| trials.iter().sum::<f64>() / 3.0;
     let pair = |(percent, equations, gauss, qr): (u32, u32, [f64; 3], [f64; 3])| Pair {

@@ -1,7 +1,7 @@
-//! The paper's Figure 15 with today's means: Gauss elimination against sparse QR, block by block, on all levels of Table 1.
+//! The paper's Figure 15 measured again: Gauss elimination against sparse QR, block by block, on all levels of Table 1.
 //!
 //! Factorizations alone, as in the paper: no presolve, no scaling, no check of the rank, one thread. C is factored with b beside it
-//! (Eq. 21 and 26), and `C^T` without, which is how the default finds the dependent equations. Every way takes its turn in one
+//! (Eq. 21 and 26), and `C^T` without b, as the default does to find the dependent equations. All run in turns in one
 //! process.
 
 mod blocks;
@@ -16,7 +16,7 @@ pub use plot::plots;
 pub use section::{CSV, csv, markdown, text};
 pub use time::measure;
 
-/// Which matrix is factored.
+/// The matrix that is factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FigureSide {
     C,
@@ -34,15 +34,15 @@ impl FigureSide {
     }
 }
 
-/// The elimination that the others are compared with.
+/// The name of the elimination with which the QR backends are compared.
 pub const GAUSS: &str = "Gauss";
 
-/// One system, and every way through it.
-pub struct Level {
+/// The measurements of one system.
+pub struct FigureLevel {
     pub family: &'static str,
     pub size: String,
     pub equations: usize,
-    /// Known by construction.
+    /// The true rank.
     pub rank: usize,
     pub blocks: usize,
     /// Equations and DOFs of the block with most equations.
@@ -50,21 +50,21 @@ pub struct Level {
     pub ways: Vec<Way>,
 }
 
-/// A backend on C or on its transpose, summed over the blocks.
+/// The measurement of a backend on C or on its transpose, summed over the blocks.
 pub struct Way {
     pub backend: &'static str,
     pub side: FigureSide,
-    /// Median of the runs in seconds and the rank found; the error says why there are none.
+    /// Median of the runs in seconds, and the rank found; or the reason for a failure.
     pub result: Result<(f64, usize), String>,
 }
 
-/// Numbers of equations and seconds of one way, for every level that it did.
-fn series(levels: &[Level], family: &str, backend: &str, side: FigureSide) -> Vec<(f64, f64)> {
+/// Numbers of equations and seconds of one backend and side, for every level that was measured.
+fn series(levels: &[FigureLevel], family: &str, backend: &str, side: FigureSide) -> Vec<(f64, f64)> {
     let of = levels.iter().filter(|level| level.family == family);
     of.filter_map(|level| Some((level.equations as f64, level.time(backend, side)?))).collect()
 }
 
-impl Level {
+impl FigureLevel {
     fn way(&self, backend: &str, side: FigureSide) -> Option<&Way> {
         self.ways.iter().find(|way| way.backend == backend && way.side == side)
     }
@@ -75,7 +75,7 @@ impl Level {
 }
 
 /// Backends that were measured, in order.
-fn backends(levels: &[Level]) -> Vec<&'static str> {
+fn backends(levels: &[FigureLevel]) -> Vec<&'static str> {
     let mut names: Vec<&str> = Vec::new();
     for way in levels.iter().flat_map(|level| &level.ways) {
         if !names.contains(&way.backend) {
@@ -86,7 +86,7 @@ fn backends(levels: &[Level]) -> Vec<&'static str> {
 }
 
 /// Families that were measured, in order.
-fn families(levels: &[Level]) -> Vec<&'static str> {
+fn families(levels: &[FigureLevel]) -> Vec<&'static str> {
     let mut names: Vec<&str> = levels.iter().map(|level| level.family).collect();
     names.dedup();
     names

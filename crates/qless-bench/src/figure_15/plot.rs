@@ -1,4 +1,4 @@
-//! Times against equations, a panel for each coupling: full lines for C, broken ones for `C^T`, a cross where Gauss and QR cross.
+//! Plots times against equations, a panel for each coupling: solid lines for C, dashed lines for `C^T`, crosses where Gauss and QR cross.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use super::super::plot::{COLOURS, Drawn};
 use super::super::systems::TIE;
 use super::crossing::{Pair, crossings, pairs, papers_pairs};
-use super::{FigureSide, GAUSS, Level, backends, families, series};
+use super::{FigureLevel, FigureSide, GAUSS, backends, families, series};
 
 /// The file's name.
 pub const FILE: &str = "figure-15.svg";
@@ -36,8 +36,8 @@ impl PlotLine {
     }
 }
 
-/// Its name and content, if anything was measured. The error is what the plotting library says.
-pub fn plots(levels: &[Level]) -> Result<Option<(&'static str, String)>, String> {
+/// Name and content of the plot, if anything was measured. The error is that of the plotting library.
+pub fn plots(levels: &[FigureLevel]) -> Result<Option<(&'static str, String)>, String> {
     if levels.is_empty() {
         return Ok(None);
     }
@@ -45,7 +45,7 @@ pub fn plots(levels: &[Level]) -> Result<Option<(&'static str, String)>, String>
     Ok(Some((FILE, svg)))
 }
 
-fn draw(levels: &[Level]) -> Drawn {
+fn draw(levels: &[FigureLevel]) -> Drawn {
     let families = families(levels);
     let mut svg = String::new();
     {
@@ -60,8 +60,8 @@ fn draw(levels: &[Level]) -> Drawn {
     Ok(svg)
 }
 
-/// The lines of a coupling; the paper's own stand beside the tie, which has its numbers of equations.
-pub fn lines(levels: &[Level], family: &str) -> Vec<PlotLine> {
+/// The lines of a coupling; the tie has the paper's numbers of equations, so its panel also shows the paper's times.
+pub fn lines(levels: &[FigureLevel], family: &str) -> Vec<PlotLine> {
     let of = |(k, backend): (usize, &'static str)| {
         FigureSide::BOTH.map(|side| PlotLine {
             label: format!("{backend}, {}", side.name()),
@@ -81,12 +81,12 @@ pub fn lines(levels: &[Level], family: &str) -> Vec<PlotLine> {
         lines.extend([own("the paper's Gauss", |pair| pair.gauss, false), own("the paper's QR", |pair| pair.qr, true)]);
     }
     lines.retain(|line| !line.points.is_empty());
-    // In descending order of time, so that labels that must move keep the order of their lines.
+    // In descending order of time, so that shifted labels keep the order of their lines.
     lines.sort_by(|a, b| b.last().1.total_cmp(&a.last().1));
     lines
 }
 
-/// Room for all points, and on the right for the labels.
+/// Ranges of the axes for all points, with space for the labels on the right.
 fn ranges(lines: &[PlotLine]) -> (Range<f64>, Range<f64>) {
     let all = || lines.iter().flat_map(|line| &line.points);
     let low = |k: fn(&(f64, f64)) -> f64| all().map(k).fold(f64::INFINITY, f64::min);
@@ -94,7 +94,7 @@ fn ranges(lines: &[PlotLine]) -> (Range<f64>, Range<f64>) {
     (low(|p| p.0) / 1.3..high(|p| p.0) * 6.0, low(|p| 1e3 * p.1) / 2.0..high(|p| 1e3 * p.1) * 2.0)
 }
 
-fn panel(area: &Area, levels: &[Level], family: &str) -> Result<(), Box<dyn std::error::Error>> {
+fn panel(area: &Area, levels: &[FigureLevel], family: &str) -> Result<(), Box<dyn std::error::Error>> {
     let lines = lines(levels, family);
     if lines.is_empty() {
         return Ok(());
@@ -130,13 +130,13 @@ fn panel(area: &Area, levels: &[Level], family: &str) -> Result<(), Box<dyn std:
     Ok(())
 }
 
-/// Height of the label of a line that ends at `height`, in pixels from the top: beside the end, or right below the label above.
+/// Height in pixels from the top of the label of a line that ends at `height`: beside the end, or directly below the previous label.
 pub fn below(height: i32, above: i32) -> i32 {
     (height - 6).max(above + LETTERS)
 }
 
 /// Crossings of Gauss and a QR on the same matrix: equations and milliseconds.
-pub fn marks(levels: &[Level], family: &str) -> Vec<(f64, f64)> {
+pub fn marks(levels: &[FigureLevel], family: &str) -> Vec<(f64, f64)> {
     let others = backends(levels).into_iter().filter(|name| *name != GAUSS);
     let mut all: Vec<Vec<Pair>> =
         others.flat_map(|qr| FigureSide::BOTH.map(|side| pairs(levels, family, side, qr))).collect();

@@ -1,23 +1,24 @@
-//! The measurements as a section of the page, and as CSV.
+//! The measurements of Figure 15 as a section of the page, and as CSV.
 
 use std::fmt::Write;
 
 use super::super::labels::thousands;
 use super::crossing::{pairs, papers_pairs, sentence};
 use super::plot::FILE;
-use super::{FigureSide, GAUSS, Level, Way, backends, families};
+use super::{FigureLevel, FigureSide, GAUSS, Way, backends, families};
 
 /// The file with every number.
 pub const CSV: &str = "figure-15.csv";
 
-const INTRODUCTION: &str = "One factorization of every block, on one thread, as the paper has it: no presolve, no scaling, no \
-check of the rank, dependent is what is left with at most 1e-5. C has b beside it; `C^T` has nothing, and is what the defaults \
-factor to find the dependent equations. Gauss is the paper's elimination by rows and pivots in both, on sparse rows. Splitting \
-into blocks is not counted. Runs in turns in one process, medians. `rank +3` are three dependent equations that a factorization by \
-itself takes for independent; the analysis checks and repairs that. Meshes below 50 % are the same model.";
+const INTRODUCTION: &str = "One factorization of every block on one thread, as in the paper: without presolve, scaling or \
+checks of the rank. A column is dependent if at most 1e-5 remains of it. C is factored together with b, and `C^T` alone, as the \
+defaults do to find the dependent equations. Gauss is the paper's elimination by rows and pivots in both cases, on sparse rows. \
+The time to split into blocks is not included. Runs alternate in one process; times are medians. `rank +3` means that a \
+factorization takes three dependent equations for independent; the analysis checks and repairs that. Meshes below 50 % are the \
+same model.";
 
-/// The section: where the methods cross. The CSV file has the times.
-pub fn markdown(levels: &[Level]) -> String {
+/// The section with the crossings; the CSV file has the times.
+pub fn markdown(levels: &[FigureLevel]) -> String {
     let mut text = format!(
         "## Figure 15: Gauss against QR\n\n{INTRODUCTION}\n\n![Times of the bare factorizations]({FILE})\n\nWhere they cross:\n\n"
     );
@@ -25,8 +26,8 @@ pub fn markdown(levels: &[Level]) -> String {
     text
 }
 
-/// The tables alone.
-pub fn text(levels: &[Level]) -> String {
+/// The tables only.
+pub fn text(levels: &[FigureLevel]) -> String {
     let mut text = "Where they cross:\n\n".to_owned();
     crossings(&mut text, levels);
     for family in families(levels) {
@@ -36,7 +37,7 @@ pub fn text(levels: &[Level]) -> String {
     text
 }
 
-fn crossings(text: &mut String, levels: &[Level]) {
+fn crossings(text: &mut String, levels: &[FigureLevel]) {
     _ = writeln!(text, "| coupling | factored | against | who is faster |\n| --- | --- | --- | --- |");
     for family in families(levels) {
         for side in FigureSide::BOTH {
@@ -50,8 +51,8 @@ fn crossings(text: &mut String, levels: &[Level]) {
     _ = writeln!(text, "| the paper's, its Table 1 | C | its QR | {said} |");
 }
 
-fn times(text: &mut String, levels: &[Level], family: &str) {
-    let own: Vec<&Level> = levels.iter().filter(|level| level.family == family).collect();
+fn times(text: &mut String, levels: &[FigureLevel], family: &str) {
+    let own: Vec<&FigureLevel> = levels.iter().filter(|level| level.family == family).collect();
     let mut head = "| level | equations | blocks | largest |".to_owned();
     own[0].ways.iter().for_each(|way| _ = write!(head, " {}, {} |", way.backend, way.side.name()));
     _ = writeln!(text, "{head}\n| --- |{}", " ---: |".repeat(3 + own[0].ways.len()));
@@ -64,7 +65,7 @@ fn times(text: &mut String, levels: &[Level], family: &str) {
     }
 }
 
-/// Milliseconds, and how far the rank is off.
+/// Milliseconds, and the difference of a wrong rank.
 fn cell(way: &Way, rank: usize) -> String {
     match &way.result {
         Err(reason) => format!("given up: {reason}"),
@@ -78,11 +79,11 @@ fn ms(time: f64) -> String {
     if ms < 10.0 { format!("{ms:.2}") } else { format!("{ms:.1}") }
 }
 
-/// A line for each way.
-pub fn csv(levels: &[Level]) -> String {
+/// A line for each level, backend and side.
+pub fn csv(levels: &[FigureLevel]) -> String {
     let mut text = "family,size,equations,rank_true,blocks,backend,matrix,ms,rank,reason\n".to_owned();
     for level in levels {
-        let Level { family, size, equations, rank, blocks, .. } = level;
+        let FigureLevel { family, size, equations, rank, blocks, .. } = level;
         for Way { backend, side, result } in &level.ways {
             let found = match result {
                 Ok((time, found)) => format!("{:.4},{found},", 1e3 * time),

@@ -2,7 +2,7 @@
 
 use super::crossing::{Pair, crossings, papers_pairs, sentence};
 use super::plot::{LETTERS, below, lines, marks, plots};
-use super::{FigureSide, GAUSS, Level, Way, csv, markdown, section};
+use super::{FigureLevel, FigureSide, GAUSS, Way, csv, markdown, section};
 
 /// Gauss over QR, on 100, 200, 400 equations and so on.
 fn pairs(ratios: &[f64]) -> Vec<Pair> {
@@ -47,9 +47,9 @@ fn the_papers_own_times_cross_between_80_and_90_percent() {
 }
 
 /// Three levels of both couplings; Gauss takes `ratio` times as long as the QR on the last.
-fn levels(ratio: f64) -> Vec<Level> {
+fn levels(ratio: f64) -> Vec<FigureLevel> {
     let way = |backend, side, time: f64| Way { backend, side, result: Ok((time, 7)) };
-    let level = |family, k: i32| Level {
+    let level = |family, k: i32| FigureLevel {
         family,
         size: format!("{k}0 %"),
         equations: 1000 << k,

@@ -1,4 +1,4 @@
-//! Medians of the bare factorizations, in turns.
+//! Measures the factorizations in turns.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -9,31 +9,31 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::super::systems::{BenchCase, Family, below_table_1};
 use super::blocks::{FigureBlock, blocks};
-use super::{FigureSide, GAUSS, Level, Way};
+use super::{FigureLevel, FigureSide, GAUSS, Way};
 use crate::BenchArgs;
 
 /// The tolerance of the paper, section 3.2: absolute.
 const TOLERANCE: f64 = 1e-5;
 
-/// A factorization that takes longer is measured once, ...
+/// A factorization that takes longer is measured once; seconds.
 const SLOW: f64 = 5.0;
-/// ... and one that takes less is measured at least [`REPEATS`] times; seconds.
+/// A factorization that takes less is measured at least [`REPEATS`] times; seconds.
 const SHORT: f64 = 0.1;
 const REPEATS: usize = 15;
 
-/// Every level of the family, and meshes below. The error is a scene that cannot be made, or a thread.
-pub fn measure(family: &Family, args: &BenchArgs) -> Result<Vec<Level>, String> {
+/// Measures every level of the family, and coarser meshes. An error if a scene or a thread cannot be created.
+pub fn measure(family: &Family, args: &BenchArgs) -> Result<Vec<FigureLevel>, String> {
     let pool = ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
     let below = below_table_1(family.name);
     below.iter().chain(&family.cases).map(|case| level(case, &pool, args.runs.get())).collect()
 }
 
-fn level(case: &BenchCase, pool: &ThreadPool, runs: usize) -> Result<Level, String> {
+fn level(case: &BenchCase, pool: &ThreadPool, runs: usize) -> Result<FigureLevel, String> {
     let scene = case.scene()?;
     let blocks = blocks(&scene.system);
     let equations = scene.system.equations();
     let largest = blocks.iter().map(|block| (block.c.cols(), block.c.rows())).max();
-    Ok(Level {
+    Ok(FigureLevel {
         family: case.family,
         size: case.size.clone(),
         equations,
@@ -44,12 +44,12 @@ fn level(case: &BenchCase, pool: &ThreadPool, runs: usize) -> Result<Level, Stri
     })
 }
 
-/// A way in the making: its backend, its side, what it took each time, and the rank or what it refused.
+/// A running measurement: name, backend, side, times so far, and the rank or an error.
 type TimingRound = (&'static str, Box<dyn Backend>, FigureSide, Vec<f64>, Result<usize, String>);
 
 fn in_turns(blocks: &[FigureBlock], runs: usize) -> Vec<Way> {
     let mut turns = turns();
-    // The first round is for the caches, unless it is long.
+    // The first round only warms the caches, unless it is slow.
     for round in 0..=runs.max(REPEATS) {
         for (_, backend, side, times, rank) in &mut turns {
             if rank.is_err() || is_enough(times, runs) {
@@ -79,7 +79,7 @@ fn turns() -> Vec<TimingRound> {
         [(GAUSS, BackendChoice::Gauss), ("qless-qr", BackendChoice::Sparse), ("SuiteSparseQR", BackendChoice::Spqr)];
     let memory = Options::default().memory;
     let both = FigureSide::BOTH.iter().flat_map(|&side| names.map(|(name, choice)| (name, choice, side)));
-    // Backends that are not compiled in are left out.
+    // Backends that are not compiled in are omitted.
     both.filter_map(|(name, choice, side)| Some((name, choice.get(memory).ok()?, side, Vec::new(), Ok(0)))).collect()
 }
 

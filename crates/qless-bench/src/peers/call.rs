@@ -1,4 +1,4 @@
-//! The calls into the shims (`peers`): the one unsafe module of the program.
+//! Calls of the C shims (`peers`).
 #![allow(unsafe_code, reason = "calls into C; every block says why it is sound")]
 
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -6,7 +6,7 @@ use std::{ptr, slice};
 
 use qless::Csr;
 
-/// Why a call gave no factor.
+/// Errors of a call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CallError {
     NoMemory,
@@ -21,12 +21,12 @@ pub struct SparseFactor {
     pub order: Vec<usize>,
     /// rank x n.
     pub r: Csr,
-    /// Seconds of the factorization, and of reading R and turning B.
+    /// Seconds of the factorization, and of copying R and computing `Q^T B`.
     pub compute: f64,
     pub extract: f64,
 }
 
-/// As in eigen.cpp.
+/// The struct of eigen.cpp.
 #[repr(C)]
 struct RawFactor {
     rank: i64,
@@ -92,7 +92,7 @@ pub fn eigen_version() -> [i32; 3] {
 }
 
 /// Eigen's SparseQR of A (row j of `columns` is its column j, no row of A is empty); `rhs`, m x k, becomes `Q^T B`.
-/// Without a threshold Eigen takes its own.
+/// Without a threshold Eigen uses its own.
 pub fn eigen(columns: &Csr, rhs: &mut [f64], threshold: Option<f64>) -> Result<SparseFactor, CallError> {
     let (m, n) = (columns.cols(), columns.rows());
     let k = rhs.len().checked_div(m).unwrap_or(0);
@@ -126,7 +126,7 @@ pub fn eigen(columns: &Csr, rhs: &mut [f64], threshold: Option<f64>) -> Result<S
     }
 }
 
-/// Copies what C holds.
+/// Copies the arrays of C.
 fn read(out: &RawFactor, n: usize) -> SparseFactor {
     let (rank, entries) = (out.rank as usize, out.entries as usize);
     // SAFETY: after QLESS_DONE the arrays have these lengths and live until `out` is dropped.
@@ -142,7 +142,7 @@ fn read(out: &RawFactor, n: usize) -> SparseFactor {
     SparseFactor { order, r, compute: out.compute, extract: out.extract }
 }
 
-/// An array of C; one of no length may be null.
+/// A slice of a C array; an empty one may be null.
 ///
 /// # Safety
 /// `data` points to `len` values that live and do not change for 'a.

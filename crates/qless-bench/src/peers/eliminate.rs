@@ -1,4 +1,4 @@
-//! The paper's elimination by one factorization `C_f P = Q [R1 R2; 0 0]` (Eq. 21-26), as users of a QR do it:
+//! The paper's elimination by one factorization `C_f P = Q [R1 R2; 0 0]` (Eq. 21-26), as with any QR library:
 //! `T = -R1^-1 R2`, `G = -R1^-1 Q^T C_p`, `g = R1^-1 Q^T b`. No scaling, no presolve, no check of the rank.
 
 use qless::backend::{Backend, BackendError, Factor};

@@ -1,4 +1,4 @@
-//! `C P = Q R` by LAPACK's dgeqp3: dense Householder QR with column pivoting. O(m n min(m, n)) time, 8 m n bytes.
+//! `C P = Q R` by LAPACK's dgeqp3: dense Householder QR with column pivoting, in O(m n min(m, n)) time and 8 m n bytes.
 
 use qless::Csr;
 use qless::backend::{Backend, BackendError, Factor};
@@ -9,7 +9,7 @@ use super::eigen::{log, refused};
 
 const NAME: &str = "LAPACK dgeqp3";
 
-/// The most numbers of a dense matrix: 4 GiB.
+/// Largest number of entries of a dense matrix: 4 GiB.
 const MOST: usize = 1 << 29;
 
 /// dgeqp3 as a [`Backend`].
@@ -54,7 +54,7 @@ impl Backend for Lapack {
     }
 }
 
-/// A by columns; what would not fit is refused.
+/// A by columns; an error if it is too large.
 fn dense(columns: &Csr) -> Result<Vec<f64>, BackendError> {
     let (rows, cols) = (columns.cols(), columns.rows());
     let refuse = || BackendError::OutOfMemory { backend: NAME, rows, cols, advice: "" };

@@ -1,6 +1,6 @@
-//! What qless is compared with: Eigen's SparseQR, which the paper uses, and LAPACK's dgeqp3; as [`qless::backend::Backend`]s.
+//! Other libraries as [`qless::backend::Backend`]s: Eigen's SparseQR, which the paper uses, and LAPACK's dgeqp3.
 //!
-//! A call cannot be interrupted, so that the bench makes it in a process of its own ([`super::child`]).
+//! A call cannot be interrupted, so it runs in a child process ([`super::child`]).
 
 mod call;
 mod eigen;

@@ -10,7 +10,7 @@ mod refuse;
 mod report;
 
 #[cfg(feature = "mpi")]
-use qless_mpi::{Ranks, Said, agree};
+use qless_mpi::{CodedError, Ranks, agree};
 
 #[cfg(feature = "mpi")]
 use crate::{exit_code, failure::CliFailure};
@@ -36,8 +36,8 @@ impl Job {
 #[cfg(feature = "mpi")]
 fn all<T>(ranks: &dyn Ranks, own: Result<T, CliFailure>) -> Result<T, CliFailure> {
     let said = own.map_err(|failure| match failure {
-        CliFailure::Input(text) => Said { code: exit_code::INPUT.into(), text },
-        CliFailure::Resource(text) => Said { code: exit_code::RESOURCE.into(), text },
+        CliFailure::Input(text) => CodedError { code: exit_code::INPUT.into(), text },
+        CliFailure::Resource(text) => CodedError { code: exit_code::RESOURCE.into(), text },
     });
     agree(ranks, said).map_err(|said| match said.code {
         code if code == u64::from(exit_code::INPUT) => CliFailure::Input(said.text),

@@ -10,7 +10,7 @@ use qless::report::{
 };
 use qless::{CertificateTerm, Options, Report};
 use qless_io::chunk::find_labels;
-use qless_mpi::{Analysis, Case, Equation, Found};
+use qless_mpi::{Analysis, Case, Equation, GatheredFindings};
 
 use crate::args::{Format, ModelArgs};
 use crate::failure::CliFailure;
@@ -22,14 +22,14 @@ use crate::wording::{EquationFacts, EquationLookup};
 pub struct Findings<'a> {
     pub case: &'a Case,
     pub analysis: &'a Analysis,
-    pub found: &'a Found,
+    pub found: &'a GatheredFindings,
     pub options: &'a Options,
     pub ranks: usize,
 }
 
 /// Labels and facts of the equations in the report.
 struct Known<'a> {
-    found: &'a Found,
+    found: &'a GatheredFindings,
     labels: BTreeMap<usize, String>,
 }
 

@@ -2,14 +2,14 @@
 
 use qless::{Confidence, Options};
 
-use super::Dealt;
+use super::WorkCounts;
+use crate::components::{ConnectedComponent, ConnectedComponents, KnownDofs, Layout, NONE, TouchedDofs};
 use crate::distribute::{Peel, PredictedWork, balance, exchange_equations, peel};
 use crate::error::{Error, agree};
-use crate::parts::{ConnectedComponent, ConnectedComponents, KnownDofs, Layout, NONE, TouchedDofs};
 use crate::ranks::{Outbox, Ranks, real};
 use crate::share::ShareRows;
 use crate::solve::{
-    LocalAnalysis, ReductionRows, ReturnedResults, SlaveRows, Soundness, ask, return_results, substitute,
+    LocalAnalysis, ReductionRows, ReturnedResults, SlaveRows, Soundness, request_rows, return_results, substitute,
 };
 
 /// The input of the analysis, which is the same in all attempts.
@@ -26,58 +26,59 @@ pub(super) struct AttemptInput<'a> {
 pub(super) struct Attempt {
     pub findings: ReturnedResults,
     pub confidence: Confidence,
-    pub dealt: Dealt,
-    /// Parts in which no equation should have been peeled.
-    pub troubled: Vec<bool>,
+    pub work: WorkCounts,
+    /// Fragments of components in which no equation should have been peeled.
+    pub unsound: Vec<bool>,
 }
 
-/// Bytes of the serial analysis at its peak, for each term and each equation of a component, if presolve settles everything.
-/// Factorizations have limits of their own.
+/// Peak memory of the serial analysis for each term and each equation of a component, without a factorization. Factorizations have
+/// limits of their own.
 const BYTES_OF_TERM: u64 = 60;
 const BYTES_OF_EQUATION: u64 = 200;
 
 impl AttemptInput<'_> {
     /// The input of each stage.
-    fn parts(&self) -> (&ShareRows, &TouchedDofs, &KnownDofs) {
+    fn inputs(&self) -> (&ShareRows, &TouchedDofs, &KnownDofs) {
         (self.rows, self.touched, self.known)
     }
 
     /// Collective.
     pub fn attempt(&self, whole: &ConnectedComponents, may_peel: &[bool]) -> Result<Attempt, Error> {
         let Self { ranks, layout, rows, touched, known, options } = *self;
-        let part = |i: usize| whole.of_row[i] as usize;
-        let peels = peel(rows, touched, known, |i| may_peel[part(i)]);
+        let fragment = |i: usize| whole.of_row[i] as usize;
+        let peels = peel(rows, touched, known, |i| may_peel[fragment(i)]);
         let mut gone = vec![false; rows.len()];
         peels.iter().for_each(|peel| gone[peel.row()] = true);
-        let rest = ConnectedComponents::of(ranks, layout, self.parts(), |i| !gone[i]);
-        let components = rest.total(ranks, &loads(rows, &rest), |total, part| {
-            *total = [total[0] + part[0], total[1] + part[1]];
+        let rest = ConnectedComponents::find(ranks, layout, self.inputs(), |i| !gone[i]);
+        let components = rest.total(ranks, &loads(rows, &rest), |total, load| {
+            *total = [total[0] + load[0], total[1] + load[1]];
         });
         agree(ranks, self.fits(&components))?;
         let to = balance(ranks, &rest, &components);
-        let dealt_to = |i: usize| (!gone[i]).then(|| to[rest.of_row[i] as usize] as usize);
-        // A core is the rest of a component after peeling. Cores are analysed separately, since their doubts do not concern the others.
-        let is_core = |i: usize| may_peel[part(i)];
-        let cores = exchange_equations(ranks, self.parts(), |i| dealt_to(i).filter(|_| is_core(i)));
-        let others = exchange_equations(ranks, self.parts(), |i| dealt_to(i).filter(|_| !is_core(i)));
+        let assigned_to = |i: usize| (!gone[i]).then(|| to[rest.of_row[i] as usize] as usize);
+        // A core is what remains of a component after peeling. Cores are analysed apart from the other equations, because an unsound
+        // core must not affect these.
+        let is_core = |i: usize| may_peel[fragment(i)];
+        let cores = exchange_equations(ranks, self.inputs(), |i| assigned_to(i).filter(|_| is_core(i)));
+        let others = exchange_equations(ranks, self.inputs(), |i| assigned_to(i).filter(|_| !is_core(i)));
         let analysed = cores.rows.len() + others.rows.len();
         let solve = |assigned, options: &Options| {
             LocalAnalysis::new(assigned, layout.owned(ranks.rank()), options)
                 .map_err(|failure| failure.on(ranks.rank()))
         };
-        // The component of a core does not mix units, even if the core alone looks as if it did.
+        // The component of a core does not mix units, even if the core alone seems to.
         let plain = Options { balance: false, ..options.clone() };
         let solved = solve(cores, &plain).and_then(|cores| Ok((cores, solve(others, options)?)));
         let (cores, others) = agree(ranks, solved)?;
-        let mut troubled = self.unsound(cores.as_ref(), whole);
+        let mut unsound = self.unsound_cores(cores.as_ref(), whole);
         let solved: Vec<LocalAnalysis> = cores.into_iter().chain(others).collect();
         let mut findings = return_results(ranks, layout, &solved);
         let confidence = self.confidence(&solved);
-        findings.lines = findings.lines.sort();
-        self.substitute(&peels, &mut findings, |i| troubled[part(i)] = true);
-        let sent = (0..rows.len()).filter(|&i| dealt_to(i).is_some_and(|rank| rank != ranks.rank())).count();
-        let dealt = Dealt { peeled: peels.len(), analysed, sent, attempts: 0 };
-        Ok(Attempt { findings, confidence, dealt, troubled })
+        findings.reduction = findings.reduction.sort();
+        self.substitute(&peels, &mut findings, |i| unsound[fragment(i)] = true);
+        let sent = (0..rows.len()).filter(|&i| assigned_to(i).is_some_and(|rank| rank != ranks.rank())).count();
+        let work = WorkCounts { peeled: peels.len(), analysed, sent, attempts: 0 };
+        Ok(Attempt { findings, confidence, work, unsound })
     }
 
     /// Checks the memory of each component that must be gathered from several ranks.
@@ -92,29 +93,29 @@ impl AttemptInput<'_> {
         Ok(())
     }
 
-    /// The local parts whose core was found unsound by the rank that analysed it.
-    fn unsound(&self, cores: Option<&LocalAnalysis>, whole: &ConnectedComponents) -> Vec<bool> {
+    /// The fragments of components whose core was found unsound by the rank that analysed it.
+    fn unsound_cores(&self, cores: Option<&LocalAnalysis>, whole: &ConnectedComponents) -> Vec<bool> {
         let mut post = Outbox::default();
         if let Some(solved) = cores.filter(|solved| solved.soundness() == Soundness::Unsound) {
             solved.assigned.source.iter().for_each(|&(rank, place)| post.to(rank).push(place));
         }
-        let mut troubled = vec![false; whole.parts()];
+        let mut unsound = vec![false; whole.fragments()];
         for message in post.send(self.ranks) {
-            message.words.iter().for_each(|&i| troubled[whole.of_row[i as usize] as usize] = true);
+            message.words.iter().for_each(|&i| unsound[whole.of_row[i as usize] as usize] = true);
         }
-        troubled
+        unsound
     }
 
     /// The confidence of all ranks together. The mismatch of an equation `0 = b` is compared with the largest right-hand side of the job.
     fn confidence(&self, solved: &[LocalAnalysis]) -> Confidence {
         let bits = |x: f64| x.to_bits();
-        let of = |pick: &dyn Fn(Confidence) -> f64, start: f64, with: fn(f64, f64) -> f64| {
+        let fold = |pick: &dyn Fn(Confidence) -> f64, start: f64, with: fn(f64, f64) -> f64| {
             solved.iter().map(|solved| pick(solved.confidence())).fold(start, with)
         };
         let largest = self.rows.rhs.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
         let mut most = [
-            u64::MAX - bits(of(&|c| c.sigma_kept, 1.0, f64::min)),
-            bits(of(&|c| c.sigma_dropped, 0.0, f64::max)),
+            u64::MAX - bits(fold(&|c| c.sigma_kept, 1.0, f64::min)),
+            bits(fold(&|c| c.sigma_dropped, 0.0, f64::max)),
             bits(largest),
         ];
         self.ranks.max(&mut most);
@@ -133,62 +134,62 @@ impl AttemptInput<'_> {
         Confidence::of(sigma_kept, sigma_dropped, doubts[0] == 1)
     }
 
-    /// Computes the rows of T for the peeled equations and sends them to the owners of their slaves. Calls `troubled` with each
+    /// Computes the rows of T for the peeled equations and sends them to the owners of their slaves. Calls `unsound` with each
     /// equation that should not have been peeled.
-    fn substitute(&self, peels: &[Peel], findings: &mut ReturnedResults, mut troubled: impl FnMut(usize)) {
+    fn substitute(&self, peels: &[Peel], findings: &mut ReturnedResults, mut unsound: impl FnMut(usize)) {
         let Self { ranks, layout, rows, touched, known, options } = *self;
-        let slaves = self.slaves_of(peels, &findings.lines);
+        let slaves = self.slaves_of(peels, &findings.reduction);
         let own = layout.owned(ranks.rank());
         let mut post = Outbox::default();
-        let mut line = ReductionRows::default();
+        let mut scratch = ReductionRows::default();
         let terms = |peel: &Peel| rows.values(peel.row()).len() - 1;
-        findings.lines.reserve(peels.len(), peels.iter().map(terms).sum());
+        findings.reduction.reserve(peels.len(), peels.iter().map(terms).sum());
         for &peel in peels {
             let slave = rows.dofs[peel.place(rows)];
-            let into = if own.contains(&slave) { &mut findings.lines } else { &mut line };
+            let into = if own.contains(&slave) { &mut findings.reduction } else { &mut scratch };
             if substitute(into, peel, (rows, touched, known), &slaves, options.growth) == Soundness::Unsound {
-                troubled(peel.row());
+                unsound(peel.row());
             }
-            if line.len() > 0 {
-                line.line(0).write(post.to(layout.owner(slave)));
-                line.clear();
+            if scratch.len() > 0 {
+                scratch.row(0).write(post.to(layout.owner(slave)));
+                scratch.clear();
             }
         }
-        post.send(ranks).iter().for_each(|message| findings.lines.read(&message.words));
+        post.send(ranks).iter().for_each(|message| findings.reduction.read(&message.words));
     }
 
-    /// The rows of T of all slaves among the DOFs of peeled equations. The slave of a peeled equation is in no other equation, so no
-    /// rank needs its row.
+    /// The rows of T of all slaves among the other DOFs of peeled equations. The slave of a peeled equation is in no other equation,
+    /// so no equation needs its row.
     fn slaves_of(&self, peels: &[Peel], own: &ReductionRows) -> SlaveRows {
         let Self { ranks, layout, rows, touched, known, .. } = *self;
         let mut wanted = vec![false; touched.dofs.len()];
         for peel in peels {
             let others = (rows.starts[peel.row()]..rows.starts[peel.row() + 1]).filter(|&k| k != peel.place(rows));
-            others.map(|k| touched.places[k] as usize).for_each(|j| wanted[j] = known.said[j].is_free());
+            others.map(|k| touched.places[k] as usize).for_each(|j| wanted[j] = known.flags[j].is_free());
         }
         let dofs: Vec<u64> =
             touched.dofs.iter().zip(wanted).filter(|(_, wanted)| *wanted).map(|(&dof, _)| dof).collect();
-        let lines = ask(ranks, layout, own, &dofs);
+        let reduction = request_rows(ranks, layout, own, &dofs);
         let mut of_place = vec![NONE; touched.dofs.len()];
-        for (i, dof) in lines.slaves().enumerate() {
+        for (i, dof) in reduction.slaves().enumerate() {
             if let Ok(place) = touched.dofs.binary_search(&dof) {
                 of_place[place] = i as u32;
             }
         }
-        let given = known.said.iter().map(|said| !said.is_free()).collect();
-        SlaveRows { lines, of_place, given }
+        let is_prescribed = known.flags.iter().map(|flags| !flags.is_free()).collect();
+        SlaveRows { reduction, of_place, is_prescribed }
     }
 }
 
 /// The same threshold as in the serial confidence.
 const SMALL_MISMATCH: f64 = 1e-6;
 
-/// Equations and terms of each part.
+/// Equations and terms of each fragment.
 fn loads(rows: &ShareRows, components: &ConnectedComponents) -> Vec<PredictedWork> {
-    let mut loads = vec![[0, 0]; components.parts()];
-    for (i, &part) in components.of_row.iter().enumerate().filter(|&(_, &part)| (part as usize) < components.parts()) {
-        loads[part as usize][0] += 1;
-        loads[part as usize][1] += (rows.starts[i + 1] - rows.starts[i]) as u64;
+    let mut loads = vec![[0, 0]; components.fragments()];
+    for (i, &fragment) in components.of_row.iter().enumerate().filter(|&(_, &fragment)| fragment != NONE) {
+        loads[fragment as usize][0] += 1;
+        loads[fragment as usize][1] += rows.values(i).len() as u64;
     }
     loads
 }

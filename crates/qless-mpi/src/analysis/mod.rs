@@ -5,7 +5,7 @@ mod run;
 
 use qless::{Confidence, Kind};
 
-use crate::parts::{Directory, Layout};
+use crate::components::{Directory, Layout};
 use crate::solve::{PRESCRIBED_BIT, ReductionRow, ReductionRows};
 
 use crate::solve::DistributedDependent;
@@ -18,25 +18,25 @@ pub struct Term {
     pub dof: u64,
     /// The coefficient.
     pub value: f64,
-    /// Whether the DOF is prescribed (G), or a master (T).
+    /// Whether the DOF is prescribed (term of G) or a master (term of T).
     pub prescribed: bool,
 }
 
-/// How the work was distributed to this rank.
+/// How much work this rank did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Dealt {
-    /// Equations that this rank solved alone, by a DOF of no other equation.
+pub struct WorkCounts {
+    /// Equations of this rank that were peeled: solved for a DOF of no other equation.
     pub peeled: usize,
-    /// Equations that this rank analysed, of any rank.
+    /// Equations of any rank that this rank analysed.
     pub analysed: usize,
-    /// Equations that left this rank to be analysed.
+    /// Equations of this rank that other ranks analysed.
     pub sent: usize,
-    /// Attempts at the analysis: another one follows if an equation should not have been solved alone.
+    /// Attempts at the analysis. Another attempt follows if an equation should not have been peeled.
     pub attempts: usize,
 }
 
-/// The diagnosis, as one rank holds it: of its equations, and of the DOFs that it owns and needs.
+/// The diagnosis on one rank: results for its equations, and for the DOFs that it owns and needs.
 #[derive(Clone, Debug)]
 pub struct Analysis {
     pub(crate) layout: Layout,
@@ -46,29 +46,29 @@ pub struct Analysis {
     pub(crate) generated: Vec<(u64, f64)>,
     pub(crate) unmet_equations: Vec<usize>,
     pub(crate) confidence: Confidence,
-    pub(crate) counts: Counts,
+    pub(crate) counts: JobCounts,
     pub(crate) slaves: Vec<u64>,
-    pub(crate) lines: ReductionRows,
+    pub(crate) reduction: ReductionRows,
     pub(crate) needed: ReductionRows,
     pub(crate) directory: Directory,
-    pub(crate) dealt: Dealt,
+    pub(crate) work: WorkCounts,
 }
 
-/// Of the whole job.
+/// Numbers of equations and DOFs of the whole job.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Counts {
+pub struct JobCounts {
     /// Equations.
     pub equations: u64,
-    /// Those that are redundant.
+    /// Redundant equations.
     pub redundant: u64,
-    /// Those that conflict.
+    /// Conflicting equations.
     pub conflicting: u64,
     /// DOFs.
     pub dofs: u64,
 }
 
-impl Counts {
+impl JobCounts {
     /// Rank of the free part of C, which is the number of slaves.
     pub fn rank(&self) -> u64 {
         self.equations - self.redundant - self.conflicting
@@ -76,7 +76,7 @@ impl Counts {
 }
 
 impl Analysis {
-    /// What each equation of this rank is, in the order in which they were given.
+    /// The kind of each equation of this rank, in the order of its share.
     pub fn kinds(&self) -> &[Kind] {
         &self.kinds
     }
@@ -96,19 +96,19 @@ impl Analysis {
         &self.unmet_equations
     }
 
-    /// How sure the rank of the whole is; the same on all ranks.
+    /// The confidence in the rank of the whole system; the same on all ranks.
     pub fn confidence(&self) -> Confidence {
         self.confidence
     }
 
-    /// The whole, counted; the same on all ranks.
-    pub fn counts(&self) -> Counts {
+    /// Numbers of equations and DOFs of the whole job; the same on all ranks.
+    pub fn counts(&self) -> JobCounts {
         self.counts
     }
 
-    /// How the work was distributed to this rank.
-    pub fn dealt(&self) -> Dealt {
-        self.dealt
+    /// How much work this rank did.
+    pub fn work(&self) -> WorkCounts {
+        self.work
     }
 
     /// The slaves that this rank owns, ascending.
@@ -118,24 +118,24 @@ impl Analysis {
 
     /// `u_dof = sum value u_j + g` of a slave that this rank owns or needs: its terms, ascending, and g. None for other DOFs.
     pub fn row(&self, dof: u64) -> Option<(Vec<Term>, f64)> {
-        let line = self.line(dof)?;
+        let row = self.reduction_row(dof)?;
         let term = |(&dof, &value): (&u64, &f64)| Term {
             dof: dof & !PRESCRIBED_BIT,
             value,
             prescribed: dof & PRESCRIBED_BIT != 0,
         };
-        Some((line.dofs.iter().zip(line.values).map(term).collect(), line.constant))
+        Some((row.dofs.iter().zip(row.values).map(term).collect(), row.constant))
     }
 
-    pub(crate) fn line(&self, dof: u64) -> Option<ReductionRow<'_>> {
-        self.lines.find(dof).or_else(|| self.needed.find(dof))
+    pub(crate) fn reduction_row(&self, dof: u64) -> Option<ReductionRow<'_>> {
+        self.reduction.find(dof).or_else(|| self.needed.find(dof))
     }
 
     /// DOFs of other ranks in the rows of the slaves that this rank owns or needs; ascending.
     pub fn ghosts(&self) -> Vec<u64> {
         let own = self.layout.owned(self.rank_of_job);
-        let rows = self.lines.iter().chain(self.needed.iter());
-        let mut ghosts: Vec<u64> = rows.flat_map(|line| line.dofs.iter().map(|dof| dof & !PRESCRIBED_BIT)).collect();
+        let rows = self.reduction.iter().chain(self.needed.iter());
+        let mut ghosts: Vec<u64> = rows.flat_map(|row| row.dofs.iter().map(|dof| dof & !PRESCRIBED_BIT)).collect();
         ghosts.retain(|dof| !own.contains(dof));
         ghosts.sort_unstable();
         ghosts.dedup();

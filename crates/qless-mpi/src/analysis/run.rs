@@ -3,26 +3,26 @@
 use qless::{Kind, OptionError, Options};
 
 use super::attempt::{Attempt, AttemptInput};
-use super::{Analysis, Counts};
+use super::{Analysis, JobCounts};
+use crate::components::{ConnectedComponent, ConnectedComponents, Directory, Layout, TouchedDofs};
 use crate::distribute::{Sizes, sizes};
 use crate::error::{Error, agree};
-use crate::parts::{ConnectedComponent, ConnectedComponents, Directory, Layout, TouchedDofs};
 use crate::ranks::Ranks;
 use crate::share::{Share, check_numbers};
-use crate::solve::ask;
+use crate::solve::request_rows;
 
-/// Diagnoses the equations of all ranks and solves them for slaves. Collective: every rank gives its share and the same options, and
-/// gets back what concerns its equations and DOFs.
+/// Diagnoses the equations of all ranks and solves them for slaves. Collective: every rank passes its share and the same options, and
+/// receives the results for its equations and DOFs.
 ///
-/// The result is that of [`qless::analyse`] for all equations in the order of their numbers, whoever holds them and however many ranks
-/// there are. Cost: about 40 bytes sent for each DOF of a rank's equations, and each equation at most once, to the rank that
-/// analyses its component; rounds grow with the logarithm of the number of ranks that a component crosses.
+/// The result is that of [`qless::analyse`] for all equations in the order of their numbers, for any distribution and any number of
+/// ranks. Cost: a rank sends about 40 bytes for each DOF of its equations, and each equation at most once, to the rank that analyses
+/// its component. The number of rounds grows with the logarithm of the number of ranks that a component crosses.
 ///
 /// ```
 /// use qless::{Kind, Options};
-/// use qless_mpi::{Share, analyse, together};
-/// // u1 = u0 on one rank, u2 = u1 on the next, and on both the sum of the two, which is redundant there.
-/// let kinds = together(2, |ranks| {
+/// use qless_mpi::{Share, analyse, on_threads};
+/// // u1 = u0 on one rank, u2 = u1 on the next. Both also hold their sum u2 = u0: redundant on the first rank, conflicting on the second.
+/// let kinds = on_threads(2, |ranks| {
 ///     let (first, second) = (ranks.rank() == 0, ranks.rank() == 1);
 ///     let mut share = Share::new(if first { 0..2 } else { 2..3 });
 ///     if first {
@@ -48,7 +48,7 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
     let (directory, known) = Directory::new(ranks, &layout, &touched, &share.prescribed);
     let directory = agree(ranks, directory.map_err(Error::from))?;
     let job = AttemptInput { ranks, layout: &layout, rows, touched: &touched, known: &known, options };
-    let whole = ConnectedComponents::of(ranks, &layout, (rows, &touched, &known), |_| true);
+    let whole = ConnectedComponents::find(ranks, &layout, (rows, &touched, &known), |_| true);
     let mut may_peel = peelable(&job, &whole);
     let mut attempts = 0;
     let attempt = loop {
@@ -58,13 +58,13 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
             break attempt;
         }
     };
-    let Attempt { mut findings, confidence, mut dealt, .. } = attempt;
-    dealt.attempts = attempts;
+    let Attempt { mut findings, confidence, mut work, .. } = attempt;
+    work.attempts = attempts;
     let mut needed: Vec<u64> = share.needed.clone();
     needed.sort_unstable();
     needed.dedup();
-    let lines = findings.lines.sort();
-    let needed = ask(ranks, &layout, &lines, &needed).sort();
+    let reduction = findings.reduction.sort();
+    let needed = request_rows(ranks, &layout, &reduction, &needed).sort();
     findings.generated.sort_unstable_by_key(|&(dof, _)| dof);
     findings.unmet.sort_unstable();
     let mut kinds = vec![Kind::Independent; rows.len()];
@@ -74,7 +74,7 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
     ranks.sum(&mut counts);
     let [equations, redundant, conflicting] = counts;
     Ok(Analysis {
-        counts: Counts { equations, redundant, conflicting, dofs: layout.dofs() },
+        counts: JobCounts { equations, redundant, conflicting, dofs: layout.dofs() },
         rank_of_job: ranks.rank(),
         layout,
         kinds,
@@ -82,11 +82,11 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
         generated: findings.generated,
         unmet_equations: findings.unmet,
         confidence,
-        slaves: lines.slaves().collect(),
-        lines,
+        slaves: reduction.slaves().collect(),
+        reduction,
         needed,
         directory,
-        dealt,
+        work,
     })
 }
 
@@ -105,31 +105,31 @@ fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -
     share.check(rank, dofs).map_err(Error::from)
 }
 
-/// The local parts in which equations may be peeled: their component crosses ranks and does not mix units.
+/// The fragments in which equations may be peeled: their component crosses ranks and does not mix units.
 fn peelable(job: &AttemptInput, whole: &ConnectedComponents) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));
     let allowed = plain && options.preferences == qless::Preferences::default();
     let own: Vec<[u64; 3]> = sizes(job.rows, job.touched, job.known, whole).into_iter().map(Sizes::words).collect();
-    let combine = |total: &mut [u64; 3], part: &[u64; 3]| (0..3).for_each(|k| total[k] += part[k]);
+    let combine = |total: &mut [u64; 3], own: &[u64; 3]| (0..3).for_each(|k| total[k] += own[k]);
     let components = whole.total(job.ranks, &own, combine);
     let own = job.ranks.rank();
     let may = |c: &ConnectedComponent<3>| u64::from(allowed && c.crosses(own) && Sizes::are_even(&c.total));
-    let told = whole.tell(job.ranks, &components, &components.iter().map(may).collect::<Vec<_>>());
-    told.into_iter().map(|word| word == 1).collect()
+    let may_peel = whole.broadcast(job.ranks, &components, &components.iter().map(may).collect::<Vec<_>>());
+    may_peel.into_iter().map(|word| word == 1).collect()
 }
 
 /// Forbids peeling in the components in which the attempt should not have peeled. Returns whether there are any.
 fn withdraw(ranks: &dyn Ranks, whole: &ConnectedComponents, attempt: &Attempt, may_peel: &mut [bool]) -> bool {
-    let own: Vec<[u64; 1]> = attempt.troubled.iter().map(|&troubled| [u64::from(troubled)]).collect();
+    let own: Vec<[u64; 1]> = attempt.unsound.iter().map(|&unsound| [u64::from(unsound)]).collect();
     let mut any = [own.iter().map(|of| of[0]).sum()];
     ranks.sum(&mut any);
     if any[0] == 0 {
         return false;
     }
-    let components = whole.total(ranks, &own, |total, part| total[0] |= part[0]);
-    let troubled: Vec<u64> = components.iter().map(|component| component.total[0]).collect();
-    let told = whole.tell(ranks, &components, &troubled);
-    may_peel.iter_mut().zip(told).for_each(|(may, troubled)| *may &= troubled == 0);
+    let components = whole.total(ranks, &own, |total, own| total[0] |= own[0]);
+    let unsound: Vec<u64> = components.iter().map(|component| component.total[0]).collect();
+    let unsound = whole.broadcast(ranks, &components, &unsound);
+    may_peel.iter_mut().zip(unsound).for_each(|(may, unsound)| *may &= unsound == 0);
     true
 }

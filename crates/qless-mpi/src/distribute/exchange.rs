@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::parts::{KnownDofs, TouchedDofs};
+use crate::components::{KnownDofs, TouchedDofs};
 use crate::ranks::{Outbox, Ranks, real};
 use crate::share::ShareRows;
 
@@ -12,7 +12,7 @@ pub(crate) struct AssignedEquations {
     /// The rank that holds each, and its place there.
     pub source: Vec<(usize, u64)>,
     /// Prescribed DOFs among theirs.
-    pub given: BTreeMap<u64, f64>,
+    pub prescribed: BTreeMap<u64, f64>,
 }
 
 /// Sends each row to the rank that `to` names, if any. Collective.
@@ -22,48 +22,47 @@ pub(crate) fn exchange_equations(
     to: impl Fn(usize) -> Option<usize>,
 ) -> AssignedEquations {
     let mut post = Outbox::default();
-    let mut given: BTreeMap<usize, BTreeMap<u32, f64>> = BTreeMap::new();
+    let mut prescribed: BTreeMap<usize, BTreeMap<u32, f64>> = BTreeMap::new();
     for i in 0..rows.len() {
         let Some(rank) = to(i) else { continue };
         let words = post.to(rank);
         let range = rows.starts[i]..rows.starts[i + 1];
         words.extend([rows.numbers[i], i as u64, rows.rhs[i].to_bits(), range.len() as u64]);
         words.extend(rows.row(i).flat_map(|(dof, value)| [dof, value.to_bits()]));
-        if !known.given.is_empty() {
-            let of = given.entry(rank).or_default();
-            let held = touched.row(rows, i).iter().filter_map(|j| known.given.get(j).map(|&value| (*j, value)));
-            of.extend(held);
+        if !known.prescribed.is_empty() {
+            let values = touched.row(rows, i).iter().filter_map(|j| known.prescribed.get(j).map(|&value| (*j, value)));
+            prescribed.entry(rank).or_default().extend(values);
         }
     }
     // Prescribed DOFs close a message, after a mark that is no number of an equation.
-    for (rank, of) in given {
+    for (rank, values) in prescribed {
         let words = post.to(rank);
         words.push(u64::MAX);
-        words.extend(of.into_iter().flat_map(|(j, value)| [touched.dofs[j as usize], value.to_bits()]));
+        words.extend(values.into_iter().flat_map(|(j, value)| [touched.dofs[j as usize], value.to_bits()]));
     }
-    AssignedEquations::of(&post.send(ranks))
+    AssignedEquations::read(&post.send(ranks))
 }
 
 impl AssignedEquations {
-    fn of(came: &[crate::Message]) -> Self {
+    fn read(received: &[crate::Message]) -> Self {
         let mut found: Vec<(u64, usize, usize)> = Vec::new();
-        let mut given = BTreeMap::new();
-        for (k, message) in came.iter().enumerate() {
+        let mut prescribed = BTreeMap::new();
+        for (k, message) in received.iter().enumerate() {
             let (words, mut at) = (&message.words, 0);
             while at < words.len() && words[at] != u64::MAX {
                 found.push((words[at], k, at));
                 at += 4 + 2 * words[at + 3] as usize;
             }
             let pairs = words.get(at + 1..).unwrap_or_default().chunks_exact(2);
-            given.extend(pairs.map(|pair| (pair[0], real(pair[1]))));
+            prescribed.extend(pairs.map(|pair| (pair[0], real(pair[1]))));
         }
         found.sort_unstable();
-        let mut assigned = Self { rows: ShareRows::new(), source: Vec::with_capacity(found.len()), given };
+        let mut assigned = Self { rows: ShareRows::new(), source: Vec::with_capacity(found.len()), prescribed };
         for (number, k, at) in found {
-            let words = &came[k].words;
+            let words = &received[k].words;
             let terms = words[at + 4..at + 4 + 2 * words[at + 3] as usize].chunks_exact(2);
             assigned.rows.push(number, real(words[at + 2]), terms.map(|pair| (pair[0], real(pair[1]))));
-            assigned.source.push((came[k].rank, words[at + 1]));
+            assigned.source.push((received[k].rank, words[at + 1]));
         }
         assigned
     }

@@ -6,12 +6,12 @@
 mod exchange;
 mod peel;
 
-use crate::parts::{ConnectedComponent, ConnectedComponents};
+use crate::components::{ConnectedComponent, ConnectedComponents};
 use crate::ranks::Ranks;
 pub(crate) use exchange::{AssignedEquations, exchange_equations};
 pub(crate) use peel::{Peel, Sizes, peel, sizes};
 
-/// Equations and terms of a part or component.
+/// Equations and terms of a fragment or component.
 pub(crate) type PredictedWork = [u64; 2];
 
 /// Predicted work. Time is about proportional to it, since most equations are solved without a factorization.
@@ -19,7 +19,7 @@ fn work(load: PredictedWork) -> u64 {
     load[0] + load[1]
 }
 
-/// The rank that analyses the component of each local part. Collective.
+/// The rank that analyses the component of each fragment. Collective.
 pub(crate) fn balance(
     ranks: &dyn Ranks,
     components: &ConnectedComponents,
@@ -52,7 +52,7 @@ pub(crate) fn balance(
         to[k] = rank.min(ranks.size() - 1) as u64;
         place += work;
     }
-    components.tell(ranks, known, &to)
+    components.broadcast(ranks, known, &to)
 }
 
 /// The cumulated free capacity of the ranks, and the pooled work of the ranks before this one.

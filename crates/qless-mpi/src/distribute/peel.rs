@@ -3,7 +3,7 @@
 //! Such an equation is independent of all others and is in no certificate. It is peeled only if the serial analysis would do the same:
 //! the coefficient of the DOF is the largest of the equation, and no equation of the component mixes magnitudes.
 
-use crate::parts::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
+use crate::components::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
 
 /// An equation and the position of its slave.
@@ -18,7 +18,7 @@ const MANY: u64 = 20;
 /// Sizes that come nowhere near the ends of the range of doubles.
 const MODEST: std::ops::Range<f64> = 1e-100..1e100;
 
-/// How sizes lie in a part, counted so that what parts add up to errs towards mixed units.
+/// Counts of sizes in a fragment. Their sums over the fragments of a component are conservative: they suggest mixed units too often.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sizes {
     /// Rows with numbers near the ends of the range of doubles.
@@ -45,33 +45,33 @@ impl Sizes {
         [self.wild, self.small, self.shared]
     }
 
-    /// Whether sizes mix nowhere in a component, from the sums over its parts.
+    /// Whether no units mix in a component, from the sums over its fragments.
     pub fn are_even(sum: &[u64; 3]) -> bool {
         sum[0] == 0 && MANY * sum[1] <= sum[2]
     }
 }
 
-/// Of each part.
+/// The counts of each fragment.
 pub(crate) fn sizes(
     rows: &ShareRows,
     touched: &TouchedDofs,
     known: &KnownDofs,
     components: &ConnectedComponents,
 ) -> Vec<Sizes> {
-    let mut of_part = vec![Sizes::default(); components.parts()];
+    let mut sizes = vec![Sizes::default(); components.fragments()];
     for i in 0..rows.len() {
         let largest = rows.values(i).iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let rhs = rows.rhs[i].abs();
         let is_modest = MODEST.contains(&largest) && (rhs == 0.0 || MODEST.contains(&rhs));
-        of_part[components.of_row[i] as usize].wild += u64::from(!is_modest);
+        sizes[components.of_row[i] as usize].wild += u64::from(!is_modest);
     }
-    let columns = components.of_dof.iter().zip(&touched.columns).zip(&known.said);
-    for ((&part, column), said) in columns.filter(|((part, _), _)| **part != NONE) {
-        let of = &mut of_part[part as usize];
-        of.small += u64::from(column.is_small && (column.count >= 2 || said.is_shared()));
-        of.shared += u64::from(column.count >= 2 && !said.is_shared());
+    let columns = components.of_dof.iter().zip(&touched.columns).zip(&known.flags);
+    for ((&fragment, column), flags) in columns.filter(|((fragment, _), _)| **fragment != NONE) {
+        let own = &mut sizes[fragment as usize];
+        own.small += u64::from(column.is_small && (column.count >= 2 || flags.is_shared()));
+        own.shared += u64::from(column.count >= 2 && !flags.is_shared());
     }
-    of_part
+    sizes
 }
 
 /// The rows among those allowed that have such a DOF.
@@ -88,17 +88,17 @@ fn slave(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, row: usize)
     let places = touched.row(rows, row);
     let (mut position, mut largest, mut is_alone) = (None, 0.0, false);
     for (k, (&j, value)) in places.iter().zip(rows.values(row)).enumerate() {
-        let (said, size) = (known.said[j as usize], value.abs());
+        let (flags, size) = (known.flags[j as usize], value.abs());
         // Whether a coefficient is rounding depends on all equations of its DOF.
-        if said.is_faint() {
+        if flags.is_faint() {
             return None;
         }
-        if said.is_free() && size >= largest {
+        if flags.is_free() && size >= largest {
             (position, largest, is_alone) = (Some(k), size, size > largest);
         }
     }
     let position = position.filter(|_| is_alone)?;
     let j = places[position] as usize;
-    (touched.columns[j].count == 1 && !known.said[j].is_shared())
+    (touched.columns[j].count == 1 && !known.flags[j].is_shared())
         .then_some(Peel { row: row as u32, position: position as u32 })
 }

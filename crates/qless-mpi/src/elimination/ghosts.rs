@@ -1,8 +1,8 @@
-//! Masters that one rank owns and others use. Who uses which is found once; their values are exchanged in each step.
+//! Masters that one rank owns and other ranks use. Sender and receivers are determined once; the values are exchanged in each step.
 
 use std::ops::Range;
 
-use crate::parts::Layout;
+use crate::components::Layout;
 use crate::ranks::{Message, Outbox, Ranks, real};
 
 /// The masters that this rank shares with other ranks.
@@ -10,10 +10,10 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 pub(super) struct Ghosts {
     /// The range of the own masters among the local ones, which ascend.
     own: Range<usize>,
-    /// For each rank with masters of this one: their places among the local ones.
-    told: Vec<(usize, Vec<u32>)>,
-    /// For each rank that owns local masters: their range among the local ones.
-    heard: Vec<(usize, Range<usize>)>,
+    /// For each rank that uses masters of this rank: their places among the local ones.
+    sent: Vec<(usize, Vec<u32>)>,
+    /// For each other rank that owns local masters: their range among the local ones.
+    received: Vec<(usize, Range<usize>)>,
 }
 
 impl Ghosts {
@@ -23,22 +23,22 @@ impl Ghosts {
         let range = layout.owned(ranks.rank());
         let own = place(range.start)..place(range.end);
         let mut post = Outbox::default();
-        let mut heard: Vec<(usize, Range<usize>)> = Vec::new();
+        let mut received: Vec<(usize, Range<usize>)> = Vec::new();
         let mut start = 0;
-        for part in masters.chunk_by(|&a, &b| layout.owner(a) == layout.owner(b)) {
-            let owner = layout.owner(part[0]);
+        for of_owner in masters.chunk_by(|&a, &b| layout.owner(a) == layout.owner(b)) {
+            let owner = layout.owner(of_owner[0]);
             if owner != ranks.rank() {
-                post.to(owner).extend_from_slice(part);
-                heard.push((owner, start..start + part.len()));
+                post.to(owner).extend_from_slice(of_owner);
+                received.push((owner, start..start + of_owner.len()));
             }
-            start += part.len();
+            start += of_owner.len();
         }
         let places = |message: Message| {
             let places = message.words.iter().map(|&dof| place(dof) as u32).collect();
             (message.rank, places)
         };
-        let told = post.send(ranks).into_iter().map(places).collect();
-        Self { own, told, heard }
+        let sent = post.send(ranks).into_iter().map(places).collect();
+        Self { own, sent, received }
     }
 
     /// Places of the own masters among the local ones.
@@ -52,9 +52,9 @@ impl Ghosts {
             rank: *rank,
             words: places.iter().map(|&q| local[q as usize].to_bits()).collect(),
         };
-        let from: Vec<usize> = self.heard.iter().map(|(rank, _)| *rank).collect();
-        let came = ranks.overlap(self.told.iter().map(message).collect(), &from, work);
-        for (message, (_, range)) in came.iter().zip(&self.heard) {
+        let from: Vec<usize> = self.received.iter().map(|(rank, _)| *rank).collect();
+        let messages = ranks.overlap(self.sent.iter().map(message).collect(), &from, work);
+        for (message, (_, range)) in messages.iter().zip(&self.received) {
             local[range.clone()].iter_mut().zip(&message.words).for_each(|(value, &word)| *value = real(word));
         }
     }
@@ -66,9 +66,9 @@ impl Ghosts {
             rank: *rank,
             words: local[range.clone()].iter().map(|value| value.to_bits()).collect(),
         };
-        let from: Vec<usize> = self.told.iter().map(|(rank, _)| *rank).collect();
-        let came = ranks.overlap(self.heard.iter().map(message).collect(), &from, &mut || ());
-        for (message, (_, places)) in came.iter().zip(&self.told) {
+        let from: Vec<usize> = self.sent.iter().map(|(rank, _)| *rank).collect();
+        let messages = ranks.overlap(self.received.iter().map(message).collect(), &from, &mut || ());
+        for (message, (_, places)) in messages.iter().zip(&self.sent) {
             for (&q, &word) in places.iter().zip(&message.words) {
                 masters[q as usize - self.own.start] += real(word);
             }

@@ -6,15 +6,15 @@ use qless::{Csr, Elimination, Reduction};
 
 use crate::analysis::Analysis;
 use crate::error::Failure;
-use crate::ranks::{Message, Outbox, Ranks, real};
+use crate::ranks::{Message, Outbox, Ranks, real, records};
 use crate::share::Share;
 use crate::solve::PRESCRIBED_BIT;
 
 /// The DOFs that a rank owns or needs, and those in their rows of T and G; ascending.
 pub(super) struct LocalDofs {
     pub dofs: Vec<u64>,
-    /// Values of those that are prescribed.
-    given: BTreeMap<u64, f64>,
+    /// Values of the prescribed ones.
+    values: BTreeMap<u64, f64>,
 }
 
 impl LocalDofs {
@@ -25,12 +25,12 @@ impl LocalDofs {
         others.extend(share.needed.iter().filter(|dof| !own.contains(dof)));
         others.sort_unstable();
         others.dedup();
-        let mut given = asked(ranks, analysis, &others);
-        given.extend(analysis.prescribed());
+        let mut values = prescribed_values(ranks, analysis, &others);
+        values.extend(analysis.prescribed());
         let below = others.partition_point(|&dof| dof < own.start);
         let mut dofs = others;
         dofs.splice(below..below, own);
-        Self { dofs, given }
+        Self { dofs, values }
     }
 
     /// The elimination on these DOFs, numbered by their places.
@@ -39,9 +39,9 @@ impl LocalDofs {
         // Place of each DOF in its list.
         let mut place = Vec::with_capacity(self.dofs.len());
         for (j, &dof) in self.dofs.iter().enumerate() {
-            let list = if self.given.contains_key(&dof) {
+            let list = if self.values.contains_key(&dof) {
                 &mut prescribed
-            } else if analysis.line(dof).is_some() {
+            } else if analysis.reduction_row(dof).is_some() {
                 &mut slaves
             } else {
                 &mut masters
@@ -52,31 +52,31 @@ impl LocalDofs {
         let place_of = |dof: u64| self.dofs.binary_search(&(dof & !PRESCRIBED_BIT)).map_or(0, |j| place[j]);
         let (mut t, mut g_matrix, mut g) = (Csr::empty(masters.len()), Csr::empty(prescribed.len()), Vec::new());
         for &j in &slaves {
-            let Some(line) = analysis.line(self.dofs[j]) else { continue };
-            let terms = || line.dofs.iter().zip(line.values).map(|(&dof, &value)| (dof, value));
-            let part =
-                |of: u64| terms().filter(move |(dof, _)| dof & PRESCRIBED_BIT == of).map(|(dof, v)| (place_of(dof), v));
-            t.push_row(part(0)).map_err(|error| Failure::of(&error))?;
-            g_matrix.push_row(part(PRESCRIBED_BIT)).map_err(|error| Failure::of(&error))?;
-            g.push(line.constant);
+            let Some(row) = analysis.reduction_row(self.dofs[j]) else { continue };
+            let terms = |bit: u64| {
+                let terms = row.dofs.iter().zip(row.values).filter(move |(dof, _)| **dof & PRESCRIBED_BIT == bit);
+                terms.map(|(&dof, &value)| (place_of(dof), value))
+            };
+            t.push_row(terms(0)).map_err(|error| Failure::of(&error))?;
+            g_matrix.push_row(terms(PRESCRIBED_BIT)).map_err(|error| Failure::of(&error))?;
+            g.push(row.constant);
         }
-        let values: Vec<f64> = prescribed.iter().map(|&j| self.given[&self.dofs[j]]).collect();
+        let values: Vec<f64> = prescribed.iter().map(|&j| self.values[&self.dofs[j]]).collect();
         let reduction = Reduction::from_parts([slaves, masters, prescribed], t, g_matrix, g);
         let reduction = reduction.map_err(|error| Failure::of(&error))?;
         Elimination::from_reduction(reduction, &values).map_err(|error| Failure::of(&error))
     }
 }
 
-/// Values of the prescribed among DOFs of others, from their owners. Collective.
-fn asked(ranks: &dyn Ranks, analysis: &Analysis, dofs: &[u64]) -> BTreeMap<u64, f64> {
+/// Values of the prescribed DOFs among DOFs of other ranks, from their owners. Collective.
+fn prescribed_values(ranks: &dyn Ranks, analysis: &Analysis, dofs: &[u64]) -> BTreeMap<u64, f64> {
     let mut post = Outbox::default();
     dofs.iter().for_each(|&dof| post.to(analysis.layout.owner(dof)).push(dof));
-    let given = &analysis.directory.prescribed;
+    let values = &analysis.directory.prescribed;
     let answer = |message: Message| {
-        let known = message.words.iter().filter_map(|dof| Some([*dof, given.get(dof)?.to_bits()]));
+        let known = message.words.iter().filter_map(|dof| Some([*dof, values.get(dof)?.to_bits()]));
         Message { rank: message.rank, words: known.flatten().collect() }
     };
     let answers = post.send(ranks).into_iter().map(answer).filter(|message| !message.words.is_empty()).collect();
-    let came = ranks.exchange(answers);
-    came.iter().flat_map(|message| message.words.chunks_exact(2)).map(|pair| (pair[0], real(pair[1]))).collect()
+    records(ranks.exchange(answers)).map(|(_, [dof, bits])| (dof, real(bits))).collect()
 }

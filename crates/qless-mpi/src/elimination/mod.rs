@@ -1,13 +1,13 @@
-//! `u = L u_q + u_0` across ranks: each has a part of u_q and of u.
+//! `u = L u_q + u_0` across ranks; u_q and u are distributed.
 //!
 //! ```text
-//! gather     u_q of the masters that a rank owns -> of those that its rows name          one message to each neighbour
-//! expand     u = L u_q + u_0 on local DOFs: rows over own masters while messages travel
-//! project    f_q = L^T f: each rank's share of f on its local DOFs, summed at the owners  one message to each neighbour
-//! condense   K_q = L^T K L of each rank's own K on its local DOFs, nothing is sent
+//! gather     u_q of all masters that the rows of a rank use, from their owners            one message to each neighbour
+//! expand     u = L u_q + u_0 on local DOFs; rows with own masters only during the transfer
+//! restrict   f_q = L^T f: contributions of each rank's local DOFs, summed at the owners   one message to each neighbour
+//! condense   K_q = L^T K L of each rank's own K on its local DOFs                         no messages
 //! ```
 //!
-//! The local DOFs of a rank are those that it owns and needs, and the masters and prescribed DOFs that their rows name.
+//! The local DOFs of a rank are those that it owns and needs, and the masters and prescribed DOFs in their rows.
 
 mod ghosts;
 mod local;
@@ -20,13 +20,13 @@ use crate::ranks::Ranks;
 use crate::share::Share;
 use ghosts::Ghosts;
 
-/// Constraints of a model that is spread over ranks, solved for slaves, as one rank uses them in every step.
+/// The constraints of a distributed model, solved for slaves, as one rank uses them in every step.
 ///
 /// ```
 /// use qless::Options;
-/// use qless_mpi::{DistributedElimination, Share, together};
-/// // u2 of the second rank follows u0 of the first, by u2 = u0 / 2 + 1.
-/// let sums = together(2, |ranks| {
+/// use qless_mpi::{DistributedElimination, Share, on_threads};
+/// // u2 of the second rank depends on u0 of the first: u2 = u0 / 2 + 1.
+/// let sums = on_threads(2, |ranks| {
 ///     let first = ranks.rank() == 0;
 ///     let mut share = Share::new(if first { 0..2 } else { 2..4 });
 ///     if first {
@@ -54,7 +54,7 @@ pub struct DistributedElimination {
     /// Slaves whose rows use masters of this rank only, and the other slaves; as indices into the slaves of `elimination`.
     inner: Vec<u32>,
     outer: Vec<u32>,
-    /// `G u_p + g` of each slave.
+    /// `G u_p + g` for each slave.
     constants: Vec<f64>,
 }
 
@@ -62,7 +62,7 @@ impl DistributedElimination {
     /// Analyses the equations of all ranks and solves them for slaves. Collective.
     ///
     /// # Errors
-    /// As [`analyse`]; [`Error::Conflicting`] where equations contradict one another. The same on all ranks.
+    /// As [`analyse`]; [`Error::Conflicting`] if equations contradict one another. The same on all ranks.
     pub fn new(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<Self, Error> {
         let analysis = analyse(ranks, share, options)?;
         refuse_conflicts(ranks, share, &analysis)?;
@@ -81,17 +81,17 @@ impl DistributedElimination {
         Ok(Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants })
     }
 
-    /// What is known of the equations and of the rows of T.
+    /// The analysis: kinds of equations, certificates and rows of T.
     pub fn analysis(&self) -> &Analysis {
         &self.analysis
     }
 
-    /// The local DOFs, ascending: vectors u and f of this rank are over them.
+    /// The local DOFs, ascending. Vectors u and f of this rank have one entry for each.
     pub fn dofs(&self) -> &[u64] {
         &self.dofs
     }
 
-    /// The masters that this rank owns, ascending: its part of u_q is over them.
+    /// The masters that this rank owns, ascending. Its vector u_q has one entry for each.
     pub fn masters(&self) -> &[u64] {
         &self.masters
     }
@@ -102,7 +102,7 @@ impl DistributedElimination {
         &self.elimination
     }
 
-    /// Gathers u_q of all local masters from the ranks that own them, and does `work` meanwhile. Collective.
+    /// Gathers u_q of all local masters from the ranks that own them. Calls `work` during the transfer. Collective.
     ///
     /// # Panics
     /// If a length is not that of [`DistributedElimination::masters`] and of the masters of [`DistributedElimination::local`].
@@ -127,12 +127,12 @@ impl DistributedElimination {
     /// # Panics
     /// If a length is not that of [`DistributedElimination::masters`] and [`DistributedElimination::dofs`].
     pub fn expand_into(&self, ranks: &dyn Ranks, masters: &[f64], u: &mut [f64]) {
-        let given = self.elimination.prescribed_values();
-        self.elimination.prescribed().iter().zip(given).for_each(|(&j, &value)| u[j] = value);
+        let values = self.elimination.prescribed_values();
+        self.elimination.prescribed().iter().zip(values).for_each(|(&j, &value)| u[j] = value);
         self.spread(ranks, masters, u, |i| self.constants[i]);
     }
 
-    /// `du = L du_q`: the same for increments; prescribed DOFs and constants do not move. Collective.
+    /// `du = L du_q`, for increments: prescribed DOFs do not change. Collective.
     ///
     /// # Panics
     /// As [`DistributedElimination::expand_into`].
@@ -158,7 +158,7 @@ impl DistributedElimination {
         self.elimination.masters().iter().zip(&local).for_each(|(&j, &value)| u[j] = value);
     }
 
-    /// `f_q = L^T f`: each rank gives its share of the forces on its local DOFs, the shares of all are summed. Collective.
+    /// `f_q = L^T f`: each rank gives its contribution to the forces on its local DOFs; the contributions of all ranks are summed. Collective.
     ///
     /// # Panics
     /// As [`DistributedElimination::expand_into`].
@@ -173,17 +173,17 @@ impl DistributedElimination {
     }
 
     /// New right-hand sides and prescribed values, in a share of the same equations ([`Share::set_rhs`],
-    /// [`Share::set_prescribed`]); slaves, T and G stay, to the last bit, and so do condensed patterns. Costs an analysis. Collective.
+    /// [`Share::set_prescribed`]). Slaves, T, G and condensed patterns do not change. Costs an analysis. Collective.
     ///
     /// # Errors
-    /// As [`DistributedElimination::new`]; nothing has changed then.
-    pub fn refresh(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
+    /// As [`DistributedElimination::new`]; then nothing changes.
+    pub fn update(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
         let Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants } =
             Self::new(ranks, share, options)?;
-        // Patterns are tied to their elimination, so keep it unless the equations have changed.
+        // A condensed pattern belongs to its elimination, so keep that unless the equations have changed.
         if self.dofs == dofs && is_same(&self.elimination, &elimination) {
             let set = self.elimination.set(elimination.reduction().g(), elimination.prescribed_values());
-            set.expect("lengths and numbers of a elimination");
+            set.expect("lengths and numbers of an elimination");
         } else {
             self.elimination = elimination;
         }
@@ -201,12 +201,12 @@ fn is_same(a: &Elimination, b: &Elimination) -> bool {
 }
 
 fn constants(elimination: &Elimination) -> Vec<f64> {
-    let (reduction, given) = (elimination.reduction(), elimination.prescribed_values());
-    let row = |i: usize| reduction.g_matrix().row(i).map(|(p, value)| value * given[p]).sum::<f64>() + reduction.g()[i];
+    let (reduction, u_p) = (elimination.reduction(), elimination.prescribed_values());
+    let row = |i: usize| reduction.g_matrix().row(i).map(|(p, value)| value * u_p[p]).sum::<f64>() + reduction.g()[i];
     (0..elimination.slaves().len()).map(row).collect()
 }
 
-/// Refuses conflicting equations: they have no solution to expand to.
+/// An error if equations conflict.
 fn refuse_conflicts(ranks: &dyn Ranks, share: &Share, analysis: &Analysis) -> Result<(), Error> {
     let count = analysis.counts().conflicting;
     if count == 0 {

@@ -20,8 +20,8 @@ pub enum Error {
     Share(#[from] ShareError),
     /// A component too large for the memory that one rank may use.
     #[error(
-        "{equations} equations with {terms} terms are connected with one another, for which a rank needs about {bytes} bytes where \
-         {limit} are allowed (Options::memory); allow more, or analyse them on a larger machine"
+        "a connected component has {equations} equations with {terms} terms; a rank needs about {bytes} bytes for it, and the limit is \
+         {limit} (Options::memory): allow more, or analyse it on a larger machine"
     )]
     TooLarge {
         /// Equations of the component.
@@ -41,18 +41,18 @@ pub enum Error {
         /// The error's text.
         message: String,
     },
-    /// Equations that contradict others: there is no u to expand to.
+    /// Equations contradict others, so no u satisfies them.
     #[error("{count} equations contradict others, among them equation {first}; correct them")]
     Conflicting {
-        /// How many.
+        /// The number of conflicting equations.
         count: u64,
-        /// The one with the smallest number.
+        /// The smallest of their numbers.
         first: u64,
     },
 }
 
 impl Error {
-    /// An error from the caller's own code on this rank, for [`agree`].
+    /// An error of the caller on this rank, for [`agree`].
     pub fn of(ranks: &dyn Ranks, error: &dyn std::fmt::Display) -> Self {
         Failure::of(error).on(ranks.rank())
     }
@@ -73,7 +73,7 @@ impl Failure {
 }
 
 /// An error that can be sent to other ranks.
-pub trait Spoken: Sized {
+pub trait ErrorWords: Sized {
     /// The error as at least one word.
     fn to_words(&self) -> Vec<u64>;
 
@@ -81,25 +81,25 @@ pub trait Spoken: Sized {
     fn from_words(words: &[u64]) -> Self;
 }
 
-/// A message with a code: an error of the program that calls this library.
+/// An error of the calling program, as a code and a message.
 ///
 /// ```
-/// use qless_mpi::{Said, agree, together};
-/// let found = together(3, |ranks| {
-///     let own = if ranks.rank() == 1 { Err(Said { code: 2, text: "no such file".into() }) } else { Ok(()) };
-///     agree(ranks, own).map_err(|said| (said.code, said.text))
+/// use qless_mpi::{CodedError, agree, on_threads};
+/// let errors = on_threads(3, |ranks| {
+///     let own = if ranks.rank() == 1 { Err(CodedError { code: 2, text: "no such file".into() }) } else { Ok(()) };
+///     agree(ranks, own).map_err(|error| (error.code, error.text))
 /// });
-/// assert!(found.iter().all(|found| *found == Err((2, "no such file".to_owned()))));
+/// assert_eq!(errors, vec![Err((2, "no such file".to_owned())); 3]);
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Said {
-    /// The number.
+pub struct CodedError {
+    /// The code.
     pub code: u64,
     /// The message.
     pub text: String,
 }
 
-impl Spoken for Said {
+impl ErrorWords for CodedError {
     fn to_words(&self) -> Vec<u64> {
         [vec![self.code], text(&self.text)].concat()
     }
@@ -111,20 +111,20 @@ impl Spoken for Said {
 
 /// The result of this rank if no rank has an error, else the error of the first rank with one. Collective.
 ///
-/// Without it, a rank that returns with an error leaves the others waiting for ever.
+/// Without it, the other ranks wait for ever for a rank that returns with an error.
 ///
 /// ```
-/// use qless_mpi::{Error, agree, together};
-/// let said = together(3, |ranks| {
+/// use qless_mpi::{Error, agree, on_threads};
+/// let errors = on_threads(3, |ranks| {
 ///     let own = if ranks.rank() == 1 { Err(Error::of(ranks, &"no mesh file")) } else { Ok(()) };
 ///     agree(ranks, own).map_err(|error| error.to_string())
 /// });
-/// assert_eq!(said, vec![Err("rank 1: no mesh file".to_owned()); 3]);
+/// assert_eq!(errors, vec![Err("rank 1: no mesh file".to_owned()); 3]);
 /// ```
 ///
 /// # Errors
 /// That of the first rank with one, on all ranks.
-pub fn agree<T, E: Spoken>(ranks: &dyn Ranks, own: Result<T, E>) -> Result<T, E> {
+pub fn agree<T, E: ErrorWords>(ranks: &dyn Ranks, own: Result<T, E>) -> Result<T, E> {
     let size = ranks.size() as u64;
     let mut first = [if own.is_err() { size - ranks.rank() as u64 } else { 0 }];
     ranks.max(&mut first);
@@ -132,11 +132,11 @@ pub fn agree<T, E: Spoken>(ranks: &dyn Ranks, own: Result<T, E>) -> Result<T, E>
         return own;
     }
     let first = (size - first[0]) as usize;
-    let speaks = if ranks.rank() == first { own.as_ref().err() } else { None };
-    let messages = speaks.map_or_else(Vec::new, |error| {
+    let own_error = own.err().filter(|_| ranks.rank() == first);
+    let messages = own_error.map_or_else(Vec::new, |error| {
         let words = error.to_words();
         (0..ranks.size()).map(|rank| Message { rank, words: words.clone() }).collect()
     });
-    let came = ranks.exchange(messages);
-    Err(E::from_words(&came.first().expect("the first rank with an error tells all").words))
+    let received = ranks.exchange(messages);
+    Err(E::from_words(&received.first().expect("the first rank with an error sends it to all").words))
 }

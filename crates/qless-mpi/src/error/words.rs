@@ -2,14 +2,14 @@
 
 use qless::OptionError;
 
-use super::{Error, Spoken};
+use super::{Error, ErrorWords};
 use crate::share::{ShareError, SharePlace};
 
 /// Text as words: its length in bytes, then eight bytes a word.
 pub(crate) fn text(message: &str) -> Vec<u64> {
-    let bytes = message.as_bytes().chunks(8).map(|part| {
+    let bytes = message.as_bytes().chunks(8).map(|chunk| {
         let mut word = [0; 8];
-        word[..part.len()].copy_from_slice(part);
+        word[..chunk.len()].copy_from_slice(chunk);
         u64::from_le_bytes(word)
     });
     std::iter::once(message.len() as u64).chain(bytes).collect()
@@ -40,7 +40,7 @@ fn place_of(words: &[u64]) -> SharePlace {
     }
 }
 
-impl Spoken for Error {
+impl ErrorWords for Error {
     fn to_words(&self) -> Vec<u64> {
         let with_place =
             |code, rank: usize, what, last| [vec![code, rank as u64], place(what).to_vec(), vec![last]].concat();

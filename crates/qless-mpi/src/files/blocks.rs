@@ -1,4 +1,4 @@
-//! Blocks of equal size: of row or column numbers, and of the bytes of a file.
+//! Distribution in equal blocks, of row or column numbers and of the bytes of a file.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use super::CaseError;
 use crate::error::agree;
 use crate::ranks::Ranks;
 
-/// `count` numbers, the k-th part of them for rank k.
+/// `count` numbers in contiguous blocks of nearly equal size, one for each rank.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NumberBlocks {
     count: u64,
@@ -28,14 +28,14 @@ impl NumberBlocks {
         self.start(rank as u64)..self.start(rank as u64 + 1)
     }
 
-    /// The rank that holds one of the numbers.
+    /// The rank that holds a number.
     pub fn holder(self, number: u64) -> usize {
         let last_before = (u128::from(number) + 1) * u128::from(self.size) - 1;
         (last_before / u128::from(self.count)) as usize
     }
 }
 
-/// The lines of this rank, and the number of lines before them and in the whole file.
+/// The lines of this rank, and the numbers of lines before them and in the whole file.
 pub(super) struct FilePiece {
     pub lines: FileChunk,
     pub before: LineCount,
@@ -43,8 +43,7 @@ pub(super) struct FilePiece {
 }
 
 impl FilePiece {
-    /// What lies behind `start`, dealt out; `head` is what stands before. Whoever sees other `facts` of the file sees another file.
-    /// Collective.
+    /// Distributes the lines after `start`; `head` counts those before. An error if the ranks differ in `facts` about the file. Collective.
     pub fn read(
         ranks: &dyn Ranks,
         file: &ChunkedFile,
@@ -53,7 +52,7 @@ impl FilePiece {
     ) -> Result<Self, CaseError> {
         let facts = [&[file.len(), start], facts].concat();
         let of_all = ranks.gather(&facts);
-        // Seen by all in the same way.
+        // All ranks evaluate this alike.
         if of_all.chunks_exact(facts.len()).any(|of_rank| of_rank != &of_all[..facts.len()]) || start > file.len() {
             return Err(CaseError::differs(file.path()));
         }

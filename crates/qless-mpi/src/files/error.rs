@@ -1,35 +1,35 @@
-//! Why a case was not read: the same on all ranks.
+//! Errors of reading a case, the same on all ranks.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use qless_io::ReadError;
 
-use crate::error::{Spoken, text, text_of};
+use crate::error::{ErrorWords, text, text_of};
 
 /// Why the ranks could not read a case.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CaseError {
-    /// What one rank would say of the file as well.
+    /// An error of a file, with the message of [`qless_io`].
     #[error("{message}")]
     File {
-        /// The line, from 1, if one is at fault.
+        /// The line with the error, from 1, if there is one.
         line: Option<u64>,
         /// The whole message, with the name of the file and the line.
         message: String,
-        /// What the system said, if the content is not at fault.
+        /// The kind of the system's error; `None` for an error in the content.
         kind: Option<ErrorKind>,
     },
-    /// A file that looks different from another rank.
-    #[error("{}: the ranks do not see the same file; put it where all of them read it, and change nothing meanwhile", path.display())]
+    /// The ranks see different content of a file.
+    #[error("{}: the ranks do not see the same file; put it where all of them read it, and do not change it meanwhile", path.display())]
     Differs {
         /// The file.
         path: PathBuf,
     },
 }
 
-/// Kinds that reach the other ranks; the rest arrives as the last.
+/// Kinds that are sent to other ranks; all others are sent as the last.
 const KINDS: [ErrorKind; 7] = [
     ErrorKind::NotFound,
     ErrorKind::PermissionDenied,
@@ -57,7 +57,7 @@ impl CaseError {
     }
 }
 
-impl Spoken for CaseError {
+impl ErrorWords for CaseError {
     fn to_words(&self) -> Vec<u64> {
         match self {
             Self::File { line, message, kind } => {
@@ -69,13 +69,13 @@ impl Spoken for CaseError {
     }
 
     fn from_words(words: &[u64]) -> Self {
-        let said = text_of(&words[3..]);
+        let text = text_of(&words[3..]);
         match words[0] {
             0 => {
                 let kind = (words[2] as usize).checked_sub(1).map(|k| KINDS[k]);
-                Self::File { line: (words[1] > 0).then_some(words[1]), message: said, kind }
+                Self::File { line: (words[1] > 0).then_some(words[1]), message: text, kind }
             }
-            _ => Self::Differs { path: said.into() },
+            _ => Self::Differs { path: text.into() },
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Sends matrix entries to the ranks that hold their rows, and makes equations of them.
+//! Sends matrix entries to the ranks that hold their rows, and assembles the equations.
 
 use std::ops::Range;
 
@@ -9,22 +9,19 @@ use super::blocks::NumberBlocks;
 use crate::ranks::{Outbox, Ranks, real};
 use crate::share::Share;
 
-/// An entry as the reader gives it.
-pub(super) type GivenEntry = (usize, usize, f64);
+/// An entry from the reader: row, column, value.
+pub(super) type FileEntry = (usize, usize, f64);
 
 /// An entry: row, DOF, value.
 type MatrixTriplet = (u64, u64, f64);
 
-/// Collective; the entries of this rank's rows, by row and in the order of the file.
-pub(super) fn deal(ranks: &dyn Ranks, rows: NumberBlocks, entries: Vec<GivenEntry>) -> Vec<MatrixTriplet> {
+/// The entries of this rank's rows, by row and in the order of the file. Collective.
+pub(super) fn distribute(ranks: &dyn Ranks, rows: NumberBlocks, entries: Vec<FileEntry>) -> Vec<MatrixTriplet> {
     let mut post = Outbox::default();
     for (row, dof, value) in entries {
         post.to(rows.holder(row as u64)).extend([row as u64, dof as u64, value.to_bits()]);
     }
-    let mut entries = Vec::new();
-    for message in post.send(ranks) {
-        entries.extend(message.words.chunks_exact(3).map(|w| (w[0], w[1], real(w[2]))));
-    }
+    let mut entries: Vec<_> = post.send_records(ranks).map(|(_, [row, dof, bits])| (row, dof, real(bits))).collect();
     if !entries.is_sorted_by_key(|entry| entry.0) {
         entries.sort_by_key(|entry| entry.0);
     }
@@ -41,11 +38,11 @@ pub(super) fn fill(share: &mut Share, rows: Range<u64>, entries: &[MatrixTriplet
     }
 }
 
-/// The reader has checked all numbers but the sums of repeats.
+/// Checks the sums of repeated entries; the reader has checked all other numbers.
 pub(super) fn check_sums(files: &CaseFiles, share: &Share) -> Result<(), CaseError> {
     let rows = &share.rows;
     let mut all = (0..rows.len()).flat_map(|i| rows.row(i).map(move |(dof, value)| (i, dof, value)));
     let Some((i, dof, sum)) = all.find(|(_, _, value)| !value.is_finite()) else { return Ok(()) };
-    // Without such lines it was not the file: the analysis says what it was.
+    // If no lines of the file explain the sum, the analysis reports it.
     files.sum_not_finite(rows.numbers[i] as usize, dof as usize, sum)?.map_or(Ok(()), |error| Err(error.into()))
 }

@@ -1,4 +1,4 @@
-//! Random files with and without faults, read by ranks and by one reader: the same system, or the same words.
+//! Random files with and without faults: ranks and a single reader return the same system or the same error message.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -7,9 +7,9 @@ use qless::ConstraintSystem;
 use qless_scenes::Rng;
 
 use super::{Case, read_case};
-use crate::ranks::together;
+use crate::ranks::on_threads;
 
-/// How often files are made; each is read by 1 to 8 ranks.
+/// Number of random cases; each is read by 1 to 8 ranks.
 const FILES: u64 = 150;
 
 #[test]
@@ -23,7 +23,7 @@ fn ranks_read_what_one_reader_reads() {
         write_files(&folder, &mut rng);
         let serial = qless_io::read_case(&folder, None, None).map_err(|error| error.to_string());
         for size in 1..=8 {
-            let of_ranks = together(size, |ranks| read_case(ranks, &folder, None, None));
+            let of_ranks = on_threads(size, |ranks| read_case(ranks, &folder, None, None));
             let texts: Vec<_> = of_ranks.iter().map(|found| found.as_ref().err()).collect();
             assert!(texts.iter().all(|text| *text == texts[0]), "seed {seed}, {size} ranks: {texts:?}");
             match &serial {
@@ -113,7 +113,7 @@ fn number(rng: &mut Rng) -> String {
     if rng.below(12) == 0 { OTHERS[rng.below(6)].into() } else { format!("{}", rng.below(9) as i64 - 4) }
 }
 
-/// A fault in any line, in some files.
+/// Puts a fault into a random line of some files.
 fn spoil(lines: &mut Vec<String>, rng: &mut Rng) {
     if lines.is_empty() || rng.below(4) > 0 {
         return;
@@ -128,7 +128,7 @@ fn spoil(lines: &mut Vec<String>, rng: &mut Rng) {
     }
 }
 
-/// With comments, blank lines, CRLF, long lines, and with or without an end of the last line.
+/// Writes a file with random comments, blank lines, line ends and long lines; the last line may lack its end.
 fn save(path: &Path, lines: Vec<String>, keeps_first: bool, rng: &mut Rng) {
     let end = ["\n", "\r\n"][rng.below(2)];
     let mut text = String::from(["", "", "\u{feff}"][rng.below(3)]);
@@ -150,7 +150,7 @@ fn save(path: &Path, lines: Vec<String>, keeps_first: bool, rng: &mut Rng) {
 }
 
 #[test]
-fn what_cannot_be_read_is_refused_by_all_in_the_same_words() {
+fn all_ranks_return_the_error_of_a_single_reader() {
     let place = tempfile::tempdir().expect("a folder");
     let none = place.path().join("none");
     let folder = place.path().join("folder");
@@ -162,14 +162,14 @@ fn what_cannot_be_read_is_refused_by_all_in_the_same_words() {
     for path in [&none, &folder, &empty, &place.path().to_path_buf()] {
         let serial = qless_io::read_case(path, None, None).expect_err("no case").to_string();
         for size in [1, 3] {
-            for error in together(size, |ranks| read_case(ranks, path, None, None).map(drop)) {
+            for error in on_threads(size, |ranks| read_case(ranks, path, None, None).map(drop)) {
                 assert_eq!(error.expect_err("no case").to_string(), serial);
             }
         }
     }
-    // Ranks read matrices only, so that a deck is one without its header.
-    let refused = together(3, |ranks| read_case(ranks, &deck, None, None).map(drop).unwrap_err());
+    // Ranks read matrices only, so a deck is a matrix without its header.
+    let refused = on_threads(3, |ranks| read_case(ranks, &deck, None, None).map(drop).unwrap_err());
     assert!(refused.iter().all(|error| error.to_string().contains("deck.inp:1: expected the header")), "{refused:?}");
-    let device = together(2, |ranks| read_case(ranks, Path::new("/dev/null"), None, None).map(drop).unwrap_err());
+    let device = on_threads(2, |ranks| read_case(ranks, Path::new("/dev/null"), None, None).map(drop).unwrap_err());
     assert!(device[1].to_string().contains("it has no size"), "{device:?}");
 }

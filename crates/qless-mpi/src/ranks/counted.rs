@@ -1,4 +1,4 @@
-//! Counts the messages and bytes that a rank sends.
+//! JobCounts the messages and bytes that a rank sends.
 
 use std::cell::Cell;
 
@@ -7,13 +7,13 @@ use super::{Message, Ranks};
 /// Messages and bytes of one rank, and its number of collective operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sent {
-    /// Messages to other ranks.
+    /// Number of messages to other ranks.
     pub messages: u64,
-    /// Their bytes.
+    /// Number of bytes in these messages.
     pub bytes: u64,
-    /// Bytes that came from other ranks.
+    /// Number of bytes from other ranks.
     pub received: u64,
-    /// Collective operations.
+    /// Number of collective operations.
     pub rounds: u64,
 }
 
@@ -25,7 +25,7 @@ pub struct Counted<'a, R: Ranks + ?Sized> {
 }
 
 impl<'a, R: Ranks + ?Sized> Counted<'a, R> {
-    /// Counts from zero.
+    /// JobCounts from zero.
     pub fn new(ranks: &'a R) -> Self {
         Self { ranks, sent: Cell::default() }
     }
@@ -50,8 +50,8 @@ impl<'a, R: Ranks + ?Sized> Counted<'a, R> {
         others.fold((0, 0), |(count, bytes), message| (count + 1, bytes + 8 * message.words.len() as u64))
     }
 
-    fn around(&self, sent: (u64, u64), came: &[Message]) {
-        self.count(sent.0, sent.1, self.sizes(came).1);
+    fn count_exchange(&self, sent: (u64, u64), received: &[Message]) {
+        self.count(sent.0, sent.1, self.sizes(received).1);
     }
 
     /// Reductions are assumed to run along a tree: one message for each level.
@@ -72,16 +72,16 @@ impl<R: Ranks + ?Sized> Ranks for Counted<'_, R> {
 
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message> {
         let sent = self.sizes(&messages);
-        let came = self.ranks.exchange(messages);
-        self.around(sent, &came);
-        came
+        let received = self.ranks.exchange(messages);
+        self.count_exchange(sent, &received);
+        received
     }
 
     fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {
         let sent = self.sizes(&messages);
-        let came = self.ranks.overlap(messages, from, work);
-        self.around(sent, &came);
-        came
+        let received = self.ranks.overlap(messages, from, work);
+        self.count_exchange(sent, &received);
+        received
     }
 
     fn sum(&self, numbers: &mut [u64]) {

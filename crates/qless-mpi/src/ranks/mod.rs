@@ -1,7 +1,7 @@
 //! Communication between the ranks of a job: messages of 64-bit words, sums and maxima.
 //!
-//! All other modules use [`Ranks`] only, so that the same code runs on MPI (`World`, with the feature `mpi`), on one rank ([`Alone`])
-//! and on many ranks within one process ([`together`]), where the traffic can be counted ([`Counted`]).
+//! All other modules use only the trait [`Ranks`]. So the same code runs on MPI (`World`, with the feature `mpi`), on one rank
+//! ([`Alone`]) and on ranks that are threads of one process ([`on_threads`]). [`Counted`] counts the traffic.
 
 mod counted;
 mod thread_comm;
@@ -11,42 +11,42 @@ mod world;
 use std::collections::BTreeMap;
 
 pub use counted::{Counted, Sent};
-pub use thread_comm::together;
+pub use thread_comm::on_threads;
 #[cfg(feature = "mpi")]
 pub use world::{World, WorldError};
 
-/// Words to a rank, or from one.
+/// A message to a rank or from a rank.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// The rank that gets it, or that sent it.
+    /// The receiver of an outgoing message, the sender of a received one.
     pub rank: usize,
     /// The content.
     pub words: Vec<u64>,
 }
 
-/// The ranks of a job, as one of them sees them. All methods but [`Ranks::rank`] and [`Ranks::size`] are collective: every rank
-/// calls the same ones in the same order.
+/// The ranks of a job, from the view of one rank. All methods except [`Ranks::rank`] and [`Ranks::size`] are collective: every rank
+/// calls the same methods in the same order.
 pub trait Ranks {
     /// The number of this rank, from 0.
     fn rank(&self) -> usize;
 
-    /// How many there are.
+    /// The number of ranks.
     fn size(&self) -> usize;
 
-    /// Sends messages, at most one to each rank, and returns those that came, ascending by sender. Nobody needs to know before who will
-    /// send. A message to the own rank comes back.
+    /// Sends messages, at most one to each rank, and returns the received ones, ascending by sender. Receivers need not know the
+    /// senders in advance. A message to the own rank is received too.
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message>;
 
-    /// The same where the senders are known: one message comes from each rank of `from`, ascending. `work` is done while they travel.
+    /// The same for known senders: returns one message from each rank of `from`, which ascends. Calls `work` during the transfer.
     fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message>;
 
-    /// Adds up each number over all ranks.
+    /// Replaces each number by its sum over all ranks.
     fn sum(&self, numbers: &mut [u64]);
 
-    /// The largest of each number over all ranks.
+    /// Replaces each number by its maximum over all ranks.
     fn max(&self, numbers: &mut [u64]);
 
-    /// The numbers of all ranks, rank by rank; the same count on each.
+    /// The numbers of all ranks, rank by rank; all ranks give the same count.
     fn gather(&self, numbers: &[u64]) -> Vec<u64>;
 }
 
@@ -98,6 +98,18 @@ impl Outbox {
     pub fn send(self, ranks: &dyn Ranks) -> Vec<Message> {
         ranks.exchange(self.messages())
     }
+
+    /// Sends the collected words and returns the received records of N words, each with its sender.
+    pub fn send_records<const N: usize>(self, ranks: &dyn Ranks) -> impl Iterator<Item = (usize, [u64; N])> {
+        records(self.send(ranks))
+    }
+}
+
+/// The records of N words in messages, each with its sender.
+pub(crate) fn records<const N: usize>(messages: Vec<Message>) -> impl Iterator<Item = (usize, [u64; N])> {
+    messages.into_iter().flat_map(|Message { rank, words }| {
+        (0..words.len() / N).map(move |k| (rank, std::array::from_fn(|word| words[k * N + word])))
+    })
 }
 
 /// The double with these bits.

@@ -1,31 +1,31 @@
-//! Many ranks within one process, each a thread: for tests, and to count messages.
+//! Ranks as threads of one process, for tests and for counting messages.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::{Message, Ranks};
 
-/// One rank, with a channel from and to each other rank, so that messages of two senders never mix.
+/// One rank with a channel to and from each rank, so that messages of different senders do not mix.
 struct ThreadRank {
     rank: usize,
     to: Vec<Sender<Vec<u64>>>,
     from: Vec<Receiver<Vec<u64>>>,
 }
 
-/// Runs the same function on ranks within this process, each on a thread of its own; what each returns, by rank.
+/// Runs a function on `size` ranks within this process, each on a thread of its own. Returns the results by rank.
 ///
 /// ```
-/// use qless_mpi::{Message, Ranks, together};
-/// // Each rank tells the next one its number.
-/// let told = together(3, |ranks| {
+/// use qless_mpi::{Message, Ranks, on_threads};
+/// // Each rank sends its number to the next.
+/// let received = on_threads(3, |ranks| {
 ///     let next = (ranks.rank() + 1) % ranks.size();
 ///     ranks.exchange(vec![Message { rank: next, words: vec![ranks.rank() as u64] }])[0].words[0]
 /// });
-/// assert_eq!(told, [2, 0, 1]);
+/// assert_eq!(received, [2, 0, 1]);
 /// ```
 ///
 /// # Panics
-/// As the function does on any rank; the others then end too.
-pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> Vec<T> {
+/// If the function panics on a rank; the other ranks then end too.
+pub fn on_threads<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> Vec<T> {
     let mut ranks: Vec<ThreadRank> =
         (0..size).map(|rank| ThreadRank { rank, to: Vec::new(), from: Vec::new() }).collect();
     for receiver in 0..size {
@@ -51,7 +51,7 @@ pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> V
 
 impl ThreadRank {
     fn send(&self, rank: usize, words: Vec<u64>) {
-        // A rank that has ended receives nothing; the missing answer is noticed below.
+        // A rank that has ended receives nothing; `receive` then panics because its answer is missing.
         let _ = self.to[rank].send(words);
     }
 
@@ -84,16 +84,15 @@ impl Ranks for ThreadRank {
     }
 
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message> {
-        // The last word says whether there is a message.
+        // The last word tells whether there is a message.
         let mut out = vec![vec![0]; self.size()];
         for Message { rank, mut words } in messages {
             words.push(1);
             out[rank] = words;
         }
         out.into_iter().enumerate().for_each(|(rank, words)| self.send(rank, words));
-        let came = (0..self.size()).map(|rank| (rank, self.receive(rank)));
-        let spoken = came.filter_map(|(rank, mut words)| (words.pop() == Some(1)).then_some(Message { rank, words }));
-        spoken.collect()
+        let received = (0..self.size()).map(|rank| (rank, self.receive(rank)));
+        received.filter_map(|(rank, mut words)| (words.pop() == Some(1)).then_some(Message { rank, words })).collect()
     }
 
     fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {

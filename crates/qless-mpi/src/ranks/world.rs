@@ -16,27 +16,27 @@ use mpi::traits::{Communicator, CommunicatorCollectives};
 
 use super::{Message, Ranks};
 
-/// The ranks of an MPI job, or of a part of it.
+/// The ranks of an MPI job or of a communicator.
 ///
-/// Its messages travel on a communicator of its own and never mix with those of the code around it. All calls come from the thread
-/// that made it.
+/// Its messages use a communicator of their own, so they do not mix with those of the caller. All calls must come from the thread
+/// that created it.
 ///
 /// # Faults
-/// A rank that panics while it has a `World` ends the whole job, by `MPI_Abort` with the exit code 101, so that the others do not
-/// wait for it for ever. MPI itself ends the job when a process dies, and on its own errors. Not detected is a rank that
-/// leaves by an ordinary `return` while others still wait for it: agree on errors first, by [`Ranks::max`] for example.
+/// A rank that panics while it has a `World` ends the whole job by `MPI_Abort` with the exit code 101, so that the others do not
+/// wait for ever. MPI itself ends the job if a process dies, and on its own errors. An ordinary `return` of one rank while others
+/// wait for it is not detected: agree on errors first, for example by [`crate::agree`].
 ///
 /// ```no_run
 /// use qless_mpi::{Message, Ranks, World};
 /// let world = World::start()?;
-/// // Each rank tells the next one its number.
+/// // Each rank sends its number to the next.
 /// let next = (world.rank() + 1) % world.size();
-/// let told = world.exchange(vec![Message { rank: next, words: vec![world.rank() as u64] }]);
-/// assert_eq!(told[0].words[0] as usize, told[0].rank);
+/// let received = world.exchange(vec![Message { rank: next, words: vec![world.rank() as u64] }]);
+/// assert_eq!(received[0].words[0] as usize, received[0].rank);
 /// # Ok::<(), qless_mpi::WorldError>(())
 /// ```
 pub struct World {
-    // Freed before MPI ends: fields are dropped in their order.
+    // Fields are dropped in this order, so the communicator is freed before MPI ends.
     communicator: SimpleCommunicator,
     universe: Option<Universe>,
     rank: usize,
@@ -44,34 +44,32 @@ pub struct World {
     piece: usize,
     /// Rounds of `exchange` so far.
     rounds: Cell<u64>,
-    /// MPI wants its calls from one thread; some libraries' handles are plain numbers, which could go to others.
+    /// Makes the type `!Send`: MPI takes calls from one thread only, but the handles of some libraries are plain numbers.
     one_thread: PhantomData<*const ()>,
 }
 
-/// Why there is no [`World`].
+/// Why a [`World`] cannot be created.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WorldError {
-    /// Somebody has initialised MPI.
-    #[error("MPI has been initialised before: give World::of the communicator instead of World::start")]
+    /// MPI is already initialised.
+    #[error("MPI is already initialised: call World::of with a communicator instead of World::start")]
     Started,
-    /// Nobody has initialised MPI, or it has ended.
+    /// MPI is not initialised, or it is finalised.
     #[error("MPI is not running: call World::start, or MPI_Init before World::of and MPI_Finalize after its end")]
     NotRunning,
     /// The library was built without threads.
-    #[error(
-        "this MPI library gives no thread level of at least MPI_THREAD_FUNNELED, which is needed beside threads that compute"
-    )]
+    #[error("this MPI library does not support MPI_THREAD_FUNNELED, which the threads of the analysis need")]
     Threads,
-    /// A communicator between two groups.
-    #[error("this communicator joins two groups of ranks: merge it (MPI_Intercomm_merge) first")]
+    /// The communicator is an inter-communicator.
+    #[error("this is an inter-communicator: merge its two groups first (MPI_Intercomm_merge)")]
     TwoGroups,
 }
 
 impl World {
-    /// Initialises MPI and takes all ranks of the job. MPI is finalised when this value is dropped.
+    /// Initialises MPI with all ranks of the job. Dropping the value finalises MPI.
     ///
     /// # Errors
-    /// [`WorldError::Started`] if MPI was initialised before in this process, [`WorldError::Threads`] if the library knows no threads.
+    /// [`WorldError::Started`] if MPI was initialised before, [`WorldError::Threads`] if the library has no thread support.
     pub fn start() -> Result<Self, WorldError> {
         let (universe, level) = mpi::initialize_with_threading(Threading::Funneled).ok_or(WorldError::Started)?;
         if level < Threading::Funneled {
@@ -82,8 +80,8 @@ impl World {
         Ok(world)
     }
 
-    /// The ranks of a communicator, for codes that have initialised MPI themselves; all of its ranks call it together. The
-    /// communicator is duplicated and stays as it is. Drop what is returned before `MPI_Finalize`.
+    /// The ranks of a communicator, for programs that initialise MPI themselves. Collective. The communicator is duplicated. Drop the
+    /// result before `MPI_Finalize`.
     ///
     /// # Errors
     /// [`WorldError::NotRunning`] before `MPI_Init` and after `MPI_Finalize`, [`WorldError::TwoGroups`] for an inter-communicator.
@@ -104,8 +102,7 @@ impl World {
         Self { communicator, universe: None, rank, size, piece: exchange::WORDS, rounds, one_thread }
     }
 
-    /// Sets the length in words of the pieces in which long messages are sent: by default 2^27 (1 GiB), at most 2^31 - 1. All ranks
-    /// must set the same length.
+    /// Sends long messages in pieces of this many words: by default 2^27 (1 GiB), at most 2^31 - 1. All ranks must set the same length.
     #[must_use]
     pub fn in_pieces(mut self, words: usize) -> Self {
         self.piece = words.clamp(1, i32::MAX as usize);
@@ -135,7 +132,7 @@ impl Ranks for World {
         exchange::exchange(self, messages)
     }
 
-    /// The MPI library decides how much of the transfer overlaps with `work`: many transfer long messages only inside MPI calls.
+    /// How much of the transfer overlaps with `work` depends on the MPI library: many transfer long messages only inside MPI calls.
     fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {
         exchange::overlap(self, messages, from, work)
     }

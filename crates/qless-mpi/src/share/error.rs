@@ -45,21 +45,21 @@ pub enum ShareError {
     /// A number that is NaN or infinite.
     #[error("rank {rank}: {what} is {value}; every number must be finite")]
     NotFinite {
-        /// The rank that gave it.
+        /// The rank with the number.
         rank: usize,
-        /// Which number.
+        /// The place of the number.
         what: SharePlace,
         /// The value found.
         value: f64,
     },
     /// A DOF that no rank owns.
-    #[error("rank {rank}: {what} names a DOF that is not there: the ranks own DOFs 0 to {dofs} (excluded)")]
+    #[error("rank {rank}: {what} names a DOF that does not exist: the ranks own DOFs 0 to {dofs} (excluded)")]
     DofOutOfRange {
-        /// The rank that named it.
+        /// The rank that uses it.
         rank: usize,
         /// The place where it occurs.
         what: SharePlace,
-        /// How many DOFs there are.
+        /// The number of DOFs.
         dofs: u64,
     },
     /// Ranges of owned DOFs that do not follow one another.
@@ -69,9 +69,9 @@ pub enum ShareError {
     Ranges {
         /// The first such rank.
         rank: usize,
-        /// Where its range starts.
+        /// The start of its range.
         start: u64,
-        /// Where it should start.
+        /// The end of the range before.
         expected: u64,
     },
     /// A DOF with two different prescribed values.
@@ -85,17 +85,17 @@ pub enum ShareError {
         second: f64,
     },
     /// Two equations with the same number.
-    #[error("rank {rank}: equation {number} was given before; each equation needs a number of its own")]
+    #[error("rank {rank}: the number {number} is used twice; each equation needs a number of its own")]
     NumberTwice {
-        /// The rank that gave it again.
+        /// The rank with the second equation.
         rank: usize,
         /// The number.
         number: u64,
     },
-    /// A number that cannot be one of an equation or of a DOF.
-    #[error("rank {rank}: the number {number} is too large: numbers of equations and DOFs lie below 2^62")]
+    /// A number of an equation or of a DOF that is too large.
+    #[error("rank {rank}: the number {number} is too large: numbers of equations and DOFs must be below 2^62")]
     NumberTooLarge {
-        /// The rank that gave it.
+        /// The rank with the number.
         rank: usize,
         /// The number.
         number: u64,

@@ -10,15 +10,15 @@ use qless::ConstraintSystem;
 pub use error::{ShareError, SharePlace};
 pub(crate) use rows::{ShareRows, check_numbers};
 
-/// The part of `C u = b` that one rank holds.
+/// The equations of `C u = b` that one rank holds.
 ///
-/// DOFs and equations have numbers that all ranks agree on. Each rank owns a range of DOFs, the ranges of all ranks follow one another
-/// from 0 to n, as PETSc, MFEM and hypre number them. Any rank may hold any equation; the number of an equation is its place in the
-/// whole, so that the result does not depend on who holds it.
+/// DOFs and equations have global numbers. Each rank owns a contiguous range of DOFs; the ranges of all ranks cover 0 to n in order, as
+/// in PETSc, MFEM and hypre. Any rank may hold any equation. The number of an equation is its place in the whole system, so the result
+/// does not depend on the distribution.
 ///
 /// ```
 /// use qless_mpi::Share;
-/// // This rank owns DOFs 0 to 9, ties DOF 3 to DOF 12 of another rank, and wants to know what DOF 12 follows.
+/// // This rank owns DOFs 0 to 9, ties DOF 3 to DOF 12 of another rank, and asks for the row of T of DOF 12.
 /// let mut share = Share::new(0..10);
 /// share.equation(0, [(3, 1.0), (12, -1.0)], 0.0);
 /// share.prescribe(7, 0.25);
@@ -40,7 +40,7 @@ impl Share {
         Self { owned, rows: ShareRows::new(), prescribed: Vec::new(), needed: Vec::new(), terms: Vec::new() }
     }
 
-    /// Adds `sum a_j u_j = rhs`, equation `number` of the whole; terms on the same DOF are summed.
+    /// Adds equation `number` of the whole system, `sum a_j u_j = rhs`. Terms on the same DOF are summed.
     pub fn equation(&mut self, number: u64, terms: impl IntoIterator<Item = (u64, f64)>, rhs: f64) {
         self.terms.clear();
         self.terms.extend(terms);
@@ -48,8 +48,8 @@ impl Share {
         self.rows.push(number, rhs, self.terms.iter().copied());
     }
 
-    /// Adds the equations and prescribed values of a system whose DOF j is DOF `dof(j)` of the job, and whose equation i has the number
-    /// `number(i)` there: those that `qless-constraints` makes of ties, pairs and rigid bodies, for example.
+    /// Adds the equations and prescribed values of a system, for example one of `qless-constraints`. Its DOF j is DOF `dof(j)` of the job,
+    /// and its equation i has the number `number(i)`.
     ///
     /// ```
     /// use qless::SystemBuilder;
@@ -68,7 +68,7 @@ impl Share {
         system.prescribed().iter().for_each(|&(j, value)| self.prescribe(dof(j), value));
     }
 
-    /// Gives any DOF a prescribed value; several ranks may say the same.
+    /// Prescribes the value of any DOF. Several ranks may prescribe the same DOF with equal values.
     pub fn prescribe(&mut self, dof: u64, value: f64) {
         self.prescribed.push((dof, value));
     }
@@ -76,7 +76,7 @@ impl Share {
     /// Sets the right-hand side of an equation, by its index in the order in which the equations were added.
     ///
     /// # Panics
-    /// If there are no more equations than that.
+    /// If the index is out of range.
     pub fn set_rhs(&mut self, equation: usize, rhs: f64) {
         self.rows.rhs[equation] = rhs;
     }
@@ -96,7 +96,7 @@ impl Share {
         self.rows.len()
     }
 
-    /// Their numbers, in the order in which they were given.
+    /// Their numbers, in the order in which they were added.
     pub fn numbers(&self) -> &[u64] {
         &self.rows.numbers
     }

@@ -51,8 +51,8 @@ pub(crate) fn sum_repeats(terms: &mut Vec<(u64, f64)>) {
     terms.sort_by_key(|&(dof, _)| dof);
     let summed = |repeats: &[(u64, f64)]| {
         let sum: f64 = repeats.iter().map(|&(_, value)| value).sum();
-        let parts = repeats.iter().map(|&(_, value)| value.abs()).fold(0.0, f64::max);
-        let cancelled = repeats.len() > 1 && sum.abs() <= 4.0 * f64::EPSILON * parts;
+        let largest = repeats.iter().map(|&(_, value)| value.abs()).fold(0.0, f64::max);
+        let cancelled = repeats.len() > 1 && sum.abs() <= 4.0 * f64::EPSILON * largest;
         (sum != 0.0 && !cancelled).then_some((repeats[0].0, sum))
     };
     *terms = terms.chunk_by(|a, b| a.0 == b.0).filter_map(summed).collect();
@@ -69,8 +69,8 @@ pub(crate) fn check_numbers(ranks: &dyn Ranks, rows: &ShareRows) -> Result<(), S
     let ascends = rows.numbers.is_sorted_by(|a, b| a < b);
     let mut post = Outbox::default();
     let keeper = |number: u64| (number / each) as usize;
-    let told = rows.numbers.iter().filter(|&&number| !ascends || keeper(number) != rank);
-    told.for_each(|&number| post.to(keeper(number)).push(number));
+    let sent = rows.numbers.iter().filter(|&&number| !ascends || keeper(number) != rank);
+    sent.for_each(|&number| post.to(keeper(number)).push(number));
     let came = post.send(ranks);
     let kept: &[u64] = if ascends { &rows.numbers } else { &[] };
     twice(&came, rank, kept)

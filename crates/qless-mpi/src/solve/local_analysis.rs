@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use qless::{Analysis, Confidence, Options, Reduction, SystemBuilder, analyse};
 
+use crate::components::TouchedDofs;
 use crate::distribute::AssignedEquations;
 use crate::error::Failure;
-use crate::parts::TouchedDofs;
 
 /// The serial analysis of the equations that this rank was assigned.
 pub(crate) struct LocalAnalysis {
@@ -18,7 +18,7 @@ pub(crate) struct LocalAnalysis {
     pub reduction: Reduction,
 }
 
-/// Whether the result holds whatever equations were peeled from the same components.
+/// Whether the result equals that of the whole components, with their peeled equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Soundness {
     Sound,
@@ -37,13 +37,13 @@ impl LocalAnalysis {
             return Ok(None);
         }
         let touched = TouchedDofs::by(&assigned.rows, &near);
-        // Equations without terms have no DOF; a system has one at least.
+        // A system has at least one DOF; equations without terms have none.
         let mut builder = SystemBuilder::new(touched.dofs.len().max(1));
         for (i, &rhs) in assigned.rows.rhs.iter().enumerate() {
             let places = touched.row(&assigned.rows, i).iter().map(|&j| j as usize);
             builder.equation(places.zip(assigned.rows.row(i).map(|(_, value)| value)), rhs);
         }
-        for (dof, &value) in &assigned.given {
+        for (dof, &value) in &assigned.prescribed {
             if let Ok(place) = touched.dofs.binary_search(dof) {
                 builder.prescribe(place, value);
             }
@@ -70,7 +70,7 @@ impl LocalAnalysis {
 
     pub fn soundness(&self) -> Soundness {
         let Confidence { sigma_kept, sigma_dropped, ambiguous, .. } = self.confidence();
-        // The columns of a block, and what it is tried with, are ordered by all equations of its component.
+        // In a block, the order of the columns depends on all equations of its component, so a factorization may give another result.
         let presolved = self.analysis.presolve().blocks == 0;
         let plain =
             presolved && !ambiguous && sigma_dropped == 0.0 && sigma_kept > NEAR && self.reduction.exchanges() == 0;

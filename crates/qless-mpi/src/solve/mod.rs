@@ -8,6 +8,6 @@ mod substitute;
 
 pub(crate) use local_analysis::{LocalAnalysis, Soundness};
 pub use return_results::{DistributedCertificateTerm, DistributedDependent};
-pub(crate) use return_results::{ReturnedResults, ask, return_results};
+pub(crate) use return_results::{ReturnedResults, request_rows, return_results};
 pub(crate) use rows::{PRESCRIBED_BIT, ReductionRow, ReductionRows, SlaveRows};
 pub(crate) use substitute::substitute;

@@ -1,18 +1,18 @@
 //! Checks the rows of T, G and g that a rank derived from one equation alone: put into that equation they must leave no residual.
 //!
-//! The check uses random u_q and u_p, and looks at the parts of T, of G and of g separately.
+//! The check uses random u_q and u_p, and considers the terms of T, of G and of g separately.
 
 use qless::common::SplitMix64;
 
 use super::rows::{PRESCRIBED_BIT, ReductionRow, SlaveRows};
+use crate::components::TouchedDofs;
 use crate::distribute::Peel;
-use crate::parts::TouchedDofs;
 use crate::share::ShareRows;
 
 /// For random u_q, for random u_p, and for the constant: the sum, and the sum of the absolute values of its terms.
-type ResidualParts = [(f64, f64); 3];
+type ResidualSums = [(f64, f64); 3];
 
-/// The largest residual of the equation, relative to the sizes of its parts; infinite if one of them is no number.
+/// The largest residual of the equation, relative to the absolute sum of its terms; infinite if it is not a number.
 pub(crate) fn residual(
     peel: Peel,
     rows: &ShareRows,
@@ -21,38 +21,38 @@ pub(crate) fn residual(
     made: ReductionRow,
 ) -> f64 {
     let range = rows.starts[peel.row()]..rows.starts[peel.row() + 1];
-    let mut sums: ResidualParts = [(0.0, 0.0), (0.0, 0.0), (-rows.rhs[peel.row()], rows.rhs[peel.row()].abs())];
+    let mut sums: ResidualSums = [(0.0, 0.0), (0.0, 0.0), (-rows.rhs[peel.row()], rows.rhs[peel.row()].abs())];
     for k in range {
         let of_dof = if k == peel.place(rows) {
-            parts(made)
+            of_row(made)
         } else {
-            let given = usize::from(slaves.is_given(touched.places[k]));
-            slaves.find(touched.places[k]).map_or_else(|| single(rows.dofs[k], given), parts)
+            let group = usize::from(slaves.is_prescribed[touched.places[k] as usize]);
+            slaves.find(touched.places[k]).map_or_else(|| single(rows.dofs[k], group), of_row)
         };
-        for (sum, part) in sums.iter_mut().zip(of_dof) {
-            *sum = (sum.0 + rows.values[k] * part.0, sum.1 + rows.values[k].abs() * part.1);
+        for (sum, term) in sums.iter_mut().zip(of_dof) {
+            *sum = (sum.0 + rows.values[k] * term.0, sum.1 + rows.values[k].abs() * term.1);
         }
     }
     let relative = |(sum, size): (f64, f64)| {
-        let of_parts = if size == 0.0 { sum.abs() } else { sum.abs() / size };
-        if of_parts.is_finite() { of_parts } else { f64::INFINITY }
+        let relative = if size == 0.0 { sum.abs() } else { sum.abs() / size };
+        if relative.is_finite() { relative } else { f64::INFINITY }
     };
     sums.into_iter().map(relative).fold(0.0, f64::max)
 }
 
-fn single(dof: u64, part: usize) -> ResidualParts {
-    let mut parts = [(0.0, 0.0); 3];
-    parts[part] = (random(dof), 1.0);
-    parts
+fn single(dof: u64, group: usize) -> ResidualSums {
+    let mut sums = [(0.0, 0.0); 3];
+    sums[group] = (random(dof), 1.0);
+    sums
 }
 
-fn parts(line: ReductionRow) -> ResidualParts {
-    let mut parts = [(0.0, 0.0), (0.0, 0.0), (line.constant, line.constant.abs())];
-    for (&dof, value) in line.dofs.iter().zip(line.values) {
-        let part = &mut parts[usize::from(dof & PRESCRIBED_BIT != 0)];
-        *part = (part.0 + value * random(dof & !PRESCRIBED_BIT), part.1 + value.abs());
+fn of_row(row: ReductionRow) -> ResidualSums {
+    let mut sums = [(0.0, 0.0), (0.0, 0.0), (row.constant, row.constant.abs())];
+    for (&dof, value) in row.dofs.iter().zip(row.values) {
+        let sum = &mut sums[usize::from(dof & PRESCRIBED_BIT != 0)];
+        *sum = (sum.0 + value * random(dof & !PRESCRIBED_BIT), sum.1 + value.abs());
     }
-    parts
+    sums
 }
 
 /// A number of a DOF between -1 and 1, the same on all ranks.
@@ -63,22 +63,22 @@ fn random(dof: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parts::NONE;
+    use crate::components::NONE;
     use crate::solve::ReductionRows;
 
-    /// `2 u0 - u1 - u2 = 3`, u2 = 0.5 u3 + 1 by another rank: what is right passes, what is off in any part does not.
+    /// `2 u0 - u1 - u2 = 3` with u2 = 0.5 u3 + 1 from another rank: an error in T or g gives a residual.
     #[test]
-    fn what_is_off_by_a_millionth_does_not_pass() {
+    fn an_error_of_a_millionth_gives_a_residual() {
         let mut rows = ShareRows::new();
         rows.push(0, 3.0, [(0, 2.0), (1, -1.0), (2, -1.0)].into_iter());
         let touched = TouchedDofs::by(&rows, &(0..4));
-        let mut lines = ReductionRows::default();
-        lines.push(2, 1.0, [(3, 0.5)].into_iter());
-        let slaves = SlaveRows { lines, of_place: vec![NONE, NONE, 0], given: vec![false; 3] };
+        let mut reduction = ReductionRows::default();
+        reduction.push(2, 1.0, [(3, 0.5)].into_iter());
+        let slaves = SlaveRows { reduction, of_place: vec![NONE, NONE, 0], is_prescribed: vec![false; 3] };
         let found = |constant: f64, a: f64, b: f64| {
             let mut made = ReductionRows::default();
             made.push(0, constant, [(1, a), (3, b)].into_iter());
-            residual(Peel { row: 0, position: 0 }, &rows, &touched, &slaves, made.line(0))
+            residual(Peel { row: 0, position: 0 }, &rows, &touched, &slaves, made.row(0))
         };
         assert!(found(2.0, 0.5, 0.25) <= 1e-16);
         for off in [found(2.0 + 1e-6, 0.5, 0.25), found(2.0, 0.5 + 1e-6, 0.25), found(2.0, 0.5, 0.25 - 1e-6)] {

@@ -4,7 +4,7 @@ use qless::Kind;
 
 use super::rows::PRESCRIBED_BIT;
 use super::{LocalAnalysis, ReductionRows};
-use crate::parts::Layout;
+use crate::components::Layout;
 use crate::ranks::{Message, Outbox, Ranks, real};
 
 /// A redundant or conflicting equation of this rank.
@@ -17,9 +17,9 @@ pub struct DistributedDependent {
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
     pub mismatch: f64,
-    /// The mismatch relative to the largest part that went into it; 0 if it is no more than rounding.
+    /// The mismatch relative to its largest term; 0 if it is rounding only.
     pub relative_mismatch: f64,
-    /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
+    /// The dropped remainder of the dependent equation, relative to its size; 0 if it is rounding only.
     pub dropped: f64,
     /// `row_k = sum c_i row_i` over its free DOFs, ascending by number; equations of any rank.
     pub because: Vec<DistributedCertificateTerm>,
@@ -36,10 +36,10 @@ pub struct DistributedCertificateTerm {
 
 /// The results for the equations and DOFs of one rank.
 pub(crate) struct ReturnedResults {
-    /// Of its equations, ascending.
+    /// Its dependent equations, ascending.
     pub dependent: Vec<DistributedDependent>,
     /// Rows of T of the slaves that this rank owns.
-    pub lines: ReductionRows,
+    pub reduction: ReductionRows,
     /// Free DOFs that it owns and that the equations fix, with their values.
     pub generated: Vec<(u64, f64)>,
     /// Equations of this rank that were to be kept and are dependent on other such equations.
@@ -67,29 +67,26 @@ pub(crate) fn return_results(ranks: &dyn Ranks, layout: &Layout, solved: &[Local
     let mut dependent = Vec::new();
     verdicts.send(ranks).iter().for_each(|message| read_verdicts(&message.words, &mut dependent));
     dependent.sort_unstable_by_key(|d: &DistributedDependent| d.equation);
-    let mut lines = ReductionRows::default();
-    rows.send(ranks).iter().for_each(|message| lines.read(&message.words));
-    let pairs = |message: Message| -> Vec<(u64, f64)> {
-        message.words.chunks_exact(2).map(|pair| (pair[0], real(pair[1]))).collect()
-    };
-    let generated = values.send(ranks).into_iter().flat_map(pairs).collect();
-    let unmet = unmet.send(ranks).into_iter().flat_map(|message| message.words).map(|place| place as usize).collect();
-    ReturnedResults { dependent, lines, generated, unmet }
+    let mut reduction = ReductionRows::default();
+    rows.send(ranks).iter().for_each(|message| reduction.read(&message.words));
+    let generated = values.send_records(ranks).map(|(_, [dof, bits])| (dof, real(bits))).collect();
+    let unmet = unmet.send_records(ranks).map(|(_, [place])| place as usize).collect();
+    ReturnedResults { dependent, reduction, generated, unmet }
 }
 
-/// The rows of those of `dofs` (ascending) that are slaves; `lines` are those of the slaves that this rank owns. Collective.
-pub(crate) fn ask(ranks: &dyn Ranks, layout: &Layout, lines: &ReductionRows, dofs: &[u64]) -> ReductionRows {
+/// The rows of the slaves among `dofs`, which ascend. `rows` are those of the slaves that this rank owns. Collective.
+pub(crate) fn request_rows(ranks: &dyn Ranks, layout: &Layout, rows: &ReductionRows, dofs: &[u64]) -> ReductionRows {
     let own = layout.owned(ranks.rank());
     let mut post = Outbox::default();
     dofs.iter().filter(|dof| !own.contains(dof)).for_each(|&dof| post.to(layout.owner(dof)).push(dof));
     let answer = |message: Message| {
         let mut words = Vec::new();
-        message.words.iter().filter_map(|&dof| lines.find(dof)).for_each(|line| line.write(&mut words));
+        message.words.iter().filter_map(|&dof| rows.find(dof)).for_each(|row| row.write(&mut words));
         Message { rank: message.rank, words }
     };
     let answers = post.send(ranks).into_iter().map(answer).filter(|message| !message.words.is_empty()).collect();
     let mut found = ReductionRows::default();
-    lines.among(dofs).for_each(|line| found.push_line(line));
+    rows.among(dofs).for_each(|row| found.push_row(row));
     ranks.exchange(answers).iter().for_each(|message| found.read(&message.words));
     found
 }
@@ -110,12 +107,12 @@ impl LocalAnalysis {
     fn write_rows(&self, layout: &Layout, post: &mut Outbox) {
         let reduction = &self.reduction;
         for (i, &slave) in reduction.slaves().iter().enumerate() {
-            let of_masters = reduction.t().row(i).map(|(q, value)| (self.dofs[reduction.masters()[q]], value));
-            let of_given = reduction
+            let masters = reduction.t().row(i).map(|(q, value)| (self.dofs[reduction.masters()[q]], value));
+            let prescribed = reduction
                 .g_matrix()
                 .row(i)
                 .map(|(p, value)| (self.dofs[reduction.prescribed()[p]] | PRESCRIBED_BIT, value));
-            let mut terms: Vec<(u64, f64)> = of_masters.chain(of_given).collect();
+            let mut terms: Vec<(u64, f64)> = masters.chain(prescribed).collect();
             terms.sort_unstable_by_key(|&(dof, _)| dof & !PRESCRIBED_BIT);
             let slave = self.dofs[slave];
             let words = post.to(layout.owner(slave));

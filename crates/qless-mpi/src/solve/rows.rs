@@ -1,6 +1,6 @@
 //! Rows of `u_s = T u_q + G u_p + g`, over the DOFs of the job.
 
-use crate::parts::NONE;
+use crate::components::NONE;
 
 /// Marks a prescribed DOF in the terms of a row.
 pub(crate) const PRESCRIBED_BIT: u64 = 1 << 63;
@@ -48,24 +48,24 @@ impl ReductionRows {
         self.heads.iter().map(|head| head.slave)
     }
 
-    pub fn line(&self, i: usize) -> ReductionRow<'_> {
+    pub fn row(&self, i: usize) -> ReductionRow<'_> {
         let RowHead { slave, constant, start, len } = self.heads[i];
         let range = start..start + len as usize;
         ReductionRow { slave, constant, dofs: &self.dofs[range.clone()], values: &self.values[range] }
     }
 
     pub fn iter(&self) -> impl Iterator<Item = ReductionRow<'_>> {
-        (0..self.len()).map(|i| self.line(i))
+        (0..self.len()).map(|i| self.row(i))
     }
 
     /// The row of a DOF, if it is a slave of these.
     pub fn find(&self, dof: u64) -> Option<ReductionRow<'_>> {
-        self.heads.binary_search_by_key(&dof, |head| head.slave).ok().map(|i| self.line(i))
+        self.heads.binary_search_by_key(&dof, |head| head.slave).ok().map(|i| self.row(i))
     }
 
     /// The rows of those of `dofs` that are slaves of these; both ascend.
     pub fn among<'a>(&'a self, dofs: &'a [u64]) -> impl Iterator<Item = ReductionRow<'a>> {
-        let inside = move |(i, head): (usize, &RowHead)| dofs.binary_search(&head.slave).ok().map(|_| self.line(i));
+        let inside = move |(i, head): (usize, &RowHead)| dofs.binary_search(&head.slave).ok().map(|_| self.row(i));
         self.heads.iter().enumerate().filter_map(inside)
     }
 
@@ -91,8 +91,8 @@ impl ReductionRows {
         self
     }
 
-    pub fn push_line(&mut self, line: ReductionRow) {
-        self.push(line.slave, line.constant, line.dofs.iter().copied().zip(line.values.iter().copied()));
+    pub fn push_row(&mut self, row: ReductionRow) {
+        self.push(row.slave, row.constant, row.dofs.iter().copied().zip(row.values.iter().copied()));
     }
 
     /// The rows that a message holds.
@@ -117,20 +117,16 @@ impl ReductionRow<'_> {
 
 /// Rows of T of the slaves among the DOFs of a rank's equations.
 pub(crate) struct SlaveRows {
-    pub lines: ReductionRows,
+    pub reduction: ReductionRows,
     /// Index into them, by place of the DOF.
     pub of_place: Vec<u32>,
     /// Whether a DOF is prescribed, by place.
-    pub given: Vec<bool>,
+    pub is_prescribed: Vec<bool>,
 }
 
 impl SlaveRows {
-    pub fn is_given(&self, place: u32) -> bool {
-        self.given[place as usize]
-    }
-
     pub fn find(&self, place: u32) -> Option<ReductionRow<'_>> {
         let i = self.of_place[place as usize];
-        (i != NONE).then(|| self.lines.line(i as usize))
+        (i != NONE).then(|| self.reduction.row(i as usize))
     }
 }

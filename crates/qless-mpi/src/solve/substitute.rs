@@ -5,23 +5,24 @@ use std::collections::BTreeMap;
 use super::local_analysis::{LOSS, Soundness};
 use super::residual_check::residual;
 use super::rows::{PRESCRIBED_BIT, ReductionRow, ReductionRows, SlaveRows};
+use crate::components::{KnownDofs, NONE, TouchedDofs};
 use crate::distribute::Peel;
-use crate::parts::{KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
 
-/// Entries below this, relative to the largest part that went into them, are rounding: as in the serial reduction.
+/// An entry below this fraction of its largest term is rounding, as in the serial reduction.
 const NOISE: f64 = 1e-14;
-/// Least entry of a sound row. Only the whole component shows whether a slave that hardly moves is fixed.
+/// Smallest largest entry of a sound row. If all entries are smaller, only the whole component shows whether the slave is fixed.
 const HARDLY: f64 = 1e-6;
-/// The serial analysis does not rely on rows whose slave moves more than 1e3 for random masters up to 1. With a row of T of this
-/// 2-norm it stays ten times below, ...
+/// Largest 2-norm of a sound row of T. The serial analysis rejects rows whose slave exceeds 1e3 for random masters up to 1; this is ten
+/// times less.
 const STEEP: f64 = 100.0;
-/// ... and as far below 3e4 for random right-hand sides with such coefficients of slaves, whose rows of `C_S^-1` are at most 1e3.
+/// Largest 2-norm of the coefficients of slaves in a sound row. Rows of `C_S^-1` of these slaves are at most 1e3, and the serial analysis
+/// rejects 3e4 for random right-hand sides.
 const HEAVY: f64 = 5.0;
 
 /// Appends the row of a peeled equation.
 pub(crate) fn substitute(
-    lines: &mut ReductionRows,
+    into: &mut ReductionRows,
     peel: Peel,
     (rows, touched, known): (&ShareRows, &TouchedDofs, &KnownDofs),
     slaves: &SlaveRows,
@@ -30,7 +31,7 @@ pub(crate) fn substitute(
     let range = rows.starts[peel.row()]..rows.starts[peel.row() + 1];
     let slave = peel.place(rows);
     let divisor = -rows.values[slave];
-    let mark = |j: u32| if known.said[j as usize].is_free() { 0 } else { PRESCRIBED_BIT };
+    let mark = |j: u32| if known.flags[j as usize].is_free() { 0 } else { PRESCRIBED_BIT };
     let term = |k: usize| (touched.places[k], rows.dofs[k] | mark(touched.places[k]), rows.values[k] / divisor);
     let terms = range.filter(|&k| k != slave).map(term);
     let constant = rows.rhs[peel.row()] / rows.values[slave];
@@ -38,11 +39,11 @@ pub(crate) fn substitute(
     let heavy = norm(of_slaves.clone().map(|(.., value)| value));
     if of_slaves.count() > 0 {
         let (constant, terms) = replaced(constant, terms, slaves);
-        lines.push(rows.dofs[slave], constant, terms);
+        into.push(rows.dofs[slave], constant, terms);
     } else {
-        lines.push(rows.dofs[slave], constant, terms.map(|(_, dof, value)| (dof, value)));
+        into.push(rows.dofs[slave], constant, terms.map(|(_, dof, value)| (dof, value)));
     }
-    let made = lines.line(lines.len() - 1);
+    let made = into.row(into.len() - 1);
     let met = residual(peel, rows, touched, slaves, made) <= LOSS;
     let ReductionRow { dofs, values, .. } = made;
     let of_masters = dofs.iter().zip(values).filter(|(dof, _)| *dof & PRESCRIBED_BIT == 0);
@@ -63,24 +64,24 @@ fn replaced(
     slaves: &SlaveRows,
 ) -> (f64, impl Iterator<Item = (u64, f64)>) {
     let mut size = constant.abs();
-    let mut parts: BTreeMap<u64, (u64, f64, f64)> = BTreeMap::new();
-    let mut add = |dof: u64, part: f64| {
-        let (_, value, size) = parts.entry(dof & !PRESCRIBED_BIT).or_insert((dof, 0.0, 0.0));
-        *value += part;
-        *size = size.max(part.abs());
+    let mut sums: BTreeMap<u64, (u64, f64, f64)> = BTreeMap::new();
+    let mut add = |dof: u64, term: f64| {
+        let (_, value, size) = sums.entry(dof & !PRESCRIBED_BIT).or_insert((dof, 0.0, 0.0));
+        *value += term;
+        *size = size.max(term.abs());
     };
     for (place, dof, value) in terms {
         match slaves.find(place) {
             None => add(dof, value),
             Some(ReductionRow { constant: of_slave, dofs, values, .. }) => {
-                let part = value * of_slave;
-                constant += part;
-                size = size.max(part.abs());
+                let term = value * of_slave;
+                constant += term;
+                size = size.max(term.abs());
                 dofs.iter().zip(values).for_each(|(&dof, t)| add(dof, value * t));
             }
         }
     }
-    let left = parts.into_values().filter(|&(_, value, size)| value.abs() > NOISE * size);
+    let terms = sums.into_values().filter(|&(_, value, size)| value.abs() > NOISE * size);
     let constant = if constant.abs() > NOISE * size { constant } else { 0.0 };
-    (constant, left.map(|(dof, value, _)| (dof, value)))
+    (constant, terms.map(|(dof, value, _)| (dof, value)))
 }

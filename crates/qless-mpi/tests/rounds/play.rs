@@ -1,11 +1,11 @@
-//! Random rounds of all that ranks can say, drawn from a seed: each rank knows what must come.
+//! Random rounds of all operations of ranks, from a seed: each rank knows the expected results.
 
 use qless_mpi::{Counted, Message, Ranks};
 
-/// Plays rounds and compares what comes with what must come; one line about all ranks.
+/// Runs rounds and compares the results with the expected ones; returns one line about all ranks.
 ///
 /// # Panics
-/// If anything else comes, or if something else is counted.
+/// If a result or a count differs.
 pub fn play(ranks: &dyn Ranks, seed: u64, rounds: u64) -> String {
     let counted = Counted::new(ranks);
     let mut script = Script { seed, size: ranks.size(), rank: ranks.rank(), sent: [0; 4] };
@@ -20,7 +20,7 @@ pub fn play(ranks: &dyn Ranks, seed: u64, rounds: u64) -> String {
     format!("{} ranks, {rounds} rounds: {messages} messages of {bytes} bytes, {received} bytes received", ranks.size())
 }
 
-/// What must happen, as one rank sees it.
+/// The expected results of one rank.
 struct Script {
     seed: u64,
     size: usize,

@@ -1,9 +1,9 @@
-//! A system dealt out to ranks, and its results put together again.
+//! Distributes a system to ranks and collects the results.
 
 use std::collections::BTreeMap;
 
 use qless::{ConstraintSystem, Options};
-use qless_mpi::{Analysis, DistributedCertificateTerm, Error, Ranks, Share, Term, analyse, together};
+use qless_mpi::{Analysis, DistributedCertificateTerm, Error, Ranks, Share, Term, analyse, on_threads};
 use qless_scenes::Rng;
 
 /// Who holds which equation.
@@ -101,7 +101,7 @@ pub fn spread(
     size: usize,
     partition: Partition,
 ) -> Result<Whole, String> {
-    let found = together(size, |ranks| {
+    let found = on_threads(size, |ranks| {
         let share = share(system, ranks, partition);
         let analysis: Result<Analysis, Error> = analyse(ranks, &share, options);
         (share.numbers().to_vec(), analysis)

@@ -2,7 +2,7 @@
 
 use crate::common::{Partition, difference, serial, spread};
 use qless::{ConstraintSystem, Options, SystemBuilder};
-use qless_mpi::{Ranks, Share, analyse, together};
+use qless_mpi::{Ranks, Share, analyse, on_threads};
 
 fn same(system: &ConstraintSystem, options: &Options) {
     let found = spread(system, options, 2, Partition::Blocks);
@@ -40,7 +40,7 @@ fn rounding_in_one_component_says_nothing_of_others() {
 #[test]
 fn memory_goes_with_the_equations_and_not_with_the_range_owned() {
     let last = (1 << 40) - 1;
-    let slaves = together(2, |ranks: &dyn Ranks| {
+    let slaves = on_threads(2, |ranks: &dyn Ranks| {
         let mut share = Share::new(if ranks.rank() == 0 { 0..4 } else { 4..last + 1 });
         if ranks.rank() == 0 {
             share.equation(0, [(1, 1.0), (last, -2.0)], 3.0);

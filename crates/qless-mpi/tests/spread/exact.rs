@@ -1,6 +1,6 @@
 //! Sums over ranks are rounded once, whoever has which numbers.
 
-use qless_mpi::{Alone, Ranks, exact_sum, together};
+use qless_mpi::{Alone, Ranks, exact_sum, on_threads};
 use qless_scenes::Rng;
 
 /// The numbers of a rank: any partition.
@@ -14,7 +14,7 @@ fn part(numbers: &[f64], ranks: &dyn Ranks, seed: u64) -> Vec<f64> {
 fn on_all(numbers: &[f64], seed: u64) -> f64 {
     let alone = exact_sum(&Alone, numbers.iter().copied());
     for size in [1, 2, 3, 4, 7] {
-        for sum in together(size, |ranks| exact_sum(ranks, part(numbers, ranks, seed))) {
+        for sum in on_threads(size, |ranks| exact_sum(ranks, part(numbers, ranks, seed))) {
             assert_eq!(sum.to_bits(), alone.to_bits(), "{size} ranks, seed {seed}");
         }
     }

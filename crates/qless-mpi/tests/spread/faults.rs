@@ -1,11 +1,11 @@
 //! What one rank does wrong, all hear: the same error, and nobody waits.
 
 use qless::{OptionError, Options, Tolerance};
-use qless_mpi::{DistributedElimination, Error, Ranks, Share, ShareError, SharePlace, analyse, together};
+use qless_mpi::{DistributedElimination, Error, Ranks, Share, ShareError, SharePlace, analyse, on_threads};
 
 /// Three ranks with two DOFs and an equation each, and what one of them adds.
 fn errors(add: impl Fn(usize, &mut Share) + Sync, options: &Options) -> Vec<Option<Error>> {
-    together(3, |ranks: &dyn Ranks| {
+    on_threads(3, |ranks: &dyn Ranks| {
         let rank = ranks.rank();
         let mut share = Share::new(2 * rank as u64..2 * rank as u64 + 2);
         share.equation(rank as u64, [(2 * rank as u64, 1.0), ((2 * rank as u64 + 3) % 6, -1.0)], 0.0);
@@ -78,7 +78,7 @@ fn numbers_that_are_not_finite_are_named_on_all_ranks() {
 
 #[test]
 fn ranges_that_leave_gaps_are_refused() {
-    let found = together(3, |ranks| {
+    let found = on_threads(3, |ranks| {
         let rank = ranks.rank() as u64;
         let share = Share::new(if rank == 1 { 3..4 } else { 2 * rank..2 * rank + 2 });
         analyse(ranks, &share, &Options::default()).err()
@@ -120,7 +120,7 @@ fn a_component_beyond_the_memory_is_refused_with_its_size() {
 
 #[test]
 fn a_map_of_conflicting_equations_is_refused_by_their_number() {
-    let found = together(3, |ranks| {
+    let found = on_threads(3, |ranks| {
         let rank = ranks.rank() as u64;
         let mut share = Share::new(rank..rank + 1);
         share.equation(5 - rank, [(0, 1.0), (1, -1.0)], rank as f64);
@@ -131,7 +131,7 @@ fn a_map_of_conflicting_equations_is_refused_by_their_number() {
 
 #[test]
 fn ranks_without_anything_take_part() {
-    let found = together(4, |ranks| {
+    let found = on_threads(4, |ranks| {
         let mut share = Share::new([0..0, 0..0, 0..2, 2..2][ranks.rank()].clone());
         if ranks.rank() == 3 {
             share.equation(7, [(0, 1.0), (1, 2.0)], 3.0);
@@ -153,6 +153,6 @@ fn ranks_without_anything_take_part() {
 #[test]
 fn no_dofs_at_all() {
     let found =
-        together(2, |ranks| analyse(ranks, &Share::new(0..0), &Options::default()).map(|a| a.counts().equations));
+        on_threads(2, |ranks| analyse(ranks, &Share::new(0..0), &Options::default()).map(|a| a.counts().equations));
     assert_eq!(found, [Ok(0), Ok(0)]);
 }

@@ -1,4 +1,4 @@
-//! Systems dealt out to ranks within this process, against the serial library.
+//! Systems distributed to ranks within this process, against the serial library.
 
 mod common;
 mod edges;

@@ -3,7 +3,7 @@
 use crate::common::{Partition, share};
 use qless::elimination::{PrescribedDofs, Storage};
 use qless::{ConstraintSystem, Options};
-use qless_mpi::{DistributedElimination, together};
+use qless_mpi::{DistributedElimination, on_threads};
 use qless_scenes::{Rng, families, fssi};
 
 /// A chain of springs over all DOFs, with a few across: K as elements of two DOFs.
@@ -29,7 +29,7 @@ fn close(a: f64, b: f64, size: f64) -> bool {
 fn compare(name: &str, system: &ConstraintSystem, size: usize, seed: u64) {
     let options = Options::default();
     let Ok(serial) = qless::Elimination::new(system, &options) else {
-        let refused = together(size, |ranks| {
+        let refused = on_threads(size, |ranks| {
             DistributedElimination::new(ranks, &share(system, ranks, Partition::Scattered(seed)), &options).is_err()
         });
         assert!(refused.iter().all(|&refused| refused), "{name}: the serial map is refused");
@@ -52,7 +52,7 @@ fn compare(name: &str, system: &ConstraintSystem, size: usize, seed: u64) {
     serial.restrict_into(&k_du, &mut y).expect("lengths");
     let largest = |v: &[f64]| v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let sizes = [largest(&u), largest(&f_q), largest(&y)];
-    together(size, |ranks| {
+    on_threads(size, |ranks| {
         let mut share = share(system, ranks, Partition::Scattered(seed));
         // Each rank has the elements that chance gives it, and so their DOFs.
         let mut rng = Rng::new(seed + 1);
@@ -140,7 +140,7 @@ fn maps_on_ranks_do_what_the_serial_map_does() {
 fn new_right_hand_sides_leave_t_as_it_is() {
     let scene = fssi::tie(&fssi::Mesh::with_equations(800), 3).expect("a scene");
     let n = scene.system.dofs();
-    together(4, |ranks| {
+    on_threads(4, |ranks| {
         let mut share = share(&scene.system, ranks, Partition::Scattered(5));
         share.prescribe(3, 0.0);
         let mut map = DistributedElimination::new(ranks, &share, &Options::default()).expect("consistent");
@@ -154,7 +154,7 @@ fn new_right_hand_sides_leave_t_as_it_is() {
             share.set_rhs(i, 0.0);
         }
         share.set_prescribed(|dof| 0.25 + dof as f64);
-        map.refresh(ranks, &share, &Options::default()).expect("consistent");
+        map.update(ranks, &share, &Options::default()).expect("consistent");
         assert_eq!(map.local().reduction().t(), &before);
         let (mut k_q, mut load) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
         let spring = |_: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&[1.0, -1.0, -1.0, 1.0]);

@@ -50,7 +50,7 @@ impl<'a> Workspace<'a> {
 
     /// Assembles and eliminates front f.
     pub fn front(&mut self, f: usize, children: Vec<Contribution>) -> Result<(Contribution, FrontResult), Error> {
-        let rows = self.symbolic.front_rows(f).len() + children.iter().map(|left| left.lead.len()).sum::<usize>();
+        let rows = self.symbolic.front_rows(f).len() + children.iter().map(|child| child.lead.len()).sum::<usize>();
         if rows == 0 {
             return Ok(Default::default());
         }
@@ -62,7 +62,7 @@ impl<'a> Workspace<'a> {
         self.sort_rows(f, &children);
         self.assemble(f, rows, &children)?;
         self.columns.iter().for_each(|&column| self.place[column as usize] = NONE);
-        children.iter().for_each(|left| self.ledger.give(held(left)));
+        children.iter().for_each(|child| self.ledger.give(held(child)));
         drop(children);
         let (values, stair, tolerance) = (&mut self.values[..], &self.stair[..], self.numbers.tolerance);
         DenseFront { values, rows, cols: shape.cols, pivots, stair, tolerance }.eliminate(self.arch, &mut self.work);
@@ -72,9 +72,9 @@ impl<'a> Workspace<'a> {
     }
 }
 
-/// The bytes that the ledger holds for a contribution.
-fn held(left: &Contribution) -> usize {
-    8 * left.values.len() + 4 * (left.columns.len() + left.lead.len() + left.names.len())
+/// The bytes that the ledger holds for a child.
+fn held(child: &Contribution) -> usize {
+    8 * child.values.len() + 4 * (child.columns.len() + child.lead.len() + child.names.len())
 }
 
 impl Workspace<'_> {
@@ -85,8 +85,8 @@ impl Workspace<'_> {
         let rows = symbolic.front_rows(f);
         let entries = symbolic.pattern.start[rows.start]..symbolic.pattern.start[rows.end];
         symbolic.pattern.index[entries].iter().for_each(|&column| self.place[column as usize] = 0);
-        for left in children {
-            left.columns.iter().for_each(|&column| self.place[column as usize] = 0);
+        for child in children {
+            child.columns.iter().for_each(|&column| self.place[column as usize] = 0);
         }
         self.columns.clear();
         self.columns.extend(from..end);
@@ -104,8 +104,8 @@ impl Workspace<'_> {
         for i in symbolic.front_rows(f) {
             stair[place[symbolic.pattern.index[symbolic.pattern.start[i]] as usize] as usize] += 1;
         }
-        for left in children {
-            left.lead.iter().for_each(|&at| stair[place[left.columns[at as usize] as usize] as usize] += 1);
+        for child in children {
+            child.lead.iter().for_each(|&at| stair[place[child.columns[at as usize] as usize] as usize] += 1);
         }
         next.clear();
         let mut sum = 0;
@@ -129,7 +129,7 @@ impl Workspace<'_> {
             self.names.resize(rows, 0);
         }
         self.symbolic.front_rows(f).for_each(|i| self.add_row(i, rows));
-        children.iter().for_each(|left| self.add_contribution(left, rows));
+        children.iter().for_each(|child| self.add_contribution(child, rows));
         Ok(())
     }
 
@@ -152,24 +152,24 @@ impl Workspace<'_> {
         }
     }
 
-    fn add_contribution(&mut self, left: &Contribution, rows: usize) {
+    fn add_contribution(&mut self, child: &Contribution, rows: usize) {
         let Self { place, next, values, columns, names, .. } = self;
         let take = |&at: &u32| {
-            let slot = &mut next[place[left.columns[at as usize] as usize] as usize];
+            let slot = &mut next[place[child.columns[at as usize] as usize] as usize];
             *slot += 1;
             *slot - 1
         };
-        let target: Vec<u32> = left.lead.iter().map(take).collect();
-        target.iter().zip(&left.names).for_each(|(&row, &name)| names[row as usize] = name);
+        let target: Vec<u32> = child.lead.iter().map(take).collect();
+        target.iter().zip(&child.names).for_each(|(&row, &name)| names[row as usize] = name);
         let (mut height, mut at) = (0, 0);
-        let inner = left.columns.iter().map(|&column| place[column as usize] as usize);
+        let inner = child.columns.iter().map(|&column| place[column as usize] as usize);
         let behind = (columns.len()..).take(self.numbers.count);
         for (c, k) in inner.chain(behind).enumerate() {
-            while height < target.len() && (c >= left.columns.len() || left.lead[height] as usize <= c) {
+            while height < target.len() && (c >= child.columns.len() || child.lead[height] as usize <= c) {
                 height += 1;
             }
             let column = &mut values[k * rows..(k + 1) * rows];
-            for (&row, &value) in target[..height].iter().zip(&left.values[at..at + height]) {
+            for (&row, &value) in target[..height].iter().zip(&child.values[at..at + height]) {
                 column[row as usize] = value;
             }
             at += height;
@@ -185,7 +185,7 @@ impl Workspace<'_> {
         let rank = lead.partition_point(|&k| (k as usize) < pivots);
         let (own, others) = lead.split_at(rank);
         let shape = shape(cols, own, others);
-        let names = if self.numbers.keep_q { INDEX * shape.left_rows } else { 0 };
+        let names = if self.numbers.keep_q { INDEX * shape.passed_rows } else { 0 };
         self.ledger.take(out_bytes(&shape, count) + waiting_bytes(&shape, count) + names)?;
         let mut out = FrontResult::new(own, &self.columns[pivots..], self.symbolic.outer.list(f), self.work.dropped);
         out.has_rest = count > 0 && lead.len() < rows;
@@ -215,10 +215,10 @@ impl Workspace<'_> {
 
 fn shape(cols: usize, own: &[u32], others: &[u32]) -> FrontShape {
     let entries = |lead: &[u32]| packed_len(cols, lead, 0);
-    let left_cols = others.first().map_or(0, |&k| cols - k as usize);
-    let (rank, left_rows) = (own.len(), others.len());
-    let (entries, left_entries) = (entries(own), entries(others));
-    FrontShape { cols, rank, entries, left_rows, left_cols, left_entries, ..FrontShape::default() }
+    let passed_cols = others.first().map_or(0, |&k| cols - k as usize);
+    let (rank, passed_rows) = (own.len(), others.len());
+    let (entries, passed_entries) = (entries(own), entries(others));
+    FrontShape { cols, rank, entries, passed_rows, passed_cols, passed_entries, ..FrontShape::default() }
 }
 
 impl Workspace<'_> {

@@ -34,7 +34,18 @@ impl Symbolic {
     /// [`Error::Length`], [`Error::Tolerance`], [`Error::NotFinite`], [`Error::Overflow`], [`Error::OutOfMemory`] or
     /// [`Error::Ordering`].
     pub fn factor(&self, values: &[f64], rhs: &[f64], options: Options) -> Result<Factor, Error> {
-        factor(self, values, rhs, options)
+        let values = &*self.gathered(values)?;
+        let numbers = checked(self, values, rhs, options)?;
+        let (tolerance, limit) = (numbers.tolerance, options.memory);
+        let is_live = |entry: usize| values[entry].abs() > tolerance;
+        let diagonal = |i: usize| self.entry[self.pattern.start[i]] as usize;
+        let result = if (0..self.peeled).map(diagonal).all(is_live) {
+            run(self, &numbers, limit)
+        } else {
+            // A peeled column is dependent by its value: analyse again and peel only entries above the tolerance.
+            run(&crate::symbolic::analyse(self.rows, &self.columns(), &is_live)?, &numbers, limit)
+        };
+        result.map(|(factor, _)| factor)
     }
 }
 
@@ -47,21 +58,6 @@ pub(crate) struct FactorInput<'a> {
     pub count: usize,
     pub tolerance: f64,
     pub keep_q: bool,
-}
-
-pub(crate) fn factor(symbolic: &Symbolic, values: &[f64], rhs: &[f64], options: Options) -> Result<Factor, Error> {
-    let values = &*symbolic.gathered(values)?;
-    let numbers = checked(symbolic, values, rhs, options)?;
-    let (tolerance, limit) = (numbers.tolerance, options.memory);
-    let is_live = |entry: usize| values[entry].abs() > tolerance;
-    let diagonal = |i: usize| symbolic.entry[symbolic.pattern.start[i]] as usize;
-    let result = if (0..symbolic.peeled).map(diagonal).all(is_live) {
-        run(symbolic, &numbers, limit)
-    } else {
-        // A peeled column is dependent by its value: analyse again and peel only entries above the tolerance.
-        run(&crate::symbolic::analyse(symbolic.rows, &symbolic.columns(), &is_live)?, &numbers, limit)
-    };
-    result.map(|(factor, _)| factor)
 }
 
 /// Returns the factor and the largest number of bytes held at once.

@@ -24,7 +24,7 @@ const SHARE: f64 = 1.0 / 128.0;
 /// Output of a finished front.
 #[derive(Default)]
 struct FrontSlot {
-    left: Contribution,
+    contribution: Contribution,
     out: FrontResult,
 }
 
@@ -138,10 +138,10 @@ impl Tasks<'_> {
     fn sequence(&self, ranges: &[Range<u32>]) -> Result<(), Error> {
         let mut workspace = Workspace::new(self.symbolic, self.numbers, self.ledger);
         for f in ranges.iter().cloned().flatten() {
-            let left = |child: &u32| std::mem::take(&mut self.slot(*child).left);
-            let children = self.children(f).iter().map(left).collect();
-            let (left, out) = workspace.front(f as usize, children)?;
-            *self.slot(f) = FrontSlot { left, out };
+            let contribution = |child: &u32| std::mem::take(&mut self.slot(*child).contribution);
+            let children = self.children(f).iter().map(contribution).collect();
+            let (contribution, out) = workspace.front(f as usize, children)?;
+            *self.slot(f) = FrontSlot { contribution, out };
         }
         Ok(())
     }

@@ -26,12 +26,12 @@ pub(crate) struct FrontShape {
     /// Entries of these rows of R.
     pub entries: usize,
     /// Rows, columns and entries of the contribution to the parent.
-    pub left_rows: usize,
-    pub left_cols: usize,
-    pub left_entries: usize,
+    pub passed_rows: usize,
+    pub passed_cols: usize,
+    pub passed_entries: usize,
     /// Number of reflections and total length of their vectors.
-    pub turns: usize,
-    pub turned: usize,
+    pub reflections: usize,
+    pub vectors: usize,
 }
 
 /// Sizes and work of all fronts.
@@ -79,7 +79,7 @@ struct ContributionPattern {
 struct FrontSimulation {
     shapes: Vec<FrontShape>,
     flops: Vec<f64>,
-    left: Vec<ContributionPattern>,
+    contribution: Vec<ContributionPattern>,
     place: Vec<u32>,
     columns: Vec<u32>,
     begins: Vec<usize>,
@@ -88,11 +88,11 @@ struct FrontSimulation {
 impl FrontSimulation {
     fn new(symbolic: &Symbolic) -> Self {
         let count = symbolic.fronts.len();
-        let left = (0..count).map(|_| ContributionPattern::default()).collect();
+        let contribution = (0..count).map(|_| ContributionPattern::default()).collect();
         Self {
             shapes: Vec::with_capacity(count),
             flops: Vec::with_capacity(count),
-            left,
+            contribution,
             place: vec![NONE; symbolic.cols],
             columns: Vec::new(),
             begins: Vec::new(),
@@ -104,7 +104,7 @@ impl FrontSimulation {
         let pivots = (end - from) as usize;
         let children = symbolic.fronts.children.list(f);
         let below: Vec<ContributionPattern> =
-            children.iter().map(|&child| std::mem::take(&mut self.left[child as usize])).collect();
+            children.iter().map(|&child| std::mem::take(&mut self.contribution[child as usize])).collect();
         self.mark(symbolic, f, &below);
         let Self { place, columns, begins, .. } = self;
         columns.clear();
@@ -116,14 +116,14 @@ impl FrontSimulation {
         for i in symbolic.front_rows(f) {
             begins[place[symbolic.pattern.list(i)[0] as usize] as usize] += 1;
         }
-        for left in &below {
-            left.lead.iter().for_each(|&at| begins[place[left.columns[at as usize] as usize] as usize] += 1);
+        for child in &below {
+            child.lead.iter().for_each(|&at| begins[place[child.columns[at as usize] as usize] as usize] += 1);
         }
         columns.iter().for_each(|&column| place[column as usize] = NONE);
-        let (shape, flops, left) = eliminated(begins, columns, pivots);
+        let (shape, flops, contribution) = eliminated(begins, columns, pivots);
         self.shapes.push(shape);
         self.flops.push(flops);
-        self.left[f] = left;
+        self.contribution[f] = contribution;
     }
 
     /// Marks the columns in which the front has entries.
@@ -131,7 +131,7 @@ impl FrontSimulation {
         let rows = symbolic.front_rows(f);
         let (from, to) = (symbolic.pattern.start[rows.start], symbolic.pattern.start[rows.end]);
         symbolic.pattern.index[from..to].iter().for_each(|&column| self.place[column as usize] = 0);
-        below.iter().flat_map(|left| &left.columns).for_each(|&column| self.place[column as usize] = 0);
+        below.iter().flat_map(|child| &child.columns).for_each(|&column| self.place[column as usize] = 0);
     }
 }
 
@@ -146,8 +146,8 @@ fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, 
         if stair > g {
             if stair > g + 1 {
                 flops += 4.0 * (stair - g) as f64 * (cols - k) as f64;
-                shape.turns += 1;
-                shape.turned += stair - g;
+                shape.reflections += 1;
+                shape.vectors += stair - g;
             }
             g += 1;
             if k < pivots {
@@ -161,9 +161,9 @@ fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, 
     shape.rows = stair;
     let first = lead.first().map_or(cols, |&k| k as usize);
     lead.iter_mut().for_each(|k| *k -= first as u32);
-    shape.left_rows = lead.len();
-    shape.left_cols = if lead.is_empty() { 0 } else { cols - first };
-    shape.left_entries = lead.iter().map(|&k| shape.left_cols - k as usize).sum();
+    shape.passed_rows = lead.len();
+    shape.passed_cols = if lead.is_empty() { 0 } else { cols - first };
+    shape.passed_entries = lead.iter().map(|&k| shape.passed_cols - k as usize).sum();
     (shape, flops, ContributionPattern { columns: columns[first..].to_vec(), lead })
 }
 
@@ -181,7 +181,7 @@ pub(crate) fn front_bytes(shape: &FrontShape, k: usize) -> usize {
 
 /// Memory of the contribution to the parent.
 pub(crate) fn waiting_bytes(shape: &FrontShape, k: usize) -> usize {
-    NUMBER * (shape.left_entries + shape.left_rows * k) + INDEX * (shape.left_cols + shape.left_rows)
+    NUMBER * (shape.passed_entries + shape.passed_rows * k) + INDEX * (shape.passed_cols + shape.passed_rows)
 }
 
 /// Memory of a front's rows of R, which stay until all fronts are done.
@@ -190,8 +190,8 @@ pub(crate) fn out_bytes(shape: &FrontShape, k: usize) -> usize {
 }
 
 /// Memory of the stored reflections of a front.
-pub(crate) fn reflection_bytes(rows: usize, turns: usize, turned: usize) -> usize {
-    NUMBER * turned + (INDEX + 2 * NUMBER) * turns + INDEX * rows
+pub(crate) fn reflection_bytes(rows: usize, reflections: usize, vectors: usize) -> usize {
+    NUMBER * vectors + (INDEX + 2 * NUMBER) * reflections + INDEX * rows
 }
 
 /// Memory for the reflections of a front during its elimination.
@@ -202,9 +202,10 @@ pub(crate) fn kept_bytes(shape: &FrontShape) -> usize {
 impl Forecast {
     /// Additional memory for Q: stored reflections, the largest working memory for them, row numbers of contributions.
     pub fn bytes_of_q(&self, symbolic: &Symbolic) -> usize {
-        let kept: usize = self.shapes.iter().map(|shape| reflection_bytes(shape.rows, shape.turns, shape.turned)).sum();
+        let kept: usize =
+            self.shapes.iter().map(|shape| reflection_bytes(shape.rows, shape.reflections, shape.vectors)).sum();
         let room = self.shapes.iter().map(kept_bytes).max().unwrap_or(0);
-        let waiting: usize = self.shapes.iter().map(|shape| INDEX * shape.left_rows).sum();
+        let waiting: usize = self.shapes.iter().map(|shape| INDEX * shape.passed_rows).sum();
         kept + room + waiting + INDEX * symbolic.rows
     }
 
@@ -257,15 +258,25 @@ pub(crate) fn at_worst(symbolic: &Symbolic) -> Vec<FrontShape> {
     for f in 0..fronts.len() {
         let (from, end, outer) = symbolic.front_columns(f);
         let pivots = (end - from) as usize;
-        let below: usize = fronts.children.list(f).iter().map(|&child| shapes[child as usize].left_rows).sum();
+        let below: usize = fronts.children.list(f).iter().map(|&child| shapes[child as usize].passed_rows).sum();
         let rows = symbolic.front_rows(f).len() + below;
-        let (rank, left) = (rows.min(pivots), rows.min(outer.len()));
+        let (rank, passed_rows) = (rows.min(pivots), rows.min(outer.len()));
         let cols = pivots + outer.len();
         let entries = rank * cols - rank * rank.saturating_sub(1) / 2;
-        let left_entries = left * outer.len() - left * left.saturating_sub(1) / 2;
-        let left_cols = if left == 0 { 0 } else { outer.len() };
-        let (turns, turned) = (rows.min(cols), rows * rows.min(cols));
-        shapes.push(FrontShape { rows, cols, rank, entries, left_rows: left, left_cols, left_entries, turns, turned });
+        let passed_entries = passed_rows * outer.len() - passed_rows * passed_rows.saturating_sub(1) / 2;
+        let passed_cols = if passed_rows == 0 { 0 } else { outer.len() };
+        let (reflections, vectors) = (rows.min(cols), rows * rows.min(cols));
+        shapes.push(FrontShape {
+            rows,
+            cols,
+            rank,
+            entries,
+            passed_rows,
+            passed_cols,
+            passed_entries,
+            reflections,
+            vectors,
+        });
     }
     shapes
 }

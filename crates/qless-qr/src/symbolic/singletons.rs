@@ -11,9 +11,9 @@ use crate::matrix::Gather;
 /// Pairs (column, row) of the singletons, in the order of peeling. `may` says which entries of A can be diagonal: a test
 /// of their values against the tolerance, if values are known.
 pub(super) fn peel(columns: &Lists, rows: &Lists, may: &dyn Fn(usize) -> bool) -> Vec<(u32, u32)> {
-    let mut left: Vec<u32> = (0..columns.len()).map(|j| columns.list(j).len() as u32).collect();
+    let mut remaining: Vec<u32> = (0..columns.len()).map(|j| columns.list(j).len() as u32).collect();
     let mut taken = vec![false; rows.len()];
-    let mut queue: Vec<u32> = (0..columns.len() as u32).filter(|&j| left[j as usize] == 1).collect();
+    let mut queue: Vec<u32> = (0..columns.len() as u32).filter(|&j| remaining[j as usize] == 1).collect();
     let mut pairs = Vec::new();
     let mut at = 0;
     while at < queue.len() {
@@ -26,8 +26,8 @@ pub(super) fn peel(columns: &Lists, rows: &Lists, may: &dyn Fn(usize) -> bool) -
         taken[row as usize] = true;
         pairs.push((column, row));
         for &other in rows.list(row as usize) {
-            left[other as usize] -= 1;
-            if left[other as usize] == 1 {
+            remaining[other as usize] -= 1;
+            if remaining[other as usize] == 1 {
                 queue.push(other);
             }
         }
@@ -60,18 +60,18 @@ impl UnpeeledMatrix {
             *at = count;
             count += 1;
         }
-        let (mut left, mut column, mut void) = (Lists::new(), Vec::new(), Vec::new());
+        let (mut remaining, mut column, mut void) = (Lists::new(), Vec::new(), Vec::new());
         for j in (0..columns.len()).filter(|&j| kept[j]) {
-            let before = left.index.len();
-            left.index.extend(columns.list(j).iter().map(|&i| number[i as usize]).filter(|&i| i != NONE));
-            if left.index.len() == before {
+            let before = remaining.index.len();
+            remaining.index.extend(columns.list(j).iter().map(|&i| number[i as usize]).filter(|&i| i != NONE));
+            if remaining.index.len() == before {
                 void.push(j as u32);
             } else {
                 column.push(j as u32);
-                left.close();
+                remaining.close();
             }
         }
-        Self { rows: count as usize, columns: left, column, void }
+        Self { rows: count as usize, columns: remaining, column, void }
     }
 
     /// The analysis for a column order of S. The columns are then sorted into a postorder of their tree.

@@ -1,4 +1,4 @@
-//! `A = U S V^T` of small matrices by one-sided Jacobi rotations, for comparison: slow, simple, accurate.
+//! The SVD `A = U S V^T` of small matrices by one-sided Jacobi rotations, as a reference.
 
 use super::{Matrix, dot, norm};
 
@@ -44,7 +44,7 @@ impl Svd {
     }
 }
 
-/// Makes each pair of columns orthogonal; whether there was anything to do.
+/// Makes each pair of columns orthogonal; returns whether any column changed.
 fn sweep(u: &mut [Vec<f64>], v: &mut [Vec<f64>]) -> bool {
     let floor = 1e-17 * u.iter().map(|c| norm(c)).fold(0.0, f64::max);
     let mut turned = false;

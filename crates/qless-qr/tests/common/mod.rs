@@ -1,4 +1,4 @@
-//! Matrices of every shape and rank, and the identities that their factorizations must meet.
+//! Matrices of every shape and rank, and the identities of their factorizations.
 #![allow(dead_code, clippy::return_self_not_must_use, reason = "each test file uses its part")]
 
 pub mod dense;
@@ -29,7 +29,7 @@ pub fn absolute(tolerance: f64) -> Options {
     Options::new().tolerance(Tolerance::Absolute(tolerance))
 }
 
-/// What a factor says.
+/// The results of a factor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     pub rank: usize,
@@ -102,7 +102,7 @@ impl Matrix {
         Self::from_columns(rows, &(0..cols).map(&mut column).collect::<Vec<_>>())
     }
 
-    /// Some columns replaced by copies, by sums of two others, or by nothing.
+    /// Replaces some columns by copies, by sums of two others, or by zeros.
     pub fn spoilt(&self, random: &mut Random, count: usize) -> Self {
         let mut columns: Vec<Vec<(u32, f64)>> =
             (0..self.cols).map(|j| self.column(j).map(|(i, v)| (i as u32, v)).collect()).collect();

@@ -1,4 +1,4 @@
-//! `(u_(i-1) + 4 u_i + u_(i+1)) / 6 = b_i` with a few coefficients of another size.
+//! Band matrices, `(u_(i-1) + 4 u_i + u_(i+1)) / 6 = b_i`, with a few changed coefficients.
 
 use qless::SystemBuilder;
 
@@ -6,15 +6,14 @@ use super::MOST;
 use crate::error::within;
 use crate::{Rng, Scene, SceneError, Truth};
 
-/// At most one spot per window, in its first rows: so spots are 9 rows apart at the least.
+/// Rows of a window. At most one of its first rows has a changed coefficient, so changed rows are at least 9 rows apart.
 const WINDOW: usize = 16;
 const FIRST: usize = 8;
 
-/// The n x n band `1/6, 4/6, 1/6`, in which about one row of 32 has one of its coefficients replaced by -1 or 4.
+/// The n x n band `1/6, 4/6, 1/6`; in about one of 32 rows -1 or 4 replaces one coefficient.
 ///
-/// Eliminated from the first row on, pivots tend to 0.622 and return to it within a few rows of a spot; none is smaller
-/// than 1/3, which a 4 beside the diagonal makes -1/3 or -0.4. So the rank is n, and every DOF has one value. The first
-/// window always has a spot.
+/// In elimination from the first row, the pivots converge to 0.622, and return to it a few rows after a changed row. The
+/// smallest pivots have size 1/3. So the rank is n, and every DOF has one value. The first window always has a changed row.
 ///
 /// ```
 /// let scene = qless_scenes::families::spotted_band(100, 1)?;

@@ -1,4 +1,4 @@
-//! Chains whose start is prescribed or free: harmless ones, and such as a solver cannot close.
+//! Chains of equations with a prescribed or a free start, well-conditioned or near-singular.
 
 use qless::SystemBuilder;
 
@@ -6,13 +6,13 @@ use super::MOST;
 use crate::error::within;
 use crate::{Scene, SceneError, Truth};
 
-/// Beyond this ratio of largest to smallest DOF the smallest singular value is below about 1e-4.
+/// If the ratio of the largest to the smallest DOF exceeds this, the smallest singular value is below about 1e-4.
 const STEEP: f64 = 1e4;
 
 /// `u_i - u_(i+1) / factor = 0` for i = 1..n - 1, with `u_1 = 1` prescribed: `u_(i+1) = factor u_i`.
 ///
-/// The rank is n - 1 exactly. For a factor above 1 the smallest singular value falls as `factor^-n`, so that 1.01 is
-/// enough for long chains: the truth is marked ambiguous where `factor^(n-1) > 1e4`.
+/// The rank is exactly n - 1. For a factor above 1 the smallest singular value decreases as `factor^-n`. The truth is marked
+/// ambiguous if `factor^(n-1) > 1e4`, which long chains reach with a factor of 1.01.
 ///
 /// ```
 /// let scene = qless_scenes::families::geometric_chain(4, 2.0)?;
@@ -23,7 +23,7 @@ const STEEP: f64 = 1e4;
 ///
 /// # Errors
 /// [`SceneError::Size`] for n < 2; [`SceneError::Number`] for a factor that is zero, infinite or NaN;
-/// [`SceneError::System`] where `1 / factor` overflows.
+/// [`SceneError::System`] if `1 / factor` overflows.
 pub fn geometric_chain(n: usize, factor: f64) -> Result<Scene, SceneError> {
     within("n", n, 2, MOST)?;
     if factor == 0.0 || !factor.is_finite() {
@@ -38,9 +38,9 @@ pub fn geometric_chain(n: usize, factor: f64) -> Result<Scene, SceneError> {
     solved(builder, n - 1, (1..n).zip(values).collect())
 }
 
-/// `u_(i-1) + 4 u_i + u_(i+1) = 0` with `u_1 = 0` and `u_2 = 1` prescribed: each row gives the next DOF.
+/// `u_(i-1) + 4 u_i + u_(i+1) = 0` with `u_1 = 0` and `u_2 = 1` prescribed: each row determines the next DOF.
 ///
-/// The rank is `rows` exactly, and the smallest singular value falls as `3.73^-rows`: ambiguous from 7 rows on.
+/// The rank is exactly `rows`. The smallest singular value decreases as `3.73^-rows`: ambiguous from 7 rows on.
 ///
 /// # Errors
 /// [`SceneError::Size`] without rows.
@@ -59,10 +59,10 @@ pub fn recurrence(rows: usize) -> Result<Scene, SceneError> {
     solved(builder, rows, values)
 }
 
-/// Each pair of DOFs `(a, b)` is the pair before it turned by 45 degrees: `c (a - b)`, `c (a + b)`, c = 0.7071...
+/// Each pair of DOFs is the previous pair `(a, b)` rotated by 45 degrees: `c (a - b)`, `c (a + b)`, c = 0.7071...
 ///
-/// 2 n equations on 2 (n + 1) DOFs, the first pair being free. Harmless: a rotation changes no length, so the smallest
-/// singular value falls only as 1 / n, as that of [`super::path`].
+/// It has 2 n equations on 2 (n + 1) DOFs. A rotation changes no length, so the smallest singular value decreases only as
+/// 1 / n, as that of [`super::path`].
 ///
 /// # Errors
 /// [`SceneError::Size`] for n = 0.
@@ -78,7 +78,7 @@ pub fn rotations(n: usize) -> Result<Scene, SceneError> {
     Scene::bare(builder, Truth::independent(2 * n).without_generated(true))
 }
 
-/// A scene that fixes every free DOF; values beyond a double's range are not listed.
+/// A scene in which every free DOF is fixed. The values are unknown if they exceed the range of a double.
 fn solved(builder: SystemBuilder, rank: usize, values: Vec<(usize, f64)>) -> Result<Scene, SceneError> {
     let largest = values.iter().fold(1.0, |a: f64, (_, u)| a.max(u.abs()));
     let generated = values.iter().all(|(_, u)| u.is_finite()).then_some(values);

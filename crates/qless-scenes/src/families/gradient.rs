@@ -1,4 +1,4 @@
-//! `A_e u_a + B_e u_b = 0` for each edge of a grid, with d x d blocks: a vector-valued incidence matrix.
+//! Vector-valued incidence matrices: `A_e u_a + B_e u_b = 0` for each edge of a grid, with d x d blocks.
 
 use qless::SystemBuilder;
 
@@ -6,11 +6,10 @@ use super::MOST;
 use crate::error::within;
 use crate::{Rng, Scene, SceneError, Truth};
 
-/// Edges x nodes of an nx x ny x nz grid (nz = 1 for 2-D), d rows per edge and d DOFs per node.
+/// The edges x nodes matrix of an nx x ny x nz grid (nz = 1 for 2-D), with d rows per edge and d DOFs per node.
 ///
-/// d = 1: coefficients +1, -1 and rank nodes - 1. Otherwise every entry of both blocks is random in
-/// `-1..1`, and the rank is d nodes where the grid has a cycle, d (nodes - 1) where it is a line: not by
-/// necessity but with probability one.
+/// For d = 1 the coefficients are +1 and -1, and the rank is nodes - 1. Otherwise all entries of the blocks are random in
+/// `-1..1`. With probability one the rank is then d nodes if the grid has a cycle, and d (nodes - 1) if it is a line.
 ///
 /// Two sizes for benchmarks: `[128, 128, 1]` with d = 3 gives 97,536 x 49,152; `[16, 16, 16]` with d = 3
 /// gives 34,560 x 12,288.
@@ -46,7 +45,7 @@ fn block_rows(a: usize, b: usize, d: usize, rng: &mut Rng) -> Vec<Vec<(usize, f6
     (0..d).map(|_| columns(a).chain(columns(b)).map(|j| (j, rng.real())).collect()).collect()
 }
 
-/// Pairs of neighbours, all along x, then y, then z.
+/// Pairs of neighbours, first along x, then y, then z.
 fn edges([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = (usize, usize)> {
     let strides = [1, nx, nx * ny];
     (0..3).flat_map(move |axis| {

@@ -1,4 +1,4 @@
-//! `u_a - u_b = 0` for each edge of a graph: rank = nodes - connected components.
+//! Incidence matrices of graphs, `u_a - u_b = 0` for each edge: rank = nodes - connected components.
 
 use qless::SystemBuilder;
 
@@ -8,7 +8,7 @@ use crate::{Rng, Scene, SceneError, Truth};
 
 /// The edges x nodes incidence matrix: `u_a - u_b = step` for each `(a, b, step)`, a != b.
 ///
-/// Conflicting where the steps around some cycle do not add up to 0 (compared exactly, so give whole numbers).
+/// Conflicting if the steps around some cycle do not add up to 0. The comparison is exact, so steps should be whole numbers.
 ///
 /// ```
 /// use qless_scenes::families::incidence;
@@ -18,7 +18,7 @@ use crate::{Rng, Scene, SceneError, Truth};
 /// ```
 ///
 /// # Errors
-/// [`SceneError::Size`] for an edge's node that is out of range.
+/// [`SceneError::Size`] if a node of an edge is out of range.
 pub fn incidence(nodes: usize, edges: &[(usize, usize, f64)]) -> Result<Scene, SceneError> {
     within("nodes", nodes, 1, MOST)?;
     let mut builder = SystemBuilder::new(nodes);
@@ -44,7 +44,7 @@ pub fn path(nodes: usize) -> Result<Scene, SceneError> {
     incidence(nodes, &(1..nodes).map(|b| (b - 1, b, 0.0)).collect::<Vec<_>>())
 }
 
-/// [`path`] and the closing equation `u_nodes - u_1 = gap`: redundant for a gap of 0, else conflicting.
+/// [`path`] with the closing equation `u_nodes - u_1 = gap`: redundant for a gap of 0, otherwise conflicting.
 ///
 /// # Errors
 /// [`SceneError::Size`] for fewer than 3 nodes; [`SceneError::System`] for a gap that is not finite.
@@ -67,7 +67,7 @@ pub fn grid_2d(nx: usize, ny: usize) -> Result<Scene, SceneError> {
     incidence(nx * ny, &right.chain(up).collect::<Vec<_>>())
 }
 
-/// Random edges, parallel ones included: about nodes / 2 of them leave many components, twice the nodes few.
+/// Random edges, possibly parallel. With about nodes / 2 edges there are many components, with 2 nodes few.
 ///
 /// # Errors
 /// [`SceneError::Size`] for fewer than 2 nodes.
@@ -93,7 +93,7 @@ impl GraphForest {
         Self { parent: (0..nodes).collect(), offset: vec![0.0; nodes] }
     }
 
-    /// Root of a node and `u_node - u_root`; halves the way there.
+    /// Root of a node and `u_node - u_root`; halves the path.
     fn root(&mut self, mut node: usize) -> (usize, f64) {
         let mut sum = 0.0;
         while self.parent[node] != node {
@@ -106,7 +106,7 @@ impl GraphForest {
         (node, sum)
     }
 
-    /// Adds `u_a - u_b = step`; returns the value of `u_a - u_b` where it was already implied.
+    /// Adds `u_a - u_b = step`, or returns the value of `u_a - u_b` that earlier equations imply.
     fn join(&mut self, a: usize, b: usize, step: f64) -> Option<f64> {
         let ((root_a, from_a), (root_b, from_b)) = (self.root(a), self.root(b));
         if root_a == root_b {

@@ -1,4 +1,4 @@
-//! Sized, seeded families whose rank follows from their construction.
+//! Families of scenes with a size and a seed, whose rank follows from their construction.
 //!
 //! | family | equations x DOFs | rank |
 //! | --- | --- | --- |
@@ -23,9 +23,8 @@
 //! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
 //!
-//! Change a scene's scales and order by [`crate::Scene::scale_rows`], [`crate::Scene::scale_dofs`] and
-//! [`crate::Scene::shuffle`]; add rows with a column of their own by
-//! [`crate::Scene::with_singletons`], another scene by [`crate::Scene::beside`].
+//! [`crate::Scene::scale_rows`], [`crate::Scene::scale_dofs`] and [`crate::Scene::shuffle`] change the scales and the order of
+//! a scene. [`crate::Scene::with_singletons`] adds rows with a DOF of their own, [`crate::Scene::beside`] another scene.
 //!
 //! ```
 //! use qless_scenes::{families, oracle};
@@ -72,3 +71,6 @@ pub use typed::typed_twice;
 pub use windows::Windows;
 
 pub(crate) use crate::error::MOST;
+
+/// The rows of a rotation, times 3: orthogonal whole vectors that are not parallel to x, y or z.
+const AXES: [[f64; 3]; 3] = [[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]];

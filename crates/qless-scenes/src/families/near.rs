@@ -1,4 +1,4 @@
-//! `row_3 = row_1 + row_2` but for a relative change eps in one coefficient: how near is dependent?
+//! Rows near dependence: `row_3 = row_1 + row_2` except for a relative change eps in one coefficient.
 
 use qless::SystemBuilder;
 
@@ -6,19 +6,19 @@ use super::MOST;
 use crate::error::within;
 use crate::{Scene, SceneError, Truth};
 
-/// Where the third row differs from the sum of the other two.
+/// The coefficient in which the third row differs from the sum of the other two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Near {
-    /// In a column that only the first and the third row hold.
+    /// In a column of the first and the third row only.
     Own,
-    /// In a column that all three rows hold.
+    /// In a column of all three rows.
     Shared,
 }
 
-/// Independent triples of rows on 7 DOFs each, of which the third is the sum of the others but for eps.
+/// Unconnected triples of rows on 7 DOFs each; the third row of a triple is the sum of the others except for eps.
 ///
-/// Exact rank 3 per triple for any eps that changes the coefficient, else 2. The smallest singular value is
-/// about eps / 10 of the largest; for `|eps|` up to 1e-4 the truth is marked ambiguous.
+/// The exact rank of a triple is 3 if eps changes the coefficient, otherwise 2. The smallest singular value is about
+/// eps / 10 of the largest. For `|eps|` up to 1e-4 the truth is marked ambiguous.
 ///
 /// ```
 /// use qless_scenes::families::{Near, near};

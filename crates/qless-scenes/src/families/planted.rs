@@ -1,4 +1,4 @@
-//! `row = sum c_i row_i` with small whole numbers: sparse rows, some of which are combinations of others.
+//! Sparse rows with small whole coefficients, and combinations `row = sum c_i row_i` of them.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use crate::{Rng, Scene, SceneError, Truth};
 
 /// Independent sparse rows and combinations of two to four of them, all in random order.
 ///
-/// Row i has an own DOF, which no later independent row holds: so the rank is `rows`, exactly.
+/// Each independent row has a DOF that no later independent row has, so the rank is exactly `rows`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Planted {
     /// Number of independent rows.
@@ -19,7 +19,7 @@ pub struct Planted {
     pub dofs: usize,
     /// Number of combinations.
     pub combos: usize,
-    /// Most coefficients of an independent row; each has from 2 to this many where DOFs are left.
+    /// Largest number of coefficients of an independent row; each has 2 to `terms` if enough DOFs remain.
     pub terms: usize,
     /// Whether the last combination contradicts the rows that it combines.
     pub conflict: bool,
@@ -37,7 +37,7 @@ pub fn planted(rows: usize, dofs: usize, combos: usize, seed: u64, conflict: boo
 type PlantedEquation = (BTreeMap<usize, f64>, f64);
 
 impl Planted {
-    /// Coefficients are whole numbers, so that combinations are exact.
+    /// Builds the scene. Coefficients are whole numbers, so combinations are exact.
     ///
     /// # Errors
     /// [`SceneError::Size`] for no rows, fewer DOFs than rows, less than 2 terms, or a conflict without
@@ -48,7 +48,7 @@ impl Planted {
         within("terms", self.terms, 2, 1000)?;
         within("combos", self.combos, usize::from(self.conflict), MOST)?;
         let mut rng = Rng::new(seed);
-        let order = rng.shuffled(self.dofs);
+        let order = rng.permutation(self.dofs)?;
         let mut equations: Vec<PlantedEquation> =
             (0..self.rows).map(|i| self.independent(i, &order, &mut rng)).collect();
         for _ in 0..self.combos {
@@ -57,31 +57,25 @@ impl Planted {
         if self.conflict {
             equations[self.rows + self.combos - 1].1 += 1.0;
         }
-        let truth = Truth::rank(equations.len(), self.rows).with_conflict(self.conflict);
-        Scene::bare(self.in_random_order(&equations, &mut rng), truth)
+        let mut builder = SystemBuilder::new(self.dofs);
+        for k in rng.permutation(equations.len())? {
+            let (terms, rhs) = &equations[k];
+            let label = match k.checked_sub(self.rows) {
+                None => format!("independent {}", k + 1),
+                Some(combo) => format!("combination {}", combo + 1),
+            };
+            builder.labelled_equation(label, terms.iter().map(|(&dof, &a)| (dof, a)), *rhs);
+        }
+        Scene::bare(builder, Truth::rank(equations.len(), self.rows).with_conflict(self.conflict))
     }
 
-    /// Own DOF `order[i]`, and others only from further on in the order.
+    /// Row i with its own DOF `order[i]`; its other DOFs come later in the order.
     fn independent(&self, i: usize, order: &[usize], rng: &mut Rng) -> PlantedEquation {
         let later = &order[i + 1..];
         let wanted = 1 + rng.below(self.terms - 1);
         let others = rng.drawn(wanted, later.len()).into_iter().map(|k| later[k]);
         let terms = others.chain([order[i]]).map(|dof| (dof, rng.coefficient(2))).collect();
         (terms, rng.below(7) as f64 - 3.0)
-    }
-
-    fn in_random_order(&self, equations: &[PlantedEquation], rng: &mut Rng) -> SystemBuilder {
-        let mut builder = SystemBuilder::new(self.dofs);
-        for k in rng.shuffled(equations.len()) {
-            let (terms, rhs) = &equations[k];
-            let label = if k < self.rows {
-                format!("independent {}", k + 1)
-            } else {
-                format!("combination {}", k + 1 - self.rows)
-            };
-            builder.labelled_equation(label, terms.iter().map(|(&dof, &a)| (dof, a)), *rhs);
-        }
-        builder
     }
 }
 

@@ -1,4 +1,4 @@
-//! `u_i - (U + theta x r_i) = 0`: nodes gripped by rigid spiders with six-DOF masters.
+//! Rigid spiders: nodes that follow masters with six DOFs, `u_i - (U + theta x r_i) = 0`.
 
 use qless::SystemBuilder;
 
@@ -6,12 +6,11 @@ use super::MOST;
 use crate::error::within;
 use crate::{Component, Rng, Scene, SceneError, Truth};
 
-/// k nodes, each tied by 3 equations to every one of one or two masters.
+/// k nodes, tied to each of one or two masters by 3 equations.
 ///
-/// Coordinates are whole numbers of at most 500 and not all on a line, so everything is exact. With one master
-/// the 3 k equations are independent. With two, only the six rigid motions of all nodes and both masters are
-/// left: rank 3 k + 12 - 6. The scene has nodes (the masters last) but no
-/// places of DOFs, since rotations are no [`Component`].
+/// Coordinates are whole numbers of at most 500, so coefficients are exact; the nodes are not collinear. With one master
+/// the 3 k equations are independent. With two masters only the six rigid motions of all nodes and both masters remain:
+/// rank 3 k + 12 - 6. The scene has nodes (the masters last), but `dofs` is empty because a rotation is no [`Component`].
 ///
 /// ```
 /// use qless_scenes::{families::rbe2, oracle};
@@ -39,17 +38,17 @@ pub fn rbe2(k: usize, masters: usize, seed: u64) -> Result<Scene, SceneError> {
     }
     builder.dof_labels(names(k, masters));
     let rank = if masters == 1 { 3 * k } else { 3 * k + 6 };
-    let scene = Scene::bare(builder, Truth { generated: Some(Vec::new()), ..Truth::rank(3 * k * masters, rank) })?;
+    let scene = Scene::bare(builder, Truth::rank(3 * k * masters, rank).without_generated(true))?;
     Ok(Scene { nodes: places, ..scene })
 }
 
-/// `u - U - theta x r` along one axis: `(theta x r)_x = theta_y r_z - theta_z r_y` and so on around.
+/// `u - U - theta x r` along one axis: `(theta x r)_x = theta_y r_z - theta_z r_y`, cyclically.
 fn row(leg: usize, master: usize, axis: usize, r: [f64; 3]) -> [(usize, f64); 4] {
     let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
     [(leg + axis, 1.0), (master + axis, -1.0), (master + 3 + next, -r[last]), (master + 3 + last, r[next])]
 }
 
-/// Whole coordinates; the first three are not on a line.
+/// Whole coordinates; the first three places are not collinear.
 fn places(count: usize, rng: &mut Rng) -> Vec<[f64; 3]> {
     let mut places: Vec<[f64; 3]> =
         (0..count).map(|_| std::array::from_fn(|_| rng.below(1001) as f64 - 500.0)).collect();

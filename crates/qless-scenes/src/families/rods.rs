@@ -1,4 +1,4 @@
-//! `n . (u_i - u_j) = 0` for rods along unit vectors n, whose direction cosines were typed with a few decimals.
+//! Rods along unit vectors n, `n . (u_i - u_j) = 0`, with direction cosines that were typed with a few digits.
 
 use qless::{Csr, SystemBuilder};
 
@@ -6,16 +6,16 @@ use super::MOST;
 use super::typed::typed;
 use crate::error::within;
 use crate::oracle::exact_rank;
-use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
+use crate::{Dof, Rng, Scene, SceneError, Truth};
 
-/// Corners of a polygon before they are moved by up to 0.2.
+/// Corners of a pentagon before they are moved by up to 0.2.
 const CORNERS: [[f64; 2]; 5] = [[1.0, 0.0], [0.3, 0.95], [-0.8, 0.6], [-0.8, -0.6], [0.3, -0.95]];
 
-/// A chain of n irregular pentagons in the plane, hinged to one another, with rods between all corners of each.
+/// A chain of n irregular pentagons in the plane, hinged to their neighbours, with rods between all corners of a pentagon.
 ///
-/// Of the 10 rods of a pentagon 7 make it rigid and 3 are redundant. Cosines rounded to `digits` decimals leave it no
-/// rotation: as typed 8 rods are independent, one of them at a distance of about `10^-digits` from the others. So the 10 n
-/// equations on 8 n + 2 DOFs have rank 8 n, near 7 n, and the truth is marked ambiguous.
+/// Seven of the 10 rods of a pentagon make it rigid, and 3 are redundant. Cosines rounded to `digits` digits prevent its
+/// rotation too: with them 8 rods are independent, one of them only by about `10^-digits`. So the 10 n equations on 8 n + 2 DOFs
+/// have rank 8 n but are near rank 7 n, and the truth is marked ambiguous.
 ///
 /// ```
 /// let scene = qless_scenes::families::typed_cosines(3, 5, 1)?;
@@ -42,7 +42,7 @@ pub fn typed_cosines(n: usize, digits: usize, seed: u64) -> Result<Scene, SceneE
             builder.labelled_equation(label, rods.row(row).map(|(j, v)| (8 * polygon + j, v)), 0.0);
         }
     }
-    let dofs = (0..8 * n + 2).map(|j| Dof { node: j / 2, component: Component::SPACE[j % 2] }).collect();
+    let dofs = Dof::of_nodes(nodes.len(), 2);
     let truth = Truth { ambiguous: true, ..Truth::rank(10 * n, rank) };
     Ok(Scene { system: builder.build()?, truth, nodes, dofs })
 }
@@ -51,7 +51,7 @@ fn corners(rng: &mut Rng) -> [[f64; 3]; 5] {
     CORNERS.map(|[x, y]| [x + 0.2 * rng.real(), y + 0.2 * rng.real(), 0.0])
 }
 
-/// A row for each two corners. Its coefficients add up to 0 exactly, so the ranks of polygons that share a corner add up.
+/// A row for each pair of corners. Its coefficients add up to exactly 0, so the ranks of pentagons with a common corner add up.
 fn rods(corners: &[[f64; 3]; 5], digits: usize) -> Result<Csr, SceneError> {
     let mut rows = Csr::empty(10);
     for (a, b) in (0..5).flat_map(|b| (0..b).map(move |a| (a, b))) {

@@ -1,4 +1,4 @@
-//! `u(x + L e_d) - u(x) - E_d = 0`: periodicity of a cube, stated naively for all nodes of all three face pairs.
+//! Periodicity of a cube, `u(x + L e_d) - u(x) - E_d = 0` for all nodes of all three pairs of faces.
 
 use qless::SystemBuilder;
 
@@ -8,8 +8,8 @@ use crate::{Component, Dof, Scene, SceneError, Truth};
 
 /// A cubic cell with n elements per side and nine macroscopic displacement differences `E_d` as DOFs.
 ///
-/// Each component has 3 (n + 1)^2 equations of rank (n + 1)^3 - n^3: the edges and corners are tied more than
-/// once, which leaves 3 n + 2 redundant. The geometry holds the surface nodes and, last, one node per `E_d`.
+/// Each component has 3 (n + 1)^2 equations of rank (n + 1)^3 - n^3. Edges and corners are tied more than once, so 3 n + 2
+/// equations are redundant. The nodes are those of the surface and, last, one for each `E_d`.
 ///
 /// # Errors
 /// [`SceneError::Size`] for n = 0.
@@ -28,13 +28,12 @@ pub fn rve(n: usize) -> Result<Scene, SceneError> {
             }
         }
     }
-    let dofs = (0..3 * surface.nodes.len()).map(|j| Dof { node: j / 3, component: Component::SPACE[j % 3] });
-    let truth = Truth::rank(9 * (n + 1).pow(2), 3 * ((n + 1).pow(3) - n.pow(3)));
-    let truth = Truth { generated: Some(Vec::new()), ..truth };
-    Ok(Scene { system: builder.build()?, truth, nodes: surface.nodes, dofs: dofs.collect() })
+    let dofs = Dof::of_nodes(surface.nodes.len(), 3);
+    let truth = Truth::rank(9 * (n + 1).pow(2), 3 * ((n + 1).pow(3) - n.pow(3))).without_generated(true);
+    Ok(Scene { system: builder.build()?, truth, nodes: surface.nodes, dofs })
 }
 
-/// Numbers of the nodes on the surface of the cube `0..=n`.
+/// The nodes on the surface of the cube with n elements per side, and their numbers.
 struct RveSurface {
     n: usize,
     number: Vec<usize>,

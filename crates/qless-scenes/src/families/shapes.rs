@@ -1,4 +1,4 @@
-//! Stars, arrows and ladders: patterns that punish a careless choice of slaves or order of elimination.
+//! Stars, arrows and ladders: patterns in which the choice of slaves or the order of elimination matters.
 
 use qless::SystemBuilder;
 
@@ -6,7 +6,7 @@ use super::{MOST, incidence};
 use crate::error::within;
 use crate::{Scene, SceneError, Truth};
 
-/// `u_1 - u_k = 0` for k = 2..=legs + 1: every equation starts with the same DOF.
+/// `u_1 - u_k = 0` for k = 2..=legs + 1: all equations start with the same DOF.
 ///
 /// # Errors
 /// [`SceneError::Size`] without legs.
@@ -15,7 +15,7 @@ pub fn spider(legs: usize) -> Result<Scene, SceneError> {
     incidence(legs + 1, &(1..=legs).map(|k| (0, k, 0.0)).collect::<Vec<_>>())
 }
 
-/// `u_i - u_last = 0` for n DOFs, and the sum of these n rows as a last, dense and redundant row.
+/// `u_i - u_last = 0` for n DOFs; the last row is the sum of these n rows, dense and redundant.
 ///
 /// ```
 /// let scene = qless_scenes::families::arrow(3)?;
@@ -35,7 +35,7 @@ pub fn arrow(n: usize) -> Result<Scene, SceneError> {
     Scene::bare(builder, Truth::rank(n + 1, n))
 }
 
-/// `u_i - 2 u_{i+1} = 0`: independent; the wrong slaves make T grow to `2^rungs`.
+/// `u_i - 2 u_{i+1} = 0`: independent. With the wrong slaves the entries of T grow to `2^rungs`.
 ///
 /// # Errors
 /// [`SceneError::Size`] without rungs.

@@ -1,16 +1,27 @@
-//! `row_a + row_b`: equations that say nothing new, to be found again.
+//! Redundant equations `row_a + row_b`.
+
+use qless::SystemBuilder;
 
 use crate::Rng;
 
 /// An equation's `(DOF, coefficient)`.
 pub(super) type Terms = Vec<(usize, f64)>;
 
-/// The sum of two of `count` rows, of such as share no DOF where a few draws find some: then it is exact.
-pub(super) fn sum_of_two(count: usize, row: impl Fn(usize) -> Terms, rng: &mut Rng) -> Terms {
-    let mut draw = || {
-        let pair = rng.drawn(2, count);
-        [row(pair[0]), row(pair[1])]
-    };
+/// Adds sums of two random rows of `count`. Rows without a common DOF are preferred, because their sum is exact.
+pub(super) fn add_sums(
+    builder: &mut SystemBuilder,
+    sums: usize,
+    count: usize,
+    row: impl Fn(usize) -> Terms,
+    rng: &mut Rng,
+) {
     let apart = |[a, b]: &[Terms; 2]| a.iter().all(|(j, _)| b.iter().all(|(k, _)| j != k));
-    (0..64).map(|_| draw()).find(apart).unwrap_or_else(draw).concat()
+    for k in 1..=sums {
+        let mut draw = || {
+            let pair = rng.drawn(2, count);
+            [row(pair[0]), row(pair[1])]
+        };
+        let sum = (0..64).map(|_| draw()).find(apart).unwrap_or_else(draw).concat();
+        builder.labelled_equation(format!("sum {k}"), sum, 0.0);
+    }
 }

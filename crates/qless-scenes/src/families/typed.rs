@@ -1,4 +1,4 @@
-//! `C' = C` rounded to a few decimals: equations that somebody typed a second time.
+//! Equations that were typed a second time, with coefficients rounded to a few digits.
 
 use qless::SystemBuilder;
 
@@ -8,11 +8,12 @@ use crate::{Rng, Scene, SceneError, Truth};
 
 type TypedRow = Vec<(usize, f64)>;
 
-/// n random equations with two DOFs of their own each, and about a third of them once more with rounded coefficients.
+/// n random equations, and rounded copies of about a third of them.
 ///
-/// Own coefficients are from 1 to 2 in size, others, up to four on DOFs of later equations, up to 1/4: so the n equations
-/// alone are well-conditioned. A copy differs by up to `5 10^-digits`, relative to each coefficient. The rank is the
-/// number of all equations, at that distance from n; the truth is marked ambiguous. Rows and DOFs are in random order.
+/// Each of the n equations has two DOFs that no later equation has, with coefficients of size 1 to 2, and up to four DOFs of
+/// later equations, with coefficients of up to 1/4; so they are well-conditioned. A copy differs by up to `5 10^-digits`,
+/// relative to each coefficient. All equations are independent, but the copies only by that difference, so the truth is
+/// marked ambiguous. Rows and DOFs are in random order.
 ///
 /// ```
 /// let scene = qless_scenes::families::typed_twice(30, 6, 1)?;
@@ -27,10 +28,10 @@ pub fn typed_twice(n: usize, digits: usize, seed: u64) -> Result<Scene, SceneErr
     within("n", n, 1, MOST / 2)?;
     within("digits", digits, 3, 8)?;
     let mut rng = Rng::new(seed);
-    let place = rng.shuffled(2 * n);
+    let place = rng.permutation(2 * n)?;
     let mut equations = Vec::new();
     for i in 0..n {
-        let (row, rhs) = (sound(i, &place, &mut rng), rng.below(7) as f64 - 3.0);
+        let (row, rhs) = (equation(i, &place, &mut rng), rng.below(7) as f64 - 3.0);
         if i == 0 || rng.below(3) == 0 {
             let copy = row.iter().map(|&(j, v)| (j, typed(v, digits))).collect();
             equations.push((format!("equation {}, typed again", i + 1), copy, rhs));
@@ -46,8 +47,8 @@ pub fn typed_twice(n: usize, digits: usize, seed: u64) -> Result<Scene, SceneErr
     Scene::bare(builder, truth)
 }
 
-/// Own DOFs `place[2 i]` and `place[2 i + 1]`, which no later equation holds.
-fn sound(i: usize, place: &[usize], rng: &mut Rng) -> TypedRow {
+/// Equation i: its own DOFs are `place[2 i]` and `place[2 i + 1]`.
+fn equation(i: usize, place: &[usize], rng: &mut Rng) -> TypedRow {
     let mut own = |k: usize| {
         let v = rng.real();
         (place[2 * i + k], v + v.signum())
@@ -59,7 +60,7 @@ fn sound(i: usize, place: &[usize], rng: &mut Rng) -> TypedRow {
     row
 }
 
-/// A number with as many significant decimals, as it would be read from a file.
+/// The number rounded to `digits` significant decimal digits.
 pub(super) fn typed(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().expect("a number in scientific notation")
 }

@@ -1,4 +1,4 @@
-//! `sum_{j in window} a_j u_j = b`: several random equations per window of a grid, and sums of neighbours.
+//! Several random equations `sum_{j in window} a_j u_j = b` per window of a grid, and combinations of neighbours.
 
 use qless::SystemBuilder;
 
@@ -6,12 +6,12 @@ use super::MOST;
 use crate::error::within;
 use crate::{Rng, Scene, SceneError, Truth};
 
-/// The *constraints* family: wide systems of local equations with planted redundancy.
+/// Wide systems of local equations, and combinations of them.
 ///
-/// Windows of `window` nodes per side start at every `stride`-th node of an nx x ny x nz grid (nz = 1 for 2-D);
-/// each has `rows` equations with random whole coefficients on all of its DOFs. The DOFs of its first `stride`
-/// nodes per side are in no later window, and equation k of a window leaves out the first k of them: so all are
-/// independent, exactly. `combos` further equations each combine two equations of consecutive windows.
+/// Windows of `window` nodes per side start at every `stride`-th node of an nx x ny x nz grid (nz = 1 for 2-D). Each has
+/// `rows` equations with random whole coefficients on all of its DOFs, except that equation k of a window omits the first k
+/// DOFs. The DOFs of the first `stride` nodes per side are in no later window, so these equations are independent. Each of
+/// `combos` further equations combines two equations of consecutive windows.
 ///
 /// Two sizes for benchmarks: 2-D 95,000 x 160,000 and 3-D 14,700 x 64,000:
 ///
@@ -28,11 +28,11 @@ pub struct Windows {
     pub extent: [usize; 3],
     /// DOFs per node.
     pub d: usize,
-    /// Nodes per side of a window, cut off at the grid's far end.
+    /// Nodes per side of a window; windows at the far end of the grid are smaller.
     pub window: usize,
-    /// Nodes from one window's start to the next, at most `window`.
+    /// Nodes from the start of one window to the start of the next, at most `window`.
     pub stride: usize,
-    /// Equations per window, at most the DOFs of its first `stride` nodes per side.
+    /// Equations per window, at most the number of DOFs of its first `stride` nodes per side.
     pub rows: usize,
     /// Number of combinations.
     pub combos: usize,
@@ -45,25 +45,25 @@ fn product(sides: [usize; 3]) -> usize {
 type WindowsEquation = (Vec<(usize, f64)>, f64);
 
 impl Windows {
-    /// Windows along each axis; those whose first `stride` nodes do not fit are left out.
+    /// Number of windows along each axis; a window is omitted if its first `stride` nodes do not fit.
     fn windows(&self) -> [usize; 3] {
         self.extent.map(|n| n / self.stride.clamp(1, n.max(1)))
     }
 
-    /// m.
+    /// m, the number of equations.
     pub fn equations(&self) -> usize {
         product(self.windows()).saturating_mul(self.rows).saturating_add(self.combos)
     }
 
-    /// n. Some DOFs may not occur, where stride and window leave nodes uncovered.
+    /// n, the number of DOFs. DOFs of nodes outside all windows occur in no equation.
     pub fn dofs(&self) -> usize {
         product(self.extent).saturating_mul(self.d)
     }
 
-    /// The equations window by window, then the combinations.
+    /// Builds the scene: equations window by window, then the combinations.
     ///
     /// # Errors
-    /// [`SceneError::Size`] for a number outside the limits above.
+    /// [`SceneError::Size`] if a number is outside the limits above.
     pub fn scene(&self, seed: u64) -> Result<Scene, SceneError> {
         self.check()?;
         let mut rng = Rng::new(seed);
@@ -96,7 +96,7 @@ impl Windows {
         within("combos", self.combos, 0, if neighbours == 0 { 0 } else { MOST })
     }
 
-    /// DOFs of a window; first those of its first `stride` nodes per side, which are in no window further on.
+    /// DOFs of a window; first those of its first `stride` nodes per side, which are in no later window.
     fn dofs_of(&self, place: [usize; 3]) -> Vec<usize> {
         let [nx, ny, _] = self.extent;
         let stride = self.extent.map(|n| self.stride.min(n));
@@ -114,7 +114,7 @@ fn equation(dofs: &[usize], rng: &mut Rng) -> WindowsEquation {
     (dofs.iter().map(|&dof| (dof, rng.coefficient(9))).collect(), rng.below(7) as f64 - 3.0)
 }
 
-/// `a` times one plus `b` times the other; shared DOFs are summed when the system is built, exactly.
+/// A random combination of two equations. Building the system adds up repeated DOFs, exactly.
 fn sum(one: &WindowsEquation, other: &WindowsEquation, rng: &mut Rng) -> WindowsEquation {
     let (a, b) = (rng.coefficient(2), rng.coefficient(2));
     let scaled =

@@ -1,4 +1,4 @@
-//! Where the nodes are: a box 100 m x 100 m x 40 m, a tank of radius 30 m and height 20 m on its middle.
+//! Coordinates of the nodes: a box of 100 m x 100 m x 40 m with a tank of radius 30 m and height 20 m at its centre.
 
 use super::Mesh;
 
@@ -13,7 +13,7 @@ pub(super) fn cell(mesh: &Mesh) -> (f64, f64) {
     (WIDTH / (mesh.columns - 1) as f64, DEPTH / (mesh.layers - 1) as f64)
 }
 
-/// Side node `at` of a ring of `4 (columns - 1)` nodes, counted around the box from its first corner.
+/// Side node `at` in a ring of `4 (columns - 1)` nodes, counted around the box from its first corner.
 pub(super) fn side(columns: usize, layers: usize, at: usize, layer: usize) -> [f64; 3] {
     let cells = columns - 1;
     let along = WIDTH * (at % cells) as f64 / cells as f64;
@@ -32,7 +32,7 @@ pub(super) fn top(mesh: &Mesh, i: usize, j: usize) -> [f64; 3] {
     [WIDTH * i as f64 / cells, WIDTH * j as f64 / cells, 0.0]
 }
 
-/// Node of the tank: rings 0..rings of the foundation from inside out, then those of the wall from below.
+/// Node of the tank: rings 0..rings are the foundation from inside to outside, the others the wall from below.
 pub(super) fn tank(mesh: &Mesh, ring: usize, sector: usize) -> [f64; 3] {
     let above = ring.saturating_sub(mesh.rings - 1);
     let share = (ring - above) as f64 / (mesh.rings - 1) as f64;
@@ -44,7 +44,7 @@ pub(super) fn tank(mesh: &Mesh, ring: usize, sector: usize) -> [f64; 3] {
 
 /// `(cos, sin)` of `2 pi sector / sectors`, exact on the axes and symmetric in the four quadrants.
 ///
-/// By Taylor's series, since the platforms' sine and cosine differ in the last bit.
+/// Computed by Taylor series, because sine and cosine of platforms differ in the last bit.
 pub(super) fn normal(mesh: &Mesh, sector: usize) -> [f64; 2] {
     let quarter = mesh.sectors / 4;
     let angle = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64 / quarter as f64;

@@ -1,15 +1,15 @@
-//! `D_ij = int phi_i phi_j dx`, `M_ik = int phi_i psi_k dx`: hat functions of two meshes on one line, exactly.
+//! Integrals `D_ij = int phi_i phi_j dx` and `M_ik = int phi_i psi_k dx` of the hat functions of two meshes of a line.
 //!
-//! The functions phi belong to n equally spaced nodes on an interval of n - 1 cells of length 1, psi to m nodes
-//! on the same interval. On each piece between neighbouring nodes of either mesh a product is a parabola, which
-//! the two-point Gauss rule integrates exactly but for rounding.
+//! The functions phi belong to n equally spaced nodes of an interval with n - 1 cells of length 1, psi to m nodes of the
+//! same interval. Between neighbouring nodes of both meshes a product is a parabola, so the two-point Gauss rule is exact
+//! except for rounding.
 
 /// Band matrix: row i holds its `(column, integral)` with nonzero integrals, ascending.
-pub(super) type Band = Vec<Vec<(usize, f64)>>;
+pub(super) type HatIntegrals = Vec<Vec<(usize, f64)>>;
 
-/// Integrals of the n hats, by rows, with the m hats of the same interval.
-pub(super) fn products(n: usize, m: usize) -> Band {
-    let mut rows: Band = vec![Vec::new(); n];
+/// Integrals of the products of n hats (rows) and m hats (columns).
+pub(super) fn products(n: usize, m: usize) -> HatIntegrals {
+    let mut rows: HatIntegrals = vec![Vec::new(); n];
     let cuts = cuts(n, m);
     for piece in cuts.windows(2) {
         let scale = (m - 1) as f64;
@@ -25,7 +25,7 @@ pub(super) fn products(n: usize, m: usize) -> Band {
     rows
 }
 
-/// Nodes of both meshes in ascending order, in units in which both are whole: 1 / (m - 1) of a near cell.
+/// Nodes of both meshes in ascending order, in units of 1 / (m - 1) of a near cell, so that all are whole numbers.
 fn cuts(n: usize, m: usize) -> Vec<usize> {
     let mut cuts: Vec<usize> = (0..n).map(|i| i * (m - 1)).chain((0..m).map(|k| k * (n - 1))).collect();
     cuts.sort_unstable();
@@ -33,7 +33,7 @@ fn cuts(n: usize, m: usize) -> Vec<usize> {
     cuts
 }
 
-/// The hat of node i on cells of a given length.
+/// The hat function of node i on cells of the given length.
 fn hat(x: f64, i: usize, length: f64) -> f64 {
     1.0 - (x / length - i as f64).abs()
 }

@@ -1,4 +1,4 @@
-//! `m = 12 columns layers + 3 rings sectors + wall sectors`, of which `12 layers` redundant.
+//! The meshes of the model: `m = 12 columns layers + 3 rings sectors + wall sectors` equations, `12 layers` of them redundant.
 
 use crate::SceneError;
 use crate::error::within;
@@ -23,25 +23,25 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// m.
+    /// m, the number of equations.
     pub fn equations(&self) -> usize {
         let ties = 12_usize.saturating_mul(self.columns).saturating_mul(self.layers);
         let around = self.rings.saturating_mul(3).saturating_add(self.wall).saturating_mul(self.sectors);
         ties.saturating_add(around)
     }
 
-    /// Equations that the doubly tied edges make redundant: 4 edges x layers x 3.
+    /// Number of redundant equations, from the edges that are tied twice: 4 edges x layers x 3.
     pub fn redundant(&self) -> usize {
         self.layers.saturating_mul(12)
     }
 
-    /// The same for mortar rows: 12 x layers on a nested mesh, else 12 x (layers - far layers) or 0.
+    /// The same for mortar rows: 12 x layers on a nested mesh, otherwise 12 x (layers - far layers), at least 0.
     pub fn redundant_mortar(&self) -> usize {
         let layers = if self.is_nested() { self.layers } else { self.layers.saturating_sub(self.far_layers) };
         layers.saturating_mul(12)
     }
 
-    /// The 110 % mesh stretched to about `equations` equations, from some 300 to tens of millions.
+    /// The 110 % mesh refined or coarsened to about `equations` equations, from some 300 to tens of millions.
     ///
     /// ```
     /// use qless_scenes::fssi::Mesh;
@@ -65,31 +65,31 @@ impl Mesh {
         }
     }
 
-    /// The same mesh with `far_columns` such that every second near-field column meets a far-field one.
+    /// The same mesh with `far_columns` such that every second near-field column coincides with a far-field column.
     ///
-    /// An even number of `columns` grows by one.
+    /// An even number of `columns` is increased by one.
     #[must_use]
     pub fn nested(self) -> Self {
         let far_columns = self.columns / 2 + 1;
         Self { columns: far_columns.saturating_mul(2) - 1, far_columns, ..self }
     }
 
-    /// The same mesh with a far field three times coarser along the box and a little finer over its depth.
+    /// The same mesh with a far field that is three times coarser along the box and slightly finer over the depth.
     #[must_use]
     pub fn deep(self) -> Self {
         let far_columns = without_nesting(self.columns, self.columns / 16 * 5 + self.columns % 16 * 5 / 16 + 1);
         Self { far_columns, far_layers: self.layers.saturating_add(self.layers / 5 + 1), ..self }
     }
 
-    /// Whether every far-field column meets a near-field one, so that far-field functions are near-field ones.
+    /// Whether every far-field column coincides with a near-field one, so that far-field functions are combinations of near-field ones.
     pub fn is_nested(&self) -> bool {
         self.far_columns > 1 && self.columns > 0 && (self.columns - 1).is_multiple_of(self.far_columns - 1)
     }
 
-    /// Whether the model can be built: the tank stands inside the box and each mesh has cells.
+    /// Checks that the model can be built: the tank stands inside the box, and each mesh has cells.
     ///
     /// # Errors
-    /// [`SceneError::Size`] or [`SceneError::NotMultiple`] for the first number that is out of place.
+    /// [`SceneError::Size`] or [`SceneError::NotMultiple`] for the first invalid number.
     pub fn check(&self) -> Result<(), SceneError> {
         let most = 1 << 14;
         within("columns", self.columns, 7, most)?;
@@ -104,7 +104,7 @@ impl Mesh {
     }
 }
 
-/// The least number of far-field columns, from `far` up, of which some do not meet near-field ones.
+/// The least number of far-field columns, from `far` up, for which the mesh is not nested.
 fn without_nesting(columns: usize, far: usize) -> usize {
     (far.max(3)..=columns.saturating_add(1)).find(|far| !(columns - 1).is_multiple_of(far - 1)).unwrap_or(far)
 }
@@ -121,8 +121,8 @@ fn without_nesting(columns: usize, far: usize) -> usize {
 /// | 100 % | 26,888 | 288 | 41,372 | 71, 24 | 41, 15 | 28 x 56 | 31 |
 /// | 110 % | 31,832 | 300 | 48,528 | 79, 25 | 44, 15 | 27 x 76 | 26 |
 ///
-/// The layers follow from the redundant equations (12 each); the rest was searched for among the meshes
-/// whose total is exact, for about three quarters of the equations on the sides and 1.5 DOFs per equation.
+/// The layers follow from the redundant equations (12 each). The other numbers were chosen among the meshes with the exact
+/// total, for about three quarters of the equations on the sides and 1.5 DOFs per equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// 50 %, the coarsest.

@@ -1,4 +1,4 @@
-//! Numbers nodes and DOFs as they first occur, then shuffles the DOFs and builds the scene.
+//! Numbers nodes and DOFs in order of first occurrence, then shuffles the DOFs and builds the scene.
 
 use qless::SystemBuilder;
 
@@ -7,7 +7,7 @@ use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
 
 /// A mesh of the model, with nodes numbered from 0 within it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ModelPart {
+pub(super) enum FssiMesh {
     /// Near-field soil, sides: `4 (columns - 1)` around times `layers` down.
     Side,
     /// Near-field soil, surface: `columns x columns`.
@@ -25,9 +25,9 @@ const UNSEEN: u32 = u32::MAX;
 /// The equations so far, with DOFs in order of first occurrence.
 pub(super) struct FssiModel {
     pub(super) mesh: Mesh,
-    /// Scene node of each part's nodes, [`UNSEEN`] where it has not occurred.
+    /// Scene node of each node of a mesh; [`UNSEEN`] before it occurs.
     node: [Vec<u32>; 5],
-    /// DOF of each part's nodes and their components, likewise.
+    /// DOFs of each node of a mesh, by component; [`UNSEEN`] before they occur.
     dof: [Vec<[u32; 4]>; 5],
     nodes: Vec<[f64; 3]>,
     dofs: Vec<Dof>,
@@ -61,63 +61,63 @@ impl FssiModel {
         around(self.mesh.columns, face, i) + layer * 4 * (self.mesh.columns - 1)
     }
 
-    /// Far-field side node, likewise.
+    /// The same for the far field.
     pub(super) fn far(&self, face: usize, i: usize, layer: usize) -> usize {
         around(self.mesh.far_columns, face, i) + layer * 4 * (self.mesh.far_columns - 1)
     }
 
-    /// Adds `sum a u = 0` over `(part, node, component, a)`; zero coefficients do not occur.
+    /// Adds `sum a u = 0` over `(mesh, node, component, a)` without the zero coefficients.
     pub(super) fn equation(
         &mut self,
         label: String,
-        terms: impl IntoIterator<Item = (ModelPart, usize, Component, f64)>,
+        terms: impl IntoIterator<Item = (FssiMesh, usize, Component, f64)>,
     ) {
         let occurring = terms.into_iter().filter(|term| term.3 != 0.0);
-        let row = occurring.map(|(part, node, component, a)| (self.dof(part, node, component), a)).collect();
+        let row = occurring.map(|(mesh_id, node, component, a)| (self.dof(mesh_id, node, component), a)).collect();
         self.equations.push((label, row));
     }
 
-    fn dof(&mut self, part: ModelPart, node: usize, component: Component) -> usize {
-        let known = self.dof[part as usize][node][component as usize];
+    fn dof(&mut self, mesh_id: FssiMesh, node: usize, component: Component) -> usize {
+        let known = self.dof[mesh_id as usize][node][component as usize];
         if known != UNSEEN {
             return known as usize;
         }
         let number = self.dofs.len();
-        self.dof[part as usize][node][component as usize] = number as u32;
-        let place = Dof { node: self.scene_node(part, node), component };
+        self.dof[mesh_id as usize][node][component as usize] = number as u32;
+        let place = Dof { node: self.scene_node(mesh_id, node), component };
         self.dofs.push(place);
-        let mesh = ["soil", "soil top", "far", "tank", "fluid"][part as usize];
+        let mesh = ["soil", "soil top", "far", "tank", "fluid"][mesh_id as usize];
         self.names.push(format!("{mesh} {}:{}", node + 1, component.letter()));
         number
     }
 
-    fn scene_node(&mut self, part: ModelPart, node: usize) -> usize {
-        if self.node[part as usize][node] == UNSEEN {
-            self.node[part as usize][node] = self.nodes.len() as u32;
-            self.nodes.push(self.point(part, node));
+    fn scene_node(&mut self, mesh_id: FssiMesh, node: usize) -> usize {
+        if self.node[mesh_id as usize][node] == UNSEEN {
+            self.node[mesh_id as usize][node] = self.nodes.len() as u32;
+            self.nodes.push(self.point(mesh_id, node));
         }
-        self.node[part as usize][node] as usize
+        self.node[mesh_id as usize][node] as usize
     }
 
-    fn point(&self, part: ModelPart, node: usize) -> [f64; 3] {
+    fn point(&self, mesh_id: FssiMesh, node: usize) -> [f64; 3] {
         let mesh = &self.mesh;
         let on_side = |columns: usize, layers| {
             let ring = 4 * (columns - 1);
             geometry::side(columns, layers, node % ring, node / ring)
         };
         let (ring, sector) = (node / mesh.sectors, node % mesh.sectors);
-        match part {
-            ModelPart::Side => on_side(mesh.columns, mesh.layers),
-            ModelPart::Far => on_side(mesh.far_columns, mesh.far_layers),
-            ModelPart::Top => geometry::top(mesh, node % mesh.columns, node / mesh.columns),
-            ModelPart::Tank => geometry::tank(mesh, ring, sector),
-            ModelPart::Fluid => geometry::tank(mesh, ring + mesh.rings - 1, sector),
+        match mesh_id {
+            FssiMesh::Side => on_side(mesh.columns, mesh.layers),
+            FssiMesh::Far => on_side(mesh.far_columns, mesh.far_layers),
+            FssiMesh::Top => geometry::top(mesh, node % mesh.columns, node / mesh.columns),
+            FssiMesh::Tank => geometry::tank(mesh, ring, sector),
+            FssiMesh::Fluid => geometry::tank(mesh, ring + mesh.rings - 1, sector),
         }
     }
 
     /// Shuffles the DOF numbers and builds the system.
     pub(super) fn finish(self, seed: u64, truth: Truth) -> Result<Scene, SceneError> {
-        let number = Rng::new(seed).shuffled(self.dofs.len());
+        let number = Rng::new(seed).permutation(self.dofs.len())?;
         let mut builder = SystemBuilder::new(self.dofs.len());
         for (label, row) in self.equations {
             builder.labelled_equation(label, row.into_iter().map(|(dof, a)| (number[dof], a)), 0.0);
@@ -132,7 +132,7 @@ impl FssiModel {
     }
 }
 
-/// Position around the box of column i of a face, the last of which is the next face's first.
+/// Position of column i of a face around the box; the last column of a face is the first of the next.
 fn around(columns: usize, face: usize, i: usize) -> usize {
     (face * (columns - 1) + i) % (4 * (columns - 1))
 }

@@ -1,21 +1,21 @@
-//! `sum_j D_ij u_near,j - sum_k M_ik u_far,k = 0` with `D = D_x D_z`, `M = M_x M_z` on each side face.
+//! Mortar rows `sum_j D_ij u_near,j - sum_k M_ik u_far,k = 0` on the side faces.
 //!
-//! Both meshes of a face are tensor products, and so are their bilinear functions and the integrals.
+//! Both meshes of a face are tensor products, and so are their bilinear functions and integrals: `D = D_x D_z`, `M = M_x M_z`.
 
 use super::geometry;
-use super::integrals::{Band, products};
-use super::model::{FssiModel, ModelPart};
+use super::integrals::{HatIntegrals, products};
+use super::model::{FssiMesh, FssiModel};
 use crate::Component;
 
-/// Integrals along one direction: of near-field functions with near-field and far-field ones.
+/// Integrals along one direction, of near-field functions times near-field and times far-field functions.
 struct MortarLine {
-    near: Band,
-    far: Band,
+    near: HatIntegrals,
+    far: HatIntegrals,
 }
 
 impl MortarLine {
     fn new(near: usize, far: usize, length: f64) -> Self {
-        let scaled = |mut band: Band| {
+        let scaled = |mut band: HatIntegrals| {
             band.iter_mut().flatten().for_each(|entry| entry.1 *= length);
             band
         };
@@ -23,7 +23,7 @@ impl MortarLine {
     }
 }
 
-/// 3 equations per node of each face.
+/// Adds 3 equations per node of each face.
 pub(super) fn couple(model: &mut FssiModel) {
     let mesh = model.mesh;
     let (width, height) = geometry::cell(&mesh);
@@ -31,15 +31,15 @@ pub(super) fn couple(model: &mut FssiModel) {
     let down = MortarLine::new(mesh.layers, mesh.far_layers, height);
     for face in 0..4 {
         for (layer, i) in (0..mesh.layers).flat_map(|layer| (0..mesh.columns).map(move |i| (layer, i))) {
-            let near = tensor(&across.near[i], &down.near[layer])
-                .map(|(k, l, v)| (ModelPart::Side, model.side(face, k, l), v));
+            let near =
+                tensor(&across.near[i], &down.near[layer]).map(|(k, l, v)| (FssiMesh::Side, model.side(face, k, l), v));
             let far =
-                tensor(&across.far[i], &down.far[layer]).map(|(k, l, v)| (ModelPart::Far, model.far(face, k, l), -v));
+                tensor(&across.far[i], &down.far[layer]).map(|(k, l, v)| (FssiMesh::Far, model.far(face, k, l), -v));
             let terms: Vec<_> = near.chain(far).collect();
             for component in Component::SPACE {
                 let label =
                     format!("mortar side face {}, node ({},{}), {}", face + 1, i + 1, layer + 1, component.letter());
-                model.equation(label, terms.iter().map(|&(part, node, v)| (part, node, component, v)));
+                model.equation(label, terms.iter().map(|&(mesh_id, node, v)| (mesh_id, node, component, v)));
             }
         }
     }

@@ -1,9 +1,9 @@
-//! `u_near - sum_k N_k u_far,k = 0`: each near-field side node tied to the far-field cell that it lies in.
+//! Ties `u_near - sum_k N_k u_far,k = 0` of each near-field side node to the far-field cell around it.
 
-use super::model::{FssiModel, ModelPart};
+use super::model::{FssiMesh, FssiModel};
 use crate::Component;
 
-/// 3 equations per node of each face; an edge's nodes get the same equations from both of its faces.
+/// Adds 3 equations per node of each face; nodes of edges get the same equations from both faces.
 pub(super) fn tie(model: &mut FssiModel) {
     let mesh = model.mesh;
     for face in 0..4 {
@@ -13,8 +13,8 @@ pub(super) fn tie(model: &mut FssiModel) {
             let down = weights(layer, mesh.layers, mesh.far_layers);
             let masters = down.map(|(l, wz)| across.map(|(k, wx)| (model.far(face, k, l), wx * wz)));
             for component in Component::SPACE {
-                let slave = (ModelPart::Side, node, component, 1.0);
-                let masters = masters.as_flattened().iter().map(|&(far, w)| (ModelPart::Far, far, component, -w));
+                let slave = (FssiMesh::Side, node, component, 1.0);
+                let masters = masters.as_flattened().iter().map(|&(far, w)| (FssiMesh::Far, far, component, -w));
                 let label =
                     format!("tie side face {}, node ({},{}), {}", face + 1, i + 1, layer + 1, component.letter());
                 model.equation(label, std::iter::once(slave).chain(masters));
@@ -23,9 +23,9 @@ pub(super) fn tie(model: &mut FssiModel) {
     }
 }
 
-/// Linear weights of node i of n, equally spaced, on the two neighbours among m; exactly 0 and 1 where they meet.
+/// Linear weights of node i of n, equally spaced, on its two neighbours among m; exactly 0 and 1 at coinciding nodes.
 ///
-/// The second neighbour of the last node is the last node itself, with weight 0.
+/// The second neighbour of the last node is that node itself, with weight 0.
 fn weights(i: usize, n: usize, m: usize) -> [(usize, f64); 2] {
     let (cell, rest) = (i * (m - 1) / (n - 1), i * (m - 1) % (n - 1));
     let share = rest as f64 / (n - 1) as f64;

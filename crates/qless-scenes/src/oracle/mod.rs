@@ -1,12 +1,10 @@
-//! `rank C_f` as it is, to check what floating point makes of it: [`qless::exact`] on the doubles as stored.
+//! Reference results: the exact rank of `C_f`, by [`qless::exact`] on the stored doubles, and dense singular values.
 //!
-//! Exact means exact for the binary doubles: one third as a coefficient is not 1/3. Constraint systems of 30,000 rows take well
-//! under a second; matrices without any sparse elimination order, such as random ones of several thousand rows, do not
-//! belong here.
+//! Exact refers to the binary doubles: the coefficient 1.0 / 3.0 is not 1/3. Constraint systems of 30,000 rows take well
+//! under a second. Matrices that fill in for every elimination order, such as random ones of several thousand rows, are
+//! too expensive.
 //!
-//! [`singular_values`] is the other truth: how far a rank is from the next one. It is in floating point, and dense.
-//!
-//! What is NaN or infinite, fills in beyond memory or is too large to be dense is an [`OracleError`].
+//! [`singular_values`] shows the distance to a matrix of lower rank, by dense floating-point arithmetic.
 
 mod singular;
 
@@ -15,25 +13,25 @@ use qless::{ConstraintSystem, Csr, SystemError};
 
 pub use singular::singular_values;
 
-/// Why the truth about a matrix cannot be told.
+/// Why a reference result cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OracleError {
-    /// A number that is not finite, or an index that is too large.
+    /// A number is not finite, or an index is too large.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// Exact elimination fills in beyond memory.
+    /// Exact elimination needs too much memory.
     #[error(transparent)]
     Exact(#[from] ExactError),
-    /// Too large to be decomposed as a dense matrix.
-    #[error("the matrix has {found} entries with its zeros; at most {most} are decomposed")]
+    /// The matrix is too large for a dense decomposition.
+    #[error("as a dense matrix it has {found} entries; the singular value decomposition takes at most {most}")]
     TooLarge {
         /// Rows times columns.
         found: usize,
-        /// The most.
+        /// The limit.
         most: usize,
     },
-    /// The decomposition does not converge, which no finite matrix is known to cause.
+    /// The decomposition does not converge. No finite matrix is known to cause this.
     #[error("the singular value decomposition does not converge")]
     NoConvergence,
 }
@@ -54,7 +52,7 @@ pub enum OracleError {
 /// # Errors
 /// [`OracleError`].
 pub fn exact_rank(rows: &Csr) -> Result<usize, OracleError> {
-    // A system needs a DOF; a matrix does not.
+    // A system has at least one DOF; a matrix may have no columns.
     if rows.cols() == 0 { Ok(0) } else { rank_free(&homogeneous(rows, &[])?) }
 }
 
@@ -81,9 +79,9 @@ pub fn consistent(system: &ConstraintSystem) -> Result<bool, OracleError> {
     Ok(stored(system)?.is_solvable())
 }
 
-/// Free DOFs that have one value in every solution: those whose unit row is a combination of the rows of `C_f`.
+/// Free DOFs that have the same value in every solution: their unit rows are combinations of the rows of `C_f`.
 ///
-/// One elimination per DOF, so for small systems only.
+/// It runs one elimination for each DOF, so the system should be small.
 ///
 /// # Errors
 /// [`OracleError`].

@@ -1,4 +1,4 @@
-//! `C' = D_r C_f`, rows of one size, and its singular values by a dense decomposition.
+//! Singular values of `D_r C_f`, with rows scaled to about the same size, by a dense decomposition.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -8,16 +8,16 @@ use qless::ConstraintSystem;
 
 use super::{OracleError, free_of};
 
-/// Most entries of a dense matrix.
+/// Largest number of entries of the dense matrix.
 const MOST: usize = 100_000_000;
 
 /// Singular values of `D_r C_f`, descending; as many as the smaller of equations and free DOFs.
 ///
-/// C_f are the columns of C whose DOFs are not prescribed, and D_r the powers of two that bring the largest coefficient
-/// of each row into `[1, 2)`, which is how [`qless`] scales rows where units do not mix. Dense, in O(m n min(m, n)): for
-/// blocks of up to about 600 x 600. Values are right to rounding of the largest, so those below 1e-14 of it say "zero".
+/// C_f are the columns of the free DOFs. The powers of two in D_r bring the largest coefficient of each row into `[1, 2)`,
+/// as [`qless`] scales rows if units do not mix. The cost is O(m n min(m, n)), so matrices should not exceed about
+/// 600 x 600. The absolute error of each value is about the rounding of the largest; values below 1e-14 of it are zeros.
 ///
-/// A path of n nodes, `u_i - u_(i+1) = 0`, has the values `2 sin(k pi / 2n)`:
+/// A path of n nodes, `u_i - u_(i+1) = 0`, has the singular values `2 sin(k pi / 2n)`:
 ///
 /// ```
 /// use qless_scenes::{families, oracle};
@@ -47,8 +47,8 @@ pub fn singular_values(system: &ConstraintSystem) -> Result<Vec<f64>, OracleErro
     by_qr_algorithm(&dense)
 }
 
-/// By the QR algorithm at every size: dividing and conquering, which faer takes from 128 rows on, was seen to give a value of
-/// 2e-5 for a zero among many.
+/// Uses the QR algorithm at every size. From 128 rows on faer would use divide and conquer, which returned 2e-5 for one of many
+/// zero singular values.
 fn by_qr_algorithm(dense: &Mat<f64>) -> Result<Vec<f64>, OracleError> {
     let mut params = Spec::<SvdParams, f64>::default();
     params.config.recursion_threshold = usize::MAX;
@@ -60,7 +60,7 @@ fn by_qr_algorithm(dense: &Mat<f64>) -> Result<Vec<f64>, OracleError> {
     Ok(values.column_vector().iter().copied().collect())
 }
 
-/// `2^floor(log2 x)` for x >= 0: the double without its mantissa; the smallest normal one for anything below that.
+/// `2^floor(log2 x)` for x >= 0, by clearing the mantissa; at least the smallest normal number.
 fn power_of_two(x: f64) -> f64 {
     f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
 }

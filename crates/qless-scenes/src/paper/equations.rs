@@ -1,8 +1,8 @@
-//! Equations (12)-(14) and Figures 5 and 6.
+//! Equations (12)-(14) and Figures 2, 5 and 6.
 
 use qless::SystemBuilder;
 
-use crate::{Scene, SceneError, Truth};
+use crate::{Component, Dof, Scene, SceneError, Truth};
 
 /// Equations (12)-(14), of rank 2:
 ///
@@ -12,8 +12,8 @@ use crate::{Scene, SceneError, Truth};
 /// (14) 2 u1 +   u2 +   u3 = rhs
 /// ```
 ///
-/// The paper prints `u1 - 2 u2 - u3 = 0` as (13), with which the rank is 3; its (16) and (17) need the sign above.
-/// (14) = (12) + (13): redundant for rhs = 1, conflicting for any other (the paper's Figure 3b has 0).
+/// The paper prints (13) as `u1 - 2 u2 - u3 = 0`, but then the rank is 3; its (16) and (17) need the sign above.
+/// (14) = (12) + (13): redundant for rhs = 1, conflicting for any other value (0 in the paper's Figure 3b).
 ///
 /// # Errors
 /// [`SceneError::System`] for a right-hand side that is not finite.
@@ -21,7 +21,39 @@ pub fn equations_12_to_14(rhs: f64) -> Result<Scene, SceneError> {
     Scene::bare(three_equations(rhs), Truth::rank(3, 2).with_conflict(rhs != 1.0).without_generated(rhs == 1.0))
 }
 
-/// Figure 5: equations (12)-(14) with rhs 1 and u2 prescribed, which fixes u1 = 1/3 - u2 and u3 = 1/3 + u2.
+/// Three equivalent forms of the equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FloorInput {
+    /// u1 - u2, u1 - u3, u1 - u4: programs that take the first DOF of each equation as its slave fail.
+    Star,
+    /// u1 - u2, u2 - u3, u3 - u4: each slave except the first is a master of the equation before.
+    Chain,
+    /// u1 - u4, u2 - u4, u3 - u4: the form that such programs accept.
+    Accepted,
+}
+
+/// Figure 2: equal X displacement of the four corners of a frame's first floor, 3 independent equations.
+///
+/// # Errors
+/// None in practice.
+pub fn figure_2(input: FloorInput) -> Result<Scene, SceneError> {
+    let pairs = match input {
+        FloorInput::Star => [(0, 1), (0, 2), (0, 3)],
+        FloorInput::Chain => [(0, 1), (1, 2), (2, 3)],
+        FloorInput::Accepted => [(0, 3), (1, 3), (2, 3)],
+    };
+    let mut builder = SystemBuilder::new(4);
+    for (a, b) in pairs {
+        builder.labelled_equation(format!("u{} - u{} = 0", a + 1, b + 1), [(a, 1.0), (b, -1.0)], 0.0);
+    }
+    builder.dof_labels(names(4));
+    let nodes = vec![[0.0, 0.0, 3.0], [6.0, 0.0, 3.0], [6.0, 6.0, 3.0], [0.0, 6.0, 3.0]];
+    let dofs = (0..4).map(|node| Dof { node, component: Component::X }).collect();
+    let truth = Truth::independent(3).without_generated(true);
+    Ok(Scene { system: builder.build()?, truth, nodes, dofs })
+}
+
+/// Figure 5: equations (12)-(14) with rhs 1 and u2 prescribed; u1 = 1/3 - u2 and u3 = 1/3 + u2 are then fixed.
 ///
 /// # Errors
 /// [`SceneError::System`] for a value that is not finite.
@@ -32,7 +64,7 @@ pub fn figure_5(u2: f64) -> Result<Scene, SceneError> {
     Scene::bare(builder, Truth { generated, ..Truth::rank(3, 2) })
 }
 
-/// Figure 6: u4 is prescribed, and u3 and u5 become generated boundary conditions; u1 and u2 stay free.
+/// Figure 6: u4 is prescribed, which fixes u3 and u5 (generated boundary conditions) but not u1 and u2.
 ///
 /// ```text
 /// u1 - u2 + u3 - u4 = 0
@@ -41,7 +73,7 @@ pub fn figure_5(u2: f64) -> Result<Scene, SceneError> {
 /// u1 - u6           = 0
 /// ```
 ///
-/// The paper's text gives the outcome, not the coefficients: these are ours.
+/// The paper states the outcome but not the coefficients; these are ours.
 ///
 /// # Errors
 /// [`SceneError::System`] for a value that is not finite.
@@ -67,6 +99,6 @@ fn three_equations(rhs: f64) -> SystemBuilder {
 }
 
 /// u1, u2, ...
-pub(super) fn names(count: usize) -> Vec<String> {
+fn names(count: usize) -> Vec<String> {
     (1..=count).map(|j| format!("u{j}")).collect()
 }

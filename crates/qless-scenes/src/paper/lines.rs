@@ -1,14 +1,14 @@
-//! `u_a - u_b = 0` along four lines that meet in a point: Figures 1 and 8.
+//! Figures 1 and 8: ties `u_a - u_b = 0` along four lines that meet in a point.
 //!
-//! Four bodies, one per quadrant, stand corner to corner. Each of the four lines between them ties the nodes of
-//! its two bodies pair by pair, and each ends in the middle with a pair of the four corner nodes: four
-//! equations in a ring, of which three suffice.
+//! Four bodies, one in each quadrant, meet at a corner. Along each of the four lines between them the nodes of two bodies
+//! are tied pair by pair. Each line ends at the corner, where the four corner nodes are tied in a ring: four equations, of
+//! which three suffice.
 
 use qless::SystemBuilder;
 
 use crate::{Component, Dof, Scene, SceneError, Truth};
 
-/// One displacement component at the nodes of two bodies on the same point.
+/// A pair of tied nodes of two bodies at the same point.
 struct PaperLinePair {
     /// Scene DOFs (and nodes) of the pair.
     dofs: [usize; 2],
@@ -17,9 +17,8 @@ struct PaperLinePair {
 
 /// Figure 1: 8 equations on one component of nodes D, F, I, L in the middle and 8 nodes outside.
 ///
-/// D-F, F-L, L-I and I-D are a ring: one of the four is redundant. C and H are held by boundary
-/// conditions, C at 0 and H at `h`, and the line below C ties them: redundant for h = 0, conflicting otherwise.
-/// The paper names the nodes above; the other letters are ours.
+/// D-F, F-L, L-I and I-D are a ring: one of the four equations is redundant. C is prescribed as 0 and H as `h`. The tie of
+/// C and H is therefore redundant for h = 0 and conflicting otherwise. The paper names the nodes above; the other letters are ours.
 ///
 /// # Errors
 /// [`SceneError::System`] for a value that is not finite.
@@ -35,8 +34,8 @@ pub fn figure_1(h: f64) -> Result<Scene, SceneError> {
 
 /// Figure 8: 16 equations from four line-to-line ties, u1 and u213 prescribed 0; the 1st and the 16th are redundant.
 ///
-/// The first ties u1 to u213, the last closes the ring in the middle. The paper's text names these two DOFs;
-/// the numbers of the others are ours.
+/// The first ties u1 to u213, the last closes the ring in the middle. The paper names these two DOFs; the other numbers are
+/// ours.
 ///
 /// # Errors
 /// None in practice.
@@ -50,7 +49,7 @@ pub fn figure_8() -> Result<Scene, SceneError> {
     scene.finish(|[a, b]| format!("tie {} - {}", names[a], names[b]), truth)
 }
 
-/// Four lines of pairs; DOFs 2k, 2k + 1 are the k-th pair from outside, line by line, and the last four the middle.
+/// Four lines of pairs. DOFs 2k and 2k + 1 are the k-th pair, line by line from outside; the last four are the corner nodes.
 struct PaperLines {
     builder: SystemBuilder,
     pairs: Vec<PaperLinePair>,

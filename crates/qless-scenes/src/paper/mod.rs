@@ -1,7 +1,7 @@
-//! `C_f u_f = b - C_p u_p` as in the paper's figures: small systems with everything about them known.
+//! The systems of the paper's figures: small, with all properties known.
 //!
-//! The paper (Applied Sciences 15, 13059) shows most of them as drawings. Where its text does not give the
-//! equations, a scene is built with the outcome that the text reports, and says so.
+//! The paper (Applied Sciences 15, 13059) shows most of them as drawings. If it does not give the equations, the scene has
+//! the outcome that the text reports, and its documentation states this.
 //!
 //! ```
 //! let scene = qless_scenes::paper::figure_8()?;
@@ -10,9 +10,7 @@
 //! ```
 
 mod equations;
-mod frame;
 mod lines;
 
-pub use equations::{equations_12_to_14, figure_5, figure_6};
-pub use frame::{FloorInput, figure_2};
+pub use equations::{FloorInput, equations_12_to_14, figure_2, figure_5, figure_6};
 pub use lines::{figure_1, figure_8};

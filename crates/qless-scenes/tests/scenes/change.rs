@@ -86,7 +86,7 @@ fn scenes_beside_each_other_keep_what_is_known_of_both() -> Result<(), SceneErro
     Ok(())
 }
 
-/// Rows of either scene stay as they are, but for the second one's numbers of DOFs; labels and places go along.
+/// Rows of both scenes do not change, except for the DOF numbers of the second scene. Labels and places are kept.
 #[test]
 fn scenes_beside_each_other_share_nothing() -> Result<(), SceneError> {
     let (a, b) = (families::rbe2(3, 1, 1)?, families::rve(1)?);

@@ -10,7 +10,7 @@ fn relative(scene: &Scene) -> Vec<f64> {
     values.iter().map(|sigma| sigma / values[0]).collect()
 }
 
-/// The values of generated boundary conditions, with those prescribed, solve every equation to rounding.
+/// Generated and prescribed values together satisfy every equation up to rounding.
 fn assert_solved(scene: &Scene) {
     let generated = scene.truth.generated.as_ref().expect("known");
     let mut u = vec![f64::NAN; scene.system.dofs()];
@@ -41,7 +41,7 @@ fn geometric_chains() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Doubt is marked where the smallest singular value is small, up to a factor of 100 about 1e-4, and only there.
+/// The truth is ambiguous exactly if the smallest singular value is small: below 1e-4, within a factor of 100.
 #[test]
 fn steep_chains_are_ambiguous() -> Result<(), SceneError> {
     let chains = (2..60).map(|n| geometric_chain(n, 1.4)).chain((1..20).map(recurrence));
@@ -74,7 +74,7 @@ fn recurrences() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// `sigma_min = 1 / n` or more: the pairs have the values of a path.
+/// `sigma_min >= 1 / n`: the singular values are those of a path.
 #[test]
 fn rotations_are_harmless() -> Result<(), SceneError> {
     for n in [1, 8, 9, 50, 200] {
@@ -86,7 +86,7 @@ fn rotations_are_harmless() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Eight turns of 45 degrees are none.
+/// Eight rotations by 45 degrees are the identity.
 #[test]
 fn rotations_come_back() -> Result<(), SceneError> {
     let scene = rotations(8)?;
@@ -100,7 +100,7 @@ fn rotations_come_back() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Pivots of the band without exchanges.
+/// Pivots of the band without row exchanges.
 fn pivots(scene: &Scene) -> Vec<f64> {
     let entry = |i: usize, j: usize| scene.system.matrix().row(i).find(|e| e.0 == j).map_or(0.0, |e| e.1);
     let mut pivots: Vec<f64> = vec![entry(0, 0)];
@@ -128,12 +128,12 @@ fn spotted_bands() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Whether a number has no more than these significant decimals.
+/// Whether a number has at most `digits` significant decimal digits.
 fn is_typed(value: f64, digits: usize) -> bool {
     format!("{value:.*e}", digits - 1).parse() == Ok(value)
 }
 
-/// As many singular values as equations typed once are large; those of copies are about as large as what was rounded.
+/// One large singular value for each equation typed once; those of the copies have about the size of the rounding.
 #[test]
 fn equations_typed_twice() -> Result<(), SceneError> {
     for (seed, digits) in (0..5).flat_map(|seed| (3..=8).map(move |digits| (seed, digits))) {
@@ -152,7 +152,7 @@ fn equations_typed_twice() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// 7 large values per pentagon, one as large as what was rounded, two of zero.
+/// 7 large singular values per pentagon, one of the size of the rounding, and two zeros.
 #[test]
 fn cosines_typed_with_few_digits() -> Result<(), SceneError> {
     for (seed, digits) in (0..5).flat_map(|seed| (3..=8).map(move |digits| (seed, digits))) {
@@ -169,7 +169,7 @@ fn cosines_typed_with_few_digits() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// `sum_j C_ij x_j = n . (x_a - x_b)` is the length of rod i where n is the unit vector along it.
+/// `sum_j C_ij x_j = n . (x_a - x_b)` is the length of rod i if n is the unit vector along it.
 #[test]
 fn rods_run_between_their_nodes() -> Result<(), SceneError> {
     let scene = typed_cosines(4, 6, 1)?;

@@ -30,7 +30,7 @@ fn graphs() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Steps that are differences of a potential are consistent; one changed step on a cycle is not.
+/// Steps that are differences of a potential are consistent; a changed step on a cycle makes them conflict.
 #[test]
 fn steps_around_cycles() -> Result<(), SceneError> {
     let mut rng = Rng::new(5);
@@ -75,7 +75,7 @@ fn periodic_cells() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Near-field, far-field and jump nodes of each equation lie one cell length apart along its axis.
+/// The near node and the far node of each equation lie one cell length apart along its axis.
 #[test]
 fn periodic_pairs_face_each_other() -> Result<(), SceneError> {
     let cell = rve(3)?;

@@ -6,7 +6,7 @@ use qless_scenes::{Component, Scene, SceneError};
 
 use crate::support::assert_truth;
 
-/// DOFs that occur in the twin at each level.
+/// Number of DOFs at each level.
 const DOFS: [usize; 7] = [11_288, 15_592, 21_204, 26_480, 33_832, 41_372, 48_528];
 
 fn rows(system: &ConstraintSystem, prefix: &str) -> Vec<usize> {
@@ -39,7 +39,7 @@ fn every_dof_occurs_and_has_a_place() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Linear fields pass every coupling exactly: what a tie and a mortar must reproduce (the patch test).
+/// Linear fields satisfy every tie and mortar row exactly (the patch test).
 #[test]
 fn linear_fields_satisfy_every_equation() -> Result<(), SceneError> {
     let mesh = Mesh::with_equations(2500);
@@ -114,7 +114,7 @@ fn mortar_has_table_1_counts_and_a_known_rank() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Singular values of the mortar rows in x, rows of length one, descending; the largest is 1.
+/// Singular values of the normalized mortar rows in x, descending, relative to the largest.
 fn singular_values(scene: &Scene) -> Vec<f64> {
     let system = &scene.system;
     let rows: Vec<usize> =
@@ -128,7 +128,7 @@ fn singular_values(scene: &Scene) -> Vec<f64> {
     values.iter().map(|s| s / values[0]).collect()
 }
 
-/// Each of the three components has a third of the redundancy, behind a gap of 1e10 at least.
+/// Each of the three components has a third of the redundant equations, behind a gap of at least 1e10.
 #[test]
 fn mortar_rank_is_the_number_of_singular_values_above_rounding() -> Result<(), SceneError> {
     let mesh = Mesh { columns: 10, layers: 6, far_columns: 6, far_layers: 4, rings: 2, sectors: 8, wall: 2 };
@@ -141,7 +141,7 @@ fn mortar_rank_is_the_number_of_singular_values_above_rounding() -> Result<(), S
     Ok(())
 }
 
-/// A deep far field leaves no combination that cancels, but as many as the edges' that nearly do.
+/// With a deep far field no combination of rows cancels; one per edge node is near cancellation.
 #[test]
 fn deep_mortar_has_small_singular_values_and_full_exact_rank() -> Result<(), SceneError> {
     let mesh = Mesh { columns: 20, layers: 6, far_columns: 7, far_layers: 8, rings: 2, sectors: 8, wall: 2 }.deep();

@@ -9,7 +9,7 @@ use crate::support::{
     assert_rank_by_singular_values, assert_satisfied, assert_truth, assert_truth_and_generated, blocks,
 };
 
-/// Chains, one ring, a ladder, nets.
+/// A chain, a ring, a ladder and nets.
 fn nets(balls: bool) -> [Linkage; 7] {
     let sizes = [(1, 6, 1), (4, 1, 1), (2, 4, 3), (2, 5, 1), (3, 3, 1), (3, 5, 2), (5, 2, 1)];
     sizes.map(|(rows, columns, pitch)| Linkage { rows, columns, pitch, length: 1, balls })
@@ -41,7 +41,7 @@ fn ball_joints_make_fewer_redundant() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// A unit of length changes coefficients by whole factors and no rank.
+/// Another unit of length multiplies coefficients by whole factors and does not change the rank.
 #[test]
 fn lengths_in_millimetres() -> Result<(), SceneError> {
     for net in nets(true) {
@@ -71,7 +71,7 @@ fn linkages_are_one_block() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// `u = a + w x x`, `theta = w`.
+/// The rigid motion `u = a + w x x`, `theta = w`.
 #[test]
 fn the_whole_moves_as_one_body() -> Result<(), SceneError> {
     let scene = nets(true)[5].scene(1)?;
@@ -82,7 +82,7 @@ fn the_whole_moves_as_one_body() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The same joints from the library of constraint types, found again by the points that the equations hold.
+/// The same joints as types of `qless-constraints`; their points are recovered from the equations.
 fn library(
     scene: &Scene,
     joints: &[(bool, [usize; 2], [f64; 3])],
@@ -110,7 +110,7 @@ fn library(
     Ok(builder)
 }
 
-/// Kind, bodies and place of each joint, from its rows.
+/// Kind, bodies and position of each joint, from its rows.
 fn joints(scene: &Scene) -> Vec<(bool, [usize; 2], [f64; 3])> {
     let system = &scene.system;
     let starts: Vec<usize> = (0..system.equations()).filter(|&i| system.equation_label(i).ends_with(", x")).collect();
@@ -120,14 +120,14 @@ fn joints(scene: &Scene) -> Vec<(bool, [usize; 2], [f64; 3])> {
         let of =
             |sign: f64| system.matrix().row(row).find(|&(j, v)| j % 6 == 0 && v == sign).map_or(0, |term| term.0 / 6);
         let a = of(1.0);
-        // theta_y r_z - theta_z r_y along x, theta_z r_x - theta_x r_z along y.
+        // The row along x has theta_y r_z - theta_z r_y, that along y theta_z r_x - theta_x r_z.
         let r = [dense(row + 1, 6 * a + 5), -dense(row, 6 * a + 5), dense(row, 6 * a + 4)];
         (next - row == 5, [a, of(-1.0)], [0, 1, 2].map(|c| scene.nodes[a][c] + r[c]))
     };
     starts.iter().enumerate().map(joint).collect()
 }
 
-/// Equations and those of the library span the same space: either has the rank of both.
+/// Both sets of equations span the same space: each alone has the rank of both together.
 #[test]
 fn joints_are_those_of_the_constraint_library() -> Result<(), Box<dyn std::error::Error>> {
     for net in [nets(true)[2], nets(true)[4], nets(false)[3]] {

@@ -1,14 +1,14 @@
-//! Every scene keeps its word: its truth is checked by exact elimination, its shape by what it models.
+//! The truth of every scene is checked by exact elimination, its geometry by the properties of the model.
 
-/// Scales, order and additions leave the truth standing.
+/// The truth holds after changes of scale and order and after additions.
 mod change;
-/// The same bits on every machine.
+/// Digests of scenes, which must be the same on every machine.
 mod digests;
-/// Chains, bands and equations typed with few digits: near dependence, or a look of it.
+/// Chains, bands and equations typed with few digits, some of them near dependence.
 mod doubtful;
-/// Families at small sizes, several seeds.
+/// Families at small sizes with several seeds.
 mod families;
-/// Table 1's counts, the tie and mortar twins.
+/// The tie and mortar twins and the sizes of Table 1.
 mod fssi;
 /// Nets of hinged bodies.
 mod linkage;

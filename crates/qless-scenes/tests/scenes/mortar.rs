@@ -6,10 +6,10 @@ use qless_scenes::{Component, Scene, SceneError};
 use crate::support::{assert_satisfied, assert_truth, assert_truth_and_generated};
 
 const DEGREES: [Degree; 2] = [Degree::Linear, Degree::Quadratic];
-/// Master elements per 12 slave elements: ratios from 1/12 to 10.
+/// Numbers of master elements for 12 slave elements: ratios from 1/12 to 10.
 const MASTERS: [usize; 6] = [1, 4, 11, 12, 36, 120];
 
-/// A line for every pair of degrees, ratio, and kind of mesh.
+/// A tie of a line for every pair of degrees, ratio and kind of mesh.
 fn lines() -> Result<Vec<Mortar>, SceneError> {
     let mut lines = Vec::new();
     for (slave, master) in DEGREES.into_iter().flat_map(|slave| DEGREES.map(|master| (slave, master))) {
@@ -22,7 +22,7 @@ fn lines() -> Result<Vec<Mortar>, SceneError> {
     Ok(lines)
 }
 
-/// A rectangle for every pair of degrees and ratio, the ratio turned round across, with 1 or 3 components.
+/// A tie of a rectangle for every pair of degrees and ratio, with the inverse ratio along y, and 1 or 3 components.
 fn faces() -> Result<Vec<Mortar>, SceneError> {
     let mut faces = Vec::new();
     for (slave, master) in DEGREES.into_iter().flat_map(|slave| DEGREES.map(|master| (slave, master))) {
@@ -54,7 +54,7 @@ fn every_equation_of_a_tie_is_independent() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Displacements that both sides can hold: of degree 1 in x and in y.
+/// Displacements that both sides can represent: of degree 1 in x and in y.
 fn field(scene: &Scene) -> Vec<f64> {
     let value = |[x, y, _]: [f64; 3], c: Component| match c {
         Component::X => 1.0 + x - 0.5 * y,
@@ -64,7 +64,7 @@ fn field(scene: &Scene) -> Vec<f64> {
     scene.dofs.iter().map(|dof| value(scene.nodes[dof.node], dof.component)).collect()
 }
 
-/// `D 1 = M 1`, and the same for linear fields: the patch test.
+/// The patch test: `D 1 = M 1`, and the same for linear fields.
 #[test]
 fn ties_pass_constant_and_linear_fields() -> Result<(), SceneError> {
     for tie in [lines()?, faces()?].concat() {
@@ -75,7 +75,7 @@ fn ties_pass_constant_and_linear_fields() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// A linear master side cannot hold them, which shows that the test can fail.
+/// Linear master elements cannot represent quadratic fields; this shows that the test can fail.
 #[test]
 fn quadratic_sides_pass_parabolas() -> Result<(), SceneError> {
     let parabola = |scene: &Scene| -> Vec<f64> { scene.nodes.iter().map(|[x, ..]| x * x - 0.3 * x).collect() };
@@ -88,7 +88,7 @@ fn quadratic_sides_pass_parabolas() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// D is the slave columns of a tie with one component.
+/// D: the slave columns of a tie with one component.
 #[test]
 fn the_slave_block_is_symmetric_and_positive_definite() -> Result<(), SceneError> {
     for line in lines()? {
@@ -106,7 +106,7 @@ fn the_slave_block_is_symmetric_and_positive_definite() -> Result<(), SceneError
     Ok(())
 }
 
-/// The smallest singular value of rows of one size stays where it is from 20 to 320 elements.
+/// The smallest singular value of rows of equal size does not change from 20 to 320 elements.
 #[test]
 fn ties_are_as_well_conditioned_at_every_size() -> Result<(), SceneError> {
     let least = |n: usize| -> Result<f64, SceneError> {
@@ -132,7 +132,7 @@ fn a_short_element_behind_the_middle() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Time and room per node do not grow, so 1e5 elements are nothing to wait for.
+/// Time and memory are linear in the number of nodes, so 1e5 elements take little time.
 #[test]
 fn large_ties_are_linear_in_the_nodes() -> Result<(), SceneError> {
     let scene = mortar_short(100_000)?;
@@ -156,7 +156,7 @@ fn sums_are_redundant() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Where all rows share DOFs the sums are rounded: dependent to rounding, which the singular values show.
+/// If all rows share DOFs the sums are rounded. Singular values show that they are dependent up to rounding.
 #[test]
 fn sums_of_rows_that_overlap_are_redundant_to_rounding() -> Result<(), SceneError> {
     let line = Mortar::line(Side::uniform(4, Degree::Linear)?, Side::uniform(1, Degree::Quadratic)?);

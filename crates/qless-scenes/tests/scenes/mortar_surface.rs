@@ -7,7 +7,7 @@ use crate::support::{assert_rank_by_singular_values, assert_satisfied, assert_tr
 const SURFACES: [Surface; 4] = [Surface::Plane, Surface::Cylinder, Surface::Sphere, Surface::Waves];
 const FACES: [Faces; 2] = [Faces::Quads, Faces::Triangles];
 
-/// Each surface with each pair of faces, the master side coarser, as fine, and finer.
+/// Each surface with each pair of face kinds, and a coarser, equal and finer master side.
 fn ties(slave: [usize; 2]) -> Vec<MortarSurface> {
     let pairs = FACES.into_iter().flat_map(|slave| FACES.map(|master| (slave, master)));
     let finer = |[x, y]: [usize; 2]| [[x * 2 / 3, y - 1], [x, y], [x + 1, y + 2]];
@@ -55,7 +55,7 @@ fn curved_ties_are_one_block() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Row sums of D and M are the same, so each translation passes.
+/// D and M have equal row sums, so translations satisfy the equations.
 #[test]
 fn translations_pass() -> Result<(), SceneError> {
     for tie in ties([9, 8]) {
@@ -68,14 +68,14 @@ fn translations_pass() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The mean of `|C u|` of a row by the row's `|C|`, which is the misfit of u there.
+/// The mean over rows of `|C u|` relative to the row's `|C|`.
 fn misfit(scene: &Scene) -> f64 {
     let rest = scene.system.matrix().times(&linear(scene)).expect("a number for each DOF");
     let size = |i: usize| scene.system.matrix().row(i).map(|(_, v)| v.abs()).sum::<f64>();
     rest.iter().enumerate().map(|(i, rest)| rest.abs() / size(i)).sum::<f64>() / rest.len() as f64
 }
 
-/// In the plane exactly; on curved surfaces a quarter is left when elements are half as long.
+/// Linear fields satisfy the equations exactly in the plane. On curved surfaces half the element size gives a quarter of the residual.
 #[test]
 fn linear_fields_pass_to_the_order_of_the_mesh() -> Result<(), SceneError> {
     for (coarse, fine) in ties([12, 12]).into_iter().zip(ties([48, 48])) {
@@ -89,7 +89,7 @@ fn linear_fields_pass_to_the_order_of_the_mesh() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// In the frames of its rows each block `D_ij I` has orthonormal axes, so `D` squared is the product with its transpose.
+/// The axes of each node are orthonormal, so the product of the rows with their transpose is the square of D.
 #[test]
 fn slave_rows_are_a_mass_matrix_in_turned_axes() -> Result<(), SceneError> {
     for surface in SURFACES {
@@ -101,7 +101,7 @@ fn slave_rows_are_a_mass_matrix_in_turned_axes() -> Result<(), SceneError> {
         }
         let d = turned.transpose() * &turned;
         let largest = (0..m).fold(0.0, |most: f64, i| most.max(d[(i, i)]));
-        // Components do not mix in D^2, and all three have the same.
+        // D^2 does not couple components, and is the same for all three.
         for (i, j) in (0..m).flat_map(|i| (0..m).map(move |j| (i, j))) {
             let expected = if i % 3 == j % 3 { d[(i / 3 * 3, j / 3 * 3)] } else { 0.0 };
             assert!((d[(i, j)] - expected).abs() < 1e-14 * largest, "{surface:?}: {i}, {j}");
@@ -112,7 +112,7 @@ fn slave_rows_are_a_mass_matrix_in_turned_axes() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Nodes of each side lie on the surface: in the plane's axes the sphere has radius one.
+/// Nodes of both sides lie on the surface; the sphere has radius one.
 #[test]
 fn nodes_lie_on_the_surface() -> Result<(), SceneError> {
     let scene = MortarSurface::new(Surface::Sphere, [5, 5], [4, 3]).scene(1)?;

@@ -82,7 +82,7 @@ fn assert_near(found: &[f64], known: &[f64]) {
     assert!(found.len() == known.len() && found.iter().zip(known).all(near), "{found:?} for {known:?}");
 }
 
-/// `[1 1; 0 1]` has the golden ratio and its inverse, whatever the size of its rows and of prescribed DOFs.
+/// The singular values of `[1 1; 0 1]` are the golden ratio and its inverse, for any row scale and any prescribed DOFs.
 #[test]
 fn singular_values_are_those_of_equilibrated_rows_of_free_dofs() {
     let mut builder = SystemBuilder::new(3);
@@ -114,7 +114,7 @@ fn rows_without_free_dofs_have_no_singular_values_but_zero() {
     assert_eq!(singular_values(&SystemBuilder::new(2).build().expect("valid")).expect("within reach"), [0.0; 0]);
 }
 
-/// 42 equal zeros of 225 values, one of which dividing and conquering takes for 2e-5 of the largest.
+/// 42 of 225 singular values are zero. Divide and conquer returns 2e-5 of the largest for one of them.
 #[test]
 fn many_zeros_are_zeros() -> Result<(), SceneError> {
     let scene = PeriodicCell::new(4, 4, Edges::Matching).scene(6)?;

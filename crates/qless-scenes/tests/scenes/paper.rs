@@ -23,7 +23,7 @@ fn every_figure_is_as_its_truth_says() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Truth of the ring in the middle alone: 4 generated, 3 needed.
+/// The ring in the middle alone has 4 equations of rank 3.
 #[test]
 fn figure_1_has_a_ring_of_four() -> Result<(), SceneError> {
     let scene = figure_1(0.0)?;

@@ -4,7 +4,7 @@ use qless_scenes::{Scene, SceneError};
 
 use crate::support::{assert_rank_by_singular_values, assert_satisfied, assert_truth, blocks};
 
-/// Far faces coarser, as fine, and finer, near faces of either kind.
+/// Cells with coarser, equal and finer far faces, and both kinds of near faces.
 fn cells(edges: Edges) -> Vec<PeriodicCell> {
     let sizes = [(3, 3), (3, 5), (5, 3), (4, 4), (4, 6)];
     let cell = |(near, far)| PeriodicCell::new(near, far, edges);
@@ -12,7 +12,7 @@ fn cells(edges: Edges) -> Vec<PeriodicCell> {
     sizes.into_iter().map(cell).flat_map(|cell| [cell, triangles(cell)]).collect()
 }
 
-/// `u = eps x` and the strains themselves.
+/// The field `u = eps x`, and the strains.
 fn affine(scene: &Scene) -> Vec<f64> {
     let strain = [0.5, -1.0, 2.0, 0.25, 0.75, -0.5];
     let [xx, yy, zz, yz, zx, xy] = strain;
@@ -56,7 +56,7 @@ fn strains_make_one_block_of_all() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Inside a face interpolation is between four nodes, on an edge between two, and matching nodes are tied to one.
+/// A node in the interior of a face has four masters, a node on an edge two, and a matching node one.
 #[test]
 fn weights_are_those_of_elements() -> Result<(), SceneError> {
     let [matching, own] = [Edges::Matching, Edges::Own].map(|edges| PeriodicCell::new(6, 5, edges).scene(2));
@@ -75,7 +75,7 @@ fn weights_are_those_of_elements() -> Result<(), SceneError> {
     Ok(())
 }
 
-/// What both ways round an edge say differs, so that fewer equations are redundant, by how many only the numbers say.
+/// The equations along the two ways around an edge differ, so fewer equations are redundant; their number depends on the meshes.
 #[test]
 fn edges_of_their_own_lock_more() -> Result<(), SceneError> {
     for (near, far, seed) in [(3, 3, 1), (3, 5, 2), (5, 4, 3)] {
@@ -84,7 +84,7 @@ fn edges_of_their_own_lock_more() -> Result<(), SceneError> {
         let values = singular_values(&scene.system).expect("within reach");
         let rank = values.iter().filter(|&&value| value > 1e-12 * values[0]).count();
         let redundant = cell.equations() - rank;
-        // As if the edges matched, at the far edges' own number of elements.
+        // The number for matching edges with the number of elements of the far edges.
         let tied = 3 * (3 * far + 2);
         assert!(redundant >= 3 * 5 && redundant < tied, "{cell:?}: {redundant} of {tied} redundant");
         assert_eq!(scene.truth.rank_free, None);

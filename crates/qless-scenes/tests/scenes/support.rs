@@ -1,7 +1,7 @@
 use qless::ConstraintSystem;
 use qless_scenes::{Scene, oracle};
 
-/// Compares all that a scene's truth states with exact elimination.
+/// Compares the truth of a scene with exact elimination.
 pub fn assert_truth(scene: &Scene, name: &str) {
     let (system, truth) = (&scene.system, &scene.truth);
     let rank = truth.rank_free.unwrap_or_else(|| panic!("{name}: the rank is known"));
@@ -12,7 +12,7 @@ pub fn assert_truth(scene: &Scene, name: &str) {
     assert!(scene.dofs.iter().all(|dof| dof.node < scene.nodes.len()), "{name}: nodes");
 }
 
-/// [`assert_truth`], and the generated boundary conditions by one elimination per DOF.
+/// [`assert_truth`], and a check of the generated boundary conditions by one elimination per DOF.
 pub fn assert_truth_and_generated(scene: &Scene, name: &str) {
     assert_truth(scene, name);
     if let Some(generated) = &scene.truth.generated {
@@ -25,7 +25,7 @@ pub fn assert_truth_and_generated(scene: &Scene, name: &str) {
     }
 }
 
-/// The rank that the truth states is where the dense singular values fall off, from above 1e-4 to rounding.
+/// At the true rank the dense singular values drop from above 1e-4 to rounding.
 pub fn assert_rank_by_singular_values(scene: &Scene, name: &str) {
     let values = oracle::singular_values(&scene.system).expect("within reach");
     let rank = scene.truth.rank_free.unwrap_or_else(|| panic!("{name}: the rank is known"));
@@ -42,7 +42,7 @@ pub fn assert_satisfied(system: &ConstraintSystem, u: &[f64]) {
     }
 }
 
-/// Connected components of rows and DOFs, DOFs that occur in no row left out.
+/// Number of connected components of rows and DOFs, without DOFs that occur in no row.
 pub fn blocks(system: &ConstraintSystem) -> usize {
     let mut up: Vec<usize> = (0..system.dofs()).collect();
     let mut occurs = vec![false; system.dofs()];

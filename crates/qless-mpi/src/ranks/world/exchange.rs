@@ -5,9 +5,9 @@
 //! complete enters a nonblocking barrier, and keeps receiving until all ranks have entered it: then no message is under way. The cost
 //! is that of the messages and one barrier, independent of the number of ranks.
 //!
-//! Messages are sent in pieces, since MPI counts in 31 bits and some networks lose messages longer than 2 GiB. A full piece is
-//! followed by another, which may be empty: so the receiver knows the end. Pieces of one sender arrive in order, as MPI promises
-//! for one communicator and tag.
+//! Messages are sent in pieces, because MPI counts in 31 bits and some networks lose messages longer than 2 GiB. A full piece is
+//! always followed by another, possibly empty one, which marks the end. MPI delivers the pieces of one sender in order for one
+//! communicator and tag.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ const KNOWN_TAG: Tag = 2;
 type Sends<'scope, 'a> = Vec<Request<'a, [u64], &'scope LocalScope<'a>>>;
 
 pub(super) fn exchange(world: &World, messages: Vec<Message>) -> Vec<Message> {
-    let (own, others) = part(world, messages);
+    let (own, others) = split_own(world, messages);
     let mut came = BTreeMap::from_iter(own.map(|words| (world.rank, words)));
     let tag = ROUND_TAGS[(world.rounds.replace(world.rounds.get() + 1) % 2) as usize];
     mpi::request::scope(|scope| {
@@ -61,7 +61,7 @@ fn receive_until_all_have_sent(world: &World, mut sends: Sends, tag: Tag, came: 
 }
 
 pub(super) fn overlap(world: &World, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {
-    let (mut own, others) = part(world, messages);
+    let (mut own, others) = split_own(world, messages);
     mpi::request::scope(|scope| {
         let mut sends = send(world, &others, |rank, words| {
             world.communicator.process_at_rank(rank).immediate_send_with_tag(scope, words, KNOWN_TAG)
@@ -75,7 +75,7 @@ pub(super) fn overlap(world: &World, messages: Vec<Message>, from: &[usize], wor
 }
 
 /// The message to the own rank, and the other messages.
-fn part(world: &World, messages: Vec<Message>) -> (Option<Vec<u64>>, Vec<Message>) {
+fn split_own(world: &World, messages: Vec<Message>) -> (Option<Vec<u64>>, Vec<Message>) {
     let (own, others): (Vec<_>, Vec<_>) = messages.into_iter().partition(|message| message.rank == world.rank);
     (own.into_iter().next().map(|message| message.words), others)
 }
@@ -87,7 +87,7 @@ fn send<'a, R>(world: &World, messages: &'a [Message], send: impl Fn(i32, &'a [u
 }
 
 /// # Panics
-/// If a rank waits for itself and has sent nothing.
+/// If a rank waits for its own message and has sent none.
 fn receive(world: &World, rank: usize, own: &mut Option<Vec<u64>>) -> Vec<u64> {
     if rank == world.rank {
         return own.take().unwrap_or_else(|| panic!("rank {rank} waits for a message to itself that it has not sent"));
@@ -106,7 +106,7 @@ fn cut(words: &[u64], piece: usize) -> impl Iterator<Item = &[u64]> {
     (0..=words.len() / piece).map(move |at| &words[at * piece..words.len().min((at + 1) * piece)])
 }
 
-/// Appends a piece; whether it is the last one.
+/// Appends a piece; returns whether it is the last one.
 fn append(words: &mut Vec<u64>, (arrived, status): (Arrived, Status), piece: usize) -> bool {
     let count = status.count(u64::equivalent_datatype()) as usize;
     let before = words.len();

@@ -23,7 +23,7 @@ pub(super) fn end_job_if_panicking() {
     }
 }
 
-/// A duplicate takes over how the host code treats errors of MPI. Ours must end the job, since rsmpi looks at no error code.
+/// Makes MPI errors end the job. A duplicated communicator inherits the error handler of the calling code, but rsmpi ignores error codes.
 #[allow(unsafe_code)]
 pub(super) fn make_fatal(communicator: &SimpleCommunicator) {
     // SAFETY: the communicator is alive, and the handler is one that MPI itself holds from its start to its end.

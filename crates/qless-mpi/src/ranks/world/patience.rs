@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use mpi::request::{Request, Scope};
 
-/// Up to this waiting time, yielding answers faster than sleeping.
+/// Until this waiting time the thread yields, which responds faster than sleeping.
 const AWAKE: Duration = Duration::from_micros(200);
 const LONGEST_SLEEP: Duration = Duration::from_millis(1);
 

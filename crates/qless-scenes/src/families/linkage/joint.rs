@@ -1,35 +1,34 @@
-//! `u_a + theta_a x (p - x_a) - u_b - theta_b x (p - x_b) = 0`, and `s_i . (theta_a - theta_b) = 0` for a hinge.
+//! Equations of a joint: `u_a + theta_a x (p - x_a) - u_b - theta_b x (p - x_b) = 0`, and `s_i . (theta_a - theta_b) = 0` for a hinge.
 
+use crate::families::AXES;
 use crate::families::sums::Terms;
 
-/// What holds two bodies together.
+/// Kinds of joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JointKind {
-    /// Revolute, about the axis of the plane.
+    /// Revolute joint, with its axis normal to the plane.
     Hinge,
-    /// Spherical.
+    /// Spherical joint.
     Ball,
 }
 
-/// A joint of two bodies, by their numbers.
+/// A joint of two bodies.
 pub(super) struct Joint {
     pub(super) kind: JointKind,
     pub(super) bodies: [usize; 2],
     pub(super) at: [f64; 3],
 }
 
-/// Two axes of the plane and the one across, whole numbers: of length 3, perpendicular, and none an axis of space.
-pub(super) const AXES: [[f64; 3]; 3] = [[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]];
-
 impl Joint {
-    /// Names and terms of the equations; a body has six DOFs, its displacement and a small rotation.
+    /// Names and terms of the equations. A body has six DOFs: displacement and small rotation.
     pub(super) fn equations(&self, centres: &[[f64; 3]]) -> impl Iterator<Item = (&'static str, Terms)> {
         let point = (0..3).map(|axis| (["x", "y", "z"][axis], self.point(centres, axis)));
+        // The first two axes span the plane of the net.
         let sides = if self.kind == JointKind::Hinge { &AXES[..2] } else { &[] };
-        point.chain(["axis 1", "axis 2"].into_iter().zip(sides.iter().map(|side| self.turn(*side))))
+        point.chain(["axis 1", "axis 2"].into_iter().zip(sides.iter().map(|side| self.rotation(*side))))
     }
 
-    /// The point does not part along an axis: `(theta x r)_x = theta_y r_z - theta_z r_y` and so on around.
+    /// Equal displacement of the joint's point along an axis: `(theta x r)_x = theta_y r_z - theta_z r_y`, cyclically.
     fn point(&self, centres: &[[f64; 3]], axis: usize) -> Terms {
         let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
         let of = |(body, sign): (usize, f64)| {
@@ -40,8 +39,8 @@ impl Joint {
         self.signed().into_iter().flat_map(of).filter(|term| term.1 != 0.0).collect()
     }
 
-    /// The bodies do not turn on each other about a side.
-    fn turn(&self, side: [f64; 3]) -> Terms {
+    /// Equal rotation of the bodies about a side.
+    fn rotation(&self, side: [f64; 3]) -> Terms {
         let of = |(body, sign): (usize, f64)| (0..3).map(move |k| (6 * body + 3 + k, sign * side[k]));
         self.signed().into_iter().flat_map(of).collect()
     }

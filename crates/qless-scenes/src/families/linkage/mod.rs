@@ -1,4 +1,4 @@
-//! Hinges and ball joints of rigid bodies, `C (u, theta) = 0` for small displacements and rotations: one plane mechanism in space.
+//! A plane mechanism in space: rigid bodies with hinges and ball joints, `C (u, theta) = 0` for small displacements and rotations.
 
 mod joint;
 mod net;
@@ -10,16 +10,16 @@ use crate::error::within;
 use crate::{Rng, Scene, SceneError, Truth};
 use net::Net;
 
-/// A net of rigid bodies with six DOFs each, `u_x, u_y, u_z, theta_x, theta_y, theta_z`, that moves as a whole.
+/// A connected net of rigid bodies with six DOFs each, `u_x, u_y, u_z, theta_x, theta_y, theta_z`.
 ///
-/// Rows of `columns` bodies, each hinged to the next, are tied to one another by rungs of two bodies with three joints. Rungs
-/// stand at every `pitch`-th body. All hinges have parallel axes, across a plane that is askew in space, and coordinates are whole
-/// numbers, so that everything is exact. A hinge has five equations, a ball joint three.
+/// Each row has `columns` bodies, hinged to their neighbours. Rungs of two bodies and three joints connect neighbouring rows at
+/// every `pitch`-th body. The axes of all hinges are parallel, normal to a plane that is inclined to x, y and z. Coordinates are whole
+/// numbers, so all coefficients are exact. A hinge has five equations, a ball joint three.
 ///
-/// Rows and the first rungs are a tree: no equation depends on others. Each other rung closes a loop. Its three hinges are
-/// not in line, so they let its ends move against each other as they like in the plane; across it the loop is tied already, so
-/// that three equations are redundant. A ball joint at the elbow lets go of two of them; another at the foot of all three.
-/// With `balls` the seed gives each of these rungs none, one or two; otherwise `3 loops` equations are redundant.
+/// The rows and the first rungs form a tree of independent equations. Each other rung closes a loop. Its three hinges are not
+/// collinear, so within the plane its ends can still move relative to each other. Out of the plane they are connected already, so
+/// three equations are redundant. A ball joint at the elbow removes two of these three, another one at the foot the third. With
+/// `balls` the seed chooses none, one or two ball joints for each of these rungs; otherwise `3 loops` equations are redundant.
 ///
 /// ```
 /// use qless_scenes::families::Linkage;
@@ -35,12 +35,12 @@ pub struct Linkage {
     pub rows: usize,
     /// Bodies per row.
     pub columns: usize,
-    /// Bodies from one rung to the next; two rows with `columns - 1` are one ring.
+    /// Bodies from one rung to the next; two rows with a pitch of `columns - 1` form a ring.
     pub pitch: usize,
-    /// Bodies are about so long. Where lengths are counted in a small unit, such as millimetres, rotations weigh more than
-    /// displacements, and equations look more alike.
+    /// Approximate length of a body. In a small unit such as millimetres, coefficients of rotations exceed those of displacements,
+    /// and the equations are nearer to dependence.
     pub length: usize,
-    /// Whether rungs that close a loop have ball joints.
+    /// Whether rungs that close a loop may have ball joints.
     pub balls: bool,
 }
 
@@ -48,7 +48,7 @@ pub struct Linkage {
 const PER_RUNG: usize = 2;
 
 impl Linkage {
-    /// A square net of at most so many bodies, with a rung at each body of a row: `3 n^2 - 2 n` of them.
+    /// A square net of at most `bodies` bodies, with a rung at each body of a row: `3 n^2 - 2 n` bodies for n rows.
     pub fn with_bodies(bodies: usize, balls: bool) -> Self {
         let side = (1 + bodies.saturating_mul(3).saturating_add(1).isqrt()) / 3;
         Self { rows: side, columns: side, pitch: 1, length: 1, balls }
@@ -57,7 +57,7 @@ impl Linkage {
     /// The equations joint by joint: rows first, then rungs.
     ///
     /// # Errors
-    /// [`SceneError::Size`] for a number that is zero or too large, or fewer than two bodies.
+    /// [`SceneError::Size`] if a number is zero or too large, or for fewer than two bodies.
     pub fn scene(&self, seed: u64) -> Result<Scene, SceneError> {
         for (what, n) in [("rows", self.rows), ("columns", self.columns), ("pitch", self.pitch)] {
             within(what, n, 1, MOST / 64)?;

@@ -1,19 +1,20 @@
-//! Bodies in rows, neighbours hinged to each other, and between two rows pairs of bodies with an elbow.
+//! Geometry of the net: rows of hinged bodies, and rungs of two bodies between neighbouring rows.
 
-use super::joint::{AXES, Joint, JointKind};
+use super::joint::{Joint, JointKind};
 use super::{Linkage, PER_RUNG};
 use crate::Rng;
+use crate::families::AXES;
 
-/// Where everything is, and what that makes redundant.
+/// Bodies and joints, and the number of redundant equations.
 pub(super) struct Net {
     pub(super) centres: Vec<[f64; 3]>,
     pub(super) joints: Vec<Joint>,
     pub(super) redundant: usize,
 }
 
-/// Steps from one body to the next: coordinates are whole numbers of steps, so that arms are exact.
+/// Steps from one body to the next. Coordinates are whole numbers of steps, so lever arms are exact.
 const STEP: usize = 64;
-/// A step, but for the length of the axes, three: bodies are 1.5 long where `length` is one.
+/// Length of a step along an axis of [`AXES`], which have length 3: a body is 1.5 long if `length` is 1.
 const UNIT: f64 = 1.0 / 128.0;
 
 impl Net {
@@ -37,7 +38,7 @@ impl Net {
         net
     }
 
-    /// Two bodies and three joints between a body and the one above: `balls` of them let go of the plane.
+    /// Adds two bodies and three joints between a body and the one above it; `balls` of the joints are ball joints.
     fn add_rung(&mut self, linkage: &Linkage, [column, row]: [usize; 2], balls: usize, rng: &mut Rng) {
         let lower = self.centres.len();
         let ends = [row, row + 1].map(|row| column + linkage.columns * row);
@@ -73,7 +74,7 @@ impl Linkage {
         self.rows.saturating_sub(1).saturating_mul(self.rungs().saturating_sub(1))
     }
 
-    /// A point of the net in space, moved a little in its plane and across: an eighth of a body each way.
+    /// A point of the net, moved by up to an eighth of a body in each direction.
     fn place(&self, cell: [usize; 2], within: [usize; 2], rng: &mut Rng) -> [f64; 3] {
         let mut moved = || rng.below(STEP / 4 + 1) as f64 - (STEP / 8) as f64;
         let unit = self.length as f64 * UNIT;

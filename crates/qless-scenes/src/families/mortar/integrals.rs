@@ -1,25 +1,25 @@
-//! `A_ij = int phi_i psi_j dx` over `[0, 1]`, exact but for rounding, in time linear in the nodes.
+//! Integrals `A_ij = int phi_i psi_j dx` over `[0, 1]`, exact except for rounding, in time linear in the number of nodes.
 //!
-//! Between neighbouring ends of either mesh a product has degree 4 at most; Gauss' rule of three points has degree 5.
+//! Between neighbouring ends of elements of both meshes a product has degree 4 at most; three-point Gauss quadrature has degree 5.
 
 use super::side::Side;
 
 /// Row i holds its `(column, integral)`, ascending.
 pub(super) type Band = Vec<Vec<(usize, f64)>>;
 
-/// Ends nearer to each other are one: they differ by the rounding of their positions.
+/// Ends at a smaller distance coincide: their positions differ by rounding only.
 const SAME: f64 = 4.0 * f64::EPSILON;
-/// An integral below this share of its parts' sizes is an exact zero, such as that of `(1 - t) t (2 t - 1)`.
+/// An integral is an exact zero if it is below this fraction of the sum of its absolute parts. An example is `(1 - t) t (2 t - 1)`.
 const ZERO: f64 = 1e-14;
 
-/// An entry with the sum of its parts and of their sizes.
+/// An entry: the sum of its parts, and the sum of their absolute values.
 struct IntegralsEntry {
     column: usize,
     sum: f64,
     size: f64,
 }
 
-/// Integrals of the functions of one mesh, by rows, with those of another.
+/// Integrals of the products of the functions of two meshes, the first by rows.
 pub(super) fn products(rows: &Side, columns: &Side) -> Band {
     let nodes = rows.degree as usize * rows.elements() + 1;
     let mut sums: Vec<Vec<IntegralsEntry>> = (0..nodes).map(|_| Vec::new()).collect();
@@ -38,7 +38,7 @@ pub(super) fn products(rows: &Side, columns: &Side) -> Band {
     sums.iter().map(|row| row.iter().filter_map(kept).collect()).collect()
 }
 
-/// All products of an element of either mesh, on the piece that both cover.
+/// Adds the products of the functions of two elements on the interval that both cover.
 fn add_piece(
     sums: &mut [Vec<IntegralsEntry>],
     (rows, row): (&Side, usize),
@@ -46,7 +46,7 @@ fn add_piece(
     piece: [f64; 2],
 ) {
     let length = piece[1] - piece[0];
-    // Differences from the element's start first: they are exact, so short elements lose no digits.
+    // Differences from the element's start are exact, so short elements lose no digits.
     let within = |side: &Side, element: usize, t: f64| {
         ((piece[0] - side.ends[element]) + t * length) / (side.ends[element + 1] - side.ends[element])
     };
@@ -65,7 +65,7 @@ pub(in super::super) fn gauss() -> [(f64, f64); 3] {
     [(0.5 - offset, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + offset, 5.0 / 18.0)]
 }
 
-/// Pieces come in order, so a column is among the last three of its row or new.
+/// Intervals come in order, so a column is among the last three of its row or new.
 fn add(row: &mut Vec<IntegralsEntry>, column: usize, part: f64) {
     match row.iter_mut().rev().take(3).find(|entry| entry.column == column) {
         Some(entry) => (entry.sum, entry.size) = (entry.sum + part, entry.size + part.abs()),
@@ -90,11 +90,11 @@ mod tests {
         assert_near(&products(&linear, &linear)[1], &[(0, 1.0 / 12.0), (1, 1.0 / 3.0), (2, 1.0 / 12.0)]);
         let ends = [(0, -1.0 / 60.0), (1, 1.0 / 30.0), (2, 2.0 / 15.0), (3, 1.0 / 30.0), (4, -1.0 / 60.0)];
         assert_near(&products(&quadratic, &quadratic)[2], &ends);
-        // The function of an element's far end has no moment with the linear function of the near end.
+        // The integral of the linear function of one end times the quadratic function of the other end is zero.
         assert_near(&products(&linear, &quadratic)[0], &[(0, 1.0 / 12.0), (1, 1.0 / 6.0)]);
     }
 
-    /// Ends at `k / 49` and `k / 98` agree to rounding at most, which makes no pieces and no entries of its own.
+    /// Ends at `k / 49` and `k / 98` agree only up to rounding, which must not add intervals or entries.
     #[test]
     fn nested_meshes_share_their_ends() {
         let (coarse, fine) = (Side::uniform(49, Degree::Linear), Side::uniform(98, Degree::Linear));

@@ -1,13 +1,14 @@
-//! `sum_j D_ij u_j - sum_k M_ik v_k = 0` with `D_ij = int phi_i phi_j`, `M_ik = int phi_i psi_k`: mortar ties.
+//! Mortar ties `sum_j D_ij u_j - sum_k M_ik v_k = 0` with `D_ij = int phi_i phi_j` and `M_ik = int phi_i psi_k`.
 //!
-//! u belongs to the slave side with functions phi, v to the master side with functions psi; all DOFs are free.
+//! The slave side has displacements u and functions phi, the master side v and psi. All DOFs are free.
 
 mod integrals;
 mod side;
 
 use qless::SystemBuilder;
 
-use super::sums::{Terms, sum_of_two};
+use super::AXES;
+use super::sums::{Terms, add_sums};
 use crate::error::within;
 use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
 pub(super) use integrals::gauss;
@@ -16,10 +17,10 @@ pub use side::{Degree, Side};
 
 /// A tie of two meshes of a line or of a rectangle.
 ///
-/// D is symmetric and positive definite, so no equation depends on others but for the sums; and its condition does not grow
-/// with the number of elements. A field that both sides can hold, such as a constant one, satisfies every equation.
+/// D is symmetric and positive definite, so all equations except the sums are independent. Its condition number does not grow
+/// with the number of elements. A field that both sides can represent, such as a constant, satisfies every equation.
 ///
-/// DOFs are those of the slave nodes, then those of the master nodes, by node and then by component; equations likewise.
+/// DOFs and equations are ordered by node and then by component. The slave nodes come before the master nodes.
 ///
 /// ```
 /// use qless_scenes::families::{Degree, Mortar, Side};
@@ -33,20 +34,19 @@ pub use side::{Degree, Side};
 pub struct Mortar {
     /// Slave and master mesh along x.
     pub along: [Side; 2],
-    /// Slave and master mesh along y, for a rectangle: `D = D_x (x) D_y`, `M = M_x (x) M_y`.
+    /// Slave and master mesh along y for a rectangle: `D = D_x (x) D_y`, `M = M_x (x) M_y`. `None` for a line.
     pub across: Option<[Side; 2]>,
     /// DOFs per node, 1 to 3.
     pub components: usize,
-    /// Whether equations are written in axes turned against those of the DOFs, so that each holds all components.
+    /// Whether the axes of the equations are rotated relative to those of the DOFs, so that each equation has all components.
     pub skew: bool,
-    /// Redundant equations: sums of two others, of such as share no DOF where the seed finds any. Those are exact; others
-    /// are rounded.
+    /// Number of redundant equations, each the sum of two others. The sum is exact if these share no DOF, which is preferred.
     pub sums: usize,
 }
 
-/// A tie of a line by linear elements, n + 1 on the slave side of which one is ten times shorter, n / 2 + 1 on the other.
+/// A tie of a line with linear elements: n + 1 on the slave side, one of them ten times shorter, and n / 2 + 1 on the master side.
 ///
-/// n + 2 equations on n + 2 and n / 2 + 2 DOFs, in time linear in n.
+/// It has n + 2 equations on n + 2 slave and n / 2 + 2 master DOFs. The time is linear in n.
 ///
 /// # Errors
 /// [`SceneError::Size`] for n = 0, [`SceneError::Mesh`] for n above 1e8.
@@ -61,13 +61,13 @@ impl Mortar {
         Self { along: [slave, master], across: None, components: 1, skew: false, sums: 0 }
     }
 
-    /// A tie of a rectangle, with one DOF per node; meshes along x and y of each side.
+    /// A tie of a rectangle with one DOF per node, from the meshes of each side along x and y.
     pub fn face(slave: [Side; 2], master: [Side; 2]) -> Self {
         let ([slave_x, slave_y], [master_x, master_y]) = (slave, master);
         Self { across: Some([slave_y, master_y]), ..Self::line(slave_x, master_x) }
     }
 
-    /// The seed chooses the sums.
+    /// Builds the scene; the seed chooses the sums.
     ///
     /// # Errors
     /// [`SceneError::Size`] for other than 1 to 3 components, or too many nodes or sums.
@@ -87,13 +87,8 @@ impl Mortar {
             let letter = Component::SPACE[i % self.components].letter();
             builder.labelled_equation(format!("tie node {}, {letter}", i / self.components + 1), row.clone(), 0.0);
         }
-        let mut rng = Rng::new(seed);
-        for k in 0..self.sums {
-            let sum = sum_of_two(rows.len(), |i| rows[i].clone(), &mut rng);
-            builder.labelled_equation(format!("sum {}", k + 1), sum, 0.0);
-        }
-        let place = |j| Dof { node: j / self.components, component: Component::SPACE[j % self.components] };
-        let dofs = (0..nodes.len() * self.components).map(place).collect();
+        add_sums(&mut builder, self.sums, rows.len(), |i| rows[i].clone(), &mut Rng::new(seed));
+        let dofs = Dof::of_nodes(nodes.len(), self.components);
         let truth = Truth::rank(rows.len() + self.sums, rows.len()).without_generated(true);
         Ok(Scene { system: builder.build()?, truth, nodes, dofs })
     }
@@ -105,7 +100,7 @@ impl Mortar {
         across.iter().flat_map(|&y| along.iter().map(move |&x| [x, y, 0.0])).collect()
     }
 
-    /// All equations of the tie, for as many slave nodes.
+    /// All equations of the tie; `slaves` is the number of slave nodes.
     fn rows(&self, slaves: usize) -> Vec<Terms> {
         let along = [0, 1].map(|side| products(&self.along[0], &self.along[side]));
         let across = [0, 1].map(|side| {
@@ -121,12 +116,11 @@ impl Mortar {
         rows
     }
 
-    /// One component of an equation on nodes.
+    /// One component of a vector equation over nodes.
     fn in_frame(&self, nodes: &[(usize, f64)], component: usize) -> Terms {
-        let third = 1.0 / 3.0;
         let axes: [[f64; 3]; 3] = match (self.skew, self.components) {
             (true, 2) => [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0; 3]],
-            (true, 3) => [[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]].map(|axis| axis.map(|c| c * third)),
+            (true, 3) => AXES.map(|axis| axis.map(|c| c / 3.0)),
             _ => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         };
         let axis = axes[component].into_iter().take(self.components).enumerate().filter(|&(_, cosine)| cosine != 0.0);

@@ -1,14 +1,14 @@
-//! `0 = x_0 < x_1 < ... < x_n = 1`: one side of an interface along one axis.
+//! The mesh of one side of an interface along one axis: elements with the ends `0 = x_0 < x_1 < ... < x_n = 1`.
 
 use crate::error::within;
 use crate::{Rng, SceneError};
 
-/// Functions of an element, Lagrange's.
+/// Degree of the Lagrange functions of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Degree {
     /// Two nodes per element: `1 - t`, `t`.
     Linear = 1,
-    /// Three nodes per element, one at its middle: `(1 - t)(1 - 2 t)`, `4 t (1 - t)`, `t (2 t - 1)`.
+    /// Three nodes per element, one in the middle: `(1 - t)(1 - 2 t)`, `4 t (1 - t)`, `t (2 t - 1)`.
     Quadratic = 2,
 }
 
@@ -23,11 +23,10 @@ pub struct Side {
 const SHORTEST: f64 = 1.0 / (1 << 30) as f64;
 
 impl Side {
-    /// Elements between neighbouring `ends`, of which the first is 0 and the last 1.
+    /// Elements between neighbouring `ends`; the first end is 0 and the last is 1.
     ///
     /// # Errors
-    /// [`SceneError::Size`] for fewer than two ends; [`SceneError::Mesh`] where they do not ascend from 0 to 1 by at
-    /// least 2^-30.
+    /// [`SceneError::Size`] for fewer than two ends; [`SceneError::Mesh`] unless they ascend from 0 to 1 by at least 2^-30.
     pub fn new(ends: Vec<f64>, degree: Degree) -> Result<Self, SceneError> {
         within("ends of elements", ends.len(), 2, 1 << 27)?;
         let last = ends.len() - 1;
@@ -41,7 +40,7 @@ impl Side {
         }
     }
 
-    /// Elements of one length: ends at `k / elements`.
+    /// Elements of equal length, with ends at `k / elements`.
     ///
     /// # Errors
     /// [`SceneError::Size`] without elements.
@@ -61,8 +60,7 @@ impl Side {
         Self::new(ends, degree)
     }
 
-    /// [`Side::uniform`] and one more end, a tenth of an element behind the middle one: an element ten times shorter than
-    /// the rest.
+    /// [`Side::uniform`] with one more end, a tenth of an element behind the middle end: one element is ten times shorter.
     ///
     /// # Errors
     /// As [`Side::uniform`].
@@ -82,7 +80,7 @@ impl Side {
         self.elements() * (self.degree as usize) + 1
     }
 
-    /// Where the nodes are, ascending, those at the middle of quadratic elements included.
+    /// Positions of the nodes, ascending, including the middle nodes of quadratic elements.
     pub fn nodes(&self) -> Vec<f64> {
         let middle = |pair: &[f64]| f64::midpoint(pair[0], pair[1]);
         match self.degree {
@@ -91,7 +89,7 @@ impl Side {
         }
     }
 
-    /// The node of each function of an element and the function's value at `t` of the way through the element.
+    /// Node and value of each function of an element at the local coordinate `t` from 0 to 1.
     pub(super) fn functions(&self, element: usize, t: f64) -> impl Iterator<Item = (usize, f64)> {
         let values = match self.degree {
             Degree::Linear => [1.0 - t, t, 0.0],

@@ -1,30 +1,29 @@
-//! `D_ij = int N_i N_j dA`, `M_ik = int N_i P_k dA` and `n_i = int N_i n dA` by nine Gauss points per slave face.
+//! Integrals `D_ij = int N_i N_j dA`, `M_ik = int N_i P_k dA` and `n_i = int N_i n dA` with nine Gauss points per slave face.
 
-use super::frame::{cross, length};
 use crate::families::mortar::gauss;
 use crate::families::patch::{Locator, PatchFace};
 
-/// Integrals of the functions of a slave node.
+/// Integrals of the function of a slave node.
 #[derive(Clone, Default)]
 pub(super) struct IntegralsRow {
-    /// With those of slave nodes: `(node, integral)`.
+    /// Row of D: `(slave node, integral)`.
     pub(super) slave: Vec<(usize, f64)>,
-    /// With those of master nodes.
+    /// Row of M: `(master node, integral)`.
     pub(super) master: Vec<(usize, f64)>,
     /// The area of the node times its normal.
     pub(super) normal: [f64; 3],
 }
 
-/// One side: faces, places of nodes in the square, and in space.
-pub(super) struct Side {
+/// The mesh of one side: faces, and positions of nodes in the square and in space.
+pub(super) struct SurfaceMesh {
     pub(super) faces: Vec<PatchFace>,
     pub(super) square: Vec<[f64; 2]>,
     pub(super) space: Vec<[f64; 3]>,
 }
 
-/// Each point of a slave face sees the master face over the same `(s, t)`. Both integrals take the same points, so that
-/// rows of D and of M have the same sum.
-pub(super) fn rows(slave: &Side, master: &Side) -> Vec<IntegralsRow> {
+/// A Gauss point of a slave face belongs to the master face at the same `(s, t)`. D and M use the same points, so that their
+/// row sums are equal.
+pub(super) fn rows(slave: &SurfaceMesh, master: &SurfaceMesh) -> Vec<IntegralsRow> {
     let locator = Locator::new(&master.faces, |node| master.square[node]);
     let mut rows = vec![IntegralsRow::default(); slave.space.len()];
     for face in &slave.faces {
@@ -37,7 +36,7 @@ pub(super) fn rows(slave: &Side, master: &Side) -> Vec<IntegralsRow> {
 
 fn add_point(
     rows: &mut [IntegralsRow],
-    slave: &Side,
+    slave: &SurfaceMesh,
     locator: &Locator,
     face: &PatchFace,
     (at, weight): ([f64; 2], f64),
@@ -58,7 +57,7 @@ fn add_point(
     }
 }
 
-/// Rows are short.
+/// Adds to an entry of a row, which is short.
 fn add(row: &mut Vec<(usize, f64)>, column: usize, part: f64) {
     match row.iter_mut().find(|entry| entry.0 == column) {
         Some(entry) => entry.1 += part,
@@ -66,9 +65,33 @@ fn add(row: &mut Vec<(usize, f64)>, column: usize, part: f64) {
     }
 }
 
-/// Parameters and weights; those of a triangle are the square's with one side drawn together to a point.
+/// Gauss points and weights; for a triangle, those of the square with one side collapsed to a point.
 fn points(face: &PatchFace) -> impl Iterator<Item = ([f64; 2], f64)> {
     let triangle = matches!(face, PatchFace::Triangle(_));
     let all = gauss().into_iter().flat_map(|(x, v)| gauss().map(|(y, w)| ([x, y], v * w)));
     all.map(move |([x, y], w)| if triangle { ([x * (1.0 - y), y], w * (1.0 - y)) } else { ([x, y], w) })
+}
+
+/// The unit normal, and two unit tangents that are not parallel to x, y or z.
+pub(super) fn frame(normal: [f64; 3]) -> [[f64; 3]; 3] {
+    let n = unit(normal);
+    // The axis with the smallest component of the normal.
+    let least = (1..3).fold(0, |least, k| if n[k].abs() < n[least].abs() { k } else { least });
+    let first = unit(cross(n, std::array::from_fn(|k| if k == least { 1.0 } else { 0.0 })));
+    let second = cross(n, first);
+    let turned = |a: f64, b: f64| std::array::from_fn(|k| a * first[k] + b * second[k]);
+    [n, turned(0.6, 0.8), turned(-0.8, 0.6)]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = length(a);
+    a.map(|x| x / length)
 }

@@ -1,29 +1,28 @@
-//! `sum_j D_ij a . u_j - sum_k M_ik a . v_k = 0` for the axes a of node i: ties of curved surfaces that do not match.
+//! Mortar ties of non-matching curved surfaces: `sum_j D_ij a . u_j - sum_k M_ik a . v_k = 0` for the axes a of node i.
 
-mod frame;
 mod integrals;
 mod surface;
 
 use qless::SystemBuilder;
 
 use super::patch::{Faces, Grid};
-use super::sums::{Terms, sum_of_two};
+use super::sums::{Terms, add_sums};
 use crate::error::within;
-use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
-use frame::frame;
-use integrals::{IntegralsRow, Side};
+use crate::{Dof, Rng, Scene, SceneError, Truth};
+use integrals::{IntegralsRow, SurfaceMesh, frame};
 pub use surface::Surface;
 
-/// A tie of two meshes of a curved surface in space, u on the slave side and v on the master side.
+/// A tie of two meshes of a curved surface in space, with displacements u on the slave side and v on the master side.
 ///
-/// `D_ij = int N_i N_j dA` and `M_ik = int N_i P_k dA` over the slave faces, by nine Gauss points per face, each with the master
-/// face over the same `(s, t)`. Both meshes are bent rows of cells; the seed moves their nodes and cuts cells in two. Equations of
-/// a node are written along its normal and two tangents, so that all are one block.
+/// `D_ij = int N_i N_j dA` and `M_ik = int N_i P_k dA` over the slave faces, with nine Gauss points per face. A Gauss point
+/// belongs to the master face at the same `(s, t)`. Both meshes are grids of cells mapped to the surface; the seed moves their nodes
+/// and chooses the diagonals of triangles. The equations of a node have the axes of its normal and two tangents, so that they connect
+/// all components.
 ///
-/// D is a mass matrix, symmetric and positive definite, so no equation depends on others but for the sums. Rows of `D - M` add
-/// up to zero; fields that are linear in space pass in the plane, and elsewhere but for the square of the elements' size, as
-/// the meshes lie that far apart. A master node whose faces no Gauss point meets occurs in no equation: there are some where
-/// the master side is twice as fine or finer.
+/// D is a mass matrix, symmetric and positive definite, so all equations except the sums are independent. The row sums of `D - M` are
+/// zero. A linear displacement field satisfies the equations in the plane; on a curved surface its residual is of the order of the
+/// squared element size, which is the distance of the two meshes. A master node occurs in no equation if its faces have no Gauss
+/// point, which happens if the master side is at least twice as fine.
 ///
 /// ```
 /// use qless_scenes::families::{Faces, MortarSurface, Surface};
@@ -36,7 +35,7 @@ pub use surface::Surface;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MortarSurface {
-    /// What both meshes approximate.
+    /// The surface that both meshes approximate.
     pub surface: Surface,
     /// Cells of the slave side along s and t.
     pub slave: [usize; 2],
@@ -46,34 +45,33 @@ pub struct MortarSurface {
     pub slave_faces: Faces,
     /// Faces of the master side.
     pub master_faces: Faces,
-    /// Redundant equations: sums of two others, of such as share no DOF where the seed finds any. Those are exact; others
-    /// are rounded.
+    /// Number of redundant equations, each the sum of two others. The sum is exact if these share no DOF, which is preferred.
     pub sums: usize,
 }
 
 impl MortarSurface {
-    /// Hexahedra as slaves of tetrahedra, without sums.
+    /// Hexahedra on the slave side and tetrahedra on the master side, without sums.
     pub fn new(surface: Surface, slave: [usize; 2], master: [usize; 2]) -> Self {
         Self { surface, slave, master, slave_faces: Faces::Quads, master_faces: Faces::Triangles, sums: 0 }
     }
 
-    /// [`MortarSurface::new`] with as many cells each way as make about `equations`, and two thirds of them on the master side.
+    /// [`MortarSurface::new`] with about `equations` equations and two thirds as many cells in each direction on the master side.
     pub fn with_equations(surface: Surface, equations: usize) -> Self {
         let cells = (equations / 3).isqrt().max(2) - 1;
         Self::new(surface, [cells; 2], [cells.div_ceil(3) * 2; 2])
     }
 
-    /// m.
+    /// m, the number of equations.
     pub fn equations(&self) -> usize {
         nodes(self.slave).saturating_mul(3).saturating_add(self.sums)
     }
 
-    /// n.
+    /// n, the number of DOFs.
     pub fn dofs(&self) -> usize {
         nodes(self.slave).saturating_add(nodes(self.master)).saturating_mul(3)
     }
 
-    /// The equations by slave node and axis, then the sums; the DOFs of slave nodes, then those of master nodes.
+    /// Builds the scene: equations by slave node and axis, then the sums; DOFs of slave nodes, then of master nodes.
     ///
     /// # Errors
     /// [`SceneError::Size`] for no cells or too many, or too many sums.
@@ -94,19 +92,16 @@ impl MortarSurface {
             let axis = ["normal", "tangent 1", "tangent 2"][i % 3];
             builder.labelled_equation(format!("tie node {}, {axis}", i / 3 + 1), equation(i), 0.0);
         }
-        for k in 0..self.sums {
-            let sum = sum_of_two(3 * rows.len(), equation, &mut rng);
-            builder.labelled_equation(format!("sum {}", k + 1), sum, 0.0);
-        }
-        let dofs = (0..self.dofs()).map(|j| Dof { node: j / 3, component: Component::SPACE[j % 3] }).collect();
+        add_sums(&mut builder, self.sums, 3 * rows.len(), equation, &mut rng);
+        let dofs = Dof::of_nodes(slave.space.len() + master.space.len(), 3);
         let truth = Truth::rank(self.equations(), 3 * rows.len()).without_generated(true);
         Ok(Scene { system: builder.build()?, truth, nodes: [slave.space, master.space].concat(), dofs })
     }
 
-    fn side(&self, cells: [usize; 2], faces: Faces, rng: &mut Rng) -> Side {
+    fn side(&self, cells: [usize; 2], faces: Faces, rng: &mut Rng) -> SurfaceMesh {
         let Grid { nodes, faces } = Grid::jittered(cells, faces, rng);
         let space = nodes.iter().map(|&place| self.surface.at(place)).collect();
-        Side { faces, square: nodes, space }
+        SurfaceMesh { faces, square: nodes, space }
     }
 }
 
@@ -114,7 +109,7 @@ fn nodes([along, across]: [usize; 2]) -> usize {
     along.saturating_add(1).saturating_mul(across.saturating_add(1))
 }
 
-/// An equation along an axis; master nodes come after the slaves.
+/// An equation along an axis; master nodes are numbered after the slave nodes.
 fn along(row: &IntegralsRow, slaves: usize, axis: [f64; 3]) -> Terms {
     let nodes = row.slave.iter().copied().chain(row.master.iter().map(|&(k, v)| (slaves + k, -v)));
     nodes.flat_map(|(node, v)| (0..3).map(move |c| (3 * node + c, axis[c] * v))).filter(|term| term.1 != 0.0).collect()

@@ -1,11 +1,13 @@
-//! `x(s, t)` for `(s, t)` in `[0, 1]^2`, without any function but the four operations: the same bits on every machine.
+//! Surfaces `x(s, t)` for `(s, t)` in `[0, 1]^2`. They use only the four basic operations, so the bits are the same on every machine.
 
-/// A patch in space, some two metres wide, askew to all axes.
+use crate::families::AXES;
+
+/// A surface about two metres wide, inclined to x, y and z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surface {
     /// `(p, q, 0)` with `p = 2 s - 1`, `q = 2 t - 1`.
     Plane,
-    /// 106 degrees of a cylinder, `(p, q, (1 - a^2) / (1 + a^2))` with `a = p / 2` and `2 a / (1 + a^2)` for p.
+    /// A cylinder over 106 degrees, `(2 a / (1 + a^2), q, (1 - a^2) / (1 + a^2))` with `a = p / 2`.
     Cylinder,
     /// Part of a sphere, by stereographic projection: `(p, q, 1 - r^2) / (1 + r^2)` with `r^2 = (p^2 + q^2) / 4`.
     Sphere,
@@ -13,12 +15,8 @@ pub enum Surface {
     Waves,
 }
 
-/// Orthonormal: no axis of a patch is an axis of space.
-const ASKEW: [[f64; 3]; 3] =
-    [[2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0], [2.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0], [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]];
-
 impl Surface {
-    /// The point of the surface.
+    /// The point at `(s, t)`.
     pub(super) fn at(self, place: [f64; 2]) -> [f64; 3] {
         let [p, q] = place.map(|along| 2.0 * along - 1.0);
         let local = match self {
@@ -33,7 +31,7 @@ impl Surface {
             }
             Self::Waves => [p, q, 0.1 * wave(p) * wave(q)],
         };
-        ASKEW.map(|axis| axis[0] * local[0] + axis[1] * local[1] + axis[2] * local[2])
+        AXES.map(|axis| axis.map(|c| c / 3.0)).map(|axis| axis[0] * local[0] + axis[1] * local[1] + axis[2] * local[2])
     }
 }
 

@@ -1,18 +1,20 @@
-//! Functions of a face and their inverse: bilinear on `0 <= xi, eta <= 1`, linear where in addition `xi + eta <= 1`.
+//! Shape functions of a face, and the parameters `(xi, eta)` of a point.
+//!
+//! Quadrilaterals are bilinear on `0 <= xi, eta <= 1`, triangles linear on the half with `xi + eta <= 1`.
 
-/// Corners of a face, in order around, as numbers of nodes.
+/// A face: the nodes at its corners, in order around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) enum PatchFace {
     Triangle([usize; 3]),
     Quad([usize; 4]),
 }
 
-/// Value and slopes of a function.
+/// Value and derivatives of a shape function.
 type Function = [f64; 3];
 
-/// Steps of Newton's method, which takes one on a triangle and about five on a quadrilateral.
+/// Limit for the steps of Newton's method, which takes one on a triangle and about five on a quadrilateral.
 const STEPS: usize = 30;
-/// A step below this, on a face of size one, is rounding or all that Newton's method has left to do.
+/// Newton's method ends after a step smaller than this, on a face of size one.
 const STILL: f64 = 1e-13;
 
 impl PatchFace {
@@ -23,7 +25,7 @@ impl PatchFace {
         }
     }
 
-    /// The same face by other numbers.
+    /// The same face with renumbered nodes.
     pub(in super::super) fn renumbered(&self, number: impl Fn(usize) -> usize) -> Self {
         match self {
             Self::Triangle(nodes) => Self::Triangle(nodes.map(number)),
@@ -42,9 +44,9 @@ impl PatchFace {
         }
     }
 
-    /// `(xi, eta)` of a point, from its corners, by Newton's method; none where that does not settle, as far outside.
+    /// `(xi, eta)` of a point by Newton's method; `None` if it does not converge, which can happen far outside the face.
     pub(super) fn parameters(&self, corners: &[[f64; 2]; 4], point: [f64; 2]) -> Option<[f64; 2]> {
-        // Differences first, so that faces far from the origin lose no digits.
+        // Differences from the point keep all digits for faces far from the origin.
         let arms = corners.map(|corner| [corner[0] - point[0], corner[1] - point[1]]);
         let mut at = [1.0 / 3.0; 2];
         for _ in 0..STEPS {
@@ -61,7 +63,7 @@ impl PatchFace {
         None
     }
 
-    /// How far inside the parameters are; negative outside.
+    /// Distance of the parameters from the border of the face; negative outside.
     pub(super) fn depth(&self, [xi, eta]: [f64; 2]) -> f64 {
         match self {
             Self::Triangle(_) => xi.min(eta).min(1.0 - xi - eta),

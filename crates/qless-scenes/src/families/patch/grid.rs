@@ -1,29 +1,29 @@
-//! `(i / nx, j / ny)` and a little more: rows of cells whose inner nodes are moved, whole or cut along either diagonal.
+//! A grid of cells with nodes near `(i / nx, j / ny)`; cells are quadrilaterals, or pairs of triangles.
 
 use super::PatchFace;
 use crate::Rng;
 
-/// What the elements behind a surface show of themselves.
+/// Faces of the elements at a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Faces {
-    /// Bilinear faces, of hexahedra.
+    /// Bilinear quadrilaterals, the faces of hexahedra.
     Quads,
-    /// Linear faces, of tetrahedra: cells of four nodes, each cut along a diagonal that the seed chooses.
+    /// Linear triangles, the faces of tetrahedra: each cell is cut along a random diagonal.
     Triangles,
 }
 
-/// A mesh of the square `[0, 1]^2`, its nodes along s first.
+/// A mesh of the square `[0, 1]^2`; nodes are numbered along s first.
 #[derive(Debug)]
 pub(in super::super) struct Grid {
     pub(in super::super) nodes: Vec<[f64; 2]>,
     pub(in super::super) faces: Vec<PatchFace>,
 }
 
-/// Part of a cell by which nodes move each way. Below a quarter all faces stay convex.
+/// Largest random displacement of a node, relative to a cell. Below a quarter all faces stay convex.
 const MOVE: f64 = 0.2;
 
 impl Grid {
-    /// Nodes of the border move along it, corners stay.
+    /// A grid with randomly moved nodes. Nodes of the border move along it, corners stay.
     pub(in super::super) fn jittered(cells: [usize; 2], faces: Faces, rng: &mut Rng) -> Self {
         let [nx, ny] = cells;
         let place = |k: usize, n: usize, rng: &mut Rng| {
@@ -38,7 +38,7 @@ impl Grid {
     }
 }
 
-/// The faces of the cell that starts with node `first`.
+/// The faces of the cell whose first node is `first`.
 fn cut(first: usize, width: usize, faces: Faces, rng: &mut Rng) -> [Option<PatchFace>; 2] {
     let [a, b, c, d] = [first, first + 1, first + 1 + width, first + width];
     match faces {
@@ -46,4 +46,24 @@ fn cut(first: usize, width: usize, faces: Faces, rng: &mut Rng) -> [Option<Patch
         Faces::Triangles if rng.below(2) == 0 => [[a, b, c], [a, c, d]].map(PatchFace::Triangle).map(Some),
         Faces::Triangles => [[a, b, d], [b, c, d]].map(PatchFace::Triangle).map(Some),
     }
+}
+
+/// A node and its position along the line.
+type ZipPosition = (usize, f64);
+
+/// The triangles between two lines with ascending positions. Each step advances to the next node of either line.
+pub(in super::super) fn zip(one: &[ZipPosition], other: &[ZipPosition]) -> Vec<PatchFace> {
+    let (mut i, mut j) = (0, 0);
+    let mut faces = Vec::with_capacity(one.len() + other.len());
+    while i + 1 < one.len() || j + 1 < other.len() {
+        let next = |line: &[ZipPosition], k: usize| line.get(k + 1).map_or(f64::INFINITY, |place| place.1);
+        if next(one, i) <= next(other, j) {
+            faces.push(PatchFace::Triangle([one[i].0, one[i + 1].0, other[j].0]));
+            i += 1;
+        } else {
+            faces.push(PatchFace::Triangle([one[i].0, other[j + 1].0, other[j].0]));
+            j += 1;
+        }
+    }
+    faces
 }

@@ -1,8 +1,8 @@
-//! The face over a point, among those that a table of square buckets has near it: constant time on even meshes.
+//! Finds the face at a point by a table of square buckets, in constant time on even meshes.
 
 use super::PatchFace;
 
-/// Faces that cover the square `[0, 1]^2`, with the numbers of their nodes.
+/// Faces that cover the square `[0, 1]^2`, with the coordinates of their corners.
 pub(in super::super) struct Locator {
     faces: Vec<(PatchFace, [[f64; 2]; 4])>,
     /// Faces whose bounding box touches a bucket.
@@ -27,7 +27,7 @@ impl Locator {
         locator
     }
 
-    /// Buckets that corners span along an axis.
+    /// Range of buckets that the corners span along an axis.
     fn range(&self, corners: &[[f64; 2]], axis: usize) -> std::ops::RangeInclusive<usize> {
         let along = || corners.iter().map(|corner| corner[axis]);
         self.bucket(along().fold(1.0, f64::min))..=self.bucket(along().fold(0.0, f64::max))
@@ -37,7 +37,7 @@ impl Locator {
         ((along * self.side as f64) as usize).min(self.side - 1)
     }
 
-    /// The face that has a point of the square deepest inside, and the values of its functions there.
+    /// The face that contains a point at the greatest [`PatchFace::depth`], and the values of its functions there.
     pub(in super::super) fn at(&self, point: [f64; 2]) -> (&PatchFace, [f64; 4]) {
         let [column, row] = point.map(|along| self.bucket(along));
         let within = |&number: &u32| {
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
     use crate::Rng;
 
-    /// The functions of the face found are a convex combination that gives the point back.
+    /// The values of the functions are weights of a convex combination of the corners that equals the point.
     #[test]
     fn every_point_lies_in_the_face_that_is_found() {
         let mut rng = Rng::new(3);

@@ -1,12 +1,10 @@
-//! `x = sum_k N_k(xi, eta) x_k` on faces of a mesh of the square `[0, 1]^2`, and the face in which a point lies.
+//! Meshes of the square `[0, 1]^2`, interpolation `x = sum_k N_k(xi, eta) x_k` on their faces, and a search for the face at a point.
 
 mod face;
 mod grid;
 mod locate;
-mod zip;
 
 pub(super) use face::PatchFace;
 pub use grid::Faces;
-pub(super) use grid::Grid;
+pub(super) use grid::{Grid, zip};
 pub(super) use locate::Locator;
-pub(super) use zip::zip;

@@ -1,13 +1,13 @@
-//! The surface of the cube `[0, 1]^3`: corners, then edges, then the inside of faces, each with a mesh of its own.
+//! The surface of the cube `[0, 1]^3`: corners, then edges, then the interior of the faces, each with a mesh of its own.
 
 use super::{Edges, PeriodicCell};
 use crate::Rng;
 use crate::families::patch::{Faces, Grid, PatchFace, zip};
 
-/// Part of an element's length by which the nodes of edges move.
+/// Largest random displacement of the nodes of edges, relative to the length of an element.
 const MOVE: f64 = 0.3;
 
-/// Nodes of the surface, and the faces of the meshes on its sides.
+/// Nodes of the surface, and the meshes of its sides.
 pub(super) struct Boundary {
     pub(super) nodes: Vec<[f64; 3]>,
     /// Faces of the mesh at `x_axis = 0`.
@@ -16,7 +16,7 @@ pub(super) struct Boundary {
     pub(super) far: [Vec<usize>; 3],
 }
 
-/// Nodes of an edge with its corners, ascending.
+/// Nodes of an edge including its corners, ascending.
 type Edge = Vec<usize>;
 
 impl Boundary {
@@ -29,7 +29,7 @@ impl Boundary {
             let numbers = boundary.add_inside(&grid, [axis, 0], cell.near);
             let inside = grid.faces.iter().map(|face| face.renumbered(|k| numbers[k]));
             boundary.near[axis] = inside.chain(boundary.strips(&edges, axis, &numbers)).collect();
-            // Of the far mesh nothing but the nodes is in the equations.
+            // The equations need only the nodes of the far mesh.
             boundary.add_inside(&Grid::jittered([cell.far - 2; 2], Faces::Quads, rng), [axis, 1], cell.far);
         }
         for axis in 0..3 {
@@ -38,7 +38,7 @@ impl Boundary {
         boundary
     }
 
-    /// The four edges along an axis, by their bits along the two others.
+    /// The four edges along an axis, numbered by bits for their positions along the two other axes.
     fn add_edges(&mut self, cell: &PeriodicCell, axis: usize, rng: &mut Rng) -> Vec<Edge> {
         let mut places = Vec::new();
         let mut edges = Vec::new();
@@ -54,19 +54,19 @@ impl Boundary {
         edges
     }
 
-    /// Nodes in the middle of a side, an element away from its edges.
+    /// Nodes in the interior of a side, one element away from its edges.
     fn add_inside(&mut self, grid: &Grid, [axis, side]: [usize; 2], cells: usize) -> Vec<usize> {
         let inset = |along: f64| (1.0 + along * (cells - 2) as f64) / cells as f64;
         self.add(grid.nodes.iter().map(|place| in_space(axis, [side as f64, inset(place[0]), inset(place[1])])))
     }
 
-    /// Triangles between the nodes inside a near side, rows of as many along the next axis, and its four edges.
+    /// Triangles between the four edges of a near side and the square grid of its interior nodes, which run along the next axis first.
     fn strips(&self, edges: &[Edge], axis: usize, numbers: &[usize]) -> Vec<PatchFace> {
         let width = numbers.len().isqrt();
         let strip = |[along, end]: [usize; 2]| {
             let (step, first) = [(1, end * width * (width - 1)), (width, end * (width - 1))][along];
             let direction = (axis + 1 + along) % 3;
-            // Bits of an edge are along the two axes that follow its own; along the axis of the side its bit is 0.
+            // The bits of an edge refer to the two axes after its own; the bit along the axis of the near side is 0.
             let bits = [end, 2 * end][along];
             let placed = |node: usize| (node, self.nodes[node][direction]);
             let outer: Vec<_> = edges[4 * direction + bits].iter().map(|&node| placed(node)).collect();
@@ -83,7 +83,7 @@ impl Boundary {
     }
 }
 
-/// Coordinates along an axis and the two that follow it, as x, y, z.
+/// x, y and z from coordinates along an axis and the two axes after it.
 fn in_space(axis: usize, coordinates: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| coordinates[(k + 3 - axis) % 3])
 }

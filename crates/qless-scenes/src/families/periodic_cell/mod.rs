@@ -1,4 +1,4 @@
-//! `u(x) - sum_k N_k(x - e_d) u_k - eps e_d = 0`: periodicity of a cube whose opposite faces do not match.
+//! Periodicity of a cube with non-matching opposite faces: `u(x) - sum_k N_k(x - e_d) u_k - eps e_d = 0`.
 
 mod boundary;
 
@@ -10,28 +10,27 @@ use crate::error::within;
 use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
 use boundary::Boundary;
 
-/// Whether the four parallel edges of a cell match.
+/// Whether the meshes of the four parallel edges of a cell match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edges {
-    /// They have nodes at the same places.
+    /// All four have nodes at the same places.
     Matching,
-    /// Each has its own.
+    /// Each has its own nodes.
     Own,
 }
 
-/// A cube with a mean strain `eps`, whose faces have meshes of their own.
+/// A cube with a mean strain `eps`, with a mesh of its own on each face.
 ///
-/// Every node x of each far face `x_d = 1`, those of its edges and corners included, is interpolated between the nodes `u_k` of
-/// the near face's element over which it lies. Affine fields `u = eps x` satisfy all equations. The six strains are the last
-/// DOFs, those of two reference nodes: `xx, yy, zz`, then `yz, zx, xy`, which make one block of the components.
+/// Every node x of each far face `x_d = 1`, including its edges and corners, is interpolated from the nodes `u_k` of the opposite
+/// element of the near face. Affine fields `u = eps x` satisfy all equations. The six strains are the last DOFs, at two reference
+/// nodes: `xx, yy, zz`, then `yz, zx, xy`; they connect the components to one block.
 ///
-/// With [`Edges::Matching`] the equations of each node of a far face say the same, so that one equation per component is
-/// independent for each: nodes on two far faces, an edge's `near - 1` and its far end, have one redundant equation and the last
-/// corner has two, in all `3 (3 near + 2)`. With [`Edges::Own`] they agree on fields
-/// that are linear along edges only, and so lock the near edges: a mistake that is often made. How many are redundant is then
-/// not known beforehand.
+/// With [`Edges::Matching`] a node of a far face has one independent equation per component. A node on two far faces (the
+/// `near - 1` inner nodes of an edge and its far end) has one redundant equation per component, and the last corner has two: in all
+/// `3 (3 near + 2)`. With [`Edges::Own`] the equations of such a node agree only for fields that are linear along the edges, which
+/// locks the near edges: a common mistake in practice. The number of redundant equations is then unknown.
 ///
-/// Nodes of a near face without a far node over their elements occur in no equation: few where the far faces are finer.
+/// A node of a near face occurs in no equation if no far node lies opposite its elements. Finer far faces have few such nodes.
 ///
 /// ```
 /// use qless_scenes::families::{Edges, PeriodicCell};
@@ -46,22 +45,22 @@ pub struct PeriodicCell {
     pub near: usize,
     /// Elements per side of the far faces.
     pub far: usize,
-    /// Elements of the near faces, but for a strip along their edges, which is always of triangles.
+    /// Elements of the near faces, except for the strips along their edges, which always have triangles.
     pub near_faces: Faces,
     /// Meshes of the edges.
     pub edges: Edges,
 }
 
-/// Weights below this are rounding of where a point is.
+/// Smaller weights come from the rounding of positions and are dropped.
 const NOTHING: f64 = 1e-12;
 
 impl PeriodicCell {
-    /// Near faces of hexahedra.
+    /// A cell with near faces of hexahedra.
     pub fn new(near: usize, far: usize, edges: Edges) -> Self {
         Self { near, far, near_faces: Faces::Quads, edges }
     }
 
-    /// m: nine for each node inside a far face, and for each of its edges' nodes.
+    /// m: nine equations for each interior node of a far face, and for each node of its edges.
     pub fn equations(&self) -> usize {
         let [near, far] = [self.near, self.far].map(|n| n.saturating_sub(1));
         let edges = match self.edges {
@@ -71,7 +70,7 @@ impl PeriodicCell {
         far.saturating_pow(2).saturating_add(edges).saturating_add(4).saturating_mul(9)
     }
 
-    /// The equations by far face, node and component; the seed places the nodes.
+    /// Builds the scene: equations by far face, node and component. The seed moves the nodes.
     ///
     /// # Errors
     /// [`SceneError::Size`] for fewer than 3 elements per side, or too many.
@@ -98,7 +97,7 @@ impl PeriodicCell {
             }
         }
         boundary.nodes.extend([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
-        let dofs = (0..strains + 6).map(|j| Dof { node: j / 3, component: Component::SPACE[j % 3] }).collect();
+        let dofs = Dof::of_nodes(boundary.nodes.len(), 3);
         Ok(Scene { system: builder.build()?, truth: self.truth(), nodes: boundary.nodes, dofs })
     }
 
@@ -112,22 +111,22 @@ impl PeriodicCell {
     }
 }
 
-/// The two coordinates that follow an axis.
+/// The coordinates along the two axes after the given one.
 fn flat(axis: usize, place: [f64; 3]) -> [f64; 2] {
     [place[(axis + 1) % 3], place[(axis + 2) % 3]]
 }
 
-/// Which strain moves the far face of an axis along c.
+/// Index of the strain that moves the far face of an axis along c.
 fn strain(axis: usize, c: Component) -> usize {
     let c = c as usize;
     if axis == c { axis } else { 6 - axis - c }
 }
 
-/// Nodes of the element over which a point lies, and their weights; only those of an edge for a point on it.
+/// Nodes and weights of the element at a point; a point on an edge has the nodes of the edge only.
 fn masters(locator: &Locator, point: [f64; 2]) -> Terms {
     let (face, weights) = locator.at(point);
     let mut masters: Terms = face.nodes().iter().copied().zip(weights).filter(|term| term.1.abs() > NOTHING).collect();
-    // Whatever was rounded or left out, they add up to one.
+    // The weights must add up to one despite rounding and dropped weights.
     let others: f64 = masters.iter().skip(1).map(|term| term.1).sum();
     masters[0].1 = 1.0 - others;
     masters

@@ -11,9 +11,9 @@ use crate::share::ShareError;
 
 /// Flags and prescribed values of the DOFs of a rank's equations, by place.
 pub(crate) struct KnownDofs {
-    pub said: Vec<DofFlags>,
+    pub flags: Vec<DofFlags>,
     /// The values of those that are prescribed, by place.
-    pub given: BTreeMap<u32, f64>,
+    pub prescribed: BTreeMap<u32, f64>,
 }
 
 /// Flags of a DOF: shared, prescribed, faint.
@@ -69,36 +69,36 @@ impl Directory {
         let came = post.send(ranks);
         let directory = Self { prescribed: values.as_ref().map_or_else(|_| BTreeMap::new(), Clone::clone) };
         let answers = directory.answers(&came, touched, &mut known);
-        known.hear(&answers.send(ranks), touched, layout);
+        known.receive(&answers.send(ranks), touched, layout);
         (values.map(|_| directory), known)
     }
 
     /// The answers to each rank: for each DOF with flags its position in the rank's message, the flags, and the prescribed value. Also
     /// merges the flags that other ranks sent into those of this rank.
     fn answers(&self, came: &[Message], touched: &TouchedDofs, known: &mut KnownDofs) -> Outbox {
-        let mut said: BTreeMap<u64, u8> = BTreeMap::new();
+        let mut flags: BTreeMap<u64, u8> = BTreeMap::new();
         for &word in came.iter().flat_map(|message| &message.words) {
             let faint = if word & FAINT_DOF == 0 { 0 } else { FAINT };
-            said.entry(word & !FAINT_DOF).and_modify(|bits| *bits |= SHARED | faint).or_insert(faint);
+            flags.entry(word & !FAINT_DOF).and_modify(|bits| *bits |= SHARED | faint).or_insert(faint);
         }
-        for (dof, bits) in &mut said {
+        for (dof, bits) in &mut flags {
             if let Ok(place) = touched.dofs.binary_search(dof) {
-                *bits |= SHARED | known.said[place].0;
-                known.said[place].0 = *bits;
+                *bits |= SHARED | known.flags[place].0;
+                known.flags[place].0 = *bits;
             }
         }
         for (dof, &value) in &self.prescribed {
             if let Ok(place) = touched.dofs.binary_search(dof) {
-                known.said[place].0 |= PRESCRIBED;
-                known.given.insert(place as u32, value);
+                known.flags[place].0 |= PRESCRIBED;
+                known.prescribed.insert(place as u32, value);
             }
-            said.entry(*dof).and_modify(|bits| *bits |= PRESCRIBED);
+            flags.entry(*dof).and_modify(|bits| *bits |= PRESCRIBED);
         }
         let mut answers = Outbox::default();
         for message in came {
             for (place, word) in message.words.iter().enumerate() {
                 let dof = word & !FAINT_DOF;
-                let bits = said.get(&dof).copied().unwrap_or_default();
+                let bits = flags.get(&dof).copied().unwrap_or_default();
                 if bits != 0 {
                     let words = answers.to(message.rank);
                     words.push((place as u64) << BITS | u64::from(bits));
@@ -119,9 +119,8 @@ fn prescriptions(
     let mut post = Outbox::default();
     prescribed.iter().for_each(|&(dof, value)| post.to(layout.owner(dof)).extend([dof, value.to_bits()]));
     let mut values: BTreeMap<u64, f64> = BTreeMap::new();
-    let came = post.send(ranks);
-    for pair in came.iter().flat_map(|message| message.words.chunks_exact(2)) {
-        let (dof, value) = (pair[0], real(pair[1]));
+    for (_, [dof, bits]) in post.send_records(ranks) {
+        let value = real(bits);
         let first = *values.entry(dof).or_insert(value);
         if first != value {
             return Err(ShareError::PrescribedTwice { dof, first, second: value });
@@ -133,20 +132,20 @@ fn prescriptions(
 impl KnownDofs {
     /// The flags that follow from the rank's own equations.
     fn own(touched: &TouchedDofs) -> Self {
-        let said = touched.columns.iter().map(|column| DofFlags(if column.is_faint { FAINT } else { 0 }));
-        Self { said: said.collect(), given: BTreeMap::new() }
+        let flags = touched.columns.iter().map(|column| DofFlags(if column.is_faint { FAINT } else { 0 }));
+        Self { flags: flags.collect(), prescribed: BTreeMap::new() }
     }
 
-    fn hear(&mut self, came: &[Message], touched: &TouchedDofs, layout: &Layout) {
+    fn receive(&mut self, came: &[Message], touched: &TouchedDofs, layout: &Layout) {
         for message in came {
             let first = touched.dofs.partition_point(|&dof| dof < layout.owned(message.rank).start);
             let mut words = message.words.iter();
             while let Some(&word) = words.next() {
                 let place = first + (word >> BITS) as usize;
                 let bits = (word & ((1 << BITS) - 1)) as u8;
-                self.said[place].0 |= bits;
+                self.flags[place].0 |= bits;
                 if bits & PRESCRIBED != 0 {
-                    self.given.insert(place as u32, words.next().map_or(0.0, |&bits| real(bits)));
+                    self.prescribed.insert(place as u32, words.next().map_or(0.0, |&bits| real(bits)));
                 }
             }
         }

@@ -52,9 +52,9 @@ pub(crate) fn roots(ranks: &dyn Ranks, count: usize, mut edges: Vec<(u32, u64)>)
         let joins: Vec<(u64, u64)> = edges.iter().map(ends_of).collect();
         let mut joined = joins.iter().map(|(a, b)| a == b);
         edges.retain(|_| joined.next() == Some(false));
-        let mut left = [edges.len() as u64];
-        ranks.sum(&mut left);
-        if left[0] == 0 {
+        let mut remaining = [edges.len() as u64];
+        ranks.sum(&mut remaining);
+        if remaining[0] == 0 {
             break;
         }
         forest.hook(joins.into_iter().filter(|(a, b)| a != b), round);
@@ -97,12 +97,10 @@ impl LabelsForest<'_> {
         }
         let mut post = Outbox::default();
         first.into_iter().for_each(|(root, other)| post.to(rank_of(root)).extend([root, other]));
-        for message in post.send(self.ranks) {
-            for pair in message.words.chunks_exact(2) {
-                let parent = &mut self.parent[number_of(pair[0])];
-                if chance(pair[1], round) < chance(*parent, round) {
-                    *parent = pair[1];
-                }
+        for (_, [root, other]) in post.send_records(self.ranks) {
+            let parent = &mut self.parent[number_of(root)];
+            if chance(other, round) < chance(*parent, round) {
+                *parent = other;
             }
         }
     }
@@ -126,16 +124,16 @@ impl LabelsForest<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ranks::{Counted, together};
+    use crate::ranks::{Counted, on_threads};
 
-    /// Ten thousand vertices in a ring, their numbers in an order of chance: the worst for labels that go from one to the next.
+    /// A ring of ten thousand vertices with shuffled numbers: the worst case for labels that move from neighbour to neighbour.
     #[test]
     fn a_ring_is_one_component_in_few_rounds() {
         let (size, each) = (5, 2000);
         let all = (size * each) as u64;
         let place = |k: u64| (k * 7919) % all;
         let of = |p: u64| vertex((p % size as u64) as usize, (p / size as u64) as usize);
-        let found = together(size, |ranks| {
+        let found = on_threads(size, |ranks| {
             let ranks = Counted::new(ranks);
             let edges = (0..all).flat_map(|k| {
                 let (a, b) = (of(place(k)), of(place((k + 1) % all)));
@@ -161,7 +159,7 @@ mod tests {
                 (0..rng.below(2 * count)).map(|_| (rng.below(count), rng.below(count))).collect();
             let of = |k: usize| vertex(k / each, k % each);
             let both = |&(a, b): &(usize, usize)| [(a, b), (b, a)];
-            let found = together(size, |ranks| {
+            let found = on_threads(size, |ranks| {
                 let own = pairs.iter().flat_map(both).filter(|&(a, _)| a / each == ranks.rank());
                 roots(ranks, each, own.map(|(a, b)| ((a % each) as u32, of(b))).collect())
             })

@@ -1,4 +1,4 @@
-//! The data for a report, gathered on the first rank: for dependent equations only.
+//! Gathers the data for a report on the first rank: dependent equations and fixed DOFs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,20 +6,20 @@ use qless::Kind;
 
 use super::Case;
 use crate::analysis::Analysis;
-use crate::ranks::{Message, Outbox, Ranks, real};
+use crate::ranks::{Message, Outbox, Ranks, real, records};
 use crate::solve::DistributedCertificateTerm;
 
-/// Of the whole, in numbers from 0; all lists ascend.
+/// Findings of all ranks, by numbers from 0 in the whole system. All lists ascend.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub struct Found {
+pub struct GatheredFindings {
     /// Redundant and conflicting equations.
     pub dependent: Vec<Equation>,
     /// Free DOFs that the equations fix, and their values.
     pub generated: Vec<(u64, f64)>,
-    /// Equations that are wanted and dependent on other such equations only.
+    /// Equations of `--keep` that are dependent on other such equations only.
     pub unmet_equations: Vec<u64>,
-    /// The dependent equations and those of their certificates.
+    /// Facts about the dependent equations and those of their certificates.
     pub facts: BTreeMap<u64, Facts>,
 }
 
@@ -37,37 +37,38 @@ pub struct Equation {
     pub relative_mismatch: f64,
     /// As in [`DistributedDependent`](crate::DistributedDependent).
     pub dropped: f64,
-    /// Terms of its certificate.
+    /// Number of terms of its certificate.
     pub terms: usize,
-    /// Its certificate; none if it was left where it is.
+    /// Its certificate; `None` if it was not gathered.
     pub because: Option<Vec<DistributedCertificateTerm>>,
 }
 
-/// What is said of an equation.
+/// Facts about an equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Facts {
     /// Its right-hand side.
     pub rhs: f64,
-    /// Its largest coefficient, without sign.
+    /// The absolute value of its largest coefficient.
     pub largest: f64,
-    /// DOFs in it.
+    /// Number of its DOFs.
     pub dofs: u64,
-    /// Those of them that are prescribed.
+    /// Number of its prescribed DOFs.
     pub prescribed: u64,
 }
 
 impl Case {
-    /// Gathers what was found on the first rank, with certificates of at most `terms` terms together, those of conflicts first. Collective;
-    /// nothing on the other ranks.
-    pub fn gather(&self, ranks: &dyn Ranks, analysis: &Analysis, terms: usize) -> Found {
-        let mut found = Found {
+    /// Gathers the findings on the first rank, with certificates of at most `terms` terms in total, first those of conflicts. The result is
+    /// empty on the other ranks. Collective.
+    pub fn gather(&self, ranks: &dyn Ranks, analysis: &Analysis, terms: usize) -> GatheredFindings {
+        let mut found = GatheredFindings {
             dependent: self.heads(ranks, analysis),
-            generated: numbers(ranks, analysis.generated().iter().flat_map(|&(dof, value)| [dof, value.to_bits()]))
-                .chunks_exact(2)
-                .map(|words| (words[0], real(words[1])))
+            generated: gather(ranks, analysis.generated().iter().flat_map(|&(dof, value)| [dof, value.to_bits()]))
+                .map(|[dof, bits]| (dof, real(bits)))
                 .collect(),
-            unmet_equations: numbers(ranks, analysis.unmet_equations().iter().map(|&i| self.share.numbers()[i])),
+            unmet_equations: gather(ranks, analysis.unmet_equations().iter().map(|&i| self.share.numbers()[i]))
+                .map(|[number]| number)
+                .collect(),
             facts: BTreeMap::new(),
         };
         self.certificates(ranks, analysis, &mut found.dependent, terms);
@@ -87,7 +88,7 @@ impl Case {
             let number = self.share.numbers()[d.equation];
             [number, is_conflicting, reals[0], reals[1], reals[2], d.because.len() as u64]
         });
-        let head = |w: &[u64]| Equation {
+        let head = |w: [u64; 6]| Equation {
             number: w[0],
             kind: if w[1] == 1 { Kind::Conflicting } else { Kind::Redundant },
             mismatch: real(w[2]),
@@ -96,28 +97,27 @@ impl Case {
             terms: w[5] as usize,
             because: None,
         };
-        let words = numbers(ranks, words);
-        words.chunks_exact(6).map(head).collect()
+        gather(ranks, words).map(head).collect()
     }
 
-    /// Brings the certificates that there is room for.
+    /// Gathers certificates up to the limit of their terms.
     fn certificates(&self, ranks: &dyn Ranks, analysis: &Analysis, dependent: &mut [Equation], terms: usize) {
         let mut post = Outbox::default();
-        let mut left = terms;
+        let mut remaining = terms;
         for kind in [Kind::Conflicting, Kind::Redundant] {
             for equation in dependent.iter().filter(|equation| equation.kind == kind) {
-                if equation.terms <= left {
+                if equation.terms <= remaining {
                     post.to(self.rows.holder(equation.number)).push(equation.number);
                 }
-                left = left.saturating_sub(equation.terms);
+                remaining = remaining.saturating_sub(equation.terms);
             }
         }
         let first = self.rows.of(ranks.rank()).start;
         let mut answers = Outbox::default();
-        for number in post.send(ranks).iter().flat_map(|message| &message.words) {
+        for (_, [number]) in post.send_records(ranks) {
             let place = analysis.dependent().binary_search_by_key(&((number - first) as usize), |d| d.equation);
             let because = place.map_or(&[][..], |place| &analysis.dependent()[place].because);
-            answers.to(0).extend([*number, because.len() as u64]);
+            answers.to(0).extend([number, because.len() as u64]);
             answers.to(0).extend(because.iter().flat_map(|term| [term.equation, term.coefficient.to_bits()]));
         }
         for Message { words, .. } in answers.send(ranks) {
@@ -133,32 +133,27 @@ impl Case {
         }
     }
 
-    /// What is to be said of these equations, asked by the first rank.
+    /// Facts about the `named` equations of the first rank. Collective.
     fn facts(&self, ranks: &dyn Ranks, named: &BTreeSet<u64>) -> BTreeMap<u64, Facts> {
         let mut post = Outbox::default();
         named.iter().for_each(|&number| post.to(self.rows.holder(number)).push(number));
         let first = self.rows.of(ranks.rank()).start;
-        let asked: Vec<usize> = post
-            .send(ranks)
-            .iter()
-            .flat_map(|message| &message.words)
-            .map(|number| (number - first) as usize)
-            .collect();
-        let prescribed = self.prescribed_in(ranks, &asked);
+        let requested: Vec<usize> = post.send_records(ranks).map(|(_, [number])| (number - first) as usize).collect();
+        let prescribed = self.prescribed_in(ranks, &requested);
         let mut answers = Outbox::default();
-        for (&i, prescribed) in asked.iter().zip(prescribed) {
+        for (&i, prescribed) in requested.iter().zip(prescribed) {
             let values = self.share.rows.values(i);
             let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
             let reals = [self.share.rows.rhs[i], largest].map(f64::to_bits);
             answers.to(0).extend([self.share.numbers()[i], reals[0], reals[1], values.len() as u64, prescribed]);
         }
-        let came = answers.send(ranks);
-        let words = came.iter().flat_map(|message| message.words.chunks_exact(5));
-        let facts = |w: &[u64]| (w[0], Facts { rhs: real(w[1]), largest: real(w[2]), dofs: w[3], prescribed: w[4] });
-        words.map(facts).collect()
+        let facts = |(_, [number, rhs, largest, dofs, prescribed]): (usize, [u64; 5])| {
+            (number, Facts { rhs: real(rhs), largest: real(largest), dofs, prescribed })
+        };
+        answers.send_records(ranks).map(facts).collect()
     }
 
-    /// How many DOFs of each of these equations are prescribed, as the ranks know that hold the DOFs.
+    /// Number of prescribed DOFs of each equation, from the ranks that hold the DOFs. Collective.
     fn prescribed_in(&self, ranks: &dyn Ranks, equations: &[usize]) -> Vec<u64> {
         let mut post = Outbox::default();
         let mut askers: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -182,9 +177,9 @@ impl Case {
     }
 }
 
-/// The words of all ranks, rank by rank, on the first one.
-fn numbers(ranks: &dyn Ranks, words: impl Iterator<Item = u64>) -> Vec<u64> {
+/// The records of all ranks, rank by rank, on the first rank.
+fn gather<const N: usize>(ranks: &dyn Ranks, words: impl Iterator<Item = u64>) -> impl Iterator<Item = [u64; N]> {
     let words: Vec<u64> = words.collect();
-    let came = ranks.exchange(if words.is_empty() { Vec::new() } else { vec![Message { rank: 0, words }] });
-    came.into_iter().flat_map(|message| message.words).collect()
+    let messages = if words.is_empty() { Vec::new() } else { vec![Message { rank: 0, words }] };
+    records(ranks.exchange(messages)).map(|(_, record)| record)
 }
