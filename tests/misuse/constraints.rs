@@ -10,7 +10,7 @@ use qless_constraints::types::{
     RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface, ThicknessLine, Turn, Turning,
     Universal, Volume,
 };
-use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};
+use qless_constraints::{Constraint, ConstraintSet, EquationSink, Nonlinear, Weights};
 use qless_solve::enforce::{BlockPlan, Problem, reduced};
 use qless_solve::newton::{NewtonOptions, redundancies, solve};
 
@@ -77,9 +77,9 @@ fn take<C: Constraint>(constraint: C) {
             assert!(error.to_string().contains(C::NAME), "{error}");
         }
         let set = builder.build().expect("few DOFs");
-        let mut quantities = set.allocate();
+        let mut evaluation = set.allocate();
         for u in [0.0, 1e-3, 1e200, f64::NAN] {
-            set.assemble(&vec![u; set.dofs()], &vec![1.0; set.equations()], &mut quantities).expect("its own");
+            set.assemble(&vec![u; set.dofs()], &vec![1.0; set.equations()], &mut evaluation).expect("its own");
         }
     });
 }
@@ -295,7 +295,7 @@ struct Product;
 
 impl Nonlinear for Product {
     const DOFS: usize = 2;
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         c[0] = u[0] * u[1];
@@ -306,8 +306,8 @@ impl Constraint for Miscounted {
     const NAME: &'static str = "product";
     type Error = std::fmt::Error;
 
-    fn process(self, store: &mut Store) -> Result<(), Self::Error> {
-        store.nonlinear("", &self.0, Product);
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error> {
+        sink.nonlinear("", &self.0, Product);
         Ok(())
     }
 }

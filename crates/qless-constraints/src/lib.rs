@@ -21,9 +21,9 @@
 //!     builder.add(format!("rod {i}-{j}"), Distance::new(points[i], points[j]))?;
 //! }
 //! let set = builder.build()?;
-//! let mut quantities = set.allocate();
-//! set.evaluate(&[0.0; 8], &mut quantities)?;
-//! let analysis = analyse(&set.linearised(&quantities, &[])?, &Options::default())?;
+//! let mut evaluation = set.allocate();
+//! set.evaluate(&[0.0; 8], &mut evaluation)?;
+//! let analysis = analyse(&set.linearised(&evaluation, &[])?, &Options::default())?;
 //! assert_eq!((set.equations(), analysis.rank()), (6, 5));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -36,11 +36,11 @@ pub mod scalar;
 mod set;
 pub mod types;
 
-pub use constraint::{Constraint, Store, StoreError};
+pub use constraint::{Constraint, EquationError, EquationSink};
 pub use nonlinear::Nonlinear;
 pub use set::{
-    ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, LineariseError,
-    Quantities, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights, shorten_rotation,
+    ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, Evaluation,
+    LineariseError, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights, shorten_rotation,
 };
 
 /// Tests the example of the README.

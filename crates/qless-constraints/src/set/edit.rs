@@ -8,7 +8,7 @@
 //!
 //! Results have the same bits, in the same rows, as those of a new set of the active constraints that meets their types in the same order.
 
-use crate::constraint::{Constraint, Store, StoreError};
+use crate::constraint::{Constraint, EquationError, EquationSink};
 use crate::equations::contents::ConstraintContents;
 use crate::set::ConstraintSet;
 use crate::set::error::{AddError, EditError, ReplaceError, TimeError};
@@ -23,15 +23,15 @@ impl ConstraintSet {
     /// let mut builder = ConstraintSet::builder(3);
     /// let tie = builder.add("tie", Equal::new([0, 1]))?;
     /// let mut set = builder.build()?;
-    /// let mut quantities = set.allocate();
+    /// let mut evaluation = set.allocate();
     /// let push = set.add("push", Prescribed { values: vec![(2, 0.5)] })?;
     /// set.deactivate(tie)?;
-    /// set.evaluate(&[0.0, 1.0, 2.0], &mut quantities)?;
-    /// assert_eq!((quantities.c(), set.label(0)?.as_str()), ([1.5].as_slice(), "push"));
+    /// set.evaluate(&[0.0, 1.0, 2.0], &mut evaluation)?;
+    /// assert_eq!((evaluation.c(), set.label(0)?.as_str()), ([1.5].as_slice(), "push"));
     /// set.set_rhs(push, &[2.0])?;
     /// set.activate(tie)?;
-    /// set.evaluate(&[0.0, 1.0, 2.0], &mut quantities)?;
-    /// assert_eq!((quantities.c(), set.rows_of(push)?), ([1.0, 0.0].as_slice(), vec![1]));
+    /// set.evaluate(&[0.0, 1.0, 2.0], &mut evaluation)?;
+    /// assert_eq!((evaluation.c(), set.rows_of(push)?), ([1.0, 0.0].as_slice(), vec![1]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -152,12 +152,12 @@ impl ConstraintSet {
         &mut self,
         constraint: C,
         (others, rows): (usize, usize),
-    ) -> Result<Box<ConstraintContents>, ProcessFault<C::Error>> {
-        let mut store = Store::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
-        constraint.process(&mut store).map_err(ProcessFault::Input)?;
-        match store.fault.take().or_else(|| self.too_large(others, rows + store.rows())) {
-            Some(fault) => Err(ProcessFault::Store(fault)),
-            None => Ok(store.contents),
+    ) -> Result<Box<ConstraintContents>, EmitFault<C::Error>> {
+        let mut sink = EquationSink::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
+        constraint.emit(&mut sink).map_err(EmitFault::Input)?;
+        match sink.fault.take().or_else(|| self.too_large(others, rows + sink.rows())) {
+            Some(fault) => Err(EmitFault::Equation(fault)),
+            None => Ok(sink.contents),
         }
     }
 
@@ -219,16 +219,16 @@ impl ConstraintSet {
 }
 
 /// A fault of a constraint, before it is labelled.
-pub(super) enum ProcessFault<E> {
+pub(super) enum EmitFault<E> {
     Input(E),
-    Store(StoreError),
+    Equation(EquationError),
 }
 
-impl<E: std::error::Error + 'static> ProcessFault<E> {
+impl<E: std::error::Error + 'static> EmitFault<E> {
     pub(super) fn labelled(self, name: &'static str, label: String) -> AddError<E> {
         match self {
             Self::Input(source) => AddError::Input { name, label, source },
-            Self::Store(source) => AddError::Store { name, label, source },
+            Self::Equation(source) => AddError::Equation { name, label, source },
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use qless::{ArgumentError, SystemError};
 
-use crate::constraint::StoreError;
+use crate::constraint::EquationError;
 
 /// Why a constraint could not be changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,7 +56,7 @@ pub enum ReplaceError<E: std::error::Error + 'static> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LineariseError {
-    /// The quantities belong to another set, or are out of date.
+    /// The evaluation belongs to another set, or is out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     /// A number of c or G is not finite: u is not, or the constraint has no value at u, such as a line whose end points coincide.
@@ -93,13 +93,13 @@ pub enum AddError<E: std::error::Error + 'static> {
     },
     /// The equations have a fault that any type can have.
     #[error("{name} \"{label}\": {source}")]
-    Store {
+    Equation {
         /// The type.
         name: &'static str,
         /// The label given.
         label: String,
         /// What is wrong.
-        source: StoreError,
+        source: EquationError,
     },
 }
 

@@ -13,7 +13,7 @@ use crate::set::{ConstraintSet, long};
 
 /// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
 #[derive(Clone, Debug)]
-pub struct Quantities {
+pub struct Evaluation {
     of: Identity,
     /// The configuration of the last evaluation of c and G.
     pub(super) u: Vec<f64>,
@@ -26,14 +26,14 @@ pub struct Quantities {
     chunks: RowLayout,
 }
 
-impl PartialEq for Quantities {
+impl PartialEq for Evaluation {
     /// Compares the numbers.
     fn eq(&self, other: &Self) -> bool {
         (&self.c, &self.g, &self.h) == (&other.c, &other.g, &other.h)
     }
 }
 
-impl Quantities {
+impl Evaluation {
     /// The configuration of the last evaluation.
     pub fn u(&self) -> &[f64] {
         &self.u
@@ -64,10 +64,10 @@ impl ConstraintSet {
     /// Arrays of the right size, with the pattern of G and the coefficients of linear equations, which are constant.
     ///
     /// The first evaluation of H makes its pattern. When the set changes, the next evaluation updates the arrays.
-    pub fn allocate(&self) -> Quantities {
+    pub fn allocate(&self) -> Evaluation {
         let rows = self.layout();
         let sound = "the set has checked DOFs and sizes";
-        Quantities {
+        Evaluation {
             of: self.register.identity,
             u: vec![0.0; self.dofs],
             c: vec![0.0; self.equations()],
@@ -80,34 +80,34 @@ impl ConstraintSet {
     }
 
     /// Updates c and G after changes of the set. Rows after the first change are moved once, however many changes there were.
-    pub(super) fn follow(&self, quantities: &mut Quantities) -> Result<(), ArgumentError> {
-        self.own("the quantities", quantities.of)?;
-        if quantities.evaluated == self.version.get() {
+    pub(super) fn follow(&self, evaluation: &mut Evaluation) -> Result<(), ArgumentError> {
+        self.own("the evaluation", evaluation.of)?;
+        if evaluation.evaluated == self.version.get() {
             return Ok(());
         }
         let sound = "the set has checked DOFs and sizes";
         let rows = self.layout();
-        replace(&mut quantities.g, (&quantities.rows, &rows), |segments| self.pattern(segments)).expect(sound);
-        quantities.c.resize(self.equations(), 0.0);
-        quantities.rows = rows;
-        quantities.evaluated = Identity::NONE;
+        replace(&mut evaluation.g, (&evaluation.rows, &rows), |segments| self.pattern(segments)).expect(sound);
+        evaluation.c.resize(self.equations(), 0.0);
+        evaluation.rows = rows;
+        evaluation.evaluated = Identity::NONE;
         Ok(())
     }
 
     /// Updates H after changes of the set. Returns the current plan.
-    pub(super) fn follow_hessian(&self, quantities: &mut Quantities) -> &HessianPlan {
+    pub(super) fn follow_hessian(&self, evaluation: &mut Evaluation) -> &HessianPlan {
         let (plan, sound) = (self.plan(), "the set has checked DOFs and sizes");
         let chunks = plan.layout();
-        replace(&mut quantities.h, (&quantities.chunks, &chunks), |segments| plan.pattern(segments)).expect(sound);
-        quantities.chunks = chunks;
+        replace(&mut evaluation.h, (&evaluation.chunks, &chunks), |segments| plan.pattern(segments)).expect(sound);
+        evaluation.chunks = chunks;
         plan
     }
 
     /// Checks that c and G are those of the current set.
-    pub(super) fn current(&self, quantities: &Quantities) -> Result<(), ArgumentError> {
-        self.own("the quantities", quantities.of)?;
-        let what = "the quantities";
-        if quantities.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
+    pub(super) fn current(&self, evaluation: &Evaluation) -> Result<(), ArgumentError> {
+        self.own("the evaluation", evaluation.of)?;
+        let what = "c and G";
+        if evaluation.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
 
     /// G with the coefficients of linear equations, and zeros elsewhere.

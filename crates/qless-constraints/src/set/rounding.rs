@@ -27,7 +27,7 @@ impl Rounding {
         &self.c
     }
 
-    /// Bounds on the errors of G, in the order of `Quantities::g().values()`.
+    /// Bounds on the errors of G, in the order of `Evaluation::g().values()`.
     pub fn g(&self) -> &[f64] {
         &self.g
     }

@@ -68,9 +68,9 @@ fn faces_meet_in_the_coarser_polynomial() -> Outcome {
             for &(at, dofs) in tie.coarse.nodes.iter().chain(&tie.fine.nodes) {
                 (u[dofs[0]], u[dofs[1]]) = (field(at), 1.0 - 2.0 * field(at));
             }
-            let mut quantities = set.allocate();
-            set.evaluate(&u, &mut quantities)?;
-            Ok(quantities.c().iter().fold(0.0, |most: f64, c| most.max(c.abs())))
+            let mut evaluation = set.allocate();
+            set.evaluate(&u, &mut evaluation)?;
+            Ok(evaluation.c().iter().fold(0.0, |most: f64, c| most.max(c.abs())))
         };
         let terms = monomials(coarse);
         let some = |[x, y]: [f64; 2]| {

@@ -12,11 +12,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use qless_constraints::Quantities;
+use qless_constraints::Evaluation;
 
 use super::StepFailure;
 use super::parts::EquilibriumParts;
-use super::rows::KeptRows;
+use super::rows::PartRows;
 use super::saddle::{Saddle, SaddleEntries, SaddlePattern};
 use super::time_path::TimePath;
 use crate::common::random;
@@ -39,8 +39,8 @@ const STILL: f64 = 1e-6;
 pub struct Branch {
     parts: Arc<EquilibriumParts>,
     part: usize,
-    before: Arc<Quantities>,
-    rows: KeptRows,
+    before: Arc<Evaluation>,
+    rows: PartRows,
     /// Units of the free DOFs.
     units: Vec<f64>,
     /// `[S^-2, G^T; G, 0]` with the units S; it gives the shortest motion with given G dx.
@@ -60,8 +60,8 @@ pub struct BranchTurn {
 impl Branch {
     /// At a configuration that satisfies the constraints of a part; none if no DOF is determined, or if branches meet there.
     pub fn new(
-        before: &Arc<Quantities>,
-        rows: &KeptRows,
+        before: &Arc<Evaluation>,
+        rows: &PartRows,
         (parts, part): (&Arc<EquilibriumParts>, usize),
         pattern: &mut SaddlePattern,
     ) -> Option<Self> {
@@ -78,7 +78,7 @@ impl Branch {
     }
 
     /// Checks the step to another configuration; an error if it may leave the branch.
-    pub fn turn(&self, after: &Quantities) -> Result<BranchTurn, StepFailure> {
+    pub fn turn(&self, after: &Evaluation) -> Result<BranchTurn, StepFailure> {
         let changed = self.change(after);
         if changed == 0.0 {
             return Ok(BranchTurn::default());
@@ -92,12 +92,12 @@ impl Branch {
         }
     }
 
-    fn change(&self, after: &Quantities) -> f64 {
+    fn change(&self, after: &Evaluation) -> f64 {
         let rows = self.parts.list[self.part].rows.iter().copied();
         change([&self.before, after], rows, (&self.parts.of_equations.columns, self.rows.units()))
     }
 
-    fn radius(&self, after: &Quantities) -> f64 {
+    fn radius(&self, after: &Evaluation) -> f64 {
         let drawn = (0..).zip(self.units.iter().zip(&self.determined));
         let mut x: Vec<f64> = drawn.map(|(k, (unit, &d))| if d { unit * random(k) } else { 0.0 }).collect();
         let mut half = 0.0;
@@ -119,7 +119,7 @@ impl Branch {
     }
 
     /// `(G - G') x` on the kept rows.
-    fn turned(&self, after: &Quantities, x: &[f64]) -> Vec<f64> {
+    fn turned(&self, after: &Evaluation, x: &[f64]) -> Vec<f64> {
         let (before, after) = (self.before.g(), after.g());
         let x = |j: usize| self.parts.place(self.part, j).map_or(0.0, |place| x[place]);
         let pairs = |&row: &usize| before.row(row).zip(after.row(row));
@@ -138,7 +138,7 @@ pub fn growth(radius: f64) -> f64 {
     (AIM / radius).max(0.1)
 }
 
-fn entries(before: &Quantities, rows: &KeptRows, (parts, part): (&EquilibriumParts, usize)) -> SaddleEntries {
+fn entries(before: &Evaluation, rows: &PartRows, (parts, part): (&EquilibriumParts, usize)) -> SaddleEntries {
     let (free, g) = (&parts.list[part].free, before.g());
     let n = free.len();
     let mut list: Vec<_> = free.iter().enumerate().map(|(i, &j)| (i, i, rows.units()[j].powi(-2))).collect();
@@ -172,7 +172,7 @@ pub fn check_jumps(
     branches: &[&Branch],
     time_path: &mut TimePath,
     [from, to]: [f64; 2],
-    room: &mut Quantities,
+    room: &mut Evaluation,
 ) -> Result<BTreeMap<usize, StepFailure>, StepFailure> {
     let mut led = BTreeMap::new();
     if branches.is_empty() || matches!(time_path, TimePath::Still(_)) {
@@ -195,7 +195,7 @@ fn ahead(
     branches: &[&Branch],
     time_path: &mut TimePath,
     factor: f64,
-    room: &mut Quantities,
+    room: &mut Evaluation,
 ) -> Result<Vec<Vec<f64>>, StepFailure> {
     time_path.set_factor(factor)?;
     if let Some(first) = branches.first() {
@@ -208,7 +208,7 @@ fn ahead(
 fn pass(
     bent: &[CurvedWay],
     time_path: &TimePath,
-    room: &mut Quantities,
+    room: &mut Evaluation,
     led: &mut BTreeMap<usize, StepFailure>,
 ) -> Result<(), StepFailure> {
     let Some(first) = bent.first() else { return Ok(()) };
@@ -235,7 +235,7 @@ impl Branch {
         (off.is_nan() || off > STRAIGHT).then_some(CurvedWay { branch: self, dx, most })
     }
 
-    fn passes(&self, there: &Quantities, most: f64) -> Result<(), StepFailure> {
+    fn passes(&self, there: &Evaluation, most: f64) -> Result<(), StepFailure> {
         let radius = self.turn(there)?.radius;
         let far = radius > most && self.change(there) > MET;
         if far { Err(StepFailure::Branch(growth(radius))) } else { Ok(()) }

@@ -4,7 +4,7 @@
 //! last, ordered by their rows.
 
 use qless::common::DisjointSets;
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::model::Assembly;
 use crate::newton::{EquationParts, join_all};
@@ -35,11 +35,11 @@ pub struct EquilibriumParts {
 }
 
 impl EquilibriumParts {
-    pub fn new(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, prescribed: &[(usize, f64)]) -> Self {
+    pub fn new(assembly: &Assembly, set: &ConstraintSet, evaluation: &Evaluation, prescribed: &[(usize, f64)]) -> Self {
         let n = set.dofs();
         let mut held = vec![false; n];
         prescribed.iter().for_each(|&(j, _)| held[j] = true);
-        let mut roots = joined(assembly, set, quantities, &held);
+        let mut roots = joined(assembly, set, evaluation, &held);
         let (mut list, mut place): (Vec<EquilibriumPart>, _) = (Vec::new(), vec![NONE; n]);
         let mut of_dof = vec![NONE; n];
         for j in (0..n).filter(|&j| !held[j]) {
@@ -53,7 +53,7 @@ impl EquilibriumParts {
             place[j] = free.len() as u32;
             free.push(j);
         }
-        let g = quantities.g();
+        let g = evaluation.g();
         let mut of_row = Vec::with_capacity(g.rows());
         for r in 0..g.rows() {
             let part = g.row(r).map(|(j, _)| of_dof[j]).find(|&part| part != NONE);
@@ -62,7 +62,7 @@ impl EquilibriumParts {
             list[part as usize].rows.push(r);
             of_row.push(part);
         }
-        list.iter_mut().for_each(|part| part.touch(assembly, quantities, &held));
+        list.iter_mut().for_each(|part| part.touch(assembly, evaluation, &held));
         let mut touched: Vec<bool> = held.iter().map(|held| !held).collect();
         list.iter().flat_map(|part| &part.held).for_each(|&j| touched[j] = true);
         let rest = (0..n).filter(|&j| !touched[j]).collect();
@@ -86,8 +86,8 @@ impl EquilibriumParts {
 
 impl EquilibriumPart {
     /// Collects its prescribed DOFs.
-    fn touch(&mut self, assembly: &Assembly, quantities: &Quantities, held: &[bool]) {
-        let g = quantities.g();
+    fn touch(&mut self, assembly: &Assembly, evaluation: &Evaluation, held: &[bool]) {
+        let g = evaluation.g();
         let of_row = |&r: &usize| g.row(r).map(|(j, _)| j).filter(|&j| held[j]);
         let of_k = self.free.iter().flat_map(|&i| assembly.row(i).map(|(j, _)| j)).filter(|&j| held[j]);
         self.held = of_k.chain(self.rows.iter().flat_map(of_row)).collect();
@@ -97,8 +97,8 @@ impl EquilibriumPart {
 }
 
 /// Connected components of the free DOFs.
-fn joined(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, held: &[bool]) -> DisjointSets {
-    let (mut sets, g) = (DisjointSets::new(held.len()), quantities.g());
+fn joined(assembly: &Assembly, set: &ConstraintSet, evaluation: &Evaluation, held: &[bool]) -> DisjointSets {
+    let (mut sets, g) = (DisjointSets::new(held.len()), evaluation.g());
     (0..g.rows()).for_each(|r| join_all(&mut sets, g.row(r).map(|(j, _)| j).filter(|&j| !held[j])));
     for i in (0..held.len()).filter(|&i| !held[i]) {
         let of_k = assembly.row(i).map(|(j, _)| j);

@@ -72,7 +72,7 @@ impl NewtonState<'_> {
         if !self.states.iter().any(|state| state.goal == StepGoal::Downhill) {
             return Ok(vec![0.0; self.set.dofs()]);
         }
-        if found.current { found.step(step) } else { self.linearised(&self.configuration.quantities, step)?.step(step) }
+        if found.current { found.step(step) } else { self.linearised(&self.configuration.evaluation, step)?.step(step) }
     }
 
     fn search(&mut self, du: Vec<f64>, kept: &[bool]) -> Result<StepEnd, ArgumentError> {
@@ -142,6 +142,6 @@ impl NewtonState<'_> {
         let rounding = self.configuration.rounding.c();
         let terms = analysis.because(row)?.into_iter().map(|b| b.coefficient.abs() * rounding[b.row]);
         let allowed = self.options.tolerance * terms.fold(rounding[row], |sum, term| sum + term);
-        Ok(!(self.configuration.quantities.c()[row].abs() <= allowed && allowed.is_finite()))
+        Ok(!(self.configuration.evaluation.c()[row].abs() <= allowed && allowed.is_finite()))
     }
 }

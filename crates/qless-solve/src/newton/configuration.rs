@@ -8,14 +8,14 @@
 //! u, and so does c.
 
 use qless::{ArgumentError, Csr};
-use qless_constraints::{ConstraintSet, Quantities, Rounding};
+use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
 use super::parts::{EquationParts, PartColumns};
 
 /// A configuration with its c and G.
 pub struct Configuration {
     pub u: Vec<f64>,
-    pub quantities: Quantities,
+    pub evaluation: Evaluation,
     /// Bounds on the rounding of c and G.
     pub rounding: Rounding,
     /// Weights D of the equations.
@@ -27,12 +27,12 @@ pub struct Configuration {
 
 impl Configuration {
     pub fn new(set: &ConstraintSet, u: Vec<f64>, parts: &EquationParts) -> Result<Self, ArgumentError> {
-        let mut quantities = set.allocate();
-        set.evaluate(&u, &mut quantities)?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&u, &mut evaluation)?;
         let rounding = set.rounding(&u)?;
-        let weights = weights(quantities.g(), rounding.g(), &parts.columns);
-        let residuals = residuals(quantities.c(), rounding.c(), &weights, parts);
-        Ok(Self { u, quantities, rounding, weights, residuals })
+        let weights = weights(evaluation.g(), rounding.g(), &parts.columns);
+        let residuals = residuals(evaluation.c(), rounding.c(), &weights, parts);
+        Ok(Self { u, evaluation, rounding, weights, residuals })
     }
 
     /// The largest residual of all parts.
@@ -65,15 +65,15 @@ pub fn in_roundings(c: &[f64], rounding: &[f64]) -> Vec<f64> {
 
 /// How far each DOF can move until a nonlinear equation changes by the size of its terms: `1 / max_r (|G_rj| / size_r)`, or less if the
 /// curvature `|H_jj|` limits it. A length for a position, an angle for a rotation, in any unit; 0 for DOFs without equations.
-pub fn sizes_of_dofs(set: &ConstraintSet, u: &[f64], quantities: &mut Quantities) -> Result<Vec<f64>, ArgumentError> {
+pub fn sizes_of_dofs(set: &ConstraintSet, u: &[f64], evaluation: &mut Evaluation) -> Result<Vec<f64>, ArgumentError> {
     let weights: Vec<f64> = set.rounding(u)?.c().iter().map(|&bound| inverse(bound / f64::EPSILON)).collect();
-    set.effective_hessian(u, &weights, quantities)?;
+    set.effective_hessian(u, &weights, evaluation)?;
     let mut steepness = vec![0.0_f64; set.dofs()];
     for (row, weight) in weights.iter().enumerate() {
-        quantities.g().row(row).for_each(|(j, v)| steepness[j] = steepness[j].max(v.abs() * weight));
+        evaluation.g().row(row).for_each(|(j, v)| steepness[j] = steepness[j].max(v.abs() * weight));
     }
     for (j, steep) in steepness.iter_mut().enumerate() {
-        let bent = quantities.h().row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
+        let bent = evaluation.h().row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
         *steep = inverse(steep.max(bent));
     }
     Ok(steepness)
@@ -87,7 +87,7 @@ pub fn inverse(x: f64) -> f64 {
 
 /// `max |G_rj - G'_rj| s_j / max |G'_rj| s_j` over j, then the largest over the rows; s are the sizes of the columns.
 pub fn change(
-    [before, after]: [&Quantities; 2],
+    [before, after]: [&Evaluation; 2],
     rows: impl IntoIterator<Item = usize>,
     (of, sizes): (&PartColumns, &[f64]),
 ) -> f64 {
@@ -127,14 +127,14 @@ const NEGLIGIBLE: f64 = 1e-11;
 /// condition on the motion is needed since weights of rows with small entries are very large.
 pub fn at_rest(
     weights: &[f64],
-    quantities: &Quantities,
+    evaluation: &Evaluation,
     (rounding, extents): (&Rounding, &[f64]),
     parts: &EquationParts,
 ) -> Vec<f64> {
     let largest = largest(weights, rounding.c(), parts);
-    let mut list = in_roundings(quantities.c(), rounding.c());
-    for (r, (own, c)) in list.iter_mut().zip(quantities.c()).enumerate() {
-        let motion: f64 = quantities.g().row(r).map(|(j, v)| v.abs() * extents[j]).sum();
+    let mut list = in_roundings(evaluation.c(), rounding.c());
+    for (r, (own, c)) in list.iter_mut().zip(evaluation.c()).enumerate() {
+        let motion: f64 = evaluation.g().row(r).map(|(j, v)| v.abs() * extents[j]).sum();
         let largest = largest[parts.of_row(r)];
         if weights[r] > 0.0 && largest > 0.0 && c.abs() <= NEGLIGIBLE * motion {
             *own = own.min(weights[r] * c.abs() / largest);

@@ -9,7 +9,7 @@
 //! follow from the sizes of the terms of c, and so from the unit of length. They are powers of two, which cause no rounding.
 
 use qless::{Analysis, ArgumentError, Form, Options, analyse};
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::configuration::inverse;
 use super::error::NewtonError;
@@ -34,15 +34,15 @@ impl Linearisation {
     /// Linearises and analyses; the DOFs in `held` do not move.
     pub fn new(
         set: &ConstraintSet,
-        quantities: &Quantities,
+        evaluation: &Evaluation,
         (held, of): (&[(usize, f64)], &PartColumns),
         (step, options): (usize, &NewtonOptions),
     ) -> Result<Self, NewtonError> {
         options.analysis.validate().map_err(|source| NewtonError::Analysis { step, source: source.into() })?;
         let increments: Vec<(usize, f64)> = held.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
-        let units = units(set, quantities, of).map_err(|source| NewtonError::Argument { step, source })?;
+        let units = units(set, evaluation, of).map_err(|source| NewtonError::Argument { step, source })?;
         let system = set
-            .linearised_in(&units, quantities, &increments)
+            .linearised_in(&units, evaluation, &increments)
             .map_err(|source| NewtonError::System { step, source })?;
         // If the first hinge of a chain turns, its end moves by the length of the chain. Smaller entries of T would require slaves far away.
         let growth = options.analysis.growth.max(GROWTH);
@@ -80,10 +80,10 @@ const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 const SWEEPS: usize = 20;
 
 /// The power of two nearest to the reach of each column; 1 for DOFs without a reach. Columns of DOFs come first.
-pub fn units(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
+pub fn units(set: &ConstraintSet, evaluation: &Evaluation, of: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
     let power = |reach: f64| if reach > 0.0 { reach.log2().round().exp2() } else { 1.0 };
     let usable = |unit: f64| if unit.is_normal() && (1.0 / unit).is_normal() { unit } else { 1.0 };
-    Ok(reaches(set, quantities, of)?.into_iter().map(|reach| usable(power(reach))).collect())
+    Ok(reaches(set, evaluation, of)?.into_iter().map(|reach| usable(power(reach))).collect())
 }
 
 /// Reach of each column: how far a DOF moves until a nonlinear c changes by the size of its terms, `1 / max_r (|G_rj| / size_r)`.
@@ -91,8 +91,8 @@ pub fn units(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> 
 /// An entry counts as the size of its terms, known from its rounding, even if they cancel. All displacements in a row count as its largest
 /// one: otherwise a rod along an axis would give the DOFs across it a longer reach. Terms of linear rows vanish with u, so that only the
 /// ratios of their entries count: a DOF without nonlinear rows gets the reach of its neighbours, or 0 if these have none.
-fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
-    let (g, rounding) = (quantities.g(), set.rounding(quantities.u())?);
+fn reaches(set: &ConstraintSet, evaluation: &Evaluation, of: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
+    let (g, rounding) = (evaluation.g(), set.rounding(evaluation.u())?);
     let linear = set.linear_rows();
     let mut steepness = vec![0.0_f64; of.count()];
     for (row, bound) in rounding.c().iter().enumerate().filter(|(row, _)| !linear.contains(row)) {

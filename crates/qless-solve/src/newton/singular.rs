@@ -7,7 +7,7 @@
 //! there is no solution nearby.
 
 use qless::{Analysis, ArgumentError, Form, Reduction};
-use qless_constraints::Quantities;
+use qless_constraints::Evaluation;
 
 use super::configuration::sizes_of_dofs;
 use super::error::NewtonError;
@@ -27,12 +27,12 @@ pub fn second_order_directions(
     step: usize,
 ) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
     let argument = |source| NewtonError::Argument { step, source };
-    let sizes = sizes_of_dofs(run.set, &run.configuration.u, &mut run.configuration.quantities).map_err(argument)?;
+    let sizes = sizes_of_dofs(run.set, &run.configuration.u, &mut run.configuration.evaluation).map_err(argument)?;
     let WeightedConflicts { weights, amounts } = WeightedConflicts::new(run, analysis).map_err(argument)?;
-    run.set.effective_hessian(&run.configuration.u, &weights, &mut run.configuration.quantities).map_err(argument)?;
+    run.set.effective_hessian(&run.configuration.u, &weights, &mut run.configuration.evaluation).map_err(argument)?;
     let motions = AllowedMotions::new(run, sizes, step)?;
     let numbers = motions.numbers(&run.parts, &run.contradicted);
-    let mut found = lowest(|z| motions.bent(&run.configuration.quantities, z), &numbers).map_err(argument)?;
+    let mut found = lowest(|z| motions.bent(&run.configuration.evaluation, z), &numbers).map_err(argument)?;
     let scales = scales(run, &weights);
     let length = |part: usize| {
         let lowest = found.values[part].filter(|lowest| *lowest < -NEGATIVE * scales[part]);
@@ -54,7 +54,7 @@ struct WeightedConflicts {
 
 impl WeightedConflicts {
     fn new(run: &NewtonState, analysis: &Analysis) -> Result<Self, ArgumentError> {
-        let (c, rounding) = (run.configuration.quantities.c(), run.configuration.rounding.c());
+        let (c, rounding) = (run.configuration.evaluation.c(), run.configuration.rounding.c());
         let raw = |k: usize| Some(c[k] / rounding[k] / rounding[k]).filter(|f| f.is_finite());
         let mut most = vec![0.0_f64; run.parts.count()];
         for &k in &run.contradicted {
@@ -95,7 +95,7 @@ struct AllowedMotions {
 
 impl AllowedMotions {
     fn new(run: &NewtonState, sizes: Vec<f64>, step: usize) -> Result<Self, NewtonError> {
-        let mut still = run.configuration.quantities.clone();
+        let mut still = run.configuration.evaluation.clone();
         still.clear_values();
         let found = run.linearised(&still, step)?;
         let reduction = found.analysis.reduction_in(Form::Factored);
@@ -119,8 +119,8 @@ impl AllowedMotions {
     }
 
     /// `Z^T H Z z`.
-    fn bent(&self, quantities: &Quantities, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
-        let force = times(quantities.h(), &self.motion(z)?);
+    fn bent(&self, evaluation: &Evaluation, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+        let force = times(evaluation.h(), &self.motion(z)?);
         let force: Vec<f64> = force.iter().zip(&self.units).map(|(force, unit)| unit * force).collect();
         let slaves: Vec<f64> = self.reduction.slaves().iter().map(|&j| force[j]).collect();
         let back = self.reduction.apply_transposed(&slaves)?;

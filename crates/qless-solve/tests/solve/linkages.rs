@@ -10,16 +10,16 @@ pub fn at_rest(
     set: &ConstraintSet,
     prescribed: &[(usize, f64)],
 ) -> Result<qless::ConstraintSystem, Box<dyn std::error::Error>> {
-    let mut quantities = set.allocate();
-    set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
-    Ok(set.linearised(&quantities, prescribed)?)
+    let mut evaluation = set.allocate();
+    set.evaluate(&vec![0.0; set.dofs()], &mut evaluation)?;
+    Ok(set.linearised(&evaluation, prescribed)?)
 }
 
 /// Rank of G at u.
 pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
-    let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities).expect("of this set");
-    Ok(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank())
+    let mut evaluation = set.allocate();
+    set.evaluate(u, &mut evaluation).expect("of this set");
+    Ok(analyse(&set.linearised(&evaluation, &[])?, &Options::default())?.rank())
 }
 
 /// A number in [-0.5, 0.5], the same for a seed.

@@ -23,7 +23,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
     }
 
     fn rows(&self) -> usize {
-        self.items.len() * Q::PARTS.len()
+        self.items.len() * Q::EQUATION_NAMES.len()
     }
 
     fn items(&self) -> usize {
@@ -35,7 +35,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
     }
 
     fn owner(&self, row: usize) -> (EquationOwner, &'static str) {
-        (self.owners[row / Q::PARTS.len()], Q::PARTS[row % Q::PARTS.len()])
+        (self.owners[row / Q::EQUATION_NAMES.len()], Q::EQUATION_NAMES[row % Q::EQUATION_NAMES.len()])
     }
 
     fn constraint(&self, i: usize) -> u32 {
@@ -47,11 +47,11 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
     }
 
     fn equations_per_item(&self) -> usize {
-        Q::PARTS.len()
+        Q::EQUATION_NAMES.len()
     }
 
     fn nnz(&self) -> usize {
-        self.dofs.len() * Q::PARTS.len()
+        self.dofs.len() * Q::EQUATION_NAMES.len()
     }
 
     fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
@@ -110,7 +110,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
     fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
         if Q::DRIVEN {
             for (i, item) in self.items.iter_mut().enumerate() {
-                item.at_time(time).map_err(|value| (i * Q::PARTS.len(), value))?;
+                item.at_time(time).map_err(|value| (i * Q::EQUATION_NAMES.len(), value))?;
             }
             self.units.take();
         }
@@ -120,7 +120,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
     fn angles(&self, found: &mut dyn FnMut(usize, f64)) {
         if Q::DRIVEN {
             let angles = self.items.iter().enumerate().filter_map(|(i, item)| item.angle().map(|angle| (i, angle)));
-            angles.for_each(|(i, angle)| found(i * Q::PARTS.len(), angle));
+            angles.for_each(|(i, angle)| found(i * Q::EQUATION_NAMES.len(), angle));
         }
     }
 
@@ -147,7 +147,8 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
             let dofs = self.dofs(i);
             let zero = DoubleDouble::from(0.0);
             let local: Vec<_> = dofs.iter().map(|&j| u[j as usize]).collect();
-            let (mut c, mut g) = (vec![zero; Q::PARTS.len()], vec![zero; Q::PARTS.len() * dofs.len()]);
+            let (mut c, mut g) =
+                (vec![zero; Q::EQUATION_NAMES.len()], vec![zero; Q::EQUATION_NAMES.len() * dofs.len()]);
             jacobian(item, &local, &mut c, &mut g);
             all_c.extend(c);
             let mut columns: Vec<usize> = (0..dofs.len()).collect();
@@ -168,7 +169,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
 
 impl<Q: Nonlinear> StagedNonlinear for StagedItem<Q> {
     fn rows(&self) -> usize {
-        Q::PARTS.len()
+        Q::EQUATION_NAMES.len()
     }
 
     fn kind(&self, nonlinear: &NonlinearEquations) -> Option<u32> {

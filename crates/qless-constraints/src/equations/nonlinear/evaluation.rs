@@ -19,13 +19,13 @@ impl<Q: Nonlinear> TypedBatch<Q> {
             6 => self.evaluate_fixed::<6>(u, c, g),
             _ => self.evaluate_any(u, c, g),
         }
-        let rows = Q::PARTS.len();
+        let rows = Q::EQUATION_NAMES.len();
         self.order.restore(|i| self.span(i..i).start * rows, rows, g);
     }
 
     /// N is the number of DOFs of every item, so that loops have a fixed length.
     fn evaluate_fixed<const N: usize>(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        let rows = Q::PARTS.len();
+        let rows = Q::EQUATION_NAMES.len();
         let items = self.items.iter().zip(self.dofs.as_chunks::<N>().0);
         let outputs = c.chunks_exact_mut(rows).zip(g.chunks_exact_mut(rows * N));
         for ((item, dofs), (c, g)) in items.zip(outputs) {
@@ -36,7 +36,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
     }
 
     fn evaluate_any(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        let rows = Q::PARTS.len();
+        let rows = Q::EQUATION_NAMES.len();
         let ahead = self.ahead();
         let mut room = vec![0.0; ahead * self.widest];
         let mut rest = g;
@@ -56,7 +56,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
 
     /// Writes the columns and the ends of the rows of G; the first row starts at `first`.
     pub fn write_columns(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
-        if Q::PARTS.len() == 1 && self.order.is_empty() {
+        if Q::EQUATION_NAMES.len() == 1 && self.order.is_empty() {
             col.copy_from_slice(&self.dofs);
             return (0..end.len()).for_each(|i| end[i] = first + self.span(i..i + 1).end);
         }
@@ -70,7 +70,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
                 sorted.sort_unstable();
                 dofs = &sorted;
             }
-            for end in ends.by_ref().take(Q::PARTS.len()) {
+            for end in ends.by_ref().take(Q::EQUATION_NAMES.len()) {
                 let own;
                 (own, rest) = rest.split_at_mut(dofs.len());
                 own.copy_from_slice(dofs);
@@ -82,7 +82,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
 
     /// Writes bounds on the rounding errors of c and G.
     pub fn write_rounding(&self, known: &UncertainDofs, c: &mut [f64], g: &mut [f64]) {
-        let rows = Q::PARTS.len();
+        let rows = Q::EQUATION_NAMES.len();
         let mut rest = &mut *g;
         for (i, c) in c.chunks_exact_mut(rows).enumerate() {
             let own;
@@ -108,7 +108,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
     pub const UNITS: usize = {
         let mut most = 0;
         let mut k = 0;
-        while k < Q::NUMBERS.len() && Q::QUADRATIC && Q::PARTS.len() == 1 {
+        while k < Q::NUMBERS.len() && Q::QUADRATIC && Q::EQUATION_NAMES.len() == 1 {
             most = if Q::NUMBERS[k] < most { most } else { Q::NUMBERS[k] + 1 };
             k += 1;
         }
@@ -161,7 +161,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
 
     #[inline]
     fn curvatures_one_by_one(&self, run: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64], room: &mut [f64]) {
-        let rows = Q::PARTS.len();
+        let rows = Q::EQUATION_NAMES.len();
         let mut rest = out;
         let w = w[run.start * rows..run.end * rows].chunks_exact(rows);
         for (((i, item), w), &numbers) in run.clone().zip(&self.items[run.clone()]).zip(w).zip(&self.numbers[run]) {
@@ -172,7 +172,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
     }
 
     fn curvatures_together(&self, run: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64], room: &mut [f64]) {
-        let rows = Q::PARTS.len();
+        let rows = Q::EQUATION_NAMES.len();
         let mut rest = out;
         for first in run.clone().step_by(self.ahead()) {
             let all = first..run.end.min(first + self.ahead());

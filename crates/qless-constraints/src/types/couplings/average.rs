@@ -6,7 +6,7 @@ use super::mean_rigid_motion::{MotionObservation, RigidMotionFit};
 use super::node6::CoupledComponent;
 use super::rigid_motion::{arm, clean};
 use crate::types::{CouplingError, Node6};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A weighted average: the reference follows the rigid motion that fits the motion of the nodes best. Also known as
 /// RBE3.
@@ -98,7 +98,7 @@ impl Constraint for Average {
     const NAME: &'static str = "weighted average";
     type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CouplingError> {
         self.check()?;
         let (observations, components): (Vec<_>, Vec<_>) = self.observations().into_iter().unzip();
         let fit = RigidMotionFit::new(&observations);
@@ -112,7 +112,7 @@ impl Constraint for Average {
             let led = components.iter().zip(factors);
             let terms =
                 led.flat_map(|(component, factor)| component.terms.iter().map(move |&(dof, a)| (dof, factor * a)));
-            lead(store, self.reference.long_name(component.kind), terms, &self.reference, motion)?;
+            lead(sink, self.reference.long_name(component.kind), terms, &self.reference, motion)?;
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::geometry::surface::{Face, Surface, SurfaceError};
 use crate::scalar::vector::{Vector, add, dot, unit};
 use crate::types::Point;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// Equal normal displacements of a structure and a fluid in displacement form, `n . (u_s - u_f) = 0`, a length.
 /// Tangential sliding is free.
@@ -53,11 +53,11 @@ impl Constraint for FluidNormal {
     const NAME: &'static str = "structure and fluid";
     type Error = FluidNormalError;
 
-    fn process(self, store: &mut Store) -> Result<(), FluidNormalError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), FluidNormalError> {
         let n = unit(self.normal).ok_or(FluidNormalError::Normal)?;
         let side = |dofs: [usize; 3], sign: f64| (0..3).map(move |k| (dofs[k], sign * n[k]));
         let terms = side(self.structure, 1.0).chain(side(self.fluid, -1.0));
-        store.equation("", terms.filter(|&(_, v)| v != 0.0), 0.0);
+        sink.equation("", terms.filter(|&(_, v)| v != 0.0), 0.0);
         Ok(())
     }
 }
@@ -229,7 +229,7 @@ impl Constraint for FluidWall {
     const NAME: &'static str = "wall of a fluid";
     type Error = FluidWallError;
 
-    fn process(self, store: &mut Store) -> Result<(), FluidWallError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), FluidWallError> {
         let normals = self.normals()?;
         let at_wall = |&(i, n): &(usize, Option<Vector<f64>>)| n.map(|n| (i, n));
         let used: Vec<_> = normals.into_iter().enumerate().filter_map(|pair| at_wall(&pair)).collect();
@@ -244,7 +244,7 @@ impl Constraint for FluidWall {
                 (0..3).map(move |k| (dofs[k], -w * n[k]))
             });
             let all = terms.filter(|&(_, v)| v != 0.0).chain([(self.fluid[i].normal, 1.0)]);
-            store.equation(format!("node {}", i + 1), all, 0.0);
+            sink.equation(format!("node {}", i + 1), all, 0.0);
         }
         Ok(())
     }

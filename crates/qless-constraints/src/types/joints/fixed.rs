@@ -6,7 +6,7 @@ use super::orientation::Aligned;
 use super::relative::relative;
 use super::{JointError, check_turns};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `log(R_a^T R_b) = 0`, three
 /// angles.
@@ -43,10 +43,10 @@ impl Constraint for Fixed {
     const NAME: &'static str = "fixed joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        coincident(store, "", &self.a, &self.b, self.at);
-        relative(store, "", &self.a, &self.b, Aligned);
+        coincident(sink, "", &self.a, &self.b, self.at);
+        relative(sink, "", &self.a, &self.b, Aligned);
         Ok(())
     }
 }

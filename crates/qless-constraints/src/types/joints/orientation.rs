@@ -51,7 +51,7 @@ fn combined(weights: &[f64], rows: &[Quaternion<f64>]) -> Quaternion<f64> {
 pub struct Aligned;
 
 impl RotationFunction for Aligned {
-    const PARTS: &'static [&'static str] = &["turn x", "turn y", "turn z"];
+    const EQUATION_NAMES: &'static [&'static str] = &["turn x", "turn y", "turn z"];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c.copy_from_slice(&angle::value::<S, 3>(shorter(q)).map(|x| S::from(2.0) * x));
@@ -118,7 +118,7 @@ impl Tilt {
 }
 
 impl RotationFunction for Tilt {
-    const PARTS: &'static [&'static str] = &["tilt 1", "tilt 2"];
+    const EQUATION_NAMES: &'static [&'static str] = &["tilt 1", "tilt 2"];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c.copy_from_slice(&angle::value::<S, 2>(self.parts(q)));
@@ -166,7 +166,7 @@ impl Twist {
 }
 
 impl RotationFunction for Twist {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
     const DRIVEN: bool = true;
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
@@ -212,7 +212,7 @@ pub struct PerpendicularAxes {
 }
 
 impl RotationFunction for PerpendicularAxes {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c[0] = dot(lift(self.of_a), by_euler(q, self.of_b));

@@ -10,7 +10,7 @@ use super::attachment::Body;
 use crate::geometry::quaternion::{BodyQuaternion, Quaternion, body_quaternion, conjugate, inner, product};
 use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
-use crate::{Nonlinear, Store};
+use crate::{EquationSink, Nonlinear};
 
 /// Maximum number of equations of one function.
 pub const MAX_EQUATIONS: usize = 3;
@@ -19,8 +19,8 @@ pub type QuaternionMatrix = [Quaternion<f64>; 4];
 
 /// A function of the relative rotation.
 pub trait RotationFunction: Send + Sync + 'static {
-    /// As [`Nonlinear::PARTS`], at most [`MAX_EQUATIONS`].
-    const PARTS: &'static [&'static str];
+    /// As [`Nonlinear::EQUATION_NAMES`], at most [`MAX_EQUATIONS`].
+    const EQUATION_NAMES: &'static [&'static str];
     /// As [`Nonlinear::DRIVEN`].
     const DRIVEN: bool = false;
 
@@ -41,10 +41,16 @@ pub trait RotationFunction: Send + Sync + 'static {
 }
 
 /// Adds the equations `of` on the relative rotation of two bodies.
-pub fn relative<F: RotationFunction>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
+pub fn relative<F: RotationFunction>(
+    sink: &mut EquationSink,
+    part: impl Into<Cow<'static, str>>,
+    a: &Body,
+    b: &Body,
+    of: F,
+) {
     let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
-    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
-    store.nonlinear(part, &dofs, RelativeRotation { a: a.kind, b: b.kind, of });
+    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    sink.nonlinear(part, &dofs, RelativeRotation { a: a.kind, b: b.kind, of });
 }
 
 struct RelativeRotation<F> {
@@ -65,7 +71,7 @@ impl<F> RelativeRotation<F> {
 }
 
 impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
-    const PARTS: &'static [&'static str] = F::PARTS;
+    const EQUATION_NAMES: &'static [&'static str] = F::EQUATION_NAMES;
     const DRIVEN: bool = F::DRIVEN;
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {

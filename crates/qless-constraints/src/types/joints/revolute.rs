@@ -6,7 +6,7 @@ use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and the tilt of the axis, two angles.
 ///
@@ -45,11 +45,11 @@ impl Constraint for Revolute {
     const NAME: &'static str = "revolute joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
         let axis = direction(self.axis)?;
-        coincident(store, "", &self.a, &self.b, self.at);
-        relative(store, "", &self.a, &self.b, Tilt::new(axis));
+        coincident(sink, "", &self.a, &self.b, self.at);
+        relative(sink, "", &self.a, &self.b, Tilt::new(axis));
         Ok(())
     }
 }

@@ -4,7 +4,7 @@ use super::attachment::Body;
 use super::coincident::coincident;
 use super::{JointError, check_moves};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A ball joint: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths.
 ///
@@ -37,9 +37,9 @@ impl Constraint for Spherical {
     const NAME: &'static str = "spherical joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_moves(&self.a, &self.b)?;
-        coincident(store, "", &self.a, &self.b, self.at);
+        coincident(sink, "", &self.a, &self.b, self.at);
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use super::perpendicular::perpendicular_axes;
 use super::relative::relative;
 use super::{JointError, check_turns};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `(R_a s) . (R_b t) = 0`, the cosine of
 /// their angle.
@@ -46,11 +46,11 @@ impl Constraint for Universal {
     const NAME: &'static str = "universal joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
         let cross = perpendicular_axes(self.axis_a, self.axis_b)?;
-        coincident(store, "", &self.a, &self.b, self.at);
-        relative(store, "cross", &self.a, &self.b, cross);
+        coincident(sink, "", &self.a, &self.b, self.at);
+        relative(sink, "cross", &self.a, &self.b, cross);
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ use crate::geometry::node::field_of_node;
 use crate::geometry::search::FaceSearch;
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::{Surface, SurfaceError};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// The functions `Phi_i` of the multipliers of a mortar tie, one for each slave node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -63,11 +63,11 @@ pub enum Multipliers {
 /// builder.add("interface", MortarTie { slave, master, multipliers: Multipliers::Dual, tolerance: 1e-9 })?;
 /// let set = builder.build()?;
 /// // A linear temperature satisfies all equations.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 1.0, 2.0, 0.0, 0.5, 1.25, 2.0], &mut quantities)?;
-/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.0, 1.0, 2.0, 0.0, 0.5, 1.25, 2.0], &mut evaluation)?;
+/// assert!(evaluation.c().iter().all(|c| c.abs() < 1e-15));
 /// // With dual multipliers, each row has a single slave node.
-/// assert_eq!(quantities.g().row(0).filter(|&(dof, _)| dof < 3).count(), 1);
+/// assert_eq!(evaluation.g().row(0).filter(|&(dof, _)| dof < 3).count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -103,14 +103,14 @@ impl<const D: usize, const F: usize> Constraint for MortarTie<D, F> {
     const NAME: &'static str = "mortar tie";
     type Error = MortarError;
 
-    fn process(self, store: &mut Store) -> Result<(), MortarError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), MortarError> {
         self.check()?;
         let (slave, master) = (&self.slave.nodes, &self.master.nodes);
         for (i, row) in self.rows()? {
             for k in 0..F {
                 let d = row.slaves().map(|(j, v)| (slave[j].dofs[k], v));
                 let m = row.masters().map(|(j, v)| (master[j].dofs[k], v));
-                store.equation(field_of_node::<D, F>(i, k), d.chain(m), 0.0);
+                sink.equation(field_of_node::<D, F>(i, k), d.chain(m), 0.0);
             }
         }
         Ok(())

@@ -3,7 +3,7 @@
 
 use crate::geometry::node::{Node, field, rounding, separation, within};
 use crate::geometry::sector_rotation::{Turn, sin_cos};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// How the F fields of a node change under rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,9 +33,9 @@ pub enum Turning {
 /// builder.add("sector", Cyclic { a, b, turn, fields: Turning::Vectors, tolerance: 1e-9 })?;
 /// let set = builder.build()?;
 /// // A radial displacement of a corresponds to a radial displacement of b.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.1, 0.0, 0.0, 0.0, 0.1, 0.0], &mut quantities)?;
-/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-16));
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.1, 0.0, 0.0, 0.0, 0.1, 0.0], &mut evaluation)?;
+/// assert!(evaluation.c().iter().all(|c| c.abs() < 1e-16));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,11 +139,11 @@ impl<const D: usize, const F: usize> Constraint for Cyclic<D, F> {
     const NAME: &'static str = "cyclic symmetry";
     type Error = CyclicError;
 
-    fn process(self, store: &mut Store) -> Result<(), CyclicError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CyclicError> {
         self.check()?;
         for k in 0..F {
             let terms = self.turned(k, 1.0, &self.a.dofs).into_iter().chain([(self.b.dofs[k], 1.0)]);
-            store.equation(field::<D, F>(k), terms, 0.0);
+            sink.equation(field::<D, F>(k), terms, 0.0);
         }
         Ok(())
     }
@@ -153,7 +153,7 @@ impl<const D: usize, const F: usize> Constraint for CyclicHarmonic<D, F> {
     const NAME: &'static str = "cyclic symmetry of a harmonic";
     type Error = CyclicError;
 
-    fn process(self, store: &mut Store) -> Result<(), CyclicError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CyclicError> {
         let (pair, real, imaginary) = (self.real, self.real.a.dofs, self.imaginary_a);
         pair.check()?;
         let (sin, cos) = sin_cos(f64::from(self.harmonic) * pair.turn.angle());
@@ -163,7 +163,7 @@ impl<const D: usize, const F: usize> Constraint for CyclicHarmonic<D, F> {
             {
                 let terms = [pair.turned(k, of_real, &real), pair.turned(k, of_imaginary, &imaginary)].concat();
                 let name = format!("{part} {}", field::<D, F>(k)).trim_end().to_owned();
-                store.equation(name, terms.into_iter().chain([(image, 1.0)]), 0.0);
+                sink.equation(name, terms.into_iter().chain([(image, 1.0)]), 0.0);
             }
         }
         Ok(())

@@ -6,7 +6,7 @@ use super::{interpolate, is_shared};
 use crate::geometry::node::{ROUNDING, field_of_node};
 use crate::geometry::shape::Shape;
 use crate::types::Polynomials;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A face of p-refinement in a nodal basis: the finer side follows the polynomial through the nodes of the coarser
 /// side.
@@ -49,13 +49,13 @@ pub struct FaceOrderTie<const F: usize> {
 
 impl<const F: usize> FaceOrderTie<F> {
     fn check(&self) -> Result<(), FaceOrderTieError> {
-        self.fine.check(Side::Fine)?;
-        self.coarse.check(Side::Coarse)?;
+        self.fine.check(TieSide::Fine)?;
+        self.coarse.check(TieSide::Coarse)?;
         let (fine, coarse) = (self.fine.polynomials, self.coarse.polynomials);
         if !fine.contain(coarse) {
             return Err(FaceOrderTieError::NotAmong { fine, coarse });
         }
-        self.fine.weights(Side::Fine, &[]).map(|_| ())
+        self.fine.weights(TieSide::Fine, &[]).map(|_| ())
     }
 
     fn is_shared(&self, i: usize) -> Result<bool, FaceOrderTieError> {
@@ -69,13 +69,13 @@ impl<const F: usize> Constraint for FaceOrderTie<F> {
     const NAME: &'static str = "face of p-refinement";
     type Error = FaceOrderTieError;
 
-    fn process(self, store: &mut Store) -> Result<(), FaceOrderTieError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), FaceOrderTieError> {
         self.check()?;
-        let weights = self.coarse.weights(Side::Coarse, &self.fine.places())?;
+        let weights = self.coarse.weights(TieSide::Coarse, &self.fine.places())?;
         for (i, ((_, dofs), weights)) in self.fine.nodes.iter().zip(weights).enumerate() {
             if !self.is_shared(i)? {
                 let masters = self.coarse.nodes.iter().map(|&(_, dofs)| dofs).zip(weights);
-                interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
+                interpolate(sink, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
             }
         }
         Ok(())
@@ -106,7 +106,7 @@ impl<const F: usize> FaceSide<F> {
         Ok(Self { polynomials, nodes })
     }
 
-    pub(super) fn check(&self, side: Side) -> Result<(), FaceOrderTieError> {
+    pub(super) fn check(&self, side: TieSide) -> Result<(), FaceOrderTieError> {
         let (polynomials, found) = (self.polynomials, self.nodes.len());
         if polynomials.degree() == 0 || polynomials.dimension() != found {
             return Err(FaceOrderTieError::Count { side, polynomials, found });
@@ -122,7 +122,7 @@ impl<const F: usize> FaceSide<F> {
     }
 
     /// `N_k` at these points.
-    pub(super) fn weights(&self, side: Side, points: &[[f64; 2]]) -> Result<Vec<Vec<f64>>, FaceOrderTieError> {
+    pub(super) fn weights(&self, side: TieSide, points: &[[f64; 2]]) -> Result<Vec<Vec<f64>>, FaceOrderTieError> {
         self.polynomials.weights(&self.places(), points).ok_or(FaceOrderTieError::Undetermined { side })
     }
 
@@ -133,14 +133,14 @@ impl<const F: usize> FaceSide<F> {
 
 /// A side of the tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum TieSide {
     /// The side that follows.
     Fine,
     /// The side that leads.
     Coarse,
 }
 
-impl fmt::Display for Side {
+impl fmt::Display for TieSide {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(if *self == Self::Fine { "finer" } else { "coarser" })
     }
@@ -168,7 +168,7 @@ pub enum FaceOrderTieError {
     #[error("the {side} side has {found} nodes, but {polynomials:?} (degree one or more) needs {}", polynomials.dimension())]
     Count {
         /// Which side.
-        side: Side,
+        side: TieSide,
         /// Its polynomials.
         polynomials: Polynomials,
         /// Its nodes.
@@ -188,7 +188,7 @@ pub enum FaceOrderTieError {
     #[error("node {node}, from 1, of the {side} side is at {at:?}, which is not on the face; correct its parameters")]
     Outside {
         /// Which side.
-        side: Side,
+        side: TieSide,
         /// The node, from 1.
         node: usize,
         /// Its parameters.
@@ -200,7 +200,7 @@ pub enum FaceOrderTieError {
     )]
     Undetermined {
         /// Which side.
-        side: Side,
+        side: TieSide,
     },
     /// A finer node has a DOF of a coarser node at another place.
     #[error(

@@ -3,7 +3,7 @@
 use super::interpolate;
 use crate::geometry::node::{ROUNDING, field};
 use crate::geometry::shape::{Shape, ShapeParameters};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A hanging node of h-refinement, at the parameters xi of its parent: a linear or quadratic edge or face of an
 /// element that was not refined.
@@ -108,10 +108,10 @@ impl<const F: usize> Constraint for HangingNode<F> {
     const NAME: &'static str = "hanging node";
     type Error = HangingNodeError;
 
-    fn process(self, store: &mut Store) -> Result<(), HangingNodeError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), HangingNodeError> {
         self.check()?;
         let weights = self.shape.weights(self.place()?);
-        interpolate(store, field::<0, F>, &self.node, self.parent.iter().copied().zip(weights));
+        interpolate(sink, field::<0, F>, &self.node, self.parent.iter().copied().zip(weights));
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{interpolate, is_shared};
 use crate::geometry::node::{ROUNDING, field_of_node};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// An edge of p-refinement in a nodal basis: the p + 1 nodes of the finer side follow the polynomial through the q + 1
 /// nodes of the coarser side.
@@ -127,14 +127,14 @@ impl<const F: usize> Constraint for OrderTie<F> {
     const NAME: &'static str = "edge of p-refinement";
     type Error = OrderTieError;
 
-    fn process(self, store: &mut Store) -> Result<(), OrderTieError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), OrderTieError> {
         let places: Vec<f64> = self.coarse.iter().map(|&(at, _)| at).collect();
         self.check(&places)?;
         for (i, (at, dofs)) in self.fine.iter().enumerate() {
             if !self.is_shared(i)? {
                 let weights = lagrange(&places, *at);
                 let masters = self.coarse.iter().map(|&(_, dofs)| dofs).zip(weights);
-                interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
+                interpolate(sink, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
             }
         }
         Ok(())

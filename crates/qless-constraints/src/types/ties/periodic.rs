@@ -1,7 +1,7 @@
 //! `u_b - u_a = E (X_b - X_a)`: nodes on opposite faces of a periodic cell, under a macroscopic gradient E.
 
 use crate::geometry::node::{Node, field};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// The macroscopic gradient E of F fields in D dimensions, an F x D matrix: dimensionless for displacements, one over
 /// a length times the unit of the field otherwise.
@@ -31,9 +31,9 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("pair", Periodic { a: left, b: right, strain })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 0.0, 0.02, 0.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0, 0.0]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.0, 0.0, 0.02, 0.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0, 0.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -45,9 +45,9 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
 /// let mut builder = ConstraintSet::builder(2);
 /// builder.add("pair", Periodic { a, b, strain: MacroStrain::Given([[-20.0, 0.0, 0.0]]) })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[35.0, 25.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[35.0, 25.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +73,7 @@ impl<const D: usize, const F: usize> Constraint for Periodic<D, F> {
     const NAME: &'static str = "periodic pair";
     type Error = PeriodicError;
 
-    fn process(self, store: &mut Store) -> Result<(), PeriodicError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), PeriodicError> {
         let step: [f64; D] = std::array::from_fn(|j| self.b.at[j] - self.a.at[j]);
         if step == [0.0; D] {
             return Err(PeriodicError::OnePlace);
@@ -82,11 +82,11 @@ impl<const D: usize, const F: usize> Constraint for Periodic<D, F> {
             let pair = [(self.b.dofs[k], 1.0), (self.a.dofs[k], -1.0)];
             match self.strain {
                 MacroStrain::Given(e) => {
-                    store.equation(field::<D, F>(k), pair, (0..D).map(|j| e[k][j] * step[j]).sum());
+                    sink.equation(field::<D, F>(k), pair, (0..D).map(|j| e[k][j] * step[j]).sum());
                 }
                 MacroStrain::Dofs(e) => {
                     let strain = (0..D).filter(|&j| step[j] != 0.0).map(|j| (e[k][j], -step[j]));
-                    store.equation(field::<D, F>(k), pair.into_iter().chain(strain), 0.0);
+                    sink.equation(field::<D, F>(k), pair.into_iter().chain(strain), 0.0);
                 }
             }
         }

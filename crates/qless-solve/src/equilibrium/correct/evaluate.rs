@@ -126,7 +126,7 @@ impl<M: Model> Corrector<'_, M> {
     pub(super) fn choose(&self) -> Result<std::sync::Arc<RowChoice>, StepFailure> {
         let before = self.all.iter().flat_map(|own| own.rows.list().iter().copied()).collect();
         let place = (self.set, self.parts);
-        RowChoice::new(place, &self.state.quantities, self.prescribed, (self.options, before))
+        RowChoice::new(place, &self.state.evaluation, self.prescribed, (self.options, before))
     }
 }
 

@@ -17,7 +17,7 @@ mod tangent;
 use qless_constraints::ConstraintSet;
 
 use super::parts::EquilibriumParts;
-use super::rows::KeptRows;
+use super::rows::PartRows;
 use super::saddle::{Saddle, SaddlePattern};
 use super::state::{EquilibriumState, Unknowns};
 use super::{EquilibriumIterate, EquilibriumOptions, Model, StepFailure};
@@ -99,7 +99,7 @@ impl<M: Model> Corrector<'_, M> {
 
     /// `-F` on free DOFs and kept rows of a part, including the effect of prescribed DOFs that have yet to move.
     fn rhs(&self, part: usize, x: &Unknowns) -> Vec<f64> {
-        let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
+        let (g, h) = (self.state.evaluation.g(), self.state.evaluation.h());
         let arrived = self.arrived(part, x);
         let more = |start: f64, entries: &mut dyn Iterator<Item = (usize, f64)>| {
             let held = entries.filter(|&(j, _)| self.goal[j].is_some());
@@ -110,7 +110,7 @@ impl<M: Model> Corrector<'_, M> {
             if arrived { now } else { more(more(now, &mut self.state.assembly.row(i)), &mut h.row(i)) }
         };
         let c = |&r: &usize| {
-            let now = self.state.quantities.c()[r];
+            let now = self.state.evaluation.c()[r];
             if arrived { now } else { more(now, &mut g.row(r)) }
         };
         let free = self.parts.list[part].free.iter().map(|j| -force(j));
@@ -129,7 +129,7 @@ impl<M: Model> Corrector<'_, M> {
 }
 
 pub struct PartProgress {
-    pub rows: KeptRows,
+    pub rows: PartRows,
     pub stage: PartStage,
     pub iterates: Vec<EquilibriumIterate>,
     /// Length of the last step.
@@ -153,7 +153,7 @@ pub enum PartStage {
 }
 
 impl PartProgress {
-    pub fn new(rows: KeptRows) -> Self {
+    pub fn new(rows: PartRows) -> Self {
         Self { rows, stage: PartStage::Iterating, iterates: Vec::new(), length: 1.0, loose: None, changes: 0 }
     }
 

@@ -104,7 +104,7 @@ impl<M: Model> Corrector<'_, M> {
     pub(super) fn entries(&self, part: usize) -> SaddleEntries {
         let (free, rows) = (&self.parts.list[part].free, &self.all[part].rows);
         let place = |j: usize| self.parts.place(part, j);
-        let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
+        let (g, h) = (self.state.evaluation.g(), self.state.evaluation.h());
         let stiffness =
             |(i, &dof): (usize, &usize)| self.state.assembly.row(dof).filter_map(move |(j, v)| Some((i, place(j)?, v)));
         let mut list: Vec<_> = free.iter().enumerate().flat_map(stiffness).collect();

@@ -6,7 +6,7 @@ use super::super::Model;
 use super::super::branch::{Branch, BranchTurn};
 use super::super::correct::{PartProgress, PartStage};
 use super::super::error::StepFailure;
-use super::super::rows::{KeptRows, RowChoice};
+use super::super::rows::{PartRows, RowChoice};
 use super::Path;
 use crate::newton::{NewtonError, NewtonOptions, PartwiseSolution, solve_each};
 
@@ -47,9 +47,9 @@ impl<M: Model> Path<'_, M> {
             return Ok(all);
         }
         if self.rows.is_some() {
-            self.constraints.set().evaluate(&self.at.u, &mut self.state.quantities)?;
+            self.constraints.set().evaluate(&self.at.u, &mut self.state.evaluation)?;
         }
-        let before = Arc::new(self.state.quantities.clone());
+        let before = Arc::new(self.state.evaluation.clone());
         for part in asked {
             let (track, rows) = (&mut self.tracks[part], &all[part].rows);
             track.rank = Some(rows.list().len());
@@ -77,9 +77,9 @@ impl<M: Model> Path<'_, M> {
         let start = |(part, far): (usize, Option<Result<Arc<RowChoice>, NewtonError>>)| {
             let rows = &self.parts.list[part].rows;
             match far {
-                Some(Ok(far)) => PartProgress::new(KeptRows::new(rows, &far)),
+                Some(Ok(far)) => PartProgress::new(PartRows::new(rows, &far)),
                 other => {
-                    let mut own = PartProgress::new(KeptRows::new(rows, &choice));
+                    let mut own = PartProgress::new(PartRows::new(rows, &choice));
                     if let Some(Err(error)) = other {
                         own.stage = PartStage::Failed(StepFailure::Constraints(error));
                     }
@@ -122,9 +122,9 @@ impl<M: Model> Path<'_, M> {
     /// Evaluates the constraints at u and analyses their rows.
     pub(super) fn choice_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Arc<RowChoice>, StepFailure> {
         let set = self.constraints.set();
-        set.evaluate(u, &mut self.state.quantities)?;
+        set.evaluate(u, &mut self.state.evaluation)?;
         let before = self.rows.iter().flatten().flat_map(|rows| rows.list().iter().copied()).collect();
-        RowChoice::new((set, &self.parts), &self.state.quantities, prescribed, (self.options, before))
+        RowChoice::new((set, &self.parts), &self.state.evaluation, prescribed, (self.options, before))
     }
 
     /// Finds the nearest configuration that satisfies the constraints.

@@ -6,7 +6,7 @@ use qless_constraints::shorten_rotation;
 use super::super::branch::{Branch, BranchTurn, check_jumps};
 use super::super::correct::{Corrector, PartProgress, PartStage, side_by_side};
 use super::super::error::StepFailure;
-use super::super::rows::KeptRows;
+use super::super::rows::PartRows;
 use super::super::stability::stability;
 use super::super::state::Unknowns;
 use super::super::{LoadStep, Model};
@@ -26,14 +26,14 @@ pub(super) struct StepTarget {
 
 impl<M: Model> Path<'_, M> {
     /// Finds the equilibrium at a load factor, starting from the last one.
-    pub(super) fn step(&mut self, [last, factor]: [f64; 2]) -> Result<(Unknowns, Vec<KeptRows>), StepFailures> {
+    pub(super) fn step(&mut self, [last, factor]: [f64; 2]) -> Result<(Unknowns, Vec<PartRows>), StepFailures> {
         let end = self.end(factor);
         // Whole turns are singular; half a turn is the limit.
         self.rotations.iter().for_each(|&vector| _ = shorten_rotation(&mut self.at.u, vector));
         let origin = self.origin(&end.prescribed);
         self.constraints.advance_to(factor)?;
         let branches: Vec<&Branch> = self.tracks.iter().filter_map(|track| track.branch.as_ref()).collect();
-        let led = check_jumps(&branches, &mut self.constraints, [last, factor], &mut self.state.quantities)?;
+        let led = check_jumps(&branches, &mut self.constraints, [last, factor], &mut self.state.evaluation)?;
         if !led.is_empty() {
             return Err(led.into_values().collect());
         }
@@ -90,7 +90,7 @@ impl<M: Model> Path<'_, M> {
             for &part in &ran {
                 let own = &mut corrector.all[part];
                 let branch = self.tracks[part].branch.as_ref().filter(|_| own.is_done());
-                match branch.map_or(Ok(BranchTurn::default()), |branch| branch.turn(&corrector.state.quantities)) {
+                match branch.map_or(Ok(BranchTurn::default()), |branch| branch.turn(&corrector.state.evaluation)) {
                     Ok(turn) => self.tracks[part].turn = turn,
                     Err(failure) => own.fail(failure),
                 }
@@ -170,7 +170,7 @@ impl<M: Model> Path<'_, M> {
             Err(failure) => return Some(failure),
         };
         let other = |&part: &usize| {
-            let rows = KeptRows::new(&self.parts.list[part].rows, &choice);
+            let rows = PartRows::new(&self.parts.list[part].rows, &choice);
             (part, std::mem::replace(&mut all[part], PartProgress::new(rows)))
         };
         let firsts: Vec<_> = retried.iter().map(other).collect();
@@ -202,7 +202,7 @@ impl<M: Model> Path<'_, M> {
             Ok(choice) => choice,
             Err(failure) => return Some(failure),
         };
-        *all = self.parts.list.iter().map(|part| PartProgress::new(KeptRows::new(&part.rows, &choice))).collect();
+        *all = self.parts.list.iter().map(|part| PartProgress::new(PartRows::new(&part.rows, &choice))).collect();
         let second = self.attempt((x, None), all, end).err();
         let knows_more = |own: &PartProgress| !matches!(own.stage, PartStage::Failed(StepFailure::NoConvergence));
         if second.is_none() && !all.iter().all(knows_more) { Some(whole) } else { second }
