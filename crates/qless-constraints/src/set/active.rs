@@ -20,6 +20,7 @@ use crate::set::evaluation::Evaluation;
 type RowKey = (u32, u32, u32);
 
 /// A row as it was passed to the system.
+#[derive(Debug)]
 struct ActiveRow {
     key: RowKey,
     id: EquationId,
@@ -53,12 +54,6 @@ pub struct ActiveSystem {
     system: ChangingSystem,
     layout: RowLayout,
     rows: Vec<ActiveRow>,
-}
-
-impl std::fmt::Debug for ActiveRow {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Known").field("id", &self.id).field("rhs", &self.rhs).finish_non_exhaustive()
-    }
 }
 
 /// Why the linearised equations could not be updated.

@@ -58,7 +58,7 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn remove(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        if self.register.take(number).is_none() {
+        if self.register.inactive.remove(&number).is_none() {
             self.take(number);
         }
         self.register.remove(number);
@@ -71,9 +71,9 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn deactivate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        if self.register.is_active(number) {
-            let contents = self.take(number);
-            self.register.park(number, Box::new(contents));
+        if !self.register.inactive.contains_key(&number) {
+            let contents = Box::new(self.take(number));
+            self.register.inactive.insert(number, contents);
         }
         Ok(())
     }
@@ -84,12 +84,12 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] if a function of time is not finite at the time of the set.
     pub fn activate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        let Some(contents) = self.register.parked_mut(number) else { return Ok(()) };
+        let Some(contents) = self.register.inactive.get_mut(&number) else { return Ok(()) };
         if let Err(value) = contents.at_time(self.time) {
             let label = self.register.name(number).to_string();
             return Err(TimeError::NotFinite { label, time: self.time, value }.into());
         }
-        if let Some(contents) = self.register.take(number) {
+        if let Some(contents) = self.register.inactive.remove(&number) {
             self.put(number, contents);
         }
         Ok(())
@@ -100,7 +100,7 @@ impl ConstraintSet {
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn is_active(&self, constraint: ConstraintId) -> Result<bool, EditError> {
-        self.register.number(constraint).map(|number| self.register.is_active(number))
+        self.register.number(constraint).map(|number| !self.register.inactive.contains_key(&number))
     }
 
     /// Replaces the parameters or the type of a constraint. Its label and position stay, and it remains active or inactive.
@@ -115,8 +115,8 @@ impl ConstraintSet {
             Ok(contents) => contents,
             Err(fault) => return Err(fault.labelled(C::NAME, self.register.name(number).to_string()).into()),
         };
-        if !self.register.is_active(number) {
-            self.register.park(number, contents);
+        if let Some(inactive) = self.register.inactive.get_mut(&number) {
+            *inactive = contents;
         } else if let Err(contents) = self.overwrite(number, contents) {
             self.take(number);
             self.put(number, contents);
@@ -130,7 +130,7 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Count`], [`EditError::NotFinite`]; nothing changes then.
     pub fn set_rhs(&mut self, constraint: ConstraintId, rhs: &[f64]) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        let inactive = self.register.parked(number).map(|contents| contents.equations.len());
+        let inactive = self.register.inactive.get(&number).map(|contents| contents.equations.len());
         let expected = inactive.unwrap_or_else(|| self.linear.rows_of(number).len());
         if rhs.len() != expected {
             let label = self.register.name(number).to_string();
@@ -139,7 +139,7 @@ impl ConstraintSet {
         if let Some(&value) = rhs.iter().find(|rhs| !rhs.is_finite()) {
             return Err(EditError::NotFinite { label: self.register.name(number).to_string(), value });
         }
-        match self.register.parked_mut(number) {
+        match self.register.inactive.get_mut(&number) {
             Some(contents) => contents.set_rhs(rhs),
             None => self.linear.set_values(number, rhs),
         }

@@ -99,7 +99,7 @@ impl ConstraintSet {
 
     /// Number of constraints, active or not.
     pub fn constraints(&self) -> usize {
-        self.register.alive()
+        self.register.alive
     }
 
     /// Writes `c(u)` and `G(u)`, in parallel.
@@ -109,14 +109,7 @@ impl ConstraintSet {
     /// # Errors
     /// [`ArgumentError`] if `u` does not have length n, or this set did not allocate the evaluation.
     pub fn evaluate(&self, u: &[f64], evaluation: &mut Evaluation) -> Result<(), ArgumentError> {
-        self.check(u, None)?;
-        self.follow(evaluation)?;
-        let Evaluation { u: kept, c, g, .. } = &mut *evaluation;
-        let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
-        tasks.extend(copy_tasks(u, kept));
-        run_tasks(tasks, u);
-        evaluation.evaluated = self.version.get();
-        Ok(())
+        self.evaluate_with(u, None, evaluation)
     }
 
     /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation ([`Weights`]).
@@ -158,13 +151,25 @@ impl ConstraintSet {
     /// # Errors
     /// [`ArgumentError`] if `u` or `weights` has the wrong length, or this set did not allocate the evaluation.
     pub fn assemble(&self, u: &[f64], weights: &[f64], evaluation: &mut Evaluation) -> Result<(), ArgumentError> {
-        self.check(u, Some(weights))?;
+        self.evaluate_with(u, Some(weights), evaluation)
+    }
+
+    /// Writes c and G, and with weights also H.
+    fn evaluate_with(
+        &self,
+        u: &[f64],
+        weights: Option<&[f64]>,
+        evaluation: &mut Evaluation,
+    ) -> Result<(), ArgumentError> {
+        self.check(u, weights)?;
         self.follow(evaluation)?;
-        let plan = self.follow_hessian(evaluation);
+        let plan = weights.map(|_| self.follow_hessian(evaluation));
         let Evaluation { u: kept, c, g, h, .. } = &mut *evaluation;
-        let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
+        let weighted = weights.map(|w| WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), w));
         let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
-        tasks.extend(hessian_tasks(plan, &weighted, h.values_mut()));
+        if let (Some(plan), Some(weighted)) = (plan, &weighted) {
+            tasks.extend(hessian_tasks(plan, weighted, h.values_mut()));
+        }
         tasks.extend(copy_tasks(u, kept));
         run_tasks(tasks, u);
         evaluation.evaluated = self.version.get();

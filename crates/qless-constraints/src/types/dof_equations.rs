@@ -53,8 +53,7 @@ impl Constraint for LinearEquation {
 }
 
 /// A linear equation `sum_j a_j u_j = b(t)`. With the single term `(j, 1)` it prescribes a DOF as a function of time.
-///
-/// All `a_j u_j` have the unit of b. t is the time of [`crate::ConstraintSet::set_time`], initially 0.
+/// t is the time of [`crate::ConstraintSet::set_time`], initially 0.
 ///
 #[doc = include_str!("../../docs/pictures/driven.svg")]
 ///
@@ -190,9 +189,6 @@ impl Constraint for Prescribed {
 }
 
 /// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
-///
-/// One equation and one removed DOF for every DOF after the first. Two lists that share more than one DOF are
-/// redundant.
 ///
 #[doc = include_str!("../../docs/pictures/equal.svg")]
 ///

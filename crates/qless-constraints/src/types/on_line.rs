@@ -33,8 +33,7 @@ pub enum Line {
 /// across it.
 ///
 /// `|c|` is the distance from the line. The directions rotate with a line through nodes. At a rotation of 123 degrees
-/// from u = 0 they are redefined: c jumps, but `|c|` does not. Multipliers are the force across the line, along `e_i`.
-/// Two degrees of freedom are removed. Singular if the nodes of the line coincide.
+/// from u = 0 they are redefined: c jumps, but `|c|` does not.
 ///
 #[doc = include_str!("../../docs/pictures/on_line.svg")]
 ///

@@ -23,10 +23,8 @@ pub enum Plane {
     Nodes(Point, Point, Point),
 }
 
-/// A node on a plane: `c = n . (p - a)`, a length: its height above the plane.
-///
-/// The normal rotates with a plane through nodes. The multiplier is the force along the normal. One degree of freedom
-/// is removed. Singular if the nodes of the plane are collinear.
+/// A node on a plane: `c = n . (p - a)`, a length: its height above the plane. The normal rotates with a plane through
+/// nodes.
 ///
 #[doc = include_str!("../../docs/pictures/on_plane.svg")]
 ///

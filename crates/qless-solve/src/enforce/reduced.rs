@@ -9,12 +9,12 @@ use qless::{Csr, Reduction, ReductionError};
 use super::condensation::TransformNoise;
 use super::matrix::{
     ScaledFactor, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, product, shifted,
-    times, transposed,
+    transposed,
 };
 use super::refinement::{MeasuredEquations, RefinementGoal, refine};
 use super::singularity::{SHIFTS, SupportVerdict, check_support, loose};
 use super::{EnforceError, FreeMotion, units};
-use crate::common::SparseMatrix;
+use crate::common::{SparseMatrix, times};
 
 /// Computes u of all DOFs by transformation with any reduction; `prescribed` are the values of its prescribed DOFs.
 ///

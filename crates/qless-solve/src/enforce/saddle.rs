@@ -16,15 +16,14 @@ use std::borrow::Cow;
 
 use super::condensation::Condensation;
 use super::matrix::{
-    ScaledFactor, add, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, shifted,
-    times,
+    ScaledFactor, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, shifted,
 };
 use super::part::EnforcedPart;
 use super::problem::Method;
 use super::refinement::{MeasuredEquations, levelled};
 use super::units::UnitGroups;
 use super::{EnforceError, units};
-use crate::common::SparseMatrix;
+use crate::common::{SparseMatrix, add_product, times};
 
 /// The equations that all methods solve, with the sizes of their terms.
 pub struct SaddleEquations<'a> {
@@ -103,9 +102,9 @@ impl MeasuredEquations for SaddleEquations<'_> {
         let mut y = vec![0.0; x.len()];
         let (u, lambda) = x.split_at(self.dofs());
         let (forces, gaps) = y.split_at_mut(self.dofs());
-        add(self.k, u, forces);
+        add_product(self.k, u, forces);
         add_transposed(&self.c, lambda, forces);
-        add(&self.c, u, gaps);
+        add_product(&self.c, u, gaps);
         (0..gaps.len()).for_each(|i| gaps[i] -= self.compliance[i] * lambda[i]);
         y
     }

@@ -5,6 +5,7 @@ use super::equations::{RepeatedNodes, check, lead};
 use super::mean_rigid_motion::{MotionObservation, RigidMotionFit};
 use super::node6::CoupledComponent;
 use super::rigid_motion::{arm, clean};
+use crate::scalar::vector::hypot;
 use crate::types::{CouplingError, Node6};
 use crate::{Constraint, EquationSink};
 
@@ -18,14 +19,11 @@ use crate::{Constraint, EquationSink};
 /// of them follow. The equations add no stiffness. They distribute a load on the reference over the nodes, as forces
 /// with the same resultant.
 ///
-/// DOFs removed: one for each component of the reference. The equations are independent, as each has a DOF of its own.
 /// Components that the nodes do not determine are refused. Nodes on a line do not determine rotations about it, nor,
 /// for a reference beside the line, all of its translations; two nodes are always a line. Nodes count as on a line if
 /// they deviate by less than about 1e-8 of its length (measured by singular values), or by less than the rounding of
 /// the coordinates. In this case let only the other components follow ([`Node6::only`]), or add nodes with rotations.
-/// Units: lengths for translations, radians for rotations. Cost: O(nodes) for each component.
-///
-/// Source: RBE3 of Nastran. At the minimum, `sum_i w_i e_i = 0` and `sum_i w_i r_i x e_i = 0`.
+/// Cost: O(nodes) for each component.
 ///
 #[doc = include_str!("../../../docs/pictures/average.svg")]
 ///
@@ -73,8 +71,7 @@ impl Average {
 
     /// L, or 1 if all nodes coincide with the reference: then the fit weighs no translation against a rotation.
     fn mean_arm(&self) -> f64 {
-        let length =
-            |(node, _): &(Node6, f64)| arm(node.at, self.reference.at).iter().fold(0.0, |s: f64, x| s.hypot(*x));
+        let length = |(node, _): &(Node6, f64)| hypot(arm(node.at, self.reference.at));
         let mean = self.nodes.iter().map(length).map(|length| length / self.nodes.len() as f64).sum();
         if mean > 0.0 { mean } else { 1.0 }
     }

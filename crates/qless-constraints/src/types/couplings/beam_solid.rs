@@ -6,10 +6,10 @@ use super::error::CouplingError;
 use super::face_integrals::{self, mean_normal};
 use super::mean_rigid_motion::MeanRigidMotion;
 use super::node6::{CoupledComponent, Node6};
-use super::rigid_motion::{about, along, arm, axis};
+use super::rigid_motion::{about, along, arm};
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
-use crate::scalar::vector::{Vector, perpendicular};
+use crate::scalar::vector::{Vector, axis, perpendicular};
 use crate::{Constraint, EquationSink};
 
 /// The end of a beam joined to a face of a solid, for small rotations.
@@ -28,11 +28,7 @@ use crate::{Constraint, EquationSink};
 /// For all three choices, forces and moments of the beam equal the resultants on the face, as rigid motions satisfy
 /// every equation.
 ///
-/// DOFs removed: one per equation. The equations are independent if no other constraint holds the same nodes. With
-/// `Rigid`, other ties of these nodes easily become redundant or conflicting. Units: lengths for translations, radians
-/// for rotations; the unit of length does not matter. Cost: O(nodes + faces).
-///
-/// Sources: RBE2 of Nastran for the rigid form, RBE3 with consistent integrals as weights for the mean.
+/// With `Rigid`, other ties of these nodes easily become redundant or conflicting. Cost: O(nodes + faces).
 ///
 #[doc = include_str!("../../../docs/pictures/beam_to_solid.svg")]
 ///

@@ -14,8 +14,8 @@ use crate::{Constraint, EquationSink};
 /// Equal normal displacements of a structure and a fluid in displacement form, `n . (u_s - u_f) = 0`, a length.
 /// Tangential sliding is free.
 ///
-/// DOFs removed: one. At an edge, a pair of nodes may have several normals: equations with linearly independent
-/// normals are independent. For a fluid in pressure form, whose mesh may differ, see [`crate::types::FluidWall`].
+/// At an edge, a pair of nodes may have several normals: equations with linearly independent normals are independent.
+/// For a fluid in pressure form, whose mesh may differ, see [`crate::types::FluidWall`].
 ///
 #[doc = include_str!("../../../docs/pictures/fluid_normal.svg")]
 ///
@@ -74,11 +74,9 @@ const CREASE: f64 = 0.866;
 /// displacements of both meshes satisfy the equations, and forces on `u_n` act on the structure along `n_j`, with the
 /// same resultant.
 ///
-/// DOFs removed: one for each node of the fluid's side. The equations are independent, as each has a `u_n` of its own.
 /// At an edge of the wall a node needs one `u_n` per side: give each side as a constraint of its own. Nodes with faces
-/// more than 30 degrees off the mean normal are refused. Units: lengths. Cost: O(n log n).
-///
-/// Source: the paper's appendix A.2. For a fluid in displacement form see [`crate::types::FluidNormal`].
+/// more than 30 degrees off the mean normal are refused. Cost: O(n log n). For a fluid in displacement form see
+/// [`crate::types::FluidNormal`].
 ///
 #[doc = include_str!("../../../docs/pictures/fluid_wall.svg")]
 ///

@@ -22,12 +22,6 @@ use crate::{Constraint, EquationSink, Nonlinear};
 /// other DOFs: a DOF that the reference lacks must have the factor zero. Components may be along local axes of each
 /// node ([`Node6::along`]): `e . u_i = e . (u_r + theta x (X_i - X_r))`.
 ///
-/// DOFs removed: one per equation. All equations are independent, as each has a DOF of its own. If two bodies share
-/// nodes, some of their equations are redundant or conflicting. Units: lengths for translations, radians for
-/// rotations.
-///
-/// Source: RBE2 of Nastran; the kinematics of a rigid body, linear in theta.
-///
 #[doc = include_str!("../../../docs/pictures/small_rigid_body.svg")]
 ///
 #[doc = include_str!("../../../docs/types/small_rigid_body.md")]
@@ -92,11 +86,6 @@ pub(super) fn equation_name(number: usize, nodes: usize, node: &Node6, component
 /// with rotations has a rotation vector and three more equations, `log(R^T R_i) = 0`, angles in the axes of the body.
 /// The body may have a rotation vector or Euler parameters. A node has all three rotations or none: single components
 /// of a rotation vector have no meaning. A node with Euler parameters is a [`Body`]: join it by a fixed joint.
-///
-/// DOFs removed: one per equation. All equations are independent at every rotation, as each has a DOF of its own.
-/// Units: lengths for translations, radians for rotations.
-///
-/// Source: RBE2 of Nastran, with the exact kinematics of a rigid body.
 ///
 #[doc = include_str!("../../../docs/pictures/rigid_body.svg")]
 ///

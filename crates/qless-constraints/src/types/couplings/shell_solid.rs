@@ -4,11 +4,11 @@ use super::equations::{DofOwners, follow};
 use super::error::{CouplingError, LineFault};
 use super::face_integrals::GaussPoint;
 use super::node6::Node6;
-use super::rigid_motion::{along, arm, axis, clean};
+use super::rigid_motion::{along, arm, clean};
 use super::{Section, face_integrals};
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
-use crate::scalar::vector::{Vector, add, cross, dot, norm, perpendicular, scale, unit};
+use crate::scalar::vector::{Vector, add, axis, cross, dot, hypot, norm, perpendicular, scale, unit};
 use crate::{Constraint, EquationSink};
 
 /// The edge of a shell joined to the side of a solid, for small rotations: each shell node with a line of solid nodes.
@@ -27,11 +27,7 @@ use crate::{Constraint, EquationSink};
 /// that is linear through the thickness and constant along the edge, also for quadratic faces. The rotation about d
 /// moves no node of a straight line. It is not coupled, and must be held at the shell, as elsewhere in the shell.
 ///
-/// DOFs removed: one per equation; they are independent. Units: lengths for translations, radians for rotations; the
-/// unit of length does not matter. Cost: O(nodes + faces).
-///
-/// Source: resultants of Reissner-Mindlin theory, `n = int sigma dz` and `m = int z sigma dz`, with equal virtual work
-/// on both sides.
+/// The equations are independent. Cost: O(nodes + faces).
 ///
 #[doc = include_str!("../../../docs/pictures/shell_to_solid.svg")]
 ///
@@ -193,12 +189,12 @@ impl LineShares {
         let direction = unit(far).ok_or(LineFault::TooShort)?;
         let heights = arms.iter().map(|&r| dot(r, direction)).collect();
         for (&node, &r) in line.nodes.iter().zip(&arms) {
-            let distance = size(cross(r, direction));
+            let distance = hypot(cross(r, direction));
             if distance > BENT * length {
                 return Err(LineFault::Bent { node, distance, length });
             }
         }
-        let distance = size(cross(arm(line.shell.at, origin), direction));
+        let distance = hypot(cross(arm(line.shell.at, origin), direction));
         if distance > length {
             return Err(LineFault::Apart { distance, length });
         }
@@ -233,7 +229,7 @@ fn sum(terms: impl Iterator<Item = f64> + Clone) -> Result<f64, LineFault> {
 
 /// The vector between the outermost nodes, and its length.
 fn extent(arms: &[Vector<f64>]) -> (Vector<f64>, f64) {
-    let far = arms.iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or_default();
+    let far = arms.iter().copied().max_by(|&a, &b| hypot(a).total_cmp(&hypot(b))).unwrap_or_default();
     let (mut low, mut high) = ([0.0; 3], far);
     for &r in arms {
         if dot(r, far) < dot(low, far) {
@@ -243,11 +239,7 @@ fn extent(arms: &[Vector<f64>]) -> (Vector<f64>, f64) {
         }
     }
     let whole = add(high, scale(-1.0, low));
-    (whole, size(whole))
-}
-
-fn size(x: Vector<f64>) -> f64 {
-    x[0].hypot(x[1]).hypot(x[2])
+    (whole, hypot(whole))
 }
 
 /// Computes the shares of all lines. Every node of a face must belong to a line.

@@ -9,9 +9,7 @@ use crate::scalar::vector::Vector;
 use crate::{Constraint, EquationSink};
 
 /// Body b slides along an axis of body a and rotates about it: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i`
-/// perpendicular to the axis, lengths, and the tilt of the axis, two angles, as in [`super::Revolute`].
-///
-/// Four degrees of freedom are removed. Singular if the axes point in opposite directions.
+/// perpendicular to the axis, and the tilt of the axis, as in [`super::Revolute`].
 ///
 #[doc = include_str!("../../../docs/pictures/cylindrical.svg")]
 ///

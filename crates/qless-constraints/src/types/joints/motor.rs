@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use super::attachment::Body;
 use super::height::Height;
-use super::orientation::{TimeFunction, Twist, value_at};
+use super::orientation::{Twist, value_at};
 use super::relative::relative;
 use super::{JointError, check_moves, check_turns, direction};
+use crate::equations::TimeFunction;
 use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
@@ -19,8 +20,7 @@ use crate::{Constraint, EquationSink, Nonlinear};
 /// psi is the angle of `R_a^T R_b` about the axis, once the axes are aligned. `psi - phi` is known only modulo 2 pi,
 /// and c is its value in `[-pi, pi]`. `phi` may cover any number of turns. Between two times the motor takes the
 /// shorter way, so that the time steps must be less than half a turn. The motor does not guide the axis: add it to a
-/// [`super::Revolute`] or [`super::Cylindrical`] joint. Its multiplier is the moment about the axis. One degree of
-/// freedom is removed. Singular if the axes point in opposite directions.
+/// [`super::Revolute`] or [`super::Cylindrical`] joint.
 ///
 #[doc = include_str!("../../../docs/pictures/rotation_motor.svg")]
 ///
@@ -59,8 +59,7 @@ pub struct RotationMotor {
 /// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. The motor does not
 /// guide the path: add it to a [`super::Prismatic`] or [`super::Cylindrical`] joint, or to a node ([`Body::node`])
 /// with another guide. Body b may be a node without rotations. Body a carries the axis, so it is the ground or has
-/// rotations. The multiplier is the force along the axis. One degree of freedom is removed. There are no
-/// singularities.
+/// rotations.
 ///
 #[doc = include_str!("../../../docs/pictures/translation_motor.svg")]
 ///

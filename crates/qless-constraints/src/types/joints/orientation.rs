@@ -10,17 +10,14 @@
 //! ([`crate::geometry::angle`]) of functions `(m, v)` of q, which are linear, or quadratic for the tilt.
 
 use std::array::from_fn;
-use std::sync::Arc;
 
 use super::relative::{MAX_EQUATIONS, QuaternionMatrix, RotationFunction};
+use crate::equations::TimeFunction;
 use crate::geometry::quaternion::{Quaternion, inner};
 use crate::geometry::rotation::{RotationKind, by_euler};
 use crate::geometry::{angle, rotation_derivatives};
 use crate::scalar::vector::{Vector, dot, lift, perpendicular};
 use crate::scalar::{Arithmetic, Scalar};
-
-/// A prescribed angle or length as a function of time.
-pub(super) type TimeFunction = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
 /// The value at a time. The error is a value that is not finite.
 pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {

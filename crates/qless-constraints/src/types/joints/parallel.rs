@@ -11,9 +11,9 @@ use crate::{Constraint, EquationSink};
 /// of a, two angles.
 ///
 /// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e is along `t x R_a^T R_b t`. So the axes point the same way, not
-/// in opposite directions. The positions of the bodies do not matter. Two degrees of freedom are removed. Singular if
-/// the axes point in opposite directions: within 1e-8 rad of this the rank is one, and c is half a turn about one
-/// direction perpendicular to the axis. This lets Newton's method leave the singularity.
+/// in opposite directions. The positions of the bodies do not matter. Within 1e-8 rad of opposite directions the rank is
+/// one, and c is half a turn about one direction perpendicular to the axis. This lets Newton's method leave the
+/// singularity.
 ///
 #[doc = include_str!("../../../docs/pictures/parallel.svg")]
 ///

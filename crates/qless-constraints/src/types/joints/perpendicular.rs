@@ -7,9 +7,8 @@ use super::{JointError, check_turns, direction};
 use crate::scalar::vector::{Vector, dot};
 use crate::{Constraint, EquationSink};
 
-/// An axis of each body, kept perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle.
-///
-/// The positions of the bodies do not matter. One degree of freedom is removed. Singular if the axes are parallel.
+/// An axis of each body, kept perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle. The
+/// positions of the bodies do not matter.
 ///
 #[doc = include_str!("../../../docs/pictures/perpendicular.svg")]
 ///

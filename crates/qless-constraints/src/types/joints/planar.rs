@@ -8,11 +8,8 @@ use super::{JointError, check_turns, direction};
 use crate::scalar::vector::Vector;
 use crate::{Constraint, EquationSink};
 
-/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0`, a length, and the tilt of the normal, two angles,
-/// as in [`super::Revolute`].
-///
-/// It slides in two directions and rotates about the normal. Three degrees of freedom are removed. Singular if the
-/// normals point in opposite directions.
+/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0` and the tilt of the normal, as in
+/// [`super::Revolute`]. It slides in two directions and rotates about the normal.
 ///
 #[doc = include_str!("../../../docs/pictures/planar.svg")]
 ///

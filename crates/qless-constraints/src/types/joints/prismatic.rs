@@ -9,10 +9,8 @@ use crate::scalar::vector::{Vector, perpendicular};
 use crate::{Constraint, EquationSink};
 
 /// Body b slides along an axis of body a without rotating: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i`
-/// perpendicular to the axis, lengths, and `log(R_a^T R_b) = 0`, angles, as in [`super::Fixed`].
-///
-/// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. Five degrees of
-/// freedom are removed. There are no singularities.
+/// perpendicular to the axis, and `log(R_a^T R_b) = 0`, as in [`super::Fixed`]. `p_a` and `p_b` are the points of both
+/// bodies that are at `at` in the reference configuration.
 ///
 #[doc = include_str!("../../../docs/pictures/prismatic.svg")]
 ///

@@ -8,12 +8,11 @@ use super::{JointError, check_turns, direction};
 use crate::scalar::vector::Vector;
 use crate::{Constraint, EquationSink};
 
-/// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and the tilt of the axis, two angles.
+/// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0` and the tilt of the axis.
 ///
 /// The tilt is the rotation vector that rotates `R_a t` to `R_b t`, in the axes of a, with the angle
 /// `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]). So the axes point the same way after assembly, from any
-/// initial position. Multipliers are the force and the two moments perpendicular to the axis. Five degrees of freedom
-/// are removed. Singular only if the axes point in opposite directions. The joint may turn any number of times.
+/// initial position. The joint may turn any number of times.
 ///
 #[doc = include_str!("../../../docs/pictures/revolute.svg")]
 ///

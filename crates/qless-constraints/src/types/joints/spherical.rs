@@ -6,9 +6,7 @@ use super::{JointError, check_moves};
 use crate::scalar::vector::Vector;
 use crate::{Constraint, EquationSink};
 
-/// A ball joint: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths.
-///
-/// Multipliers are the force of the joint. Three degrees of freedom are removed. There are no singularities.
+/// A ball joint: `x_a + R_a s_a - x_b - R_b s_b = 0`.
 ///
 #[doc = include_str!("../../../docs/pictures/spherical.svg")]
 ///

@@ -8,11 +8,8 @@ use super::{JointError, check_turns};
 use crate::scalar::vector::Vector;
 use crate::{Constraint, EquationSink};
 
-/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `(R_a s) . (R_b t) = 0`, the cosine of
-/// their angle.
-///
-/// Shafts at an angle beta rotate by `tan(psi_b) = tan(psi_a) / cos(beta)`. They lock at a right angle. Four degrees
-/// of freedom are removed. Singular if the axes are parallel, which is impossible in an assembled joint.
+/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0` and `(R_a s) . (R_b t) = 0`. Shafts at an angle beta rotate
+/// by `tan(psi_b) = tan(psi_a) / cos(beta)`.
 ///
 #[doc = include_str!("../../../docs/pictures/universal.svg")]
 ///

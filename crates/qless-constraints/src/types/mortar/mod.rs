@@ -35,9 +35,7 @@ pub enum Multipliers {
 /// dimensions.
 ///
 /// `D_ij = int Phi_i N_j` and `M_ik = int Phi_i N_k`, with the functions `N_j` of the slave side, `N_k` of the master
-/// side and `Phi_i` of the multipliers ([`Multipliers`]). Each node i of a slave facet has one equation per field, in
-/// the unit of u times a length (lines) or an area (faces). As many DOFs are removed. Equations become redundant if a
-/// slave node has other constraints, for example where two interfaces meet, or if it is also a master node.
+/// side and `Phi_i` of the multipliers ([`Multipliers`]). Each node i of a slave facet has one equation per field.
 ///
 /// The integrals go over segments: overlaps of a slave and a master facet, seen along the normal of the mean plane of
 /// the slave facet (perpendicular to its chord for lines). Areas are measured in that plane. D and M use the same

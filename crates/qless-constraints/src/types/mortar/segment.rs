@@ -55,7 +55,8 @@ impl FacetView {
     /// `N_k` and the position on the facet for a point of the plane. Parameters are not clamped, so that linear fields
     /// stay linear beyond curved edges.
     fn functions(&self, point: &PlanePoint) -> Option<(Vec<f64>, Vector<f64>)> {
-        let foot = closest_parameters(self.shape, &relative(&self.flat, point)).filter(|foot| foot.converged)?;
+        let foot = closest_parameters(self.shape, &relative(&self.flat, point), self.shape.centre())
+            .filter(|foot| foot.converged)?;
         let n = self.shape.weights(foot.xi);
         let place = n.iter().zip(&self.arms).fold([0.0; 3], |sum, (&n, &arm)| add(sum, scale(n, arm)));
         Some((n, place))

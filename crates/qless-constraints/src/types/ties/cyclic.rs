@@ -16,9 +16,6 @@ pub enum Turning {
 
 /// Cyclic symmetry of harmonic 0: all sectors deform alike, `u_b = R(alpha) u_a` (vectors) or `u_b = u_a` (scalars).
 ///
-/// F equations, F DOFs removed. A node on the axis is its own image, `b = a`: its equations hold only the components
-/// perpendicular to the axis, and have a lower rank.
-///
 #[doc = include_str!("../../../docs/pictures/cyclic.svg")]
 ///
 #[doc = include_str!("../../../docs/types/cyclic.md")]
@@ -52,10 +49,9 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
     pub tolerance: f64,
 }
 
-/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations, 2 F DOFs removed.
+/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations.
 ///
-/// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`. For k =
-/// 0, and for half the number of sectors, both parts are independent, and the real part suffices.
+/// For k = 0, and for half the number of sectors, both parts are independent, and the real part suffices.
 ///
 #[doc = include_str!("../../../docs/pictures/cyclic_harmonic.svg")]
 ///

@@ -14,10 +14,9 @@ use crate::{Constraint, EquationSink};
 /// `u_i = sum_k N_k(xi_i) u_k`. The polynomials `N_k` of the coarser side ([`Polynomials`](crate::types::Polynomials))
 /// are 1 at one of its nodes and 0 at the others. The nodes may have any position on the face: equally spaced, Fekete
 /// points, or others. The finer polynomials must contain the coarser ones, so that both sides agree everywhere, also
-/// on the edges; an [`OrderTie`](crate::types::OrderTie) on an edge would be redundant. Each finer node has F
-/// equations and removes F DOFs, except shared nodes, which have the same DOFs as a coarser node at the same place.
-/// Weights that are only rounding are exactly zero, and their sum is one. Cost: a dense factorisation of the size of
-/// the coarser side.
+/// on the edges; an [`OrderTie`](crate::types::OrderTie) on an edge would be redundant. Shared nodes, which have the
+/// same DOFs as a coarser node at the same place, have no equations. Weights that are only rounding are exactly zero,
+/// and their sum is one. Cost: a dense factorization of the size of the coarser side.
 ///
 /// In a hierarchic basis, lower modes are shared, and additional modes of the finer side vanish: `u_m = 0`, a
 /// [`Prescribed`](crate::types::Prescribed).

@@ -8,10 +8,10 @@ use crate::{Constraint, EquationSink};
 /// A hanging node of h-refinement, at the parameters xi of its parent: a linear or quadratic edge or face of an
 /// element that was not refined.
 ///
-/// F equations, F DOFs removed. The weights depend only on the parameters, so they are exact: 1/2 and 1/2 in the
-/// middle of a linear edge; 3/8, -1/8 and 3/4 at a quarter of a quadratic edge. The field is continuous if the
-/// children have the degree of the parent, and if all their nodes on it hang or belong to it. A second parent for the
-/// same node is redundant, for example an edge of the face on which it hangs. Nodes of a parent may hang too.
+/// The weights depend only on the parameters, so they are exact: 1/2 and 1/2 in the middle of a linear edge; 3/8, -1/8
+/// and 3/4 at a quarter of a quadratic edge. The field is continuous if the children have the degree of the parent, and
+/// if all their nodes on it hang or belong to it. An edge of the face on which a node hangs would be a second, redundant
+/// parent. Nodes of a parent may hang too.
 ///
 /// For p-refinement use [`OrderTie`](crate::types::OrderTie). For nodes with unknown parameters use
 /// [`NodeTie`](crate::types::NodeTie).

@@ -9,8 +9,7 @@ use crate::{Constraint, EquationSink};
 /// A line tied to another line node by node (collocation): `u_p = N_1 u_1 + N_2 u_2`. Both are polylines with F fields
 /// in D dimensions.
 ///
-/// Each slave node has F equations and removes F DOFs. They are redundant if a node is tied twice, or belongs to both
-/// lines. Cost for n nodes: O(n log n).
+/// Cost for n nodes: O(n log n).
 ///
 #[doc = include_str!("../../../docs/pictures/line_tie.svg")]
 ///

@@ -17,10 +17,8 @@ use crate::{Constraint, EquationSink};
 /// is one, up to two units of rounding per weight, so that constants are reproduced, and linear fields if the node
 /// lies on the element. Cost: about ten evaluations of N.
 ///
-/// F equations, F DOFs removed. Each field is interpolated separately: over a gap h, a rigid rotation theta leaves an
-/// error `theta h`. So the tolerance should be small compared with the element. Equations are redundant if a node is
-/// tied to two elements that share its masters, if masters are tied back to their slave, or if the node belongs to the
-/// element (`0 = 0`).
+/// Each field is interpolated separately: over a gap h, a rigid rotation theta leaves an error `theta h`. So the
+/// tolerance should be small compared with the element.
 ///
 /// A node embedded in a tetrahedron:
 ///

@@ -8,9 +8,8 @@ use crate::{Constraint, EquationSink};
 /// nodes of the coarser side.
 ///
 /// `u_i = sum_k L_k(s_i) u_k` with the Lagrange polynomials of the coarser nodes. These may have any position on the
-/// edge: equally spaced, Gauss-Lobatto points, or others. Each finer node has F equations and removes F DOFs, except
-/// shared nodes, which have the same DOFs as a coarser node at the same place. Equations are redundant if a finer node
-/// has other constraints, for example at a corner of two such edges whose ends are not shared.
+/// edge: equally spaced, Gauss-Lobatto points, or others. Shared nodes, which have the same DOFs as a coarser node at
+/// the same place, have no equations.
 ///
 /// In a hierarchic basis, lower modes are shared, and modes above q vanish on the edge: `u_m = 0`, a
 /// [`Prescribed`](crate::types::Prescribed).

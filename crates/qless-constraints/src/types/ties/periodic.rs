@@ -13,10 +13,7 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
     Dofs([[usize; D]; F]),
 }
 
-/// A periodic pair, `u_b - u_a = E (X_b - X_a)`: F equations, F DOFs removed.
-///
-/// Equations are redundant if pairs form a ring: the four corners of a cell that is periodic in two directions need
-/// three pairs, and the fourth is redundant.
+/// A periodic pair, `u_b - u_a = E (X_b - X_a)`.
 ///
 #[doc = include_str!("../../../docs/pictures/periodic.svg")]
 ///

@@ -7,11 +7,11 @@ mod springs;
 
 use super::EnforceError;
 use super::EnforceError::{PenaltyTooSmall, Unsupported};
-use super::matrix::times;
 use super::part::{EnforcedPart, PartSplitter};
 use super::problem::{Method, Problem, Solution};
 use super::refinement::{BALANCED, FLOOR, Refined, RefinementGoal, SHARP, refine};
 use super::saddle::{SaddleEquations, SaddleInverse, spring_stiffness};
+use crate::common::times;
 
 /// Most solves, including refinements; and most steps in which multipliers take over from springs.
 const REFINEMENTS: usize = 6;

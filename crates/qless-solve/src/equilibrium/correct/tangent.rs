@@ -9,11 +9,11 @@
 //! Let y be the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their last correction and last places.
 //! The support is rounding if `|A' y - A y| > |A y| / 2`. Cost: two evaluations, if some motion is resisted weakly.
 
-use super::super::saddle::{Saddle, SaddleEntries, large, largest, norm, times};
+use super::super::saddle::{Saddle, SaddleEntries, large, largest, norm};
 use super::super::state::Unknowns;
 use super::super::{Model, StepFailure};
 use super::{CHANGES, Corrector};
-use crate::common::random;
+use crate::common::{random, times};
 
 /// Added to the scaled diagonal if the tangent is singular.
 const ADDED: f64 = 1e-3;
