@@ -39,9 +39,9 @@ fn sets_take_their_own_only() {
     for count in [0, 2, 4] {
         refused("weights", || set.effective_hessian(&[0.0; 4], &vec![0.0; count], &mut own));
         refused("weights", || set.assemble(&[0.0; 4], &vec![0.0; count], &mut own));
-        refused("multipliers", || Weights::Multipliers(&vec![0.0; count]).of(&[1.0; 3]));
-        refused("penalty", || Weights::Penalty(&vec![0.0; count]).of(&[1.0; 3]));
-        refused("both", || Weights::Augmented { multipliers: &[0.0; 3], penalty: &vec![0.0; count] }.of(&[1.0; 3]));
+        refused("multipliers", || Weights::Multipliers(&vec![0.0; count]).values(&[1.0; 3]));
+        refused("penalty", || Weights::Penalty(&vec![0.0; count]).values(&[1.0; 3]));
+        refused("both", || Weights::Augmented { multipliers: &[0.0; 3], penalty: &vec![0.0; count] }.values(&[1.0; 3]));
     }
     refused("of a twin", || set.evaluate(&[0.0; 4], &mut foreign));
     refused("of a twin", || set.effective_hessian(&[0.0; 4], &[0.0; 3], &mut foreign));

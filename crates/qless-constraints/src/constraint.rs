@@ -328,14 +328,14 @@ pub enum EquationError {
         expected: usize,
     },
     /// A coefficient, a right-hand side or a coordinate is NaN or infinite.
-    #[error("a number of it is {value}; every number must be finite")]
+    #[error("it contains the number {value}; every number must be finite")]
     NotFinite {
         /// The number.
         value: f64,
     },
     /// Powers of a coordinate or length of a nonlinear equation overflow or vanish.
     #[error(
-        "a coordinate or length of it is {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
+        "it contains the coordinate or length {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
          between 1e-50 and 1e50"
     )]
     OutOfRange {
@@ -343,9 +343,9 @@ pub enum EquationError {
         value: f64,
     },
     /// More equations, DOFs or constraints than 32 bits can number.
-    #[error("it is one too many: the set would have {found} {what}, and 4294967294 is the most")]
+    #[error("the set would have {found} {what}; the limit is 4294967294")]
     TooLarge {
-        /// What there are too many of.
+        /// The quantity that exceeds the limit.
         what: &'static str,
         /// Their number.
         found: usize,

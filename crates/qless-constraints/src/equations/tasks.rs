@@ -47,7 +47,7 @@ pub fn value_tasks<'a>(
     for batch in &linear.batches {
         let c;
         (c, of_linear) = of_linear.split_at_mut(batch.rows());
-        tasks.push(EvaluationTask { dof: batch.first_dof(), work: TaskOutput::Linear { batch, c } });
+        tasks.push(EvaluationTask { dof: batch.base, work: TaskOutput::Linear { batch, c } });
     }
     tasks
 }

@@ -50,7 +50,7 @@ struct ActiveRow {
 /// ```
 #[derive(Debug)]
 pub struct ActiveSystem {
-    of: Identity,
+    set: Identity,
     system: ChangingSystem,
     layout: RowLayout,
     rows: Vec<ActiveRow>,
@@ -64,7 +64,7 @@ pub enum ActiveError {
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     /// A number of a linearised equation is not finite.
-    #[error("{label}: a number of its linearised equation is {value}; give a configuration at which it is finite")]
+    #[error("{label}: its linearised equation contains {value}; give a configuration at which it is finite")]
     NotFinite {
         /// The equation.
         label: String,
@@ -83,7 +83,7 @@ impl ActiveSystem {
     /// [`ActiveError::Change`] for more DOFs than fit into memory.
     pub fn new(set: &ConstraintSet, options: Options) -> Result<Self, ActiveError> {
         let system = ChangingSystem::new(set.dofs(), options)?;
-        Ok(Self { of: set.register.identity, system, layout: Vec::new(), rows: Vec::new() })
+        Ok(Self { set: set.register.identity, system, layout: Vec::new(), rows: Vec::new() })
     }
 
     /// Takes over the changes of the set and its evaluation, and analyses the affected blocks. Returns their number.
@@ -91,7 +91,7 @@ impl ActiveSystem {
     /// # Errors
     /// [`ActiveError`]. If a block cannot be analysed, the changes are taken over and the results stay the old ones; otherwise nothing changes.
     pub fn update(&mut self, set: &ConstraintSet, evaluation: &Evaluation) -> Result<usize, ActiveError> {
-        set.own("the set of the system", self.of)?;
+        set.own("the set of the system", self.set)?;
         set.current(evaluation)?;
         finite(set, evaluation)?;
         let before = self.matches(set);

@@ -9,10 +9,10 @@ use crate::constraint::EquationError;
 #[non_exhaustive]
 pub enum EditError {
     /// The constraint belongs to another set.
-    #[error("the constraint is one of another set; use what adding it to this one gave")]
+    #[error("the constraint belongs to another set; use the identity that this set returned")]
     Foreign,
     /// The constraint was removed before.
-    #[error("constraint {place} (from 0) was removed; add it again, or deactivate what shall come back")]
+    #[error("constraint {place} (from 0) was removed; add it again, or deactivate constraints that return later")]
     Gone {
         /// Number of constraints added before it.
         place: usize,
@@ -61,8 +61,8 @@ pub enum LineariseError {
     Argument(#[from] ArgumentError),
     /// A number of c or G is not finite: u is not, or the constraint has no value at u, such as a line whose end points coincide.
     #[error(
-        "{label}, row {row}: {value} is among the numbers of c and G at this configuration; every number must be finite: \
-             correct u, or start where the constraint has a value"
+        "{label}, row {row}: c or G contains {value} at this configuration; correct u, or choose a configuration at which the \
+         constraint is defined"
     )]
     NotFinite {
         /// The equation.

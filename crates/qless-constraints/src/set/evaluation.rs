@@ -14,7 +14,8 @@ use crate::set::{ConstraintSet, long};
 /// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    of: Identity,
+    /// The set that allocated it.
+    set: Identity,
     /// The configuration of the last evaluation of c and G.
     pub(super) u: Vec<f64>,
     pub(crate) c: Vec<f64>,
@@ -68,7 +69,7 @@ impl ConstraintSet {
         let rows = self.layout();
         let sound = "the set has checked DOFs and sizes";
         Evaluation {
-            of: self.register.identity,
+            set: self.register.identity,
             u: vec![0.0; self.dofs],
             c: vec![0.0; self.equations()],
             g: self.pattern(0..rows.len()).expect(sound),
@@ -81,7 +82,7 @@ impl ConstraintSet {
 
     /// Updates c and G after changes of the set. Rows after the first change are moved once, however many changes there were.
     pub(super) fn follow(&self, evaluation: &mut Evaluation) -> Result<(), ArgumentError> {
-        self.own("the evaluation", evaluation.of)?;
+        self.own("the evaluation", evaluation.set)?;
         if evaluation.evaluated == self.version.get() {
             return Ok(());
         }
@@ -105,7 +106,7 @@ impl ConstraintSet {
 
     /// Checks that c and G are those of the current set.
     pub(super) fn current(&self, evaluation: &Evaluation) -> Result<(), ArgumentError> {
-        self.own("the evaluation", evaluation.of)?;
+        self.own("the evaluation", evaluation.set)?;
         let what = "c and G";
         if evaluation.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
@@ -143,7 +144,7 @@ impl StoredRows<'_> {
     /// Number of rows and of entries.
     fn size(&self) -> (usize, usize) {
         match self {
-            Self::Linear(batch) => (batch.rows(), batch.nnz()),
+            Self::Linear(batch) => (batch.rows(), batch.nnz),
             Self::Nonlinear(batch) => (batch.rows(), batch.nnz()),
         }
     }
@@ -177,9 +178,9 @@ fn replace(
 /// ```
 /// use qless_constraints::Weights;
 /// let c = [0.5, -1.0];
-/// assert_eq!(Weights::Multipliers(&[3.0, 4.0]).of(&c)?, [3.0, 4.0]);
-/// assert_eq!(Weights::Penalty(&[10.0, 100.0]).of(&c)?, [5.0, -100.0]);
-/// assert_eq!(Weights::Augmented { multipliers: &[3.0, 4.0], penalty: &[10.0, 100.0] }.of(&c)?, [8.0, -96.0]);
+/// assert_eq!(Weights::Multipliers(&[3.0, 4.0]).values(&c)?, [3.0, 4.0]);
+/// assert_eq!(Weights::Penalty(&[10.0, 100.0]).values(&c)?, [5.0, -100.0]);
+/// assert_eq!(Weights::Augmented { multipliers: &[3.0, 4.0], penalty: &[10.0, 100.0] }.values(&c)?, [8.0, -96.0]);
 /// # Ok::<(), qless::ArgumentError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -202,7 +203,7 @@ impl Weights<'_> {
     ///
     /// # Errors
     /// [`ArgumentError::WrongLength`] unless there is one multiplier or penalty per value.
-    pub fn of(&self, c: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+    pub fn values(&self, c: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         let (multipliers, penalty) = match *self {
             Self::Multipliers(multipliers) => (multipliers, c),
             Self::Penalty(penalty) => (c, penalty),

@@ -40,9 +40,9 @@ impl fmt::Display for Vanishing {
         }
         write!(
             f,
-            "\"{label}\" says nothing at this configuration: the largest entry of its row of G, {entry:e}, is rounding"
+            "\"{label}\" has no effect at this configuration: the largest entry of its row of G, {entry:e}, is rounding"
         )?;
-        write!(f, " (up to {rounding:e}); its value is {value:e}; elsewhere it may be needed")
+        write!(f, " (up to {rounding:e}); its value is {value:e}; at other configurations it may be needed")
     }
 }
 
@@ -61,9 +61,7 @@ impl ConstraintSet {
     ///     builder.add(label, Equal::new(dofs))?;
     /// }
     /// let set = builder.build()?;
-    /// let mut evaluation = set.allocate();
-    /// set.evaluate(&[0.0; 3], &mut evaluation)?;
-    /// let system = set.linearised(&evaluation, &[])?;
+    /// let system = set.linearised_at(&[0.0; 3], &[])?;
     /// assert_eq!(system.equation_label(2), "ca");
     /// assert_eq!(analyse(&system, &Options::default())?.rank(), 2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -79,8 +77,18 @@ impl ConstraintSet {
         self.linearised_in(&vec![1.0; self.dofs], evaluation, prescribed)
     }
 
-    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by `units`, at least n numbers s_j. Increments of
-    /// prescribed DOFs are those of y.
+    /// Evaluates at u, and linearises there: for a single configuration.
+    ///
+    /// # Errors
+    /// As [`ConstraintSet::linearised`], and if `u` does not have length n.
+    pub fn linearised_at(&self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<ConstraintSystem, LineariseError> {
+        let mut evaluation = self.allocate();
+        self.evaluate(u, &mut evaluation)?;
+        self.linearised(&evaluation, prescribed)
+    }
+
+    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by
+    /// `units`, at least n numbers `s_j`. Prescribed increments are those of y.
     ///
     /// # Errors
     /// As [`ConstraintSet::linearised`], and if `units` is shorter than n.

@@ -69,11 +69,11 @@ impl ConstraintRegister {
 
     /// Number of constraints ever added.
     pub fn ever(&self) -> usize {
-        self.labels.count() as usize
+        self.labels.count as usize
     }
 
     pub fn add(&mut self, label: String) -> ConstraintId {
-        let id = ConstraintId { set: self.identity, number: self.labels.count() };
+        let id = ConstraintId { set: self.identity, number: self.labels.count };
         self.labels.push(label);
         self.alive += 1;
         id
@@ -81,7 +81,7 @@ impl ConstraintRegister {
 
     /// Adds `count` constraints under numbered labels.
     pub fn add_all(&mut self, label: String, count: u32) -> ConstraintIds {
-        let ids = ConstraintIds { set: self.identity, first: self.labels.count(), count };
+        let ids = ConstraintIds { set: self.identity, first: self.labels.count, count };
         self.labels.push_numbered(label, count);
         self.alive += count as usize;
         ids
@@ -137,11 +137,6 @@ pub(super) struct ConstraintLabels {
 }
 
 impl ConstraintLabels {
-    /// Number of constraints ever added.
-    pub fn count(&self) -> u32 {
-        self.count
-    }
-
     pub fn push(&mut self, label: String) {
         let label = Some(label.into_boxed_str());
         match self.runs.last_mut() {

@@ -144,10 +144,10 @@ pub struct Prescribed {
 #[non_exhaustive]
 pub enum PrescribedError {
     /// No DOF is named.
-    #[error("no DOF is named; give at least one")]
+    #[error("no DOF is listed; give at least one")]
     NoDofs,
     /// A DOF has two values.
-    #[error("DOF {dof} is prescribed as {first} and as {second}; take one of them out")]
+    #[error("DOF {dof} is prescribed as {first} and as {second}; remove one of them")]
     TwoValues {
         /// The DOF, 0-based.
         dof: usize,
@@ -214,13 +214,13 @@ pub struct Equal {
 #[non_exhaustive]
 pub enum EqualError {
     /// Fewer than two DOFs.
-    #[error("{found} DOF named; at least two are needed for them to be equal")]
+    #[error("{found} DOF listed; at least two are needed")]
     TooFew {
         /// Number of DOFs given.
         found: usize,
     },
     /// A DOF is repeated.
-    #[error("DOF {dof} is in the list twice; take one of them out")]
+    #[error("DOF {dof} is in the list twice; remove one of them")]
     Repeated {
         /// The DOF, 0-based.
         dof: usize,

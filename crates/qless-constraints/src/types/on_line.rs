@@ -65,7 +65,7 @@ pub struct OnLine {
 #[non_exhaustive]
 pub enum OnLineError {
     /// The line has no direction.
-    #[error("the line has no direction: its vector is zero, or its nodes are in one place")]
+    #[error("the line has no direction: its vector is zero, or its nodes coincide")]
     Direction,
 }
 

@@ -58,7 +58,7 @@ pub struct OnPlane {
 pub enum OnPlaneError {
     /// The plane has no normal.
     #[error(
-        "the plane has no normal: its vector is zero, or its nodes lie in a line, to the rounding of their coordinates"
+        "the plane has no normal: its vector is zero, or its nodes are collinear up to the rounding of their coordinates"
     )]
     Normal,
 }

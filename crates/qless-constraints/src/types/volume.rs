@@ -67,7 +67,7 @@ pub enum VolumeError {
     },
     /// Two tetrahedra lie on the same side of a common face: they overlap, or are the same tetrahedron.
     #[error(
-        "tetrahedra {first} and {second}, from 1, lie on the same side of the face that both have; take one out, or correct its corners"
+        "tetrahedra {first} and {second}, from 1, lie on the same side of their common face; remove one, or correct its corners"
     )]
     Overlap {
         /// One tetrahedron, from 1.

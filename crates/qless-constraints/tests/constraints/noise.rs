@@ -100,7 +100,7 @@ fn a_rod_whose_ends_meet_has_no_direction() -> Outcome {
         assert!(found[0].entry <= found[0].rounding && !found[0].everywhere);
         // It is half its length too short, which no first-order step can change.
         assert!((found[0].value + 0.25 * unit).abs() < 1e-12 * unit, "{:?}", found[0]);
-        assert!(found[0].to_string().contains("\"rod\" says nothing at this configuration"), "{}", found[0]);
+        assert!(found[0].to_string().contains("\"rod\" has no effect at this configuration"), "{}", found[0]);
     }
     Ok(())
 }

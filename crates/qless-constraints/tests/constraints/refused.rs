@@ -119,15 +119,15 @@ fn faults_of_surface_mortar_ties() {
     let mut dented = whole();
     dented.nodes[2].at = [0.3, 0.3, 0.0];
     assert_refused(tie(whole(), dented, 0.1), "face 1, from 1, is degenerate or folded");
-    assert_refused(tie(whole(), square(0.0, 0.25), 0.1), "one that lies over it is 0.25");
+    assert_refused(tie(whole(), square(0.0, 0.25), 0.1), "the nearest opposite facet is 0.25");
     assert_refused(tie(whole(), whole(), f64::NAN), "within the tolerance NaN");
     assert_refused(
         tie(whole(), square(0.25, 0.0), 0.01),
-        "of the size 1 of slave facet 1, from 1; nothing lies over it",
+        "of the size 1 of slave facet 1, from 1; there is no opposite facet",
     );
     assert_refused(tie(whole(), square(7.0, 0.0), f64::INFINITY), "over 1 of the size 1 of slave facet 1");
     let twice = with(vec![Face::new(Shape::Quad4, [0, 1, 2, 3]), Face::new(Shape::Tri3, [0, 1, 2])]);
-    assert_refused(tie(whole(), twice, 0.01), "lie over 1.5, more than the size 1 of slave facet 1");
+    assert_refused(tie(whole(), twice, 0.01), "cover 1.5, more than the size 1 of slave facet 1");
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn faults_of_couplings() {
     assert_refused(shell(&[&[0, 3], &[1][..]], [0.0; 3]), "line 2, from 1, does not have two nodes");
     assert_refused(shell(&[&[0, 3], &[1, 3]], [0.0; 3]), "line 2, from 1, names node 3");
     assert_refused(shell(&[&[0, 7]], [0.0; 3]), "names node 7");
-    assert_refused(shell(&[&[0, 1, 2], &[3][..]], [0.0; 3]), "bends: node 1");
+    assert_refused(shell(&[&[0, 1, 2], &[3][..]], [0.0; 3]), "is not straight: node 1");
     assert_refused(shell(&[&[0, 3], &[1, 2]], [5.0, 0.0, 0.0]), "is 5 away from its shell node");
     assert_refused(shell(&[&[0, 3], &[1, 2]], [0.5; 3]), "line 1, from 1, has a shell node");
     let node = Node6::new([6, 7, 8], [9, 10, 11], [1.0; 3]);

@@ -212,17 +212,21 @@ pub fn check_redundant(analysis: &Analysis, kinds: &[Kind], rhs: &[f64], u: &[f6
     let system = analysis.system();
     let gap = |row: usize| {
         let terms = system.matrix().row(row).map(|(j, v)| v * u[j]);
-        terms.fold((-rhs[row], rhs[row].abs()), |(left, size), term| (left + term, size + term.abs()))
+        terms.fold((-rhs[row], rhs[row].abs()), |(sum, size), term| (sum + term, size + term.abs()))
     };
     for row in (0..kinds.len()).filter(|&row| kinds[row] == Kind::Redundant) {
-        let (mut left, mut size) = gap(row);
+        let (mut residual, mut size) = gap(row);
         for term in analysis.because(row)? {
             let (of_kept, size_of_kept) = gap(term.row);
-            left -= term.coefficient * of_kept;
+            residual -= term.coefficient * of_kept;
             size += (term.coefficient * size_of_kept).abs();
         }
-        if left.is_nan() || left.abs() > NOTHING * size {
-            return Err(EnforceError::Doubtful { row, label: system.equation_label(row), left: left.abs() / size });
+        if residual.is_nan() || residual.abs() > NOTHING * size {
+            return Err(EnforceError::Doubtful {
+                row,
+                label: system.equation_label(row),
+                residual: residual.abs() / size,
+            });
         }
     }
     Ok(())

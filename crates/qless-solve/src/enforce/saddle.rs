@@ -32,7 +32,8 @@ pub struct SaddleEquations<'a> {
     /// `1 / D` of each equation.
     compliance: Vec<f64>,
     units: Vec<f64>,
-    groups: UnitGroups,
+    /// Groups of DOFs with comparable units.
+    pub groups: UnitGroups,
     /// All unknowns belong to one part.
     parts: Vec<usize>,
 }
@@ -71,11 +72,6 @@ impl<'a> SaddleEquations<'a> {
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let n = self.dofs();
         entries(self.k).chain(entries(&self.c).flat_map(move |(i, j, v)| [(n + i, j, v), (j, n + i, v)]))
-    }
-
-    /// Groups of DOFs with comparable units.
-    pub fn groups(&self) -> &UnitGroups {
-        &self.groups
     }
 
     /// Which unknowns have a known unit; a multiplier has one if all DOFs of its equation have.
@@ -148,7 +144,7 @@ impl MeasuredEquations for SaddleEquations<'_> {
 pub struct SaddleInverse<'a> {
     part: &'a EnforcedPart<'a>,
     /// D of each equation; zero without a spring.
-    springs: Vec<f64>,
+    pub springs: Vec<f64>,
     /// `K + C_P^T D C_P`.
     sum: Cow<'a, SparseMatrix>,
     eliminated: Vec<usize>,
@@ -177,7 +173,7 @@ impl<'a> SaddleInverse<'a> {
         let is_any = !eliminated.is_empty();
         let condensation = is_any.then(|| Condensation::new(&part.system, &eliminated, &sum)).transpose()?;
         let multipliers = border.len();
-        border.extend(condensation.iter().flat_map(|condensation| &condensation.left));
+        border.extend(condensation.iter().flat_map(|condensation| &condensation.remaining));
         let k_q = match &condensation {
             None => Cow::Borrowed(&*sum),
             Some(condensation) => Cow::Owned(condensation.matrix(&sum)?),
@@ -190,11 +186,6 @@ impl<'a> SaddleInverse<'a> {
         let factor = ScaledFactor::new(&matrix, units, definite)?;
         drop(matrix);
         Ok(Self { part, springs, sum, eliminated, condensation, unknowns: count, border, multipliers, factor })
-    }
-
-    /// D of each equation.
-    pub fn springs(&self) -> &[f64] {
-        &self.springs
     }
 
     /// `M^-1 r`.

@@ -49,9 +49,9 @@ impl RowChoice {
 /// Kept rows of one part, ascending.
 #[derive(Clone, Debug)]
 pub struct PartRows {
-    list: Vec<usize>,
+    pub list: Vec<usize>,
     /// Whether a row was removed although the analysis found it independent.
-    is_thinned: bool,
+    pub is_thinned: bool,
     choice: Arc<RowChoice>,
 }
 
@@ -60,10 +60,6 @@ impl PartRows {
     pub fn new(of: &[usize], choice: &Arc<RowChoice>) -> Self {
         let list = of.iter().copied().filter(|&r| choice.kept[r]).collect();
         Self { list, is_thinned: false, choice: choice.clone() }
-    }
-
-    pub fn list(&self) -> &[usize] {
-        &self.list
     }
 
     /// Units of the columns of G; those of DOFs come first.
@@ -85,10 +81,6 @@ impl PartRows {
     pub fn leave_out(&mut self, row: usize) {
         self.list.retain(|&r| r != row);
         self.is_thinned = true;
-    }
-
-    pub fn is_thinned(&self) -> bool {
-        self.is_thinned
     }
 
     /// Chooses anew among `of`; returns whether the rows changed.

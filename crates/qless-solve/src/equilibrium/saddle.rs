@@ -33,7 +33,8 @@ pub struct SaddleEntries {
 /// The scaled matrix with its factors.
 pub struct Saddle {
     scale: Vec<f64>,
-    a: SparseMatrix,
+    /// `A = D (saddle) D`.
+    pub a: SparseMatrix,
     lu: Lu<usize, f64>,
 }
 
@@ -46,11 +47,6 @@ impl Saddle {
         let a = pattern.matrix(entries.size, &scaled.chain(more).collect::<Vec<_>>())?;
         let lu = pattern.factors(&a)?;
         Ok(Self { scale, a, lu })
-    }
-
-    /// `A = D (saddle) D`.
-    pub fn matrix(&self) -> &SparseMatrix {
-        &self.a
     }
 
     /// Solves, with one step of refinement.

@@ -142,13 +142,13 @@ impl EquilibriumState {
 
     /// Fails if a force or c of the part is not finite.
     pub fn finite(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
-        finite("the force", part.free.iter().chain(&part.held).map(|&j| (j, self.residual[j])))?;
+        finite("the force", part.free.iter().chain(&part.prescribed).map(|&j| (j, self.residual[j])))?;
         finite("the constraint value", part.rows.iter().map(|&r| (r, self.evaluation.c()[r])))
     }
 
     /// Fails if its stiffness is not finite.
     pub fn finite_stiffness(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
-        let rows = part.free.iter().chain(&part.held);
+        let rows = part.free.iter().chain(&part.prescribed);
         finite("the stiffness", rows.flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
     }
 

@@ -39,7 +39,7 @@ impl NewtonState<'_> {
         let analysis = &found.analysis;
         let (du, conflicts) = self.directions(found, step)?;
         let target = self.search(du, &kept(analysis)).map_err(|source| NewtonError::Argument { step, source })?;
-        for part in 0..self.parts.count() {
+        for part in 0..self.parts.count {
             let stuck = self.states[part].goal != StepGoal::Done && target.lengths[part] == 0.0;
             if conflicts[part] {
                 self.fail(part, self.conflict(part, analysis));
@@ -54,7 +54,7 @@ impl NewtonState<'_> {
     fn directions(&mut self, found: &Linearisation, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
         let down = self.downhill(found, step)?;
         let (out, exists) = if self.contradicted.is_empty() {
-            (vec![0.0; self.set.dofs()], vec![true; self.parts.count()])
+            (vec![0.0; self.set.dofs()], vec![true; self.parts.count])
         } else {
             second_order_directions(self, &found.analysis, step)?
         };
@@ -128,7 +128,7 @@ impl NewtonState<'_> {
     pub fn goes_on(&mut self, step: usize) -> bool {
         if step == self.options.steps {
             let unfinished = |part: &usize| self.states[*part].goal != StepGoal::Done;
-            let late: Vec<usize> = (0..self.parts.count()).filter(unfinished).collect();
+            let late: Vec<usize> = (0..self.parts.count).filter(unfinished).collect();
             late.into_iter().for_each(|part| self.fail(part, self.no_convergence(step, part)));
         }
         self.states.iter().any(|state| state.goal != StepGoal::Done)

@@ -10,8 +10,7 @@ use super::configuration::{change, sizes_of_dofs};
 use super::error::NewtonError;
 use super::linearisation::{dependent, units};
 use super::parts::PartColumns;
-use super::solution::NewtonOptions;
-use super::solve;
+use super::{NewtonOptions, solve};
 use crate::common::random;
 
 /// Relative change of the entries of G on the way to the second configuration, columns scaled by the sizes of DOFs.
@@ -155,7 +154,7 @@ impl RedundancyAnalysis {
     fn change_at(&self, set: &ConstraintSet, v: &[f64]) -> Option<f64> {
         let mut evaluation = set.allocate();
         set.evaluate(v, &mut evaluation).ok()?;
-        let of = PartColumns::plain(evaluation.g());
-        Some(change([&self.evaluation, &evaluation], 0..set.equations(), (&of, &self.sizes)))
+        let columns = PartColumns::plain(evaluation.g());
+        Some(change([&self.evaluation, &evaluation], 0..set.equations(), (&columns, &self.sizes)))
     }
 }

@@ -7,8 +7,8 @@ use super::configuration::{Configuration, at_rest, in_roundings};
 use super::error::NewtonError;
 use super::linearisation::{Linearisation, dependent};
 use super::parts::EquationParts;
-use super::solution::{NewtonIterate, NewtonOptions, NewtonSolution};
 use super::step::StepGoal;
+use super::{NewtonIterate, NewtonOptions, NewtonSolution};
 
 /// c falls if its residual is at most this fraction of the one before.
 pub const FALLS: f64 = 0.5;
@@ -70,7 +70,7 @@ impl<'a> NewtonState<'a> {
         let configuration =
             Configuration::new(set, u, &parts).map_err(|source| NewtonError::Argument { step: 0, source })?;
         let residuals = in_roundings(configuration.evaluation.c(), configuration.rounding.c());
-        let states = vec![PartStatus { goal: StepGoal::Downhill, settled: false, length: 1.0 }; parts.count()];
+        let states = vec![PartStatus { goal: StepGoal::Downhill, settled: false, length: 1.0 }; parts.count];
         let (contradicted, iterates, failures) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self {
             set,
@@ -103,7 +103,7 @@ impl<'a> NewtonState<'a> {
         self.iterates.push(NewtonIterate {
             residual: self.configuration.residual(),
             rank: found.analysis.rank(),
-            left_out: dependent(&found.analysis),
+            ignored: dependent(&found.analysis),
             length: on_the_way.map(|state| state.length).fold(1.0, f64::min),
         });
         Ok(found)

@@ -5,27 +5,14 @@ use qless_solve::newton::{NewtonOptions, solve};
 
 pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
-/// `G du = -c` at u = 0.
-pub fn at_rest(
-    set: &ConstraintSet,
-    prescribed: &[(usize, f64)],
-) -> Result<qless::ConstraintSystem, Box<dyn std::error::Error>> {
-    let mut evaluation = set.allocate();
-    set.evaluate(&vec![0.0; set.dofs()], &mut evaluation)?;
-    Ok(set.linearised(&evaluation, prescribed)?)
-}
-
 /// Rank of G at u.
 pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
-    let mut evaluation = set.allocate();
-    set.evaluate(u, &mut evaluation).expect("of this set");
-    Ok(analyse(&set.linearised(&evaluation, &[])?, &Options::default())?.rank())
+    Ok(analyse(&set.linearised_at(u, &[])?, &Options::default())?.rank())
 }
 
-/// A number in [-0.5, 0.5], the same for a seed.
+/// A number in [-0.5, 0.5), the same for a seed.
 pub fn random(seed: usize) -> f64 {
-    let z = (seed as u64 + 11).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5
+    0.5 * qless_scenes::Rng::new(seed as u64).real()
 }
 
 /// Three arms of length 1 on the ground at x = 0, 1, 2 that carry a rigid coupler of three points: 6 DOFs.

@@ -31,7 +31,7 @@ fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
 fn reference(set: &ConstraintSet, u: &[f64], seed: u64) -> [Vec<DoubleDouble>; 2] {
     let size = |j: usize| u[j].abs() + set.reference_coordinates.largest().get(j).map_or(0.0, |size| size.at.number());
     let by = |j: usize| 2.0 * random(seed + j as u64) * f64::EPSILON * size(j);
-    let moved: Vec<_> = (0..DOFS).map(|j| DoubleDouble::moved(u[j], by(j))).collect();
+    let moved: Vec<_> = (0..DOFS).map(|j| DoubleDouble::sum(u[j], by(j))).collect();
     let mut all = [Vec::new(), Vec::new()];
     for batch in &set.nonlinear.batches {
         let [c, g] = batch.reference(&moved);

@@ -138,7 +138,9 @@ pub enum FluidWallError {
         face: usize,
     },
     /// A DOF is used twice.
-    #[error("DOF {dof} of node {node}, from 1, of the fluid is that of another node or of the wall; give each its own")]
+    #[error(
+        "DOF {dof} of node {node}, from 1, of the fluid also belongs to another node or to the wall; each needs its own"
+    )]
     SharedDof {
         /// The node, from 1.
         node: usize,
@@ -148,7 +150,7 @@ pub enum FluidWallError {
     /// The normals of the faces at a node differ too much.
     #[error(
         "face {face} and the mean of all faces at node {node} of the fluid, both from 1, have normals with a cosine of \
-         {cosine}, below 0.866: split the wall at its edge, with a DOF for each side, or turn faces that point to the other side"
+         {cosine}, below 0.866: split the wall at its edge, with a DOF for each side, or reverse faces that point to the other side"
     )]
     Crease {
         /// The node, from 1.

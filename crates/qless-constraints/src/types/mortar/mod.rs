@@ -129,7 +129,7 @@ pub enum MortarError {
     },
     /// A facet has a wrong dimension.
     #[error(
-        "facet {facet}, from 1, of the {side} side is a {shape:?}; the facets of both sides must be lines, or in space all faces"
+        "facet {facet}, from 1, of the {side} side is a {shape:?}; both sides must consist of lines, or in space of faces"
     )]
     Dimension {
         /// "slave" or "master".
@@ -140,7 +140,7 @@ pub enum MortarError {
         shape: Shape,
     },
     /// A facet has no size, or is not convex.
-    #[error("facet {facet}, from 1, of the {side} side has no area, or points inwards at a corner; correct it")]
+    #[error("facet {facet}, from 1, of the {side} side has no area, or is not convex; correct it")]
     Facet {
         /// "slave" or "master".
         side: &'static str,
@@ -166,8 +166,8 @@ pub enum MortarError {
     },
     /// Several master facets cover the same place.
     #[error(
-        "master facets lie over {covered}, more than the size {size} of slave facet {facet}, from 1: \
-         take out those that are there twice or lie behind others"
+        "master facets cover {covered}, more than the size {size} of slave facet {facet}, from 1: \
+         remove facets that are listed twice or lie behind others"
     )]
     Overlap {
         /// The slave facet, from 1.
@@ -182,7 +182,11 @@ pub enum MortarError {
 /// Advice for a facet that is not covered.
 fn cover_advice(gap: Option<f64>) -> String {
     match gap {
-        Some(gap) => format!("one that lies over it is {gap} away: bring the sides together, or raise the tolerance"),
-        None => "nothing lies over it: extend the master side, shorten the slave side, or exchange the two".to_owned(),
+        Some(gap) => {
+            format!("the nearest opposite facet is {gap} away: bring the sides together, or raise the tolerance")
+        }
+        None => {
+            "there is no opposite facet: extend the master side, shorten the slave side, or exchange the two".to_owned()
+        }
     }
 }

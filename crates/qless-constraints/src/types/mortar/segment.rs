@@ -81,7 +81,7 @@ pub struct MortarSegment {
 pub struct FacetPiece {
     plane: MeanPlane,
     view: FacetView,
-    outline: Outline,
+    pub outline: Outline,
 }
 
 impl FacetPiece {
@@ -97,22 +97,12 @@ impl FacetPiece {
         pieces(shape).iter().map(piece).collect()
     }
 
-    /// Area or length.
-    pub fn size(&self) -> f64 {
-        self.outline.size()
-    }
-
-    /// See [`Outline::border`].
-    pub fn border(&self) -> f64 {
-        self.outline.border()
-    }
-
     /// The overlaps with the pieces of another facet.
     pub fn segments(&self, shape: Shape, places: &[Vector<f64>]) -> Vec<MortarSegment> {
         let other = FacetView::new(&self.plane, shape, places);
         let segment = |nodes: &&[usize]| {
             let outline = other.outline(nodes);
-            let least = SLIVER * outline.size().min(self.size());
+            let least = SLIVER * outline.size().min(self.outline.size());
             let common = outline.common(&self.outline)?;
             // Written so that NaN is left out.
             if common.size() > least { integrate(&self.view, &other, &common) } else { None }

@@ -95,7 +95,7 @@ pub enum CyclicError {
         dimensions: usize,
     },
     /// The image is too far from the rotated node.
-    #[error("the turned node is {distance} away from its image, more than the tolerance {tolerance}")]
+    #[error("the rotated node is {distance} away from its image, more than the tolerance {tolerance}")]
     NoImage {
         /// Distance from the rotated node to the image.
         distance: f64,
@@ -123,7 +123,7 @@ impl<const D: usize, const F: usize> Cyclic<D, F> {
         let terms: Vec<_> = match self.fields {
             Turning::Scalars => vec![(dofs[k], -factor)],
             Turning::Vectors => {
-                let row = self.turn.rotation()[k % D].iter().enumerate();
+                let row = self.turn.rotation[k % D].iter().enumerate();
                 row.map(|(j, r)| (dofs[k / D * D + j], -factor * r)).collect()
             }
         };
@@ -152,7 +152,7 @@ impl<const D: usize, const F: usize> Constraint for CyclicHarmonic<D, F> {
     fn emit(self, sink: &mut EquationSink) -> Result<(), CyclicError> {
         let (pair, real, imaginary) = (self.real, self.real.a.dofs, self.imaginary_a);
         pair.check()?;
-        let (sin, cos) = sin_cos(f64::from(self.harmonic) * pair.turn.angle());
+        let (sin, cos) = sin_cos(f64::from(self.harmonic) * pair.turn.angle);
         for k in 0..F {
             for (part, [of_real, of_imaginary], image) in
                 [("real", [cos, -sin], pair.b.dofs[k]), ("imaginary", [sin, cos], self.imaginary_b[k])]

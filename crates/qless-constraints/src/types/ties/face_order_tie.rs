@@ -152,7 +152,7 @@ pub enum FaceOrderTieError {
     /// A shape is not a face.
     #[error("a {shape:?} is not a face")]
     NoFace {
-        /// What it is.
+        /// The shape.
         shape: Shape,
     },
     /// A shape has another number of nodes.
@@ -175,7 +175,7 @@ pub enum FaceOrderTieError {
     },
     /// The finer side does not contain the polynomials of the coarser side.
     #[error(
-        "not all of {coarse:?} of the coarser side are among {fine:?} of the finer side, which cannot follow: exchange the sides, or raise the finer degree"
+        "the polynomials {fine:?} of the finer side do not contain {coarse:?} of the coarser side: exchange the sides, or raise the finer degree"
     )]
     NotAmong {
         /// Polynomials of the finer side.
@@ -195,7 +195,7 @@ pub enum FaceOrderTieError {
     },
     /// The nodes do not determine a polynomial.
     #[error(
-        "the nodes of the {side} side do not determine a polynomial of it: two are in one place, or too many on one curve; move them"
+        "the nodes of the {side} side do not determine a polynomial of it: two coincide, or too many lie on one curve; move them"
     )]
     Undetermined {
         /// Which side.

@@ -50,7 +50,7 @@ pub enum HangingNodeError {
     /// The parent is a solid.
     #[error("the parent is a {shape:?}; nodes hang on edges and faces")]
     Solid {
-        /// What it is.
+        /// The shape.
         shape: Shape,
     },
     /// The parent has the wrong number of nodes.

@@ -53,7 +53,7 @@ pub enum LineTieError {
         master: usize,
     },
     /// A segment has no length.
-    #[error("segment {segment} of the line, from 1, has no length; take one of its nodes out")]
+    #[error("segment {segment} of the line, from 1, has no length; remove one of its nodes")]
     Degenerate {
         /// The segment, from 1.
         segment: usize,

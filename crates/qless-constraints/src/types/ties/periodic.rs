@@ -62,7 +62,7 @@ pub struct Periodic<const D: usize, const F: usize = D> {
 #[non_exhaustive]
 pub enum PeriodicError {
     /// Both nodes are at the same place.
-    #[error("the two nodes are in one place; a node and its image lie on opposite faces")]
+    #[error("the two nodes coincide; a node and its image lie on opposite faces")]
     OnePlace,
 }
 

@@ -133,7 +133,7 @@ fn walls_with_faults_are_refused() {
     assert!(refusal(away).contains("0.25 away"), "{}", refusal(flat()));
     let mut shared = flat();
     shared.fluid[3].normal = shared.fluid[1].normal;
-    assert!(refusal(shared).contains("DOF 37 of node 4, from 1, of the fluid is that of another"));
+    assert!(refusal(shared).contains("DOF 37 of node 4, from 1, of the fluid also belongs to another"));
     assert!(refusal(FluidWall { faces: vec![], ..flat() }).contains("fluid's side: the surface has no faces"));
     let line = FluidWall { faces: vec![Face::new(Shape::Line2, [0, 1])], ..flat() };
     assert!(refusal(line).contains("is a Line2, which has no normal"));

@@ -81,15 +81,15 @@ impl<M: Model> Corrector<'_, M> {
 
     /// The corrections of parts, except those whose rows changed.
     fn steps(&mut self, x: &Unknowns, iterating: &[usize]) -> Result<Vec<Correction>, StepFailure> {
-        let lists: Vec<_> = iterating.iter().map(|&part| self.all[part].rows.list().to_vec()).collect();
+        let lists: Vec<_> = iterating.iter().map(|&part| self.all[part].rows.list.clone()).collect();
         let before = |part: usize| iterating.binary_search(&part).ok().map(|place| &lists[place][..]);
         let mut steps = Vec::new();
         for (part, saddle, motion) in self.regular(iterating)? {
-            if before(part) != Some(self.all[part].rows.list()) {
+            if before(part) != Some(&self.all[part].rows.list[..]) {
                 continue;
             }
             let own = &mut self.all[part];
-            let only_multipliers = motion.is_some() && own.loose.is_none() && !own.rows.list().is_empty();
+            let only_multipliers = motion.is_some() && own.loose.is_none() && !own.rows.list.is_empty();
             own.loose = motion;
             let dx = saddle.solve(&self.rhs(part, x));
             steps.push(Correction { part, saddle, dx, only_multipliers });
@@ -114,7 +114,7 @@ impl<M: Model> Corrector<'_, M> {
             if arrived { now } else { more(now, &mut g.row(r)) }
         };
         let free = self.parts.list[part].free.iter().map(|j| -force(j));
-        free.chain(self.all[part].rows.list().iter().map(|r| -c(r))).collect()
+        free.chain(self.all[part].rows.list.iter().map(|r| -c(r))).collect()
     }
 
     /// Remaining motion of a prescribed DOF; zero for free DOFs.
@@ -124,7 +124,7 @@ impl<M: Model> Corrector<'_, M> {
 
     /// Whether all prescribed DOFs of a part have their values.
     fn arrived(&self, part: usize, x: &Unknowns) -> bool {
-        self.parts.list[part].held.iter().all(|&j| self.goal[j] == Some(x.u[j]))
+        self.parts.list[part].prescribed.iter().all(|&j| self.goal[j] == Some(x.u[j]))
     }
 }
 

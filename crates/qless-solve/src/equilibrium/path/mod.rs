@@ -59,7 +59,7 @@ impl<'a, M: Model> Path<'a, M> {
         target.prescribed.iter().for_each(|&(j, v)| moves[j] = start.u[j] != v);
         let in_time = matches!(constraints, TimePath::Driven { .. });
         let driven =
-            |part: &EquilibriumPart| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
+            |part: &EquilibriumPart| (in_time || part.prescribed.iter().any(|&j| moves[j])) && !is_straight(set, part);
         let track = |part: &EquilibriumPart| PartTrack { driven: driven(part), ..PartTrack::default() };
         let tracks = parts.list.iter().map(track).collect();
         let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
@@ -118,7 +118,7 @@ impl<'a, M: Model> Path<'a, M> {
     /// Factor for the length of the next step.
     fn longer(&self) -> f64 {
         let easy = self.tracks.iter().all(|track| track.iterates <= EASY);
-        self.tracks.iter().map(|track| growth(track.turn.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
+        self.tracks.iter().map(|track| growth(track.branch_check.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
     }
 
     fn finish(self) -> Equilibrium {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::super::Model;
-use super::super::branch::{Branch, BranchTurn};
+use super::super::branch::{Branch, BranchCheck};
 use super::super::correct::{PartProgress, PartStage};
 use super::super::error::StepFailure;
 use super::super::rows::{PartRows, RowChoice};
@@ -36,13 +36,13 @@ impl<M: Model> Path<'_, M> {
     pub(super) fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<PartProgress>, StepFailure> {
         self.tracks
             .iter_mut()
-            .for_each(|track| (track.branch, track.turn, track.rank) = (None, BranchTurn::default(), None));
+            .for_each(|track| (track.branch, track.branch_check, track.rank) = (None, BranchCheck::default(), None));
         let (all, holds) = match self.rows.clone() {
-            Some(rows) => (rows.into_iter().map(PartProgress::new).collect(), vec![true; self.parts.count()]),
+            Some(rows) => (rows.into_iter().map(PartProgress::new).collect(), vec![true; self.parts.list.len()]),
             None => self.rows_at_start(prescribed)?,
         };
         let asked = |part: &usize| self.tracks[*part].driven && holds[*part];
-        let asked: Vec<usize> = (0..self.parts.count()).filter(asked).collect();
+        let asked: Vec<usize> = (0..self.parts.list.len()).filter(asked).collect();
         if asked.is_empty() {
             return Ok(all);
         }
@@ -52,7 +52,7 @@ impl<M: Model> Path<'_, M> {
         let before = Arc::new(self.state.evaluation.clone());
         for part in asked {
             let (track, rows) = (&mut self.tracks[part], &all[part].rows);
-            track.rank = Some(rows.list().len());
+            track.rank = Some(rows.list.len());
             track.branch = Branch::new(&before, rows, (&self.parts, part), &mut track.of_branch);
         }
         Ok(all)
@@ -64,7 +64,7 @@ impl<M: Model> Path<'_, M> {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, _)| (j, self.at.u[j])).collect();
         let near = self.consistent(&held, LOOK).ok();
         let is_near = |part: usize| near.as_ref().is_some_and(|near| near.errors[part].is_none());
-        let holds: Vec<bool> = (0..self.parts.count()).map(is_near).collect();
+        let holds: Vec<bool> = (0..self.parts.list.len()).map(is_near).collect();
         let mut u = self.at.u.clone();
         let near = near.iter().flat_map(|near| self.parts.list.iter().map(|part| (part, &near.u))).zip(&holds);
         let near = near.filter(|(_, holds)| **holds);
@@ -123,7 +123,7 @@ impl<M: Model> Path<'_, M> {
     pub(super) fn choice_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Arc<RowChoice>, StepFailure> {
         let set = self.constraints.set();
         set.evaluate(u, &mut self.state.evaluation)?;
-        let before = self.rows.iter().flatten().flat_map(|rows| rows.list().iter().copied()).collect();
+        let before = self.rows.iter().flatten().flat_map(|rows| rows.list.iter().copied()).collect();
         RowChoice::new((set, &self.parts), &self.state.evaluation, prescribed, (self.options, before))
     }
 
@@ -137,7 +137,7 @@ impl<M: Model> Path<'_, M> {
         let options = NewtonOptions { tolerance, steps, analysis };
         let found = solve_each(self.constraints.set(), &self.at.u, prescribed, &options);
         let PartwiseSolution { u, parts: of_equations, failures } = found.map_err(StepFailure::Constraints)?;
-        let mut first = vec![usize::MAX; of_equations.count()];
+        let mut first = vec![usize::MAX; of_equations.count];
         failures.iter().enumerate().rev().for_each(|(k, (part, _))| first[*part] = k);
         let error = |rows: &Vec<usize>| {
             let first = rows.iter().map(|&r| first[of_equations.of_row(r)]).min()?;

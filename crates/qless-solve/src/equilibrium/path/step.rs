@@ -3,7 +3,7 @@
 
 use qless_constraints::shorten_rotation;
 
-use super::super::branch::{Branch, BranchTurn, check_jumps};
+use super::super::branch::{Branch, BranchCheck, check_jumps};
 use super::super::correct::{Corrector, PartProgress, PartStage, side_by_side};
 use super::super::error::StepFailure;
 use super::super::rows::PartRows;
@@ -33,9 +33,9 @@ impl<M: Model> Path<'_, M> {
         let origin = self.origin(&end.prescribed);
         self.constraints.advance_to(factor)?;
         let branches: Vec<&Branch> = self.tracks.iter().filter_map(|track| track.branch.as_ref()).collect();
-        let led = check_jumps(&branches, &mut self.constraints, [last, factor], &mut self.state.evaluation)?;
-        if !led.is_empty() {
-            return Err(led.into_values().collect());
+        let failures = check_jumps(&branches, &mut self.constraints, [last, factor], &mut self.state.evaluation)?;
+        if !failures.is_empty() {
+            return Err(failures.into_values().collect());
         }
         let mut x = self.at.clone();
         let (mut all, mut whole) = match origin {
@@ -90,8 +90,8 @@ impl<M: Model> Path<'_, M> {
             for &part in &ran {
                 let own = &mut corrector.all[part];
                 let branch = self.tracks[part].branch.as_ref().filter(|_| own.is_done());
-                match branch.map_or(Ok(BranchTurn::default()), |branch| branch.turn(&corrector.state.evaluation)) {
-                    Ok(turn) => self.tracks[part].turn = turn,
+                match branch.map_or(Ok(BranchCheck::default()), |branch| branch.check(&corrector.state.evaluation)) {
+                    Ok(check) => self.tracks[part].branch_check = check,
                     Err(failure) => own.fail(failure),
                 }
             }
@@ -101,7 +101,7 @@ impl<M: Model> Path<'_, M> {
             result = corrector.check_support(&done, x).map(|tangents| {
                 for (part, saddle) in tangents.into_iter().filter(|_| self.options.stability) {
                     let free = self.parts.list[part].free.len();
-                    self.tracks[part].stability = Some(stability(saddle.matrix(), free));
+                    self.tracks[part].stability = Some(stability(&saddle.a, free));
                 }
             });
         }
@@ -190,7 +190,7 @@ impl<M: Model> Path<'_, M> {
         (whole, found): (StepFailure, NearestConsistent),
         end: &StepTarget,
     ) -> Option<StepFailure> {
-        let every = 0..self.parts.count();
+        let every = 0..self.parts.list.len();
         let there = every.filter(|&part| found.errors[part].is_none());
         let retried: Vec<usize> = there.filter(|&part| self.is_elsewhere(part, &found.u, end)).collect();
         if retried.is_empty() {
@@ -211,7 +211,7 @@ impl<M: Model> Path<'_, M> {
     /// Whether a part has moved, or its prescribed DOFs will.
     fn is_elsewhere(&self, part: usize, u: &[f64], end: &StepTarget) -> bool {
         let (part, at) = (&self.parts.list[part], &self.at.u);
-        part.free.iter().any(|&j| u[j] != at[j]) || part.held.iter().any(|&j| end.goal[j] != Some(at[j]))
+        part.free.iter().any(|&j| u[j] != at[j]) || part.prescribed.iter().any(|&j| end.goal[j] != Some(at[j]))
     }
 
     /// Moves parts to u, and prescribed DOFs to their values.
