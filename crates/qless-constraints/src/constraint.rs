@@ -1,4 +1,4 @@
-//! What a constraint type implements, and the [`EquationSink`] that takes its equations.
+//! The trait of constraint types, and the [`EquationSink`] that receives their equations.
 //!
 //! | duty of a type | here |
 //! | --- | --- |
@@ -54,13 +54,13 @@ pub use crate::nonlinear::Nonlinear;
 pub trait Constraint {
     /// Name of the type in messages.
     const NAME: &'static str;
-    /// What can be wrong with the input.
+    /// A fault of the input.
     type Error: std::error::Error + Send + Sync + 'static;
 
     /// Checks the input and emits its linear and nonlinear equations.
     ///
     /// # Errors
-    /// What is wrong with the input; nothing is added then. The sink itself refuses DOFs out of range, repeated DOFs and numbers that are
+    /// A fault of the input; nothing is added then. The sink itself refuses DOFs out of range, repeated DOFs and numbers that are
     /// not finite, in equations or stated by [`EquationSink::numbers`], so a type need not check these.
     fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error>;
 }

@@ -23,7 +23,7 @@ pub struct EvaluationTask<'a> {
     pub work: TaskOutput<'a>,
 }
 
-/// What a task evaluates, and the slices that it writes.
+/// The work of a task, with the slices that it writes.
 pub enum TaskOutput<'a> {
     /// c of a batch of linear equations.
     Linear { batch: &'a LinearBatch, c: &'a mut [f64] },

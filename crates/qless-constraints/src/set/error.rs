@@ -88,7 +88,7 @@ pub enum AddError<E: std::error::Error + 'static> {
         name: &'static str,
         /// The label given.
         label: String,
-        /// What is wrong.
+        /// The fault.
         source: E,
     },
     /// The equations have a fault that any type can have.
@@ -98,7 +98,7 @@ pub enum AddError<E: std::error::Error + 'static> {
         name: &'static str,
         /// The label given.
         label: String,
-        /// What is wrong.
+        /// The fault.
         source: EquationError,
     },
 }

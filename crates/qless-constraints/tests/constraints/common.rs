@@ -13,7 +13,8 @@ pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
     Ok(analyse(&set.linearised_at(u, &[])?, &Options::default())?.rank())
 }
 
-/// A number in [-0.5, 0.5), the same for a seed.
+/// A number in [-0.5, 0.5], the same for a seed.
 pub fn random(seed: usize) -> f64 {
-    0.5 * qless_scenes::Rng::new(seed as u64).real()
+    let z = (seed as u64 + 11).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5
 }

@@ -163,7 +163,7 @@ pub enum EnforceError {
     Argument(#[from] ArgumentError),
 }
 
-/// The end of the message.
+/// The end of the message on penalties.
 fn advice(factor: Option<f64>) -> String {
     match factor {
         Some(factor) => format!("a sufficient factor is {factor:.1e}"),

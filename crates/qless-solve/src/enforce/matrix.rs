@@ -14,7 +14,7 @@ use super::EnforceError;
 use super::solver::{Llt, Lu, Solver, SolverError, SolverMatrix};
 use crate::common::SparseMatrix;
 
-/// From `(row, column, value)`, all in range; repeated entries are summed.
+/// The matrix of `(row, column, value)`, all in range; repeated entries are summed.
 pub fn from_triplets(
     rows: usize,
     cols: usize,

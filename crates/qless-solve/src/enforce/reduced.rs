@@ -11,6 +11,7 @@ use super::matrix::{
     ScaledFactor, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, product, shifted,
     transposed,
 };
+use super::problem::check_arguments;
 use super::refinement::{MeasuredEquations, RefinementGoal, refine};
 use super::singularity::{SHIFTS, SupportVerdict, check_support, null_motion};
 use super::{EnforceError, FreeMotion, units};
@@ -46,19 +47,10 @@ pub fn reduced(
 ) -> Result<Vec<f64>, EnforceError> {
     let dofs = reduction.slaves().len() + reduction.masters().len() + reduction.prescribed().len();
     let with_values = dofs - reduction.prescribed().len() + prescribed.len();
-    for (what, found) in [
-        ("rows of K", k.nrows()),
-        ("columns of K", k.ncols()),
-        ("loads", f.len()),
-        ("DOFs with the prescribed values", with_values),
-    ] {
-        if found != dofs {
-            return Err(EnforceError::Size { what, found, dofs });
-        }
+    if with_values != dofs {
+        return Err(EnforceError::Size { what: "DOFs with the prescribed values", found: with_values, dofs });
     }
-    if let Some(&value) = k.val().iter().chain(f).chain(prescribed).find(|value| !value.is_finite()) {
-        return Err(EnforceError::NotFinite { value });
-    }
+    check_arguments(k, f, prescribed, dofs)?;
     let slaves = factored_slaves(reduction);
     let t = from_triplets(dofs, reduction.masters().len() + slaves.len(), triplets(reduction))?;
     let back = transposed(&t)?;

@@ -28,11 +28,11 @@ const SHARPENINGS: usize = 6;
 pub const WRONG: f64 = 16.0 * f64::EPSILON;
 /// A is singular if relative errors of its entries up to this size can make it so.
 pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Growth from which a null vector is searched for; factors may have larger errors than A.
+/// Growth at which a null vector is searched for; factors may have larger errors than A.
 pub const SUSPICIOUS: f64 = 1e-4 / f64::EPSILON;
 /// `M^-1 A v` may differ from v by this fraction.
 const LOST: f64 = 0.5;
-/// Growth from which u has no correct digit.
+/// Growth at which u has no correct digit.
 const HOPELESS: f64 = 1.0 / WRONG;
 
 /// Whether the model is supported.
@@ -113,7 +113,7 @@ fn is_not_inverted(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v:
     off.is_nan() || off > LOST
 }
 
-/// The better of two null vectors.
+/// The null vector with the smaller relative force.
 fn better_null_vector(
     equations: &impl MeasuredEquations,
     solve: &mut Solve<'_>,

@@ -3,9 +3,9 @@
 //! ```text
 //! A = [K C^T; C 0]
 //! s_j = 1 / sqrt(|K_jj|)                DOFs with stiffness: s_j u_j' = u_j, where u_j' are square roots of energy
-//! s_j = 1 / max_i |K_ij| s_i            DOFs that feel those; then all are balanced
+//! s_j = 1 / max_i |K_ij| s_i            DOFs that K couples to these; then all are balanced
 //! s_r = 1 / max_j |C_rj| s_j            equations, over DOFs that have their scale
-//! s_j = 1 / max_r |C_rj| s_r            DOFs that only equations know
+//! s_j = 1 / max_r |C_rj| s_r            DOFs that occur in equations only
 //! ```
 //!
 //! Numbers in these units can be compared, whatever the units of length, force, translation and rotation are. Cost: a few passes over the

@@ -30,6 +30,7 @@ mod load_path;
 mod model;
 mod parts;
 mod path;
+mod result;
 mod rows;
 mod saddle;
 mod stability;
@@ -40,8 +41,9 @@ use qless_constraints::{ConstraintSet, TimeError};
 
 pub use error::EquilibriumError;
 use error::StepFailure;
-pub use load_path::{Equilibrium, EquilibriumIterate, EquilibriumOptions, LoadStep, Start, Target};
+pub use load_path::{EquilibriumOptions, Start, Target};
 pub use model::{Assembly, Model};
+pub use result::{Equilibrium, EquilibriumIterate, LoadStep};
 pub use stability::Stability;
 use time_path::TimePath;
 

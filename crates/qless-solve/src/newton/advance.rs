@@ -97,9 +97,7 @@ impl NewtonState<'_> {
         self.measure();
         Ok(())
     }
-}
 
-impl NewtonState<'_> {
     /// Decides what each part needs next.
     ///
     /// A part is done if its kept equations hold to the tolerance, and its redundant ones to the tolerance that follows from these.

@@ -11,10 +11,10 @@
 use qless::{Analysis, ArgumentError, Form, Options, analyse};
 use qless_constraints::{ConstraintSet, Evaluation};
 
-use super::NewtonOptions;
 use super::configuration::inverse;
 use super::error::NewtonError;
 use super::parts::PartColumns;
+use super::solution::NewtonOptions;
 
 /// Bound on the entries of T. It can be large: masters do not move, so that T does not affect a step.
 const GROWTH: f64 = 1e6;

@@ -10,7 +10,8 @@ use super::configuration::{change, sizes_of_dofs};
 use super::error::NewtonError;
 use super::linearisation::{dependent, units};
 use super::parts::PartColumns;
-use super::{NewtonOptions, solve};
+use super::solution::NewtonOptions;
+use super::solve;
 use crate::common::random;
 
 /// Relative change of the entries of G on the way to the second configuration, columns scaled by the sizes of DOFs.
@@ -18,7 +19,7 @@ const STEP: f64 = 0.05;
 /// Number of random directions.
 const TRIES: u64 = 8;
 
-/// Where an equation is redundant that is redundant at u.
+/// Whether an equation that is redundant at u is redundant at other configurations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Redundancy {
     /// In all configurations nearby, or there are no others: the equation can be removed.
@@ -29,7 +30,7 @@ pub enum Redundancy {
     Unknown,
 }
 
-/// Finds the equations that are redundant at a consistent configuration u, and whether they are elsewhere.
+/// Finds the equations that are redundant at a consistent configuration u, and whether they are redundant at others.
 ///
 /// ```
 /// use qless_solve::newton::{NewtonOptions, Redundancy, redundancies};

@@ -7,8 +7,8 @@ use super::configuration::{Configuration, at_rest, in_roundings};
 use super::error::NewtonError;
 use super::linearisation::{Linearisation, dependent};
 use super::parts::EquationParts;
+use super::solution::{NewtonIterate, NewtonOptions, NewtonSolution};
 use super::step::StepGoal;
-use super::{NewtonIterate, NewtonOptions, NewtonSolution};
 
 /// c falls if its residual is at most this fraction of the one before.
 pub const FALLS: f64 = 0.5;
@@ -109,7 +109,7 @@ impl<'a> NewtonState<'a> {
         Ok(found)
     }
 
-    /// In settled parts, a residual may be the rounding of other rows.
+    /// Updates the residuals. In settled parts, a residual may be the rounding of other rows.
     pub fn measure(&mut self) {
         let configuration = &self.configuration;
         self.residuals = in_roundings(configuration.evaluation.c(), configuration.rounding.c());

@@ -20,7 +20,7 @@ const DECREASE: f64 = 1e-4;
 /// Most trials. At a distance of 1e-150 from a dead centre, du is longer by that factor, so that t may be as small as `4^-250`.
 const TRIES: usize = 250;
 
-/// What a part needs from its step.
+/// The goal of a part's step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepGoal {
     /// Nothing: all of its equations hold.

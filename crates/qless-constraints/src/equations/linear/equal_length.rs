@@ -75,9 +75,7 @@ impl<I: DofOffset> EqualLengthRows<I> {
         let dofs = &self.dofs[place * self.terms..(place + 1) * self.terms];
         dofs.iter().zip(&lists[self.list[place] as usize..]).map(move |(&j, &v)| (base + j.value(), v))
     }
-}
 
-impl<I: DofOffset> EqualLengthRows<I> {
     /// Writes the columns and coefficients of these equations; `end` holds the end of each row of the batch.
     pub fn write_rows(&self, (base, lists): (u32, &[f64]), end: &[usize], col: &mut [u32], val: &mut [f64]) {
         for (i, (&row, &list)) in self.row.iter().zip(&self.list).enumerate() {

@@ -16,7 +16,7 @@ use crate::{Constraint, EquationSink};
 /// `r_i = X_i - X_r`. The sums go over the components k of node i, which may be along local axes of that node
 /// ([`Node6::along`]). L is the mean of all `|r_i|`, so that the unit of length does not matter. Each component of the
 /// reference has one equation, `u_rk = sum_j a_j u_j`. The fit always determines all six components, even if only some
-/// of them follow. The equations add no stiffness. They distribute a load on the reference over the nodes, as forces
+/// of them are coupled. The equations add no stiffness. They distribute a load on the reference over the nodes, as forces
 /// with the same resultant.
 ///
 /// Components that the nodes do not determine are refused. Nodes on a line do not determine rotations about it, nor,
@@ -49,9 +49,9 @@ use crate::{Constraint, EquationSink};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Average {
-    /// The node that follows, restricted to the components that do.
+    /// The dependent node, restricted to its coupled components.
     pub reference: Node6,
-    /// The nodes that lead, restricted to the components that count, and their weights.
+    /// The independent nodes, restricted to the components that count, with their weights.
     pub nodes: Vec<(Node6, f64)>,
 }
 

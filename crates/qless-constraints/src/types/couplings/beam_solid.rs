@@ -51,7 +51,7 @@ use crate::{Constraint, EquationSink};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BeamToSolid {
-    /// The end node of the beam. With `Mean`, a DOF that is `None` does not follow: a hinge, possibly about a local
+    /// The end node of the beam. With `Mean`, a DOF that is `None` is not coupled: a hinge, possibly about a local
     /// axis ([`Node6::along`]).
     pub beam: Node6,
     /// The face of the solid. `Plane` needs faces with consistent normals; the others accept any faces, such as the

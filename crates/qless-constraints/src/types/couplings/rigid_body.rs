@@ -47,9 +47,9 @@ use crate::{Constraint, EquationSink, Nonlinear};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallRigidBody {
-    /// The node that leads; theta are its rotations.
+    /// The reference node; theta are its rotations.
     pub reference: Node6,
-    /// The nodes that follow, restricted to the components that do.
+    /// The dependent nodes, restricted to their coupled components.
     pub nodes: Vec<Node6>,
 }
 
@@ -109,7 +109,7 @@ pub(super) fn equation_name(number: usize, nodes: usize, node: &Node6, component
 pub struct RigidBody {
     /// Position and rotation of the body.
     pub body: Body,
-    /// The nodes that follow, restricted to the components that do.
+    /// The dependent nodes, restricted to their coupled components.
     pub nodes: Vec<Node6>,
 }
 

@@ -40,9 +40,9 @@ use crate::{Constraint, EquationSink};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceOrderTie<const F: usize> {
-    /// The side that follows.
+    /// The dependent side.
     pub fine: FaceSide<F>,
-    /// The side that leads. Its parameters have the same first corner.
+    /// The independent side. Its parameters have the same first corner.
     pub coarse: FaceSide<F>,
 }
 
@@ -133,9 +133,9 @@ impl<const F: usize> FaceSide<F> {
 /// A side of the tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TieSide {
-    /// The side that follows.
+    /// The dependent side.
     Fine,
-    /// The side that leads.
+    /// The independent side.
     Coarse,
 }
 

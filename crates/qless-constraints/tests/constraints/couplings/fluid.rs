@@ -127,7 +127,7 @@ fn walls_with_faults_are_refused() {
     sides.into_iter().for_each(|faces| assert_eq!(refusal(FluidWall { faces, ..folded.clone() }), "accepted"));
     let mut turned = flat();
     turned.faces[1].nodes.reverse();
-    assert!(refusal(turned).contains("turn faces that point to the other side"));
+    assert!(refusal(turned).contains("reverse faces that point to the other side"));
     let mut away = flat();
     away.fluid[7].at[2] = 0.25;
     assert!(refusal(away).contains("0.25 away"), "{}", refusal(flat()));

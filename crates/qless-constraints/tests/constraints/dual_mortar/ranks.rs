@@ -73,7 +73,7 @@ fn facets_of_other_dimensions_are_refused() {
     let words =
         ConstraintSet::builder(8).add("it", tie).map_or_else(|error| error.to_string(), |_| "accepted".to_owned());
     assert!(
-        words.contains("facet 1, from 1, of the slave side is a Quad4; the facets of both sides must be lines"),
+        words.contains("facet 1, from 1, of the slave side is a Quad4; both sides must consist of lines"),
         "{words}"
     );
     let solid = |first: usize| -> Surface<3, 1> {

@@ -53,7 +53,7 @@ impl FactoredPart<'_> {
     }
 }
 
-/// Number of steps after which gaps that close have vanished beside those that stay.
+/// Steps after which closing gaps are negligible compared with gaps that stay open.
 const STEPS: usize = 4;
 /// Largest fraction of the gaps that may remain in the last step.
 const CLOSES: f64 = 0.1;

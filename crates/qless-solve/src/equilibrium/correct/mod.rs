@@ -3,7 +3,7 @@
 //! All parts are iterated together: one evaluation of model and constraints serves all. Scales, factors, step lengths, kept rows and
 //! termination are separate. A part that has converged or failed does not move. One iteration:
 //!
-//! | what | for | cost |
+//! | operation | for | cost |
 //! | --- | --- | --- |
 //! | evaluation with stiffness | all parts together | one pass |
 //! | new choice of rows | parts that need it | one analysis, rarely |
@@ -25,7 +25,7 @@ use super::{EquilibriumIterate, EquilibriumOptions, Model, StepFailure};
 /// Most changes of the kept rows in one load step.
 const CHANGES: usize = 4;
 
-/// What a part keeps of its matrices from one load step to the next.
+/// Matrix data of a part that the next load step reuses.
 #[derive(Default)]
 pub struct Factoring {
     /// Pattern of the last tangent.
@@ -140,7 +140,7 @@ pub struct PartProgress {
     pub(super) changes: usize,
 }
 
-/// What a part does next.
+/// The stage of a part's iteration.
 pub enum PartStage {
     /// Iterate.
     Iterating,

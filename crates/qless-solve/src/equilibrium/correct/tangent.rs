@@ -22,7 +22,7 @@ const ADDED: f64 = 1e-3;
 const NO_FACTORS: &str =
     "it is singular, and its factorization fails even after regularisation; look for dependent equations";
 
-/// Why a tangent is singular.
+/// Cause of a singular tangent.
 enum SingularCause {
     /// DOFs of a motion without resistance.
     Motion(Vec<usize>),

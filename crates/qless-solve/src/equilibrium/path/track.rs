@@ -1,4 +1,4 @@
-//! What a path keeps of each part, and the failures of a load step.
+//! State of each part along a load path, and the failures of a load step.
 
 use qless_constraints::ConstraintSet;
 

@@ -1,0 +1,55 @@
+//! Results: an equilibrium, with its load steps and iterates.
+
+use super::Stability;
+
+/// One iterate, with its residuals.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EquilibriumIterate {
+    /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms or to what rounding allows.
+    pub force: f64,
+    /// `max_r eps |c_r| / rounding_r` over the kept rows, relative to the sizes of the terms of c. If c no longer falls, the largest terms of
+    /// its part count, or less if the motion that makes up for c changes forces by less than their rounding.
+    pub constraint: f64,
+    /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. The smallest of the connected parts that
+    /// moved; the other fields are the largest of all parts.
+    pub length: f64,
+    /// Whether the tangent of the last correction was singular and was regularised.
+    pub regularised: bool,
+}
+
+/// One load step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadStep {
+    /// Load factor: 0 at the start, 1 at the target.
+    pub factor: f64,
+    /// Whether the step found an equilibrium. If not, failed parts were tried again from a configuration that satisfies the constraints, or
+    /// the step was shortened.
+    pub converged: bool,
+    /// Whether branches of the determined DOFs meet on the way, or nearly meet. Newton's method then chose one: check the result, or use
+    /// other steps.
+    pub branches_meet: bool,
+    /// The iterates of the parts that were tried.
+    pub iterates: Vec<EquilibriumIterate>,
+}
+
+/// An equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equilibrium {
+    /// DOFs.
+    pub u: Vec<f64>,
+    /// One per equation, in units of force times displacement per unit of c; 0 for redundant equations.
+    pub multipliers: Vec<f64>,
+    /// `f_int + G^T lambda - f_ext` at prescribed DOFs, in the order of [`super::Target::prescribed`]: the support forces.
+    pub reactions: Vec<f64>,
+    /// `-G^T lambda`: force of the constraints on the model, one per DOF.
+    pub constraint_forces: Vec<f64>,
+    /// Redundant equations, which have no multiplier.
+    pub redundant: Vec<usize>,
+    /// Result of the check that [`super::EquilibriumOptions::stability`] asks for. [`Stability::Stable`] if all connected parts are stable;
+    /// the unstable directions of all parts are added up; not symmetric or undecided if one part is.
+    pub stability: Option<Stability>,
+    /// All attempted load steps, including failed ones.
+    pub steps: Vec<LoadStep>,
+    /// The loads in equilibrium.
+    pub loads: Vec<f64>,
+}
