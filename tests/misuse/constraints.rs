@@ -10,7 +10,7 @@ use qless_constraints::types::{
     RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface, ThicknessLine, Turn, Turning,
     Universal, Volume,
 };
-use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};
+use qless_constraints::{Constraint, ConstraintSet, EquationSink, Nonlinear, Weights};
 use qless_solve::enforce::{BlockPlan, Problem, reduced};
 use qless_solve::newton::{NewtonOptions, redundancies, solve};
 
@@ -39,9 +39,9 @@ fn sets_take_their_own_only() {
     for count in [0, 2, 4] {
         refused("weights", || set.effective_hessian(&[0.0; 4], &vec![0.0; count], &mut own));
         refused("weights", || set.assemble(&[0.0; 4], &vec![0.0; count], &mut own));
-        refused("multipliers", || Weights::Multipliers(&vec![0.0; count]).of(&[1.0; 3]));
-        refused("penalty", || Weights::Penalty(&vec![0.0; count]).of(&[1.0; 3]));
-        refused("both", || Weights::Augmented { multipliers: &[0.0; 3], penalty: &vec![0.0; count] }.of(&[1.0; 3]));
+        refused("multipliers", || Weights::Multipliers(&vec![0.0; count]).values(&[1.0; 3]));
+        refused("penalty", || Weights::Penalty(&vec![0.0; count]).values(&[1.0; 3]));
+        refused("both", || Weights::Augmented { multipliers: &[0.0; 3], penalty: &vec![0.0; count] }.values(&[1.0; 3]));
     }
     refused("of a twin", || set.evaluate(&[0.0; 4], &mut foreign));
     refused("of a twin", || set.effective_hessian(&[0.0; 4], &[0.0; 3], &mut foreign));
@@ -77,9 +77,9 @@ fn take<C: Constraint>(constraint: C) {
             assert!(error.to_string().contains(C::NAME), "{error}");
         }
         let set = builder.build().expect("few DOFs");
-        let mut quantities = set.allocate();
+        let mut evaluation = set.allocate();
         for u in [0.0, 1e-3, 1e200, f64::NAN] {
-            set.assemble(&vec![u; set.dofs()], &vec![1.0; set.equations()], &mut quantities).expect("its own");
+            set.assemble(&vec![u; set.dofs()], &vec![1.0; set.equations()], &mut evaluation).expect("its own");
         }
     });
 }
@@ -295,7 +295,7 @@ struct Product;
 
 impl Nonlinear for Product {
     const DOFS: usize = 2;
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         c[0] = u[0] * u[1];
@@ -306,8 +306,8 @@ impl Constraint for Miscounted {
     const NAME: &'static str = "product";
     type Error = std::fmt::Error;
 
-    fn process(self, store: &mut Store) -> Result<(), Self::Error> {
-        store.nonlinear("", &self.0, Product);
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error> {
+        sink.nonlinear("", &self.0, Product);
         Ok(())
     }
 }

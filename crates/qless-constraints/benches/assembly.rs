@@ -45,10 +45,10 @@ fn main() {
 fn measure(name: &str, set: &ConstraintSet) -> f64 {
     let u: Vec<f64> = (0..set.dofs()).map(|j| 1e-3 * (j % 17) as f64).collect();
     let w: Vec<f64> = (0..set.equations()).map(|i| (i % 5) as f64).collect();
-    let mut quantities = set.allocate();
+    let mut evaluation = set.allocate();
     // The first H allocates its array.
-    set.assemble(&u, &w, &mut quantities).expect("of this set");
-    let mut copy = [set.equations(), quantities.g().nnz(), quantities.h().nnz()].map(|length| vec![0.0; length]);
+    set.assemble(&u, &w, &mut evaluation).expect("of this set");
+    let mut copy = [set.equations(), evaluation.g().nnz(), evaluation.h().nnz()].map(|length| vec![0.0; length]);
     let [mut values, mut hessian, mut all, mut writing, mut indexed] = [const { Vec::new() }; 5];
     let longest = copy.iter().map(Vec::len).max().unwrap_or(0);
     let places: Vec<u32> = (0..longest).map(|k| (k % CHUNK) as u32).collect();
@@ -56,15 +56,15 @@ fn measure(name: &str, set: &ConstraintSet) -> f64 {
         // As long as the assembly, so that other programs interrupt both equally often.
         writing.push(time(|| (0..REPEATS).for_each(|i| write(&mut copy, (round + i) as f64))) / REPEATS as f64);
         indexed.push(time(|| (0..REPEATS).for_each(|i| write_indexed(&mut copy, &places, i as f64))) / REPEATS as f64);
-        values.push(time(|| set.evaluate(&u, &mut quantities).expect("of this set")));
-        hessian.push(time(|| set.effective_hessian(&u, &w, &mut quantities).expect("of this set")));
-        all.push(time(|| set.assemble(&u, &w, &mut quantities).expect("of this set")));
-        black_box((&quantities, &copy));
+        values.push(time(|| set.evaluate(&u, &mut evaluation).expect("of this set")));
+        hessian.push(time(|| set.effective_hessian(&u, &w, &mut evaluation).expect("of this set")));
+        all.push(time(|| set.assemble(&u, &w, &mut evaluation).expect("of this set")));
+        black_box((&evaluation, &copy));
     }
     let shortest = |times: &[f64]| times.iter().copied().fold(f64::INFINITY, f64::min);
     let best = shortest(&all) / shortest(&writing);
     let [values, hessian, all, writing, indexed] = [values, hessian, all, writing, indexed].map(median);
-    let (nnz, ratio, other) = (quantities.g().nnz() + quantities.h().nnz(), all / writing, all / indexed);
+    let (nnz, ratio, other) = (evaluation.g().nnz() + evaluation.h().nnz(), all / writing, all / indexed);
     let [a, b, c, d, e] = [values, hessian, all, writing, indexed].map(|seconds| 1e3 * seconds);
     print!("{name:>20} {:>9} {nnz:>10} ", set.equations());
     println!("{a:>7.2} ms {b:>7.2} ms {c:>7.2} ms {d:>7.2} ms {e:>7.2} ms {ratio:>6.2} {other:>7.2} {best:>6.2}");

@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use qless::Csr;
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use model::{equal, linear, point, rod, small, sphere, tie};
@@ -211,22 +211,22 @@ fn measure(name: &str, constraints: usize, shares: &[(usize, model::Add)], kinds
     let u: Vec<f64> = (0..set.dofs()).map(|j| 1e-3 * (j % 17) as f64).collect();
     let w: Vec<f64> = (0..set.equations()).map(|i| (i % 5) as f64).collect();
     let mut plain = Plain::new(constraints, &set, kinds);
-    let mut quantities = set.allocate();
+    let mut evaluation = set.allocate();
     let pools = [1, 2].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().expect("threads"));
     let mut times: [[Vec<f64>; 3]; 2] = Default::default();
     for _ in 0..ROUNDS {
         times[0][0].push(milliseconds(|| plain.values(&u)));
         times[1][0].push(milliseconds(|| plain.hessian(&w)));
         for (k, pool) in pools.iter().enumerate() {
-            let [values, hessian] = of_set(pool, &set, (&u, &w), &mut quantities);
+            let [values, hessian] = of_set(pool, &set, (&u, &w), &mut evaluation);
             times[0][k + 1].push(values);
             times[1][k + 1].push(hessian);
         }
         black_box((&plain.c, &plain.g, &plain.h));
     }
-    same(plain.c.as_slice(), quantities.c());
-    same(plain.g.as_slice(), quantities.g().values());
-    same(plain.h.as_slice(), quantities.h().values());
+    same(plain.c.as_slice(), evaluation.c());
+    same(plain.g.as_slice(), evaluation.g().values());
+    same(plain.h.as_slice(), evaluation.h().values());
     for (what, times) in ["c and G", "H"].into_iter().zip(times) {
         let [plain, one, two] = times.map(median);
         print!("{name:>20} {what:>8}: {plain:>8.2} {one:>8.2} {two:>8.2}");
@@ -234,10 +234,10 @@ fn measure(name: &str, constraints: usize, shares: &[(usize, model::Add)], kinds
     }
 }
 
-fn of_set(pool: &ThreadPool, set: &ConstraintSet, (u, w): (&[f64], &[f64]), quantities: &mut Quantities) -> [f64; 2] {
+fn of_set(pool: &ThreadPool, set: &ConstraintSet, (u, w): (&[f64], &[f64]), evaluation: &mut Evaluation) -> [f64; 2] {
     pool.install(|| {
-        let values = milliseconds(|| set.evaluate(u, quantities).expect("of this set"));
-        [values, milliseconds(|| set.effective_hessian(u, w, quantities).expect("of this set"))]
+        let values = milliseconds(|| set.evaluate(u, evaluation).expect("of this set"));
+        [values, milliseconds(|| set.effective_hessian(u, w, evaluation).expect("of this set"))]
     })
 }
 

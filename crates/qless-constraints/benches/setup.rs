@@ -15,7 +15,7 @@ mod model;
 use std::time::Instant;
 
 use qless_constraints::types::{Distance, Equal};
-use qless_constraints::{ConstraintSet, Quantities, SetBuilder};
+use qless_constraints::{ConstraintSet, Evaluation, SetBuilder};
 
 use model::{equal, linear, one_equal, one_linear, one_rod, point, rod};
 
@@ -82,11 +82,11 @@ fn set_up(name: &str, constraints: usize, add: impl Fn(&mut SetBuilder, usize, u
         let (time, set) = timed(|| filled(constraints, &add).build().expect("few DOFs"));
         adding.push(time);
         until.push(busy());
-        let (time, mut quantities) = timed(|| set.allocate());
+        let (time, mut evaluation) = timed(|| set.allocate());
         allocating.push(time);
         until.push(busy());
         let (u, w) = (vec![1e-3; set.dofs()], vec![1.0; set.equations()]);
-        let mut once = || timed(|| set.assemble(&u, &w, &mut quantities).expect("of this set")).0;
+        let mut once = || timed(|| set.assemble(&u, &w, &mut evaluation).expect("of this set")).0;
         let before = busy();
         planning.push(once());
         let spent = [until[1] - until[0], until[2] - until[1], busy() - before];
@@ -111,9 +111,9 @@ fn report(name: &str, [adding, allocating, first, evaluation]: [f64; 4]) {
 }
 
 /// Milliseconds of one evaluation.
-fn evaluate(set: &ConstraintSet, quantities: &mut Quantities) -> f64 {
+fn evaluate(set: &ConstraintSet, evaluation: &mut Evaluation) -> f64 {
     let (u, w) = (vec![1e-3; set.dofs()], vec![1.0; set.equations()]);
-    timed(|| set.assemble(&u, &w, quantities).expect("of this set")).0
+    timed(|| set.assemble(&u, &w, evaluation).expect("of this set")).0
 }
 
 /// Changes of single constraints in a set of rods and equal DOFs.
@@ -126,8 +126,8 @@ fn changes(constraints: usize) {
     let ties: Vec<_> =
         (0..constraints / 2).map(|i| builder.add("", Equal::new([3 * i, 3 * i + 4])).expect("valid")).collect();
     let mut set = builder.build().expect("few DOFs");
-    let mut quantities = set.allocate();
-    let still = median((0..21).map(|_| evaluate(&set, &mut quantities)).collect());
+    let mut evaluation = set.allocate();
+    let still = median((0..21).map(|_| evaluate(&set, &mut evaluation)).collect());
     println!("{constraints} rods and equal DOFs, one evaluation: {still:.2} ms");
     let names = ["rod rests and returns", "tie rests and returns", "other length of a rod", "other right-hand side"];
     for (kind, name) in names.into_iter().enumerate() {
@@ -144,7 +144,7 @@ fn changes(constraints: usize) {
                 })
                 .0,
             );
-            after.push(evaluate(&set, &mut quantities));
+            after.push(evaluate(&set, &mut evaluation));
         }
         println!("{name:>24}: {:.1} us, evaluation after it {:.2} ms", 1e3 * median(change), median(after));
     }

@@ -1,9 +1,9 @@
-//! What a constraint type implements, and the [`Store`] that takes its equations.
+//! The trait of constraint types, and the [`EquationSink`] that receives their equations.
 //!
 //! | duty of a type | here |
 //! | --- | --- |
-//! | check the input, store the parameters | [`Constraint::process`] |
-//! | list of DOFs, list of DOF pairs | the DOFs given to [`Store`], [`Nonlinear::pairs`] |
+//! | check the input, keep the parameters | [`Constraint::emit`] |
+//! | list of DOFs, list of DOF pairs | the DOFs given to [`EquationSink`], [`Nonlinear::pairs`] |
 //! | value `c_i`, Jacobian rows `G_i` | [`Nonlinear::value_and_jacobian`] |
 //! | effective Hessian `sum_r w_r H_r` | [`Nonlinear::hessian`]; not needed by linear types |
 //!
@@ -24,7 +24,7 @@ pub use crate::nonlinear::Nonlinear;
 /// The input of one constraint.
 ///
 /// ```
-/// use qless_constraints::{Constraint, ConstraintSet, Store};
+/// use qless_constraints::{Constraint, ConstraintSet, EquationSink};
 /// /// `u_a = f u_b`: a gear.
 /// struct Gear {
 ///     a: usize,
@@ -37,11 +37,11 @@ pub use crate::nonlinear::Nonlinear;
 /// impl Constraint for Gear {
 ///     const NAME: &'static str = "gear";
 ///     type Error = NoRatio;
-///     fn process(self, store: &mut Store) -> Result<(), NoRatio> {
+///     fn emit(self, sink: &mut EquationSink) -> Result<(), NoRatio> {
 ///         if self.ratio == 0.0 {
 ///             return Err(NoRatio);
 ///         }
-///         store.equation("", [(self.a, 1.0), (self.b, -self.ratio)], 0.0);
+///         sink.equation("", [(self.a, 1.0), (self.b, -self.ratio)], 0.0);
 ///         Ok(())
 ///     }
 /// }
@@ -54,15 +54,15 @@ pub use crate::nonlinear::Nonlinear;
 pub trait Constraint {
     /// Name of the type in messages.
     const NAME: &'static str;
-    /// What can be wrong with the input.
+    /// A fault of the input.
     type Error: std::error::Error + Send + Sync + 'static;
 
-    /// Checks the input and hands its linear and nonlinear equations to the store.
+    /// Checks the input and emits its linear and nonlinear equations.
     ///
     /// # Errors
-    /// What is wrong with the input; nothing is stored then. The store itself refuses DOFs out of range, repeated DOFs and numbers that are
-    /// not finite, in equations or stated by [`Store::numbers`], so a type need not check these.
-    fn process(self, store: &mut Store) -> Result<(), Self::Error>;
+    /// A fault of the input; nothing is added then. The sink itself refuses DOFs out of range, repeated DOFs and numbers that are
+    /// not finite, in equations or stated by [`EquationSink::numbers`], so a type need not check these.
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error>;
 }
 
 /// Largest coordinate or length. Sixth powers of it and of its inverse, which occur in derivatives of normals and volumes, are finite.
@@ -72,26 +72,26 @@ const FEW: usize = 16;
 
 /// Receives the linear and nonlinear equations of the constraint that is being added.
 #[derive(Default)]
-pub struct Store {
+pub struct EquationSink {
     dofs: usize,
     time: f64,
     pub(crate) contents: Box<ConstraintContents>,
     /// Destination of the equations instead of `contents`, if many constraints are added at once.
     portion: Option<Box<BulkEquations>>,
-    pub(crate) fault: Option<StoreError>,
+    pub(crate) fault: Option<EquationError>,
 }
 
 /// If terms on one DOF sum to less than this, relative to the sum of their magnitudes, the sum is rounding and is set to zero.
 const CANCELLED: f64 = 8.0 * f64::EPSILON;
 
-impl std::fmt::Debug for Store {
+impl std::fmt::Debug for EquationSink {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut text = f.debug_struct("Store");
+        let mut text = f.debug_struct("EquationSink");
         text.field("dofs", &self.dofs).field("rows", &self.rows()).field("fault", &self.fault).finish_non_exhaustive()
     }
 }
 
-impl Store {
+impl EquationSink {
     /// For one constraint; `contents` must be empty.
     pub(crate) fn new(dofs: usize, time: f64, contents: Box<ConstraintContents>) -> Self {
         Self { dofs, time, contents, ..Self::default() }
@@ -171,18 +171,18 @@ impl Store {
     /// Adds the nonlinear equations of `parameters` on these DOFs, which must differ.
     pub fn nonlinear<Q: Nonlinear>(&mut self, name: impl Into<Cow<'static, str>>, dofs: &[usize], mut parameters: Q) {
         if Q::DOFS != 0 && Q::DOFS != dofs.len() {
-            self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
+            self.fail(EquationError::DofCount { found: dofs.len(), expected: Q::DOFS });
         }
         if let Some(&dof) = dofs.iter().find(|&&dof| dof >= self.dofs) {
             self.check_dof(dof);
         }
         if let Some(dof) = repeated(dofs) {
-            self.fail(StoreError::RepeatedDof { dof });
+            self.fail(EquationError::RepeatedDof { dof });
         }
         if Q::DRIVEN
             && let Err(value) = parameters.at_time(self.time)
         {
-            self.fail(StoreError::NotFinite { value });
+            self.fail(EquationError::NotFinite { value });
         }
         if self.fault.is_none() {
             self.put_nonlinear(name.into(), dofs, parameters);
@@ -204,13 +204,13 @@ impl Store {
 
     /// States that a DOF is added to a reference coordinate: `x = at + u`, so that x is known to its last place at best.
     ///
-    /// [`crate::ConstraintSet::rounding`] needs this from types that store differences of coordinates only.
+    /// [`crate::ConstraintSet::rounding`] needs this from types that keep differences of coordinates only.
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.numbers([at]);
         self.put_coordinates(&[dof], [at], at.abs());
     }
 
-    /// [`Store::coordinate`] for all translations of a node.
+    /// [`EquationSink::coordinate`] for all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
         let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
         self.numbers(node.at);
@@ -233,14 +233,14 @@ impl Store {
     /// States that the parameters of nonlinear equations contain these numbers, such as coordinates. Each must be finite and at most 1e50 in
     /// magnitude, so that powers of it are finite too.
     ///
-    /// Linear equations need no such statement, since the store sees all of their numbers.
+    /// Linear equations need no such statement, since the sink sees all of their numbers.
     pub fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         for value in numbers {
             // False for NaN.
             let fits = value.abs() <= LARGEST;
             if !fits {
                 self.check_number(value);
-                self.fail(StoreError::OutOfRange { value });
+                self.fail(EquationError::OutOfRange { value });
             }
         }
     }
@@ -249,24 +249,24 @@ impl Store {
     pub fn length(&mut self, value: f64) {
         self.numbers([value]);
         if value.abs() < 1.0 / LARGEST {
-            self.fail(StoreError::OutOfRange { value });
+            self.fail(EquationError::OutOfRange { value });
         }
     }
 
     fn check_dof(&mut self, dof: usize) {
         if dof >= self.dofs {
-            self.fail(StoreError::DofOutOfRange { dof, dofs: self.dofs });
+            self.fail(EquationError::DofOutOfRange { dof, dofs: self.dofs });
         }
     }
 
     fn check_number(&mut self, value: f64) {
         if !value.is_finite() {
-            self.fail(StoreError::NotFinite { value });
+            self.fail(EquationError::NotFinite { value });
         }
     }
 
     /// Keeps the first fault, which is the one reported.
-    fn fail(&mut self, fault: StoreError) {
+    fn fail(&mut self, fault: EquationError) {
         self.fault.get_or_insert(fault);
     }
 }
@@ -301,10 +301,10 @@ pub(crate) fn repeated(dofs: &[usize]) -> Option<usize> {
     sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
-/// A fault that the store finds in the equations of a type. DOFs are 0-based.
+/// A fault that the sink finds in the equations of a type. DOFs are 0-based.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum StoreError {
+pub enum EquationError {
     /// A DOF number is not below the number of DOFs.
     #[error("it names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the number or the size", dofs.saturating_sub(1))]
     DofOutOfRange {
@@ -328,14 +328,14 @@ pub enum StoreError {
         expected: usize,
     },
     /// A coefficient, a right-hand side or a coordinate is NaN or infinite.
-    #[error("a number of it is {value}; every number must be finite")]
+    #[error("it contains the number {value}; every number must be finite")]
     NotFinite {
         /// The number.
         value: f64,
     },
     /// Powers of a coordinate or length of a nonlinear equation overflow or vanish.
     #[error(
-        "a coordinate or length of it is {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
+        "it contains the coordinate or length {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
          between 1e-50 and 1e50"
     )]
     OutOfRange {
@@ -343,9 +343,9 @@ pub enum StoreError {
         value: f64,
     },
     /// More equations, DOFs or constraints than 32 bits can number.
-    #[error("it is one too many: the set would have {found} {what}, and 4294967294 is the most")]
+    #[error("the set would have {found} {what}; the limit is 4294967294")]
     TooLarge {
-        /// What there are too many of.
+        /// The quantity that exceeds the limit.
         what: &'static str,
         /// Their number.
         found: usize,

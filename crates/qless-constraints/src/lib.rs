@@ -9,24 +9,7 @@
 //!
 //! The concept of the library is that of Boungard and Wackerfuß for dockSIM.
 //!
-//! ```
-//! use qless::{Options, analyse};
-//! use qless_constraints::ConstraintSet;
-//! use qless_constraints::types::{Distance, PlanarPoint};
-//! // Four points in the plane with all six distances: one more than it takes to make them rigid.
-//! let at = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.5]];
-//! let points: Vec<_> = (0..4).map(|i| PlanarPoint::new([2 * i, 2 * i + 1], at[i])).collect();
-//! let mut builder = ConstraintSet::builder(8);
-//! for (i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
-//!     builder.add(format!("rod {i}-{j}"), Distance::new(points[i], points[j]))?;
-//! }
-//! let set = builder.build()?;
-//! let mut quantities = set.allocate();
-//! set.evaluate(&[0.0; 8], &mut quantities)?;
-//! let analysis = analyse(&set.linearised(&quantities, &[])?, &Options::default())?;
-//! assert_eq!((set.equations(), analysis.rank()), (6, 5));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = include_str!("../README.md")]
 
 mod constraint;
 mod equations;
@@ -36,14 +19,9 @@ pub mod scalar;
 mod set;
 pub mod types;
 
-pub use constraint::{Constraint, Store, StoreError};
+pub use constraint::{Constraint, EquationError, EquationSink};
 pub use nonlinear::Nonlinear;
 pub use set::{
-    ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, LineariseError,
-    Quantities, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights, shorten_rotation,
+    ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, Evaluation,
+    LineariseError, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights, shorten_rotation,
 };
-
-/// Tests the example of the README.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

@@ -2,7 +2,7 @@
 
 use crate::scalar::{Dual, HyperDual, Scalar};
 
-/// The parameters of nonlinear equations `c(u) = 0` that share n DOFs, one row per name in [`Nonlinear::PARTS`].
+/// The parameters of nonlinear equations `c(u) = 0` that share n DOFs, one row per name in [`Nonlinear::EQUATION_NAMES`].
 ///
 /// `u` holds the values of the constraint's own DOFs, in the order of its list. Only [`Nonlinear::value`] is required: by default,
 /// derivatives are computed with dual numbers, exact to rounding.
@@ -21,9 +21,9 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Whether parameters are functions of time. [`Nonlinear::at_time`] is called only then.
     const DRIVEN: bool = false;
     /// A name for each equation, such as "x"; a single equation has an empty name.
-    const PARTS: &'static [&'static str];
+    const EQUATION_NAMES: &'static [&'static str];
 
-    /// Writes `c`, which has the length of `PARTS`.
+    /// Writes `c`, which has the length of `EQUATION_NAMES`.
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]);
 
     /// Evaluates the parameters at this time. The DOFs and [`Nonlinear::pairs`] must not change.

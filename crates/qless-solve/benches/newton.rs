@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use qless::{Form, Options, analyse};
 use qless_constraints::types::{Body, Distance, EulerNorm, PlanarPoint, Revolute, Spherical};
-use qless_constraints::{ConstraintSet, Quantities, SetBuilder};
+use qless_constraints::{ConstraintSet, Evaluation, SetBuilder};
 use qless_scenes::memory;
 use qless_solve::newton::{NewtonOptions, solve};
 
@@ -107,10 +107,10 @@ fn disturbed(set: &ConstraintSet) -> Vec<f64> {
 }
 
 /// Seconds of each stage of a step.
-fn step(set: &ConstraintSet, u: &[f64], quantities: &mut Quantities) -> [f64; 4] {
+fn step(set: &ConstraintSet, u: &[f64], evaluation: &mut Evaluation) -> [f64; 4] {
     let mut marks = vec![Instant::now()];
-    set.evaluate(u, quantities).expect("of this set");
-    let system = set.linearised(quantities, &[]).expect("finite");
+    set.evaluate(u, evaluation).expect("of this set");
+    let system = set.linearised(evaluation, &[]).expect("finite");
     marks.push(Instant::now());
     // As in `newton::solve`.
     let analysis = analyse(&system, &Options { growth: 1e6, ..Options::default() }).expect("analysed");

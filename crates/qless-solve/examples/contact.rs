@@ -97,13 +97,13 @@ impl Strips {
         let mut set = builder.build()?;
         nodes.iter().try_for_each(|&node| set.deactivate(node))?;
         let (k, f) = (self.matrix()?, self.loads());
-        let (mut quantities, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
+        let (mut evaluation, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
         let mut ranks = Vec::new();
         for _ in 0..10 * self.upper {
-            set.evaluate(&vec![0.0; self.dofs()], &mut quantities)?;
-            system.update(&set, &quantities)?;
+            set.evaluate(&vec![0.0; self.dofs()], &mut evaluation)?;
+            system.update(&set, &evaluation)?;
             ranks.push(system.rank());
-            let (u, pressures) = balance(&k, &f, (&set, &quantities), &nodes)?;
+            let (u, pressures) = balance(&k, &f, (&set, &evaluation), &nodes)?;
             let gaps: Vec<f64> = (0..self.upper).map(|i| self.gap_at(i, &u)).collect();
             if !change(&mut set, &nodes, &gaps, &pressures)? {
                 return Ok(Contact { u, gaps, pressures, ranks });
@@ -122,10 +122,10 @@ impl Strips {
 fn balance(
     k: &SparseColMat<usize, f64>,
     f: &[f64],
-    (set, quantities): (&ConstraintSet, &qless_constraints::Quantities),
+    (set, evaluation): (&ConstraintSet, &qless_constraints::Evaluation),
     nodes: &[ConstraintId],
 ) -> Outcome<(Vec<f64>, Vec<f64>)> {
-    let system = set.linearised(quantities, &[])?;
+    let system = set.linearised(evaluation, &[])?;
     let solution = Problem::new(k, f, &system)?.lagrange()?;
     let pressure = |&node: &ConstraintId| Ok(set.rows_of(node)?.first().map_or(0.0, |&row| -solution.multipliers[row]));
     let pressures = nodes.iter().map(pressure).collect::<Outcome<Vec<f64>>>()?;

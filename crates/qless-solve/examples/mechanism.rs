@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let solution = solve(&set, &[0.0; 6], &[(0, 0.6)], &options)?;
     println!("{:>4} {:>11} {:>5}  left out", "step", "residual", "rank");
     for (step, iterate) in solution.iterates.iter().enumerate() {
-        let names: Vec<String> = iterate.left_out.iter().map(|&row| set.label(row)).collect::<Result<_, _>>()?;
+        let names: Vec<String> = iterate.ignored.iter().map(|&row| set.label(row)).collect::<Result<_, _>>()?;
         println!("{step:>4} {:>11.3e} {:>5}  {}", iterate.residual, iterate.rank, names.join("; "));
     }
     println!("u = {:.6?}", solution.u);

@@ -70,9 +70,9 @@ fn constraints() -> Outcome<ConstraintSystem> {
         }
     }
     let set = builder.build()?;
-    let mut quantities = set.allocate();
-    set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
-    Ok(set.linearised(&quantities, &[(0, 0.0), (1, 0.0), (2, 0.0)])?)
+    let mut evaluation = set.allocate();
+    set.evaluate(&vec![0.0; set.dofs()], &mut evaluation)?;
+    Ok(set.linearised(&evaluation, &[(0, 0.0), (1, 0.0), (2, 0.0)])?)
 }
 
 /// Bricks of eight nodes; the half with x above 1/2 is `ratio` times stiffer.

@@ -72,10 +72,10 @@ fn constraints() -> Result<ConstraintSystem, Box<dyn std::error::Error>> {
         builder.add(label, LineTie { slave, master: master.map(point).to_vec(), tolerance: 1e-9 })?;
     }
     let set = builder.build()?;
-    let mut quantities = set.allocate();
-    set.evaluate(&[0.0; 24], &mut quantities)?;
+    let mut evaluation = set.allocate();
+    set.evaluate(&[0.0; 24], &mut evaluation)?;
     let fixed: Vec<_> = [0, 1, 3, 4].into_iter().flat_map(|node| [(2 * node, 0.0), (2 * node + 1, 0.0)]).collect();
-    Ok(set.linearised(&quantities, &fixed)?)
+    Ok(set.linearised(&evaluation, &fixed)?)
 }
 
 /// Bars of stiffness 1 / length, and a soft bed that supports the remaining motions.

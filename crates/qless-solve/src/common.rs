@@ -1,10 +1,24 @@
-//! What the modules of this crate share: the type of a sparse matrix, and random numbers that are the same in every run.
+//! Shared by the modules of this crate: sparse matrices, and random numbers that are the same in every run.
 
 use faer::sparse::SparseColMat;
 use qless::common::SplitMix64;
 
 /// A sparse matrix by columns.
 pub type SparseMatrix = SparseColMat<usize, f64>;
+
+/// `y += A x`.
+pub fn add_product(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
+    for (j, x) in x.iter().enumerate() {
+        a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j)).for_each(|(i, v)| y[i] += v * x);
+    }
+}
+
+/// `A x`.
+pub fn times(a: &SparseMatrix, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; a.nrows()];
+    add_product(a, x, &mut y);
+    y
+}
 
 /// A number in [-1, -1/4] or [1/4, 1] for each seed, the same on every machine.
 pub fn random(seed: u64) -> f64 {

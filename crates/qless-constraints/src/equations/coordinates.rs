@@ -35,7 +35,7 @@ impl CoarseSize {
         Self::above(x).max(Self(1))
     }
 
-    pub fn is_something(self) -> bool {
+    pub fn is_nonzero(self) -> bool {
         self.0 > 0
     }
 
@@ -62,8 +62,8 @@ impl UncertainDofs<'_> {
 /// The error bound of a computed number; infinite if it is NaN.
 ///
 /// The bound is doubled, because a Jacobian written by hand sums the same terms in another order than [`crate::Nonlinear::value`].
-pub fn bound(of: Bounded) -> f64 {
-    if of.error.is_nan() { f64::INFINITY } else { 2.0 * of.error }
+pub fn bound(x: Bounded) -> f64 {
+    if x.error.is_nan() { f64::INFINITY } else { 2.0 * x.error }
 }
 
 /// Arrays of at least this many coordinates are closed: the next constraint starts another array.
@@ -116,7 +116,7 @@ struct CoordinateSpan {
 pub struct ReferenceCoordinates {
     /// Coordinates of all constraints, including some that were removed.
     segments: Vec<Vec<DofCoordinate>>,
-    of: Vec<CoordinateSpan>,
+    spans: Vec<CoordinateSpan>,
     there: usize,
     gone: usize,
     largest: OnceLock<Vec<CoordinateSizes>>,
@@ -132,11 +132,11 @@ impl ReferenceCoordinates {
             coordinates.iter().for_each(|&coordinate| enter(coordinate, largest));
         }
         let place = constraint as usize;
-        if self.of.len() <= place {
-            self.of.resize(place + 1, CoordinateSpan::default());
+        if self.spans.len() <= place {
+            self.spans.resize(place + 1, CoordinateSpan::default());
         }
         self.there += coordinates.len();
-        self.of[place] = append(&mut self.segments, coordinates);
+        self.spans[place] = append(&mut self.segments, coordinates);
         coordinates.clear();
     }
 
@@ -144,10 +144,10 @@ impl ReferenceCoordinates {
     pub fn join(&mut self, constraint: u32, new: CoordinateList) -> u32 {
         if !new.all.is_empty() {
             let (segment, mut first) = (self.segments.len() as u32, 0);
-            self.of.resize(constraint as usize, CoordinateSpan::default());
+            self.spans.resize(constraint as usize, CoordinateSpan::default());
             let spans =
                 new.end.iter().map(|&end| CoordinateSpan { segment, first: std::mem::replace(&mut first, end), end });
-            self.of.extend(spans);
+            self.spans.extend(spans);
             self.there += new.all.len();
             self.segments.push(new.all);
             self.largest.take();
@@ -156,7 +156,7 @@ impl ReferenceCoordinates {
     }
 
     pub fn take(&mut self, constraint: u32) -> Vec<DofCoordinate> {
-        let span = self.of.get_mut(constraint as usize).map(std::mem::take).unwrap_or_default();
+        let span = self.spans.get_mut(constraint as usize).map(std::mem::take).unwrap_or_default();
         let taken = within(&self.segments, span).to_vec();
         if !taken.is_empty() {
             self.largest.take();
@@ -173,7 +173,7 @@ impl ReferenceCoordinates {
             return;
         }
         let mut segments = Vec::new();
-        for span in &mut self.of {
+        for span in &mut self.spans {
             *span = append(&mut segments, within(&self.segments, *span));
         }
         (self.segments, self.gone) = (segments, 0);
@@ -183,7 +183,7 @@ impl ReferenceCoordinates {
     pub fn largest(&self) -> &[CoordinateSizes] {
         self.largest.get_or_init(|| {
             let mut largest = Vec::new();
-            let all = self.of.iter().flat_map(|&span| within(&self.segments, span));
+            let all = self.spans.iter().flat_map(|&span| within(&self.segments, span));
             all.for_each(|&coordinate| enter(coordinate, &mut largest));
             largest
         })

@@ -23,7 +23,7 @@ pub struct EvaluationTask<'a> {
     pub work: TaskOutput<'a>,
 }
 
-/// What a task evaluates, and the slices that it writes.
+/// The work of a task, with the slices that it writes.
 pub enum TaskOutput<'a> {
     /// c of a batch of linear equations.
     Linear { batch: &'a LinearBatch, c: &'a mut [f64] },
@@ -47,7 +47,7 @@ pub fn value_tasks<'a>(
     for batch in &linear.batches {
         let c;
         (c, of_linear) = of_linear.split_at_mut(batch.rows());
-        tasks.push(EvaluationTask { dof: batch.first_dof(), work: TaskOutput::Linear { batch, c } });
+        tasks.push(EvaluationTask { dof: batch.base, work: TaskOutput::Linear { batch, c } });
     }
     tasks
 }

@@ -58,8 +58,7 @@ impl Outline {
         match *self {
             Self::Interval(from, to) => {
                 let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
-                let gauss = [(-0.6_f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6_f64.sqrt(), 5.0 / 9.0)];
-                gauss.map(|(xi, weight)| ([middle + xi * half, 0.0], weight * half)).to_vec()
+                gauss_points().map(|(xi, weight)| ([middle + xi * half, 0.0], weight * half)).to_vec()
             }
             Self::Polygon(ref corners) => quadrature(corners).collect(),
         }
@@ -171,6 +170,12 @@ pub fn quadrature(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, f
             ([at(0), at(1)], whole * weight)
         })
     })
+}
+
+/// The three Gauss points and weights of a line, of degree five.
+pub fn gauss_points() -> [(f64, f64); 3] {
+    let root = 0.6_f64.sqrt();
+    [(-root, 5.0 / 9.0), (0.0, 8.0 / 9.0), (root, 5.0 / 9.0)]
 }
 
 /// Area coordinates and weights of Radon's rule of degree five (Monatsh. Math., 1948).

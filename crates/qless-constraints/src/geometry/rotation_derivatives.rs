@@ -9,7 +9,7 @@
 use super::rodrigues::factors;
 use super::rotation::RotationKind;
 use crate::scalar::Arithmetic;
-use crate::scalar::vector::{Vector, add, cross, dot, scale, sub};
+use crate::scalar::vector::{Vector, add, axis, cross, dot, scale, sub};
 
 /// Indices of a lower triangle for up to four rotations, row by row.
 const LOWER: [(usize, usize); 10] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2), (3, 3)];
@@ -42,7 +42,7 @@ pub fn slopes(kind: RotationKind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[
     }
     let mut rows = [[0.0; 4]; 3];
     if kind == RotationKind::Euler {
-        rows.iter_mut().enumerate().for_each(|(axis, row)| gradient(kind, u, s, unit(axis), row));
+        rows.iter_mut().enumerate().for_each(|(k, row)| gradient(kind, u, s, axis(k), row));
     }
     (kind.rotate(u, s), rows)
 }
@@ -67,10 +67,6 @@ pub fn slopes_by_vector<S: Arithmetic>(
         row[i] = row[i] + along;
     }
     (add(add(s, scale(a[0], once)), scale(b[0], twice)), rows)
-}
-
-fn unit(axis: usize) -> Vector<f64> {
-    std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 })
 }
 
 /// Lower triangle of the Hessian of phi, row by row.

@@ -8,8 +8,8 @@ use crate::scalar::vector::{Vector, scale, unit};
 pub struct Turn<const D: usize> {
     centre: [f64; D],
     /// R, row by row.
-    rotation: [[f64; D]; D],
-    angle: f64,
+    pub(crate) rotation: [[f64; D]; D],
+    pub(crate) angle: f64,
 }
 
 /// Units in the last place of the angle, or of 1, that are rounding in a sine or cosine.
@@ -58,15 +58,6 @@ impl Turn<2> {
 }
 
 impl<const D: usize> Turn<D> {
-    pub(crate) fn angle(&self) -> f64 {
-        self.angle
-    }
-
-    /// The matrix R.
-    pub(crate) fn rotation(&self) -> &[[f64; D]; D] {
-        &self.rotation
-    }
-
     /// The image of a point.
     pub(crate) fn image(&self, place: [f64; D]) -> [f64; D] {
         std::array::from_fn(|i| {

@@ -79,7 +79,7 @@ pub enum SurfaceError {
         nodes: usize,
     },
     /// Two faces have the same nodes: integrals would count them twice.
-    #[error("faces {first} and {second}, from 1, have the same nodes; take one out, as integrals would count both")]
+    #[error("faces {first} and {second}, from 1, have the same nodes; remove one, as integrals would count both")]
     Repeated {
         /// One face, from 1.
         first: usize,

@@ -15,19 +15,10 @@ const TURN: DoubleDouble = DoubleDouble { hi: std::f64::consts::TAU, lo: 2.449_2
 
 impl DoubleDouble {
     /// `a + b` with its exact rounding error.
-    fn sum(a: f64, b: f64) -> Self {
+    pub fn sum(a: f64, b: f64) -> Self {
         let hi = a + b;
         let of_b = hi - a;
         Self { hi, lo: (a - (hi - of_b)) + (b - of_b) }
-    }
-
-    fn normal(hi: f64, lo: f64) -> Self {
-        Self::sum(hi, lo)
-    }
-
-    /// `x + by`.
-    pub fn moved(x: f64, by: f64) -> Self {
-        Self::sum(x, by)
     }
 
     /// Distance from a double.
@@ -60,8 +51,8 @@ impl Add for DoubleDouble {
     type Output = Self;
     fn add(self, b: Self) -> Self {
         let (high, low) = (Self::sum(self.hi, b.hi), Self::sum(self.lo, b.lo));
-        let once = Self::normal(high.hi, high.lo + low.hi);
-        Self::normal(once.hi, once.lo + low.lo)
+        let once = Self::sum(high.hi, high.lo + low.hi);
+        Self::sum(once.hi, once.lo + low.lo)
     }
 }
 
@@ -83,7 +74,7 @@ impl Mul for DoubleDouble {
     type Output = Self;
     fn mul(self, b: Self) -> Self {
         let hi = self.hi * b.hi;
-        Self::normal(hi, self.hi.mul_add(b.hi, -hi) + (self.hi * b.lo + self.lo * b.hi))
+        Self::sum(hi, self.hi.mul_add(b.hi, -hi) + (self.hi * b.lo + self.lo * b.hi))
     }
 }
 
@@ -94,7 +85,7 @@ impl Div for DoubleDouble {
         let rest = self - b * Self::from(first);
         let second = rest.hi / b.hi;
         let rest = rest - b * Self::from(second);
-        Self::normal(first, second) + Self::from(rest.hi / b.hi)
+        Self::sum(first, second) + Self::from(rest.hi / b.hi)
     }
 }
 

@@ -48,6 +48,16 @@ pub fn norm<S: Scalar>(a: Vector<S>) -> S {
     dot(a, a).sqrt()
 }
 
+/// `|a|` without squares, which may overflow.
+pub fn hypot(a: Vector<f64>) -> f64 {
+    a[0].hypot(a[1]).hypot(a[2])
+}
+
+/// The unit vector along a coordinate axis.
+pub fn axis(k: usize) -> Vector<f64> {
+    std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 })
+}
+
 /// `a / |a|`; `None` if the length is zero or not finite.
 ///
 /// ```

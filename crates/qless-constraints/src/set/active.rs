@@ -14,12 +14,13 @@ use qless::{ArgumentError, ChangingSystem, Kind, Options};
 
 use crate::equations::layout::{RowLayout, differences};
 use crate::set::ConstraintSet;
-use crate::set::evaluation::Quantities;
+use crate::set::evaluation::Evaluation;
 
 /// Identifies a row while others come and go: its constraint, its type, and its index among the equations of both.
 type RowKey = (u32, u32, u32);
 
 /// A row as it was passed to the system.
+#[derive(Debug)]
 struct ActiveRow {
     key: RowKey,
     id: EquationId,
@@ -36,40 +37,34 @@ struct ActiveRow {
 /// let mut builder = ConstraintSet::builder(6);
 /// let ids = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5]].map(|dofs| builder.add("tie", Equal::new(dofs)).expect("valid"));
 /// let mut set = builder.build()?;
-/// let (mut quantities, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
-/// set.evaluate(&[0.0; 6], &mut quantities)?;
-/// assert_eq!((system.update(&set, &quantities)?, system.rank()), (2, 4));
+/// let (mut evaluation, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
+/// set.evaluate(&[0.0; 6], &mut evaluation)?;
+/// assert_eq!((system.update(&set, &evaluation)?, system.rank()), (2, 4));
 /// assert_eq!(system.kind(2), Some(Kind::Redundant));
 /// // The ring opens; the other block is not analysed again.
 /// set.deactivate(ids[1])?;
-/// set.evaluate(&[0.0; 6], &mut quantities)?;
-/// assert_eq!((system.update(&set, &quantities)?, system.rank()), (1, 4));
+/// set.evaluate(&[0.0; 6], &mut evaluation)?;
+/// assert_eq!((system.update(&set, &evaluation)?, system.rank()), (1, 4));
 /// assert_eq!(system.kind(1), Some(Kind::Independent));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct ActiveSystem {
-    of: Identity,
+    set: Identity,
     system: ChangingSystem,
     layout: RowLayout,
     rows: Vec<ActiveRow>,
-}
-
-impl std::fmt::Debug for ActiveRow {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Known").field("id", &self.id).field("rhs", &self.rhs).finish_non_exhaustive()
-    }
 }
 
 /// Why the linearised equations could not be updated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ActiveError {
-    /// The set is another one, or the quantities are out of date.
+    /// The set is another one, or the evaluation is out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     /// A number of a linearised equation is not finite.
-    #[error("{label}: a number of its linearised equation is {value}; give a configuration at which it is finite")]
+    #[error("{label}: its linearised equation contains {value}; give a configuration at which it is finite")]
     NotFinite {
         /// The equation.
         label: String,
@@ -88,25 +83,25 @@ impl ActiveSystem {
     /// [`ActiveError::Change`] for more DOFs than fit into memory.
     pub fn new(set: &ConstraintSet, options: Options) -> Result<Self, ActiveError> {
         let system = ChangingSystem::new(set.dofs(), options)?;
-        Ok(Self { of: set.register.identity, system, layout: Vec::new(), rows: Vec::new() })
+        Ok(Self { set: set.register.identity, system, layout: Vec::new(), rows: Vec::new() })
     }
 
-    /// Takes over the changes of the set and its quantities, and analyses the affected blocks. Returns their number.
+    /// Takes over the changes of the set and its evaluation, and analyses the affected blocks. Returns their number.
     ///
     /// # Errors
     /// [`ActiveError`]. If a block cannot be analysed, the changes are taken over and the results stay the old ones; otherwise nothing changes.
-    pub fn update(&mut self, set: &ConstraintSet, quantities: &Quantities) -> Result<usize, ActiveError> {
-        set.own("the set of the system", self.of)?;
-        set.current(quantities)?;
-        finite(set, quantities)?;
+    pub fn update(&mut self, set: &ConstraintSet, evaluation: &Evaluation) -> Result<usize, ActiveError> {
+        set.own("the set of the system", self.set)?;
+        set.current(evaluation)?;
+        finite(set, evaluation)?;
         let before = self.matches(set);
-        let rounding = set.rounding_of_nonlinear(quantities)?;
+        let rounding = set.rounding_of_nonlinear(evaluation)?;
         let mut old: Vec<Option<ActiveRow>> = self.rows.drain(..).map(Some).collect();
         let keys = set.keys();
         for (row, place) in before.iter().enumerate() {
             let known = place.and_then(|place| old[place].take());
             let known = known.filter(|known| known.key == keys[row]);
-            let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
+            let (terms, rhs) = evaluation.linear_equation(row, rounding.as_ref());
             let known = if let Some(known) = known {
                 self.renewed(known, terms, rhs)?
             } else {
@@ -206,9 +201,9 @@ impl ActiveSystem {
     }
 }
 
-fn finite(set: &ConstraintSet, quantities: &Quantities) -> Result<(), ActiveError> {
-    for row in 0..quantities.c.len() {
-        if let Some(value) = quantities.not_finite(row) {
+fn finite(set: &ConstraintSet, evaluation: &Evaluation) -> Result<(), ActiveError> {
+    for row in 0..evaluation.c.len() {
+        if let Some(value) = evaluation.not_finite(row) {
             return Err(ActiveError::NotFinite { label: set.label(row)?, value });
         }
     }

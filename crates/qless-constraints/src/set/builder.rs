@@ -5,7 +5,7 @@ use std::ops::Range;
 use qless::SystemError;
 use rayon::prelude::*;
 
-use crate::constraint::{Constraint, Store, StoreError};
+use crate::constraint::{Constraint, EquationError, EquationSink};
 use crate::equations::ChangeStamp;
 use crate::equations::contents::{BulkEquations, ConstraintContents};
 use crate::equations::coordinates::ReferenceCoordinates;
@@ -14,7 +14,7 @@ use crate::equations::linear::LinearEquations;
 use crate::equations::linear::batch::BATCH_ROWS;
 use crate::equations::nonlinear::NonlinearEquations;
 use crate::set::ConstraintSet;
-use crate::set::edit::ProcessFault;
+use crate::set::edit::EmitFault;
 use crate::set::error::AddError;
 use crate::set::register::{ConstraintId, ConstraintIds, ConstraintRegister, numbered};
 
@@ -84,7 +84,7 @@ impl SetBuilder {
 const PORTION: usize = BATCH_ROWS;
 
 /// Index of a faulty constraint, and its fault.
-type IndexedFault<C> = (usize, ProcessFault<<C as Constraint>::Error>);
+type IndexedFault<C> = (usize, EmitFault<<C as Constraint>::Error>);
 
 impl ConstraintSet {
     /// Adds `count` constraints of one type, `constraint(0)` to `constraint(count - 1)`: all, or none if one is faulty.
@@ -153,7 +153,7 @@ impl ConstraintSet {
             let portion = portion?;
             rows += portion.rows();
             let last = count.min((k + 1) * PORTION) - 1;
-            self.too_large(last, rows).map_or(Ok(()), |fault| Err((last, ProcessFault::Store(fault))))?;
+            self.too_large(last, rows).map_or(Ok(()), |fault| Err((last, EmitFault::Equation(fault))))?;
             all.push(portion);
         }
         Ok(AddedConstraints::Many(all))
@@ -166,30 +166,30 @@ impl ConstraintSet {
         constraint: &(impl Fn(usize) -> C + Sync),
     ) -> Result<BulkEquations, IndexedFault<C>> {
         let (first, count) = (self.register.ever() + which.start, which.len());
-        let mut store = Store::for_many(self.dofs, BulkEquations::new(first as u32, self.time));
+        let mut sink = EquationSink::for_many(self.dofs, BulkEquations::new(first as u32, self.time));
         for i in which {
-            constraint(i).process(&mut store).map_err(|error| (i, ProcessFault::Input(error)))?;
-            store.fault.take().map_or(Ok(()), |fault| Err((i, ProcessFault::Store(fault))))?;
-            store.next(count);
+            constraint(i).emit(&mut sink).map_err(|error| (i, EmitFault::Input(error)))?;
+            sink.fault.take().map_or(Ok(()), |fault| Err((i, EmitFault::Equation(fault))))?;
+            sink.next(count);
         }
-        Ok(store.into_portion())
+        Ok(sink.into_portion())
     }
 
     /// The first constraint that exceeds the limits of the set, before any constraint is made.
-    fn too_many<E>(&self, count: usize) -> Option<(usize, ProcessFault<E>)> {
+    fn too_many<E>(&self, count: usize) -> Option<(usize, EmitFault<E>)> {
         let last = count.checked_sub(1)?;
         let room = (u32::MAX as usize - 1).saturating_sub(self.register.ever());
         let i = if self.too_large(0, 0).is_some() { 0 } else { last.min(room) };
-        self.too_large(i, 0).map(|fault| (i, ProcessFault::Store(fault)))
+        self.too_large(i, 0).map(|fault| (i, EmitFault::Equation(fault)))
     }
 
     /// The limit that i + 1 more constraints with this many equations exceed, if any. The index `u32::MAX` is reserved.
-    pub(super) fn too_large(&self, i: usize, rows: usize) -> Option<StoreError> {
+    pub(super) fn too_large(&self, i: usize, rows: usize) -> Option<EquationError> {
         let (rows, constraints) = (self.equations() + rows, self.register.ever() + i + 1);
         [("DOFs", self.dofs), ("equations", rows), ("constraints", constraints)]
             .into_iter()
             .find(|&(_, found)| found >= u32::MAX as usize)
-            .map(|(what, found)| StoreError::TooLarge { what, found })
+            .map(|(what, found)| EquationError::TooLarge { what, found })
     }
 
     fn join(&mut self, label: String, count: usize, added: AddedConstraints) -> ConstraintIds {

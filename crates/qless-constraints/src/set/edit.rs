@@ -8,7 +8,7 @@
 //!
 //! Results have the same bits, in the same rows, as those of a new set of the active constraints that meets their types in the same order.
 
-use crate::constraint::{Constraint, Store, StoreError};
+use crate::constraint::{Constraint, EquationError, EquationSink};
 use crate::equations::contents::ConstraintContents;
 use crate::set::ConstraintSet;
 use crate::set::error::{AddError, EditError, ReplaceError, TimeError};
@@ -23,15 +23,15 @@ impl ConstraintSet {
     /// let mut builder = ConstraintSet::builder(3);
     /// let tie = builder.add("tie", Equal::new([0, 1]))?;
     /// let mut set = builder.build()?;
-    /// let mut quantities = set.allocate();
+    /// let mut evaluation = set.allocate();
     /// let push = set.add("push", Prescribed { values: vec![(2, 0.5)] })?;
     /// set.deactivate(tie)?;
-    /// set.evaluate(&[0.0, 1.0, 2.0], &mut quantities)?;
-    /// assert_eq!((quantities.c(), set.label(0)?.as_str()), ([1.5].as_slice(), "push"));
+    /// set.evaluate(&[0.0, 1.0, 2.0], &mut evaluation)?;
+    /// assert_eq!((evaluation.c(), set.label(0)?.as_str()), ([1.5].as_slice(), "push"));
     /// set.set_rhs(push, &[2.0])?;
     /// set.activate(tie)?;
-    /// set.evaluate(&[0.0, 1.0, 2.0], &mut quantities)?;
-    /// assert_eq!((quantities.c(), set.rows_of(push)?), ([1.0, 0.0].as_slice(), vec![1]));
+    /// set.evaluate(&[0.0, 1.0, 2.0], &mut evaluation)?;
+    /// assert_eq!((evaluation.c(), set.rows_of(push)?), ([1.0, 0.0].as_slice(), vec![1]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -58,7 +58,7 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn remove(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        if self.register.take(number).is_none() {
+        if self.register.inactive.remove(&number).is_none() {
             self.take(number);
         }
         self.register.remove(number);
@@ -71,9 +71,9 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn deactivate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        if self.register.is_active(number) {
-            let contents = self.take(number);
-            self.register.park(number, Box::new(contents));
+        if !self.register.inactive.contains_key(&number) {
+            let contents = Box::new(self.take(number));
+            self.register.inactive.insert(number, contents);
         }
         Ok(())
     }
@@ -84,12 +84,12 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] if a function of time is not finite at the time of the set.
     pub fn activate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        let Some(contents) = self.register.parked_mut(number) else { return Ok(()) };
+        let Some(contents) = self.register.inactive.get_mut(&number) else { return Ok(()) };
         if let Err(value) = contents.at_time(self.time) {
             let label = self.register.name(number).to_string();
             return Err(TimeError::NotFinite { label, time: self.time, value }.into());
         }
-        if let Some(contents) = self.register.take(number) {
+        if let Some(contents) = self.register.inactive.remove(&number) {
             self.put(number, contents);
         }
         Ok(())
@@ -100,7 +100,7 @@ impl ConstraintSet {
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn is_active(&self, constraint: ConstraintId) -> Result<bool, EditError> {
-        self.register.number(constraint).map(|number| self.register.is_active(number))
+        self.register.number(constraint).map(|number| !self.register.inactive.contains_key(&number))
     }
 
     /// Replaces the parameters or the type of a constraint. Its label and position stay, and it remains active or inactive.
@@ -115,8 +115,8 @@ impl ConstraintSet {
             Ok(contents) => contents,
             Err(fault) => return Err(fault.labelled(C::NAME, self.register.name(number).to_string()).into()),
         };
-        if !self.register.is_active(number) {
-            self.register.park(number, contents);
+        if let Some(inactive) = self.register.inactive.get_mut(&number) {
+            *inactive = contents;
         } else if let Err(contents) = self.overwrite(number, contents) {
             self.take(number);
             self.put(number, contents);
@@ -130,7 +130,7 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Count`], [`EditError::NotFinite`]; nothing changes then.
     pub fn set_rhs(&mut self, constraint: ConstraintId, rhs: &[f64]) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        let inactive = self.register.parked(number).map(|contents| contents.equations.len());
+        let inactive = self.register.inactive.get(&number).map(|contents| contents.equations.len());
         let expected = inactive.unwrap_or_else(|| self.linear.rows_of(number).len());
         if rhs.len() != expected {
             let label = self.register.name(number).to_string();
@@ -139,7 +139,7 @@ impl ConstraintSet {
         if let Some(&value) = rhs.iter().find(|rhs| !rhs.is_finite()) {
             return Err(EditError::NotFinite { label: self.register.name(number).to_string(), value });
         }
-        match self.register.parked_mut(number) {
+        match self.register.inactive.get_mut(&number) {
             Some(contents) => contents.set_rhs(rhs),
             None => self.linear.set_values(number, rhs),
         }
@@ -152,12 +152,12 @@ impl ConstraintSet {
         &mut self,
         constraint: C,
         (others, rows): (usize, usize),
-    ) -> Result<Box<ConstraintContents>, ProcessFault<C::Error>> {
-        let mut store = Store::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
-        constraint.process(&mut store).map_err(ProcessFault::Input)?;
-        match store.fault.take().or_else(|| self.too_large(others, rows + store.rows())) {
-            Some(fault) => Err(ProcessFault::Store(fault)),
-            None => Ok(store.contents),
+    ) -> Result<Box<ConstraintContents>, EmitFault<C::Error>> {
+        let mut sink = EquationSink::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
+        constraint.emit(&mut sink).map_err(EmitFault::Input)?;
+        match sink.fault.take().or_else(|| self.too_large(others, rows + sink.rows())) {
+            Some(fault) => Err(EmitFault::Equation(fault)),
+            None => Ok(sink.contents),
         }
     }
 
@@ -219,16 +219,16 @@ impl ConstraintSet {
 }
 
 /// A fault of a constraint, before it is labelled.
-pub(super) enum ProcessFault<E> {
+pub(super) enum EmitFault<E> {
     Input(E),
-    Store(StoreError),
+    Equation(EquationError),
 }
 
-impl<E: std::error::Error + 'static> ProcessFault<E> {
+impl<E: std::error::Error + 'static> EmitFault<E> {
     pub(super) fn labelled(self, name: &'static str, label: String) -> AddError<E> {
         match self {
             Self::Input(source) => AddError::Input { name, label, source },
-            Self::Store(source) => AddError::Store { name, label, source },
+            Self::Equation(source) => AddError::Equation { name, label, source },
         }
     }
 }

@@ -2,17 +2,17 @@
 
 use qless::{ArgumentError, SystemError};
 
-use crate::constraint::StoreError;
+use crate::constraint::EquationError;
 
 /// Why a constraint could not be changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EditError {
     /// The constraint belongs to another set.
-    #[error("the constraint is one of another set; use what adding it to this one gave")]
+    #[error("the constraint belongs to another set; use the identity that this set returned")]
     Foreign,
     /// The constraint was removed before.
-    #[error("constraint {place} (from 0) was removed; add it again, or deactivate what shall come back")]
+    #[error("constraint {place} (from 0) was removed; add it again, or deactivate constraints that return later")]
     Gone {
         /// Number of constraints added before it.
         place: usize,
@@ -56,13 +56,13 @@ pub enum ReplaceError<E: std::error::Error + 'static> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LineariseError {
-    /// The quantities belong to another set, or are out of date.
+    /// The evaluation belongs to another set, or is out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     /// A number of c or G is not finite: u is not, or the constraint has no value at u, such as a line whose end points coincide.
     #[error(
-        "{label}, row {row}: {value} is among the numbers of c and G at this configuration; every number must be finite: \
-             correct u, or start where the constraint has a value"
+        "{label}, row {row}: c or G contains {value} at this configuration; correct u, or choose a configuration at which the \
+         constraint is defined"
     )]
     NotFinite {
         /// The equation.
@@ -88,18 +88,18 @@ pub enum AddError<E: std::error::Error + 'static> {
         name: &'static str,
         /// The label given.
         label: String,
-        /// What is wrong.
+        /// The fault.
         source: E,
     },
     /// The equations have a fault that any type can have.
     #[error("{name} \"{label}\": {source}")]
-    Store {
+    Equation {
         /// The type.
         name: &'static str,
         /// The label given.
         label: String,
-        /// What is wrong.
-        source: StoreError,
+        /// The fault.
+        source: EquationError,
     },
 }
 

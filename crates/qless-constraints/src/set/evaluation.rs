@@ -13,8 +13,9 @@ use crate::set::{ConstraintSet, long};
 
 /// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
 #[derive(Clone, Debug)]
-pub struct Quantities {
-    of: Identity,
+pub struct Evaluation {
+    /// The set that allocated it.
+    set: Identity,
     /// The configuration of the last evaluation of c and G.
     pub(super) u: Vec<f64>,
     pub(crate) c: Vec<f64>,
@@ -26,14 +27,14 @@ pub struct Quantities {
     chunks: RowLayout,
 }
 
-impl PartialEq for Quantities {
+impl PartialEq for Evaluation {
     /// Compares the numbers.
     fn eq(&self, other: &Self) -> bool {
         (&self.c, &self.g, &self.h) == (&other.c, &other.g, &other.h)
     }
 }
 
-impl Quantities {
+impl Evaluation {
     /// The configuration of the last evaluation.
     pub fn u(&self) -> &[f64] {
         &self.u
@@ -64,11 +65,11 @@ impl ConstraintSet {
     /// Arrays of the right size, with the pattern of G and the coefficients of linear equations, which are constant.
     ///
     /// The first evaluation of H makes its pattern. When the set changes, the next evaluation updates the arrays.
-    pub fn allocate(&self) -> Quantities {
+    pub fn allocate(&self) -> Evaluation {
         let rows = self.layout();
         let sound = "the set has checked DOFs and sizes";
-        Quantities {
-            of: self.register.identity,
+        Evaluation {
+            set: self.register.identity,
             u: vec![0.0; self.dofs],
             c: vec![0.0; self.equations()],
             g: self.pattern(0..rows.len()).expect(sound),
@@ -80,34 +81,34 @@ impl ConstraintSet {
     }
 
     /// Updates c and G after changes of the set. Rows after the first change are moved once, however many changes there were.
-    pub(super) fn follow(&self, quantities: &mut Quantities) -> Result<(), ArgumentError> {
-        self.own("the quantities", quantities.of)?;
-        if quantities.evaluated == self.version.get() {
+    pub(super) fn follow(&self, evaluation: &mut Evaluation) -> Result<(), ArgumentError> {
+        self.own("the evaluation", evaluation.set)?;
+        if evaluation.evaluated == self.version.get() {
             return Ok(());
         }
         let sound = "the set has checked DOFs and sizes";
         let rows = self.layout();
-        replace(&mut quantities.g, (&quantities.rows, &rows), |segments| self.pattern(segments)).expect(sound);
-        quantities.c.resize(self.equations(), 0.0);
-        quantities.rows = rows;
-        quantities.evaluated = Identity::NONE;
+        replace(&mut evaluation.g, (&evaluation.rows, &rows), |segments| self.pattern(segments)).expect(sound);
+        evaluation.c.resize(self.equations(), 0.0);
+        evaluation.rows = rows;
+        evaluation.evaluated = Identity::NONE;
         Ok(())
     }
 
     /// Updates H after changes of the set. Returns the current plan.
-    pub(super) fn follow_hessian(&self, quantities: &mut Quantities) -> &HessianPlan {
+    pub(super) fn follow_hessian(&self, evaluation: &mut Evaluation) -> &HessianPlan {
         let (plan, sound) = (self.plan(), "the set has checked DOFs and sizes");
         let chunks = plan.layout();
-        replace(&mut quantities.h, (&quantities.chunks, &chunks), |segments| plan.pattern(segments)).expect(sound);
-        quantities.chunks = chunks;
+        replace(&mut evaluation.h, (&evaluation.chunks, &chunks), |segments| plan.pattern(segments)).expect(sound);
+        evaluation.chunks = chunks;
         plan
     }
 
     /// Checks that c and G are those of the current set.
-    pub(super) fn current(&self, quantities: &Quantities) -> Result<(), ArgumentError> {
-        self.own("the quantities", quantities.of)?;
-        let what = "the quantities";
-        if quantities.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
+    pub(super) fn current(&self, evaluation: &Evaluation) -> Result<(), ArgumentError> {
+        self.own("the evaluation", evaluation.set)?;
+        let what = "c and G";
+        if evaluation.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
 
     /// G with the coefficients of linear equations, and zeros elsewhere.
@@ -143,7 +144,7 @@ impl StoredRows<'_> {
     /// Number of rows and of entries.
     fn size(&self) -> (usize, usize) {
         match self {
-            Self::Linear(batch) => (batch.rows(), batch.nnz()),
+            Self::Linear(batch) => (batch.rows(), batch.nnz),
             Self::Nonlinear(batch) => (batch.rows(), batch.nnz()),
         }
     }
@@ -177,9 +178,9 @@ fn replace(
 /// ```
 /// use qless_constraints::Weights;
 /// let c = [0.5, -1.0];
-/// assert_eq!(Weights::Multipliers(&[3.0, 4.0]).of(&c)?, [3.0, 4.0]);
-/// assert_eq!(Weights::Penalty(&[10.0, 100.0]).of(&c)?, [5.0, -100.0]);
-/// assert_eq!(Weights::Augmented { multipliers: &[3.0, 4.0], penalty: &[10.0, 100.0] }.of(&c)?, [8.0, -96.0]);
+/// assert_eq!(Weights::Multipliers(&[3.0, 4.0]).values(&c)?, [3.0, 4.0]);
+/// assert_eq!(Weights::Penalty(&[10.0, 100.0]).values(&c)?, [5.0, -100.0]);
+/// assert_eq!(Weights::Augmented { multipliers: &[3.0, 4.0], penalty: &[10.0, 100.0] }.values(&c)?, [8.0, -96.0]);
 /// # Ok::<(), qless::ArgumentError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -202,7 +203,7 @@ impl Weights<'_> {
     ///
     /// # Errors
     /// [`ArgumentError::WrongLength`] unless there is one multiplier or penalty per value.
-    pub fn of(&self, c: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+    pub fn values(&self, c: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         let (multipliers, penalty) = match *self {
             Self::Multipliers(multipliers) => (multipliers, c),
             Self::Penalty(penalty) => (c, penalty),

@@ -8,7 +8,7 @@ use std::fmt;
 use qless::{ArgumentError, ConstraintSystem, SystemBuilder};
 
 use crate::set::error::LineariseError;
-use crate::set::evaluation::Quantities;
+use crate::set::evaluation::Evaluation;
 use crate::set::rounding::Rounding;
 use crate::set::{ConstraintSet, long};
 
@@ -40,9 +40,9 @@ impl fmt::Display for Vanishing {
         }
         write!(
             f,
-            "\"{label}\" says nothing at this configuration: the largest entry of its row of G, {entry:e}, is rounding"
+            "\"{label}\" has no effect at this configuration: the largest entry of its row of G, {entry:e}, is rounding"
         )?;
-        write!(f, " (up to {rounding:e}); its value is {value:e}; elsewhere it may be needed")
+        write!(f, " (up to {rounding:e}); its value is {value:e}; at other configurations it may be needed")
     }
 }
 
@@ -61,45 +61,53 @@ impl ConstraintSet {
     ///     builder.add(label, Equal::new(dofs))?;
     /// }
     /// let set = builder.build()?;
-    /// let mut quantities = set.allocate();
-    /// set.evaluate(&[0.0; 3], &mut quantities)?;
-    /// let system = set.linearised(&quantities, &[])?;
+    /// let system = set.linearised_at(&[0.0; 3], &[])?;
     /// assert_eq!(system.equation_label(2), "ca");
     /// assert_eq!(analyse(&system, &Options::default())?.rank(), 2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`LineariseError`]: the quantities belong to another set, a number of c or G is not finite, or a prescribed DOF is not valid.
+    /// [`LineariseError`]: the evaluation belongs to another set, a number of c or G is not finite, or a prescribed DOF is not valid.
     pub fn linearised(
         &self,
-        quantities: &Quantities,
+        evaluation: &Evaluation,
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
-        self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
+        self.linearised_in(&vec![1.0; self.dofs], evaluation, prescribed)
     }
 
-    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by `units`, at least n numbers s_j. Increments of
-    /// prescribed DOFs are those of y.
+    /// Evaluates at u, and linearises there: for a single configuration.
+    ///
+    /// # Errors
+    /// As [`ConstraintSet::linearised`], and if `u` does not have length n.
+    pub fn linearised_at(&self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<ConstraintSystem, LineariseError> {
+        let mut evaluation = self.allocate();
+        self.evaluate(u, &mut evaluation)?;
+        self.linearised(&evaluation, prescribed)
+    }
+
+    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by
+    /// `units`, at least n numbers `s_j`. Prescribed increments are those of y.
     ///
     /// # Errors
     /// As [`ConstraintSet::linearised`], and if `units` is shorter than n.
     pub fn linearised_in(
         &self,
         units: &[f64],
-        quantities: &Quantities,
+        evaluation: &Evaluation,
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
-        self.current(quantities)?;
+        self.current(evaluation)?;
         long("the list of units", units.len().min(self.dofs), self.dofs)?;
-        let rounding = self.rounding_of_nonlinear(quantities)?;
+        let rounding = self.rounding_of_nonlinear(evaluation)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for row in 0..self.equations() {
             let not_finite = |value| Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
-            if let Some(value) = quantities.not_finite(row) {
+            if let Some(value) = evaluation.not_finite(row) {
                 return not_finite(value);
             }
-            let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
+            let (terms, rhs) = evaluation.linear_equation(row, rounding.as_ref());
             let terms = terms.map(|(j, v)| (j, v * units[j]));
             if let Some(value) = terms.clone().map(|(_, v)| v).find(|v| !v.is_finite()) {
                 return not_finite(value);
@@ -110,7 +118,7 @@ impl ConstraintSet {
         Ok(builder.build()?)
     }
 
-    /// The equations whose rows of G are indistinguishable from zero at the configuration of the quantities, ascending.
+    /// The equations whose rows of G are indistinguishable from zero at the configuration of the evaluation, ascending.
     ///
     /// These are the rows that [`ConstraintSet::linearised`] writes without terms.
     ///
@@ -121,32 +129,32 @@ impl ConstraintSet {
     /// let mut builder = ConstraintSet::builder(6);
     /// builder.add("door", Revolute { a: Body::ground(), b: arm, at: [0.0; 3], axis: [0.0, 0.0, 1.0] })?;
     /// let set = builder.build()?;
-    /// let mut quantities = set.allocate();
+    /// let mut evaluation = set.allocate();
     /// // After a full turn, a rotation vector reaches rotations about its own axis only.
-    /// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::TAU], &mut quantities)?;
-    /// let vanishing = set.vanishing(&quantities)?;
+    /// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::TAU], &mut evaluation)?;
+    /// let vanishing = set.vanishing(&evaluation)?;
     /// assert_eq!((vanishing.len(), vanishing[0].label.as_str()), (2, "door, tilt 1"));
-    /// assert_eq!(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank(), 3);
+    /// assert_eq!(analyse(&set.linearised(&evaluation, &[])?, &Options::default())?.rank(), 3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] if the quantities belong to another set, or are out of date.
-    pub fn vanishing(&self, quantities: &Quantities) -> Result<Vec<Vanishing>, ArgumentError> {
-        self.current(quantities)?;
-        let rounding = self.rounding(&quantities.u)?;
-        let rows = (0..self.equations()).filter(|&row| quantities.vanishes(row, &rounding));
-        rows.map(|row| self.report(row, quantities, &rounding)).collect()
+    /// [`ArgumentError`] if the evaluation belongs to another set, or is out of date.
+    pub fn vanishing(&self, evaluation: &Evaluation) -> Result<Vec<Vanishing>, ArgumentError> {
+        self.current(evaluation)?;
+        let rounding = self.rounding(&evaluation.u)?;
+        let rows = (0..self.equations()).filter(|&row| evaluation.vanishes(row, &rounding));
+        rows.map(|row| self.report(row, evaluation, &rounding)).collect()
     }
 
     /// Rounding bounds if there are nonlinear equations. Nonzero rows of linear equations cannot vanish.
-    pub(super) fn rounding_of_nonlinear(&self, quantities: &Quantities) -> Result<Option<Rounding>, ArgumentError> {
-        if self.linear.rows() == self.equations() { Ok(None) } else { self.rounding(&quantities.u).map(Some) }
+    pub(super) fn rounding_of_nonlinear(&self, evaluation: &Evaluation) -> Result<Option<Rounding>, ArgumentError> {
+        if self.linear.rows() == self.equations() { Ok(None) } else { self.rounding(&evaluation.u).map(Some) }
     }
 
-    fn report(&self, row: usize, quantities: &Quantities, rounding: &Rounding) -> Result<Vanishing, ArgumentError> {
-        let entry = quantities.g.row(row).map(|(_, v)| v.abs()).fold(0.0, f64::max);
-        let value = quantities.c[row];
+    fn report(&self, row: usize, evaluation: &Evaluation, rounding: &Rounding) -> Result<Vanishing, ArgumentError> {
+        let entry = evaluation.g.row(row).map(|(_, v)| v.abs()).fold(0.0, f64::max);
+        let value = evaluation.c[row];
         let rounding = rounding.of_row(row).iter().copied().fold(0.0, f64::max);
         Ok(Vanishing { row, label: self.label(row)?, entry, rounding, value, everywhere: self.is_linear(row) })
     }
@@ -157,7 +165,7 @@ fn is_rounding(value: f64, bound: f64) -> bool {
     value.is_finite() && value.abs() <= bound
 }
 
-impl Quantities {
+impl Evaluation {
     /// A number of c or of the row of G that is not finite. Must be asked before rounding bounds, which are infinite for such rows.
     pub(super) fn not_finite(&self, row: usize) -> Option<f64> {
         let numbers = std::iter::once(self.c[row]).chain(self.g.row(row).map(|(_, v)| v));

@@ -34,7 +34,7 @@ pub(crate) use crate::constraint::repeated;
 pub use active::{ActiveError, ActiveSystem};
 pub use builder::SetBuilder;
 pub use error::{AddError, EditError, LineariseError, ReplaceError, TimeError};
-pub use evaluation::{Quantities, Weights};
+pub use evaluation::{Evaluation, Weights};
 pub use linearised::Vanishing;
 pub use register::{ConstraintId, ConstraintIds};
 pub use rotations::shorten_rotation;
@@ -51,12 +51,12 @@ pub use rounding::Rounding;
 /// builder.add("rod", Distance::new(a, b))?;
 /// builder.add("guide", Equal::new([1, 4]))?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
+/// let mut evaluation = set.allocate();
 /// // The rod is stretched from 2 to 3: c = (3^2 - 2^2) / (2 * 2).
-/// set.evaluate(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0, 1.25]);
+/// set.evaluate(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0, 1.25]);
 /// assert_eq!(set.label(1)?, "rod");
-/// assert_eq!(quantities.g().row(1).filter(|&(_, v)| v != 0.0).collect::<Vec<_>>(), [(0, -1.5), (3, 1.5)]);
+/// assert_eq!(evaluation.g().row(1).filter(|&(_, v)| v != 0.0).collect::<Vec<_>>(), [(0, -1.5), (3, 1.5)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct ConstraintSet {
@@ -99,7 +99,7 @@ impl ConstraintSet {
 
     /// Number of constraints, active or not.
     pub fn constraints(&self) -> usize {
-        self.register.alive()
+        self.register.alive
     }
 
     /// Writes `c(u)` and `G(u)`, in parallel.
@@ -107,33 +107,26 @@ impl ConstraintSet {
     /// If u is not finite, neither is what depends on it; [`ConstraintSet::linearised`] refuses such values.
     ///
     /// # Errors
-    /// [`ArgumentError`] if `u` does not have length n, or the quantities were not allocated by this set.
-    pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
-        self.check(u, None)?;
-        self.follow(quantities)?;
-        let Quantities { u: kept, c, g, .. } = &mut *quantities;
-        let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
-        tasks.extend(copy_tasks(u, kept));
-        run_tasks(tasks, u);
-        quantities.evaluated = self.version.get();
-        Ok(())
+    /// [`ArgumentError`] if `u` does not have length n, or this set did not allocate the evaluation.
+    pub fn evaluate(&self, u: &[f64], evaluation: &mut Evaluation) -> Result<(), ArgumentError> {
+        self.evaluate_with(u, None, evaluation)
     }
 
     /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation ([`Weights`]).
     ///
     /// # Errors
-    /// [`ArgumentError`] if `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
+    /// [`ArgumentError`] if `u` or `weights` has the wrong length, or this set did not allocate the evaluation.
     pub fn effective_hessian(
         &self,
         u: &[f64],
         weights: &[f64],
-        quantities: &mut Quantities,
+        evaluation: &mut Evaluation,
     ) -> Result<(), ArgumentError> {
         self.check(u, Some(weights))?;
-        self.follow(quantities)?;
-        let plan = self.follow_hessian(quantities);
+        self.follow(evaluation)?;
+        let plan = self.follow_hessian(evaluation);
         let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
-        run_tasks(hessian_tasks(plan, &weighted, quantities.h.values_mut()), u);
+        run_tasks(hessian_tasks(plan, &weighted, evaluation.h.values_mut()), u);
         Ok(())
     }
 
@@ -147,27 +140,39 @@ impl ConstraintSet {
     /// let mut builder = ConstraintSet::builder(4);
     /// builder.add("rod", Distance::new(a, b))?;
     /// let set = builder.build()?;
-    /// let mut quantities = set.allocate();
-    /// set.assemble(&[0.0; 4], &[6.0], &mut quantities)?;
+    /// let mut evaluation = set.allocate();
+    /// set.assemble(&[0.0; 4], &[6.0], &mut evaluation)?;
     /// // w H = 6 [I -I; -I I] / 2.
-    /// assert_eq!(quantities.g().values(), [0.0, -1.0, 0.0, 1.0]);
-    /// assert_eq!(quantities.h().row(0).collect::<Vec<_>>(), [(0, 3.0), (2, -3.0)]);
+    /// assert_eq!(evaluation.g().values(), [0.0, -1.0, 0.0, 1.0]);
+    /// assert_eq!(evaluation.h().row(0).collect::<Vec<_>>(), [(0, 3.0), (2, -3.0)]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] if `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
-    pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
-        self.check(u, Some(weights))?;
-        self.follow(quantities)?;
-        let plan = self.follow_hessian(quantities);
-        let Quantities { u: kept, c, g, h, .. } = &mut *quantities;
-        let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
+    /// [`ArgumentError`] if `u` or `weights` has the wrong length, or this set did not allocate the evaluation.
+    pub fn assemble(&self, u: &[f64], weights: &[f64], evaluation: &mut Evaluation) -> Result<(), ArgumentError> {
+        self.evaluate_with(u, Some(weights), evaluation)
+    }
+
+    /// Writes c and G, and with weights also H.
+    fn evaluate_with(
+        &self,
+        u: &[f64],
+        weights: Option<&[f64]>,
+        evaluation: &mut Evaluation,
+    ) -> Result<(), ArgumentError> {
+        self.check(u, weights)?;
+        self.follow(evaluation)?;
+        let plan = weights.map(|_| self.follow_hessian(evaluation));
+        let Evaluation { u: kept, c, g, h, .. } = &mut *evaluation;
+        let weighted = weights.map(|w| WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), w));
         let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
-        tasks.extend(hessian_tasks(plan, &weighted, h.values_mut()));
+        if let (Some(plan), Some(weighted)) = (plan, &weighted) {
+            tasks.extend(hessian_tasks(plan, weighted, h.values_mut()));
+        }
         tasks.extend(copy_tasks(u, kept));
         run_tasks(tasks, u);
-        quantities.evaluated = self.version.get();
+        evaluation.evaluated = self.version.get();
         Ok(())
     }
 

@@ -56,8 +56,10 @@ pub(super) struct ConstraintRegister {
     pub identity: Identity,
     pub equation_names: EquationNames,
     labels: ConstraintLabels,
-    alive: usize,
-    inactive: BTreeMap<u32, Box<ConstraintContents>>,
+    /// Number of constraints that were not removed.
+    pub alive: usize,
+    /// Contents of inactive constraints.
+    pub inactive: BTreeMap<u32, Box<ConstraintContents>>,
 }
 
 impl ConstraintRegister {
@@ -67,15 +69,11 @@ impl ConstraintRegister {
 
     /// Number of constraints ever added.
     pub fn ever(&self) -> usize {
-        self.labels.count() as usize
-    }
-
-    pub fn alive(&self) -> usize {
-        self.alive
+        self.labels.count as usize
     }
 
     pub fn add(&mut self, label: String) -> ConstraintId {
-        let id = ConstraintId { set: self.identity, number: self.labels.count() };
+        let id = ConstraintId { set: self.identity, number: self.labels.count };
         self.labels.push(label);
         self.alive += 1;
         id
@@ -83,7 +81,7 @@ impl ConstraintRegister {
 
     /// Adds `count` constraints under numbered labels.
     pub fn add_all(&mut self, label: String, count: u32) -> ConstraintIds {
-        let ids = ConstraintIds { set: self.identity, first: self.labels.count(), count };
+        let ids = ConstraintIds { set: self.identity, first: self.labels.count, count };
         self.labels.push_numbered(label, count);
         self.alive += count as usize;
         ids
@@ -101,28 +99,6 @@ impl ConstraintRegister {
     pub fn remove(&mut self, number: u32) {
         self.labels.remove(number);
         self.alive -= 1;
-    }
-
-    pub fn is_active(&self, number: u32) -> bool {
-        !self.inactive.contains_key(&number)
-    }
-
-    /// Keeps the contents of a constraint that becomes inactive.
-    pub fn park(&mut self, number: u32, contents: Box<ConstraintContents>) {
-        self.inactive.insert(number, contents);
-    }
-
-    pub fn parked(&self, number: u32) -> Option<&ConstraintContents> {
-        self.inactive.get(&number).map(AsRef::as_ref)
-    }
-
-    pub fn parked_mut(&mut self, number: u32) -> Option<&mut ConstraintContents> {
-        self.inactive.get_mut(&number).map(AsMut::as_mut)
-    }
-
-    /// Hands out the contents of an inactive constraint, which is about to be activated or removed.
-    pub fn take(&mut self, number: u32) -> Option<Box<ConstraintContents>> {
-        self.inactive.remove(&number)
     }
 
     pub fn name(&self, number: u32) -> Cow<'_, str> {
@@ -161,11 +137,6 @@ pub(super) struct ConstraintLabels {
 }
 
 impl ConstraintLabels {
-    /// Number of constraints ever added.
-    pub fn count(&self) -> u32 {
-        self.count
-    }
-
     pub fn push(&mut self, label: String) {
         let label = Some(label.into_boxed_str());
         match self.runs.last_mut() {

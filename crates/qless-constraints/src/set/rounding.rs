@@ -27,7 +27,7 @@ impl Rounding {
         &self.c
     }
 
-    /// Bounds on the errors of G, in the order of `Quantities::g().values()`.
+    /// Bounds on the errors of G, in the order of `Evaluation::g().values()`.
     pub fn g(&self) -> &[f64] {
         &self.g
     }
@@ -114,6 +114,6 @@ impl ConstraintSet {
 
     /// Whether a DOF is a displacement of a node, because it adds to a coordinate. No DOF from n on is one.
     pub fn is_displacement(&self, dof: usize) -> bool {
-        self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
+        self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_nonzero())
     }
 }

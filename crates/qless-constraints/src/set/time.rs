@@ -19,10 +19,10 @@ impl ConstraintSet {
     /// let mut builder = ConstraintSet::builder(2);
     /// builder.add("piston", Driven::new([(1, 1.0)], |t| 0.5 * t))?;
     /// let mut set = builder.build()?;
-    /// let mut quantities = set.allocate();
+    /// let mut evaluation = set.allocate();
     /// set.set_time(4.0)?;
-    /// set.evaluate(&[0.0, 3.0], &mut quantities)?;
-    /// assert_eq!(quantities.c(), [1.0]);
+    /// set.evaluate(&[0.0, 3.0], &mut evaluation)?;
+    /// assert_eq!(evaluation.c(), [1.0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

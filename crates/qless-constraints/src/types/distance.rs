@@ -4,7 +4,7 @@
 
 use crate::geometry::node::{Node, moved, separation};
 use crate::scalar::Scalar;
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, EquationSink, Nonlinear};
 
 /// Two nodes at a fixed distance, in D dimensions.
 ///
@@ -20,10 +20,10 @@ use crate::{Constraint, Nonlinear, Store};
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("rod", Distance::new(a, b))?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0; 4], &mut quantities)?;
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.0; 4], &mut evaluation)?;
 /// // The unit vector along the rod.
-/// assert_eq!(quantities.g().values(), [0.0, -1.0, 0.0, 1.0]);
+/// assert_eq!(evaluation.g().values(), [0.0, -1.0, 0.0, 1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,21 +56,21 @@ impl<const D: usize> Constraint for Distance<D> {
     const NAME: &'static str = "distance";
     type Error = DistanceError;
 
-    fn process(self, store: &mut Store) -> Result<(), DistanceError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), DistanceError> {
         let length = self.length.unwrap_or_else(|| separation(&self.a.at, &self.b.at));
         if !(length > 0.0 && length.is_finite()) {
             return Err(DistanceError::Length(length));
         }
         let between = std::array::from_fn(|k| self.b.at[k] - self.a.at[k]);
-        store.length(length);
-        [self.a, self.b].iter().for_each(|node| store.coordinates_of(node));
+        sink.length(length);
+        [self.a, self.b].iter().for_each(|node| sink.coordinates_of(node));
         let dofs = [self.a.dofs, self.b.dofs];
-        store.nonlinear("", dofs.as_flattened(), RodParameters::<D> { between, length });
+        sink.nonlinear("", dofs.as_flattened(), RodParameters::<D> { between, length });
         Ok(())
     }
 }
 
-/// The stored parameters of [`Distance`]: `x_b - x_a` at u = 0, and L.
+/// The parameters of [`Distance`]: `x_b - x_a` at u = 0, and L.
 struct RodParameters<const D: usize> {
     between: [f64; D],
     length: f64,
@@ -81,7 +81,7 @@ impl<const D: usize> Nonlinear for RodParameters<D> {
     const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0, 1, 0];
     const SAME_PAIRS: bool = true;
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let to_b = moved(&self.between, u, D);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::set::repeated;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A linear equation `sum_j a_j u_j = b`; terms on the same DOF are summed.
 ///
@@ -17,9 +17,9 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(2);
 /// builder.add("lever", LinearEquation { terms: vec![(0, 1.0), (1, -2.0)], rhs: 3.0 })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[5.0, 0.5], &mut quantities)?;
-/// assert_eq!(quantities.c(), [1.0]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[5.0, 0.5], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -43,18 +43,17 @@ impl Constraint for LinearEquation {
     const NAME: &'static str = "linear equation";
     type Error = LinearEquationError;
 
-    fn process(self, store: &mut Store) -> Result<(), LinearEquationError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), LinearEquationError> {
         if self.terms.is_empty() {
             return Err(LinearEquationError::NoTerms);
         }
-        store.equation("", self.terms, self.rhs);
+        sink.equation("", self.terms, self.rhs);
         Ok(())
     }
 }
 
 /// A linear equation `sum_j a_j u_j = b(t)`. With the single term `(j, 1)` it prescribes a DOF as a function of time.
-///
-/// All `a_j u_j` have the unit of b. t is the time of [`crate::ConstraintSet::set_time`], initially 0.
+/// t is the time of [`crate::ConstraintSet::set_time`], initially 0.
 ///
 #[doc = include_str!("../../docs/pictures/driven.svg")]
 ///
@@ -66,10 +65,10 @@ impl Constraint for LinearEquation {
 /// let mut builder = ConstraintSet::builder(1);
 /// builder.add("crank", Driven::new([(0, 1.0)], |t| (2.0 * t).sin()))?;
 /// let mut set = builder.build()?;
-/// let mut quantities = set.allocate();
+/// let mut evaluation = set.allocate();
 /// set.set_time(0.5)?;
-/// set.evaluate(&[0.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [-1_f64.sin()]);
+/// set.evaluate(&[0.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [-1_f64.sin()]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone)]
@@ -109,11 +108,11 @@ impl Constraint for Driven {
     const NAME: &'static str = "driven equation";
     type Error = DrivenError;
 
-    fn process(self, store: &mut Store) -> Result<(), DrivenError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), DrivenError> {
         if self.terms.is_empty() {
             return Err(DrivenError::NoTerms);
         }
-        store.equation_in_time("", self.terms, move |time| (self.rhs)(time));
+        sink.equation_in_time("", self.terms, move |time| (self.rhs)(time));
         Ok(())
     }
 }
@@ -145,10 +144,10 @@ pub struct Prescribed {
 #[non_exhaustive]
 pub enum PrescribedError {
     /// No DOF is named.
-    #[error("no DOF is named; give at least one")]
+    #[error("no DOF is listed; give at least one")]
     NoDofs,
     /// A DOF has two values.
-    #[error("DOF {dof} is prescribed as {first} and as {second}; take one of them out")]
+    #[error("DOF {dof} is prescribed as {first} and as {second}; remove one of them")]
     TwoValues {
         /// The DOF, 0-based.
         dof: usize,
@@ -170,7 +169,7 @@ impl Constraint for Prescribed {
     const NAME: &'static str = "prescribed DOF";
     type Error = PrescribedError;
 
-    fn process(mut self, store: &mut Store) -> Result<(), PrescribedError> {
+    fn emit(mut self, sink: &mut EquationSink) -> Result<(), PrescribedError> {
         if self.values.is_empty() {
             return Err(PrescribedError::NoDofs);
         }
@@ -183,16 +182,13 @@ impl Constraint for Prescribed {
         let single = self.values.len() == 1;
         for (dof, value) in self.values {
             let part = if single { String::new() } else { format!("DOF {dof}") };
-            store.equation(part, [(dof, 1.0)], value);
+            sink.equation(part, [(dof, 1.0)], value);
         }
         Ok(())
     }
 }
 
 /// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
-///
-/// One equation and one removed DOF for every DOF after the first. Two lists that share more than one DOF are
-/// redundant.
 ///
 #[doc = include_str!("../../docs/pictures/equal.svg")]
 ///
@@ -218,13 +214,13 @@ pub struct Equal {
 #[non_exhaustive]
 pub enum EqualError {
     /// Fewer than two DOFs.
-    #[error("{found} DOF named; at least two are needed for them to be equal")]
+    #[error("{found} DOF listed; at least two are needed")]
     TooFew {
         /// Number of DOFs given.
         found: usize,
     },
     /// A DOF is repeated.
-    #[error("DOF {dof} is in the list twice; take one of them out")]
+    #[error("DOF {dof} is in the list twice; remove one of them")]
     Repeated {
         /// The DOF, 0-based.
         dof: usize,
@@ -242,7 +238,7 @@ impl Constraint for Equal {
     const NAME: &'static str = "equal DOFs";
     type Error = EqualError;
 
-    fn process(self, store: &mut Store) -> Result<(), EqualError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), EqualError> {
         let [first, others @ ..] = self.dofs.as_slice() else { return Err(EqualError::TooFew { found: 0 }) };
         if others.is_empty() {
             return Err(EqualError::TooFew { found: 1 });
@@ -253,7 +249,7 @@ impl Constraint for Equal {
         let single = others.len() == 1;
         for &dof in others {
             let part = if single { String::new() } else { format!("DOF {dof}") };
-            store.equation(part, [(dof, 1.0), (*first, -1.0)], 0.0);
+            sink.equation(part, [(dof, 1.0), (*first, -1.0)], 0.0);
         }
         Ok(())
     }

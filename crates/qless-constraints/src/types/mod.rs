@@ -52,7 +52,7 @@ pub use on_plane::{OnPlane, OnPlaneError, Plane};
 pub use on_sphere::{OnSphere, OnSphereError};
 pub use ties::{
     Cyclic, CyclicError, CyclicHarmonic, FaceOrderTie, FaceOrderTieError, FaceSide, HangingNode, HangingNodeError,
-    LineTie, LineTieError, MacroStrain, NodeTie, NodeTieError, OrderTie, OrderTieError, Periodic, PeriodicError, Side,
-    Turning,
+    LineTie, LineTieError, MacroStrain, NodeTie, NodeTieError, OrderTie, OrderTieError, Periodic, PeriodicError,
+    TieSide, Turning,
 };
 pub use volume::{Volume, VolumeError};

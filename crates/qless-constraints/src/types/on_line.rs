@@ -8,7 +8,7 @@
 use crate::geometry::node::{Point, moved, separation};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, sub, unit};
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, EquationSink, Nonlinear};
 
 /// Value of `D.d` below which the rotation starts from -D. Models are unlikely to be built at this angle.
 const TURNED: f64 = -0.55;
@@ -33,8 +33,7 @@ pub enum Line {
 /// across it.
 ///
 /// `|c|` is the distance from the line. The directions rotate with a line through nodes. At a rotation of 123 degrees
-/// from u = 0 they are redefined: c jumps, but `|c|` does not. Multipliers are the force across the line, along `e_i`.
-/// Two degrees of freedom are removed. Singular if the nodes of the line coincide.
+/// from u = 0 they are redefined: c jumps, but `|c|` does not.
 ///
 #[doc = include_str!("../../docs/pictures/on_line.svg")]
 ///
@@ -48,9 +47,9 @@ pub enum Line {
 /// builder.add("bead", OnLine { point: at(0, 0.3), line: Line::Nodes(at(1, 0.0), at(2, 1.0)) })?;
 /// let set = builder.build()?;
 /// // The line rises by 1, and so does the node, which also slides along it.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.5, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0; 2]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.5, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0; 2]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +65,7 @@ pub struct OnLine {
 #[non_exhaustive]
 pub enum OnLineError {
     /// The line has no direction.
-    #[error("the line has no direction: its vector is zero, or its nodes are in one place")]
+    #[error("the line has no direction: its vector is zero, or its nodes coincide")]
     Direction,
 }
 
@@ -74,7 +73,7 @@ impl Constraint for OnLine {
     const NAME: &'static str = "point on line";
     type Error = OnLineError;
 
-    fn process(self, store: &mut Store) -> Result<(), OnLineError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), OnLineError> {
         let along = match self.line {
             Line::Fixed { direction, .. } => direction,
             Line::Nodes(a, b) => sub(b.at, a.at),
@@ -85,22 +84,22 @@ impl Constraint for OnLine {
             Line::Fixed { through, .. } => {
                 for (part, e) in ["side 1", "side 2"].into_iter().zip(across) {
                     let terms = self.point.dofs.into_iter().zip(e);
-                    store.equation(part, terms, dot(e, sub(through, self.point.at)));
+                    sink.equation(part, terms, dot(e, sub(through, self.point.at)));
                 }
             }
             Line::Nodes(a, b) => {
                 let dofs = [self.point.dofs, a.dofs, b.dofs].concat();
                 let (at, length) = ([self.point.at, a.at, b.at], norm(along));
-                store.length(separation(&a.at, &b.at));
-                store.numbers(at.into_iter().flatten());
-                store.nonlinear("", &dofs, MovingLine { at, along: direction, length, across });
+                sink.length(separation(&a.at, &b.at));
+                sink.numbers(at.into_iter().flatten());
+                sink.nonlinear("", &dofs, MovingLine { at, along: direction, length, across });
             }
         }
         Ok(())
     }
 }
 
-/// The stored parameters of a line through two nodes.
+/// The parameters of a line through two nodes.
 struct MovingLine {
     at: [Vector<f64>; 3],
     /// D, the direction at u = 0.
@@ -124,7 +123,7 @@ impl MovingLine {
 }
 
 impl Nonlinear for MovingLine {
-    const PARTS: &'static [&'static str] = &["side 1", "side 2"];
+    const EQUATION_NAMES: &'static [&'static str] = &["side 1", "side 2"];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let [p, a, b] = [0, 1, 2].map(|node| moved(&self.at[node], u, 3 * node));

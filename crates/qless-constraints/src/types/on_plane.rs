@@ -4,7 +4,7 @@
 use crate::geometry::node::{Point, moved, rounding};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, cross, dot, norm, scale, sub, unit};
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, EquationSink, Nonlinear};
 
 /// Nodes are collinear if the sine of their angle is below this.
 const FLAT: f64 = 1e-12;
@@ -23,10 +23,8 @@ pub enum Plane {
     Nodes(Point, Point, Point),
 }
 
-/// A node on a plane: `c = n . (p - a)`, a length: its height above the plane.
-///
-/// The normal rotates with a plane through nodes. The multiplier is the force along the normal. One degree of freedom
-/// is removed. Singular if the nodes of the plane are collinear.
+/// A node on a plane: `c = n . (p - a)`, a length: its height above the plane. The normal rotates with a plane through
+/// nodes.
 ///
 #[doc = include_str!("../../docs/pictures/on_plane.svg")]
 ///
@@ -40,10 +38,10 @@ pub enum Plane {
 /// let mut builder = ConstraintSet::builder(3);
 /// builder.add("table", OnPlane { point: ball, plane: table })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.7, 0.2, 0.0], &mut quantities)?;
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.7, 0.2, 0.0], &mut evaluation)?;
 /// // The node is 1 above the plane.
-/// assert_eq!(quantities.c(), [1.0]);
+/// assert_eq!(evaluation.c(), [1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +58,7 @@ pub struct OnPlane {
 pub enum OnPlaneError {
     /// The plane has no normal.
     #[error(
-        "the plane has no normal: its vector is zero, or its nodes lie in a line, to the rounding of their coordinates"
+        "the plane has no normal: its vector is zero, or its nodes are collinear up to the rounding of their coordinates"
     )]
     Normal,
 }
@@ -69,12 +67,12 @@ impl Constraint for OnPlane {
     const NAME: &'static str = "point on plane";
     type Error = OnPlaneError;
 
-    fn process(self, store: &mut Store) -> Result<(), OnPlaneError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), OnPlaneError> {
         match self.plane {
             Plane::Fixed { through, normal } => {
                 let n = unit(normal).ok_or(OnPlaneError::Normal)?;
                 let terms = self.point.dofs.into_iter().zip(n).filter(|t| t.1 != 0.0);
-                store.equation("", terms, dot(n, sub(through, self.point.at)));
+                sink.equation("", terms, dot(n, sub(through, self.point.at)));
             }
             Plane::Nodes(a, b, d) => {
                 let (ab, ad) = (sub(b.at, a.at), sub(d.at, a.at));
@@ -85,17 +83,17 @@ impl Constraint for OnPlane {
                     return Err(OnPlaneError::Normal);
                 }
                 let at = [self.point.at, a.at, b.at, d.at];
-                store.length(area.sqrt());
-                store.numbers(at.into_iter().flatten());
+                sink.length(area.sqrt());
+                sink.numbers(at.into_iter().flatten());
                 let dofs = [self.point.dofs, a.dofs, b.dofs, d.dofs].concat();
-                store.nonlinear("", &dofs, MovingPlane { at });
+                sink.nonlinear("", &dofs, MovingPlane { at });
             }
         }
         Ok(())
     }
 }
 
-/// The stored parameters of a plane through three nodes: coordinates.
+/// The parameters of a plane through three nodes: coordinates.
 struct MovingPlane {
     at: [Vector<f64>; 4],
 }
@@ -113,7 +111,7 @@ impl MovingPlane {
 }
 
 impl Nonlinear for MovingPlane {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let ([off, _, _, normal], length) = self.sides(u);

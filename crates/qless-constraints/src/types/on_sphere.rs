@@ -3,7 +3,7 @@
 
 use crate::geometry::node::{Node, moved, separation};
 use crate::scalar::Scalar;
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, EquationSink, Nonlinear};
 
 /// A node on a fixed sphere (D = 3) or circle (D = 2).
 ///
@@ -18,9 +18,9 @@ use crate::{Constraint, Nonlinear, Store};
 /// let mut builder = ConstraintSet::builder(2);
 /// builder.add("arm", OnSphere { point: tip, centre: [0.0, 0.0], radius: None })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[2.0, -2.0], &mut quantities)?;
-/// assert_eq!((quantities.c()[0], &quantities.g().values()[..]), (0.0, &[1.0, 0.0][..]));
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[2.0, -2.0], &mut evaluation)?;
+/// assert_eq!((evaluation.c()[0], &evaluation.g().values()[..]), (0.0, &[1.0, 0.0][..]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,21 +46,21 @@ impl<const D: usize> Constraint for OnSphere<D> {
     const NAME: &'static str = "point on sphere";
     type Error = OnSphereError;
 
-    fn process(self, store: &mut Store) -> Result<(), OnSphereError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), OnSphereError> {
         let radius = self.radius.unwrap_or_else(|| separation(&self.point.at, &self.centre));
         if !(radius > 0.0 && radius.is_finite()) {
             return Err(OnSphereError::Radius(radius));
         }
         let from = std::array::from_fn(|k| self.point.at[k] - self.centre[k]);
-        store.length(radius);
-        store.numbers(self.centre);
-        store.coordinates_of(&self.point);
-        store.nonlinear("", &self.point.dofs, Sphere::<D> { from, radius });
+        sink.length(radius);
+        sink.numbers(self.centre);
+        sink.coordinates_of(&self.point);
+        sink.nonlinear("", &self.point.dofs, Sphere::<D> { from, radius });
         Ok(())
     }
 }
 
-/// The stored parameters of [`OnSphere`]: `x - m` at u = 0, and R.
+/// The parameters of [`OnSphere`]: `x - m` at u = 0, and R.
 struct Sphere<const D: usize> {
     from: [f64; D],
     radius: f64,
@@ -71,7 +71,7 @@ impl<const D: usize> Nonlinear for Sphere<D> {
     const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0];
     const SAME_PAIRS: bool = true;
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let x = moved(&self.from, u, 0);

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use crate::geometry::node::{Point, moved};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, cross, dot, norm, sub};
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, EquationSink, Nonlinear};
 
 /// A patch of tetrahedra with constant volume, one equation.
 ///
@@ -24,12 +24,12 @@ use crate::{Constraint, Nonlinear, Store};
 /// let mut builder = ConstraintSet::builder(12);
 /// builder.add("cell", Volume { nodes, tetrahedra: vec![[0, 1, 2, 3]] })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
+/// let mut evaluation = set.allocate();
 /// // The tip moves at constant height: the volume stays.
 /// let mut u = [0.0; 12];
 /// u[9] = 0.4;
-/// set.evaluate(&u, &mut quantities)?;
-/// assert!(quantities.c()[0].abs() < 1e-16);
+/// set.evaluate(&u, &mut evaluation)?;
+/// assert!(evaluation.c()[0].abs() < 1e-16);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +67,7 @@ pub enum VolumeError {
     },
     /// Two tetrahedra lie on the same side of a common face: they overlap, or are the same tetrahedron.
     #[error(
-        "tetrahedra {first} and {second}, from 1, lie on the same side of the face that both have; take one out, or correct its corners"
+        "tetrahedra {first} and {second}, from 1, lie on the same side of their common face; remove one, or correct its corners"
     )]
     Overlap {
         /// One tetrahedron, from 1.
@@ -139,7 +139,7 @@ impl Constraint for Volume {
     const NAME: &'static str = "constant volume";
     type Error = VolumeError;
 
-    fn process(self, store: &mut Store) -> Result<(), VolumeError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), VolumeError> {
         let volume = self.volume()?;
         let faces = self.outer_faces()?;
         let mut used: Vec<usize> = faces.iter().flatten().copied().collect();
@@ -151,14 +151,14 @@ impl Constraint for Volume {
         let origin = self.nodes[used[0]].at;
         let at = used.iter().map(|&node| sub(self.nodes[node].at, origin)).collect();
         let dofs: Vec<usize> = used.iter().flat_map(|&node| self.nodes[node].dofs).collect();
-        store.length(volume.cbrt());
-        used.iter().for_each(|&node| store.coordinates_of(&self.nodes[node]));
-        store.nonlinear("", &dofs, ClosedSurface::new(at, triangles, volume));
+        sink.length(volume.cbrt());
+        used.iter().for_each(|&node| sink.coordinates_of(&self.nodes[node]));
+        sink.nonlinear("", &dofs, ClosedSurface::new(at, triangles, volume));
         Ok(())
     }
 }
 
-/// The stored parameters of [`Volume`]: a closed surface of triangles.
+/// The parameters of [`Volume`]: a closed surface of triangles.
 pub(super) struct ClosedSurface {
     at: Vec<Vector<f64>>,
     triangles: Vec<[u32; 3]>,
@@ -186,7 +186,7 @@ fn edges(triangles: &[[u32; 3]]) -> Vec<(usize, usize)> {
 }
 
 impl Nonlinear for ClosedSurface {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let x = |node: u32| moved(&self.at[node as usize], u, 3 * node as usize);

@@ -25,7 +25,7 @@ fn rank_follows_the_active_constraints() -> Outcome {
         ids.push(builder.add(format!("clamp {i}"), Prescribed::fixed([2 * i, 2 * i + 1]))?);
     }
     let mut set = builder.build()?;
-    let (mut quantities, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
+    let (mut evaluation, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
     let (mut seed, mut untouched) = (5_usize, 0);
     for step in 0..60 {
         for _ in 0..if step == 0 { 250 } else { 3 } {
@@ -37,17 +37,17 @@ fn rank_follows_the_active_constraints() -> Outcome {
                 _ => (),
             }
         }
-        set.evaluate(&vec![0.0; dofs], &mut quantities)?;
-        let done = system.update(&set, &quantities)?;
+        set.evaluate(&vec![0.0; dofs], &mut evaluation)?;
+        let done = system.update(&set, &evaluation)?;
         untouched += usize::from(done < system.system().blocks().count());
-        let whole = analyse(&set.linearised(&quantities, &[])?, &Options::default())?;
+        let whole = analyse(&set.linearised(&evaluation, &[])?, &Options::default())?;
         assert_eq!(system.rank(), whole.rank(), "step {step}");
         let mut du: Vec<f64> = (0..dofs).map(|j| (j * j % 11) as f64).collect();
         system.expand(&mut du)?;
-        for (row, c) in quantities.c().iter().enumerate() {
-            let terms = || quantities.g().row(row).map(|(j, v)| v * du[j]);
+        for (row, c) in evaluation.c().iter().enumerate() {
+            let terms = || evaluation.g().row(row).map(|(j, v)| v * du[j]);
             // Lengths of the lattice are about 1.
-            let size = quantities.g().row(row).map(|(j, v)| v.abs() * du[j].abs().max(1.0)).sum::<f64>();
+            let size = evaluation.g().row(row).map(|(j, v)| v.abs() * du[j].abs().max(1.0)).sum::<f64>();
             let rest = (terms().sum::<f64>() + c).abs();
             assert!(rest <= 1e-10 * size, "step {step}, {}: {rest} of {size}", set.label(row)?);
         }
@@ -72,22 +72,22 @@ fn only_what_changed_is_done_again() -> Outcome {
         }
     }
     let mut set = builder.build()?;
-    let (mut quantities, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
+    let (mut evaluation, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
     let u = vec![0.0; set.dofs()];
-    assert!(matches!(system.update(&set, &quantities), Err(ActiveError::Argument(_))), "never evaluated");
-    set.evaluate(&u, &mut quantities)?;
-    assert_eq!((system.update(&set, &quantities)?, system.rank()), (blocks, 2 * blocks));
-    assert_eq!(system.update(&set, &quantities)?, 0);
+    assert!(matches!(system.update(&set, &evaluation), Err(ActiveError::Argument(_))), "never evaluated");
+    set.evaluate(&u, &mut evaluation)?;
+    assert_eq!((system.update(&set, &evaluation)?, system.rank()), (blocks, 2 * blocks));
+    assert_eq!(system.update(&set, &evaluation)?, 0);
     set.deactivate(ids[3000])?;
     set.remove(ids[3005])?;
     set.replace(ids[0], LinearEquation { terms: vec![(0, 2.0), (1, -1.0)], rhs: 0.0 })?;
     set.add("new", Prescribed { values: vec![(30, 1.0)] })?;
-    set.evaluate(&u, &mut quantities)?;
-    assert_eq!((system.update(&set, &quantities)?, system.rank()), (4, 2 * blocks + 2));
+    set.evaluate(&u, &mut evaluation)?;
+    assert_eq!((system.update(&set, &evaluation)?, system.rank()), (4, 2 * blocks + 2));
     set.activate(ids[3000])?;
     set.set_rhs(ids[9], &[0.5])?;
-    set.evaluate(&u, &mut quantities)?;
-    assert_eq!(system.update(&set, &quantities)?, 2);
+    set.evaluate(&u, &mut evaluation)?;
+    assert_eq!(system.update(&set, &evaluation)?, 2);
     let conflicting = (0..set.equations()).filter(|&row| system.kind(row) == Some(Kind::Conflicting));
     assert_eq!(conflicting.map(|row| set.label(row)).collect::<Result<Vec<_>, _>>()?, ["ring 3"]);
     let mut other = ConstraintSet::builder(3 * blocks);
@@ -98,8 +98,8 @@ fn only_what_changed_is_done_again() -> Outcome {
     assert!(system.update(&other, &foreign).is_err() && system.update(&set, &foreign).is_err());
     let mut wide = u.clone();
     wide[0] = f64::NAN;
-    set.evaluate(&wide, &mut quantities)?;
-    let refused = system.update(&set, &quantities).expect_err("not finite");
+    set.evaluate(&wide, &mut evaluation)?;
+    let refused = system.update(&set, &evaluation).expect_err("not finite");
     assert!(refused.to_string().contains("ring 0"), "{refused}");
     Ok(())
 }
@@ -113,11 +113,11 @@ fn equations_without_terms_do_not_hinder_the_others() -> Outcome {
     let points = [PlanarPoint::new([0, 1], [0.0, 0.0]), PlanarPoint::new([2, 3], [1.0, 0.0])];
     builder.add("rod", Distance { a: points[0], b: points[1], length: Some(1.0) })?;
     let set = builder.build()?;
-    let (mut quantities, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
+    let (mut evaluation, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
     // The ends of the rod coincide, so that its row vanishes.
-    set.evaluate(&[0.5, 0.0, -0.5, 0.0], &mut quantities)?;
-    system.update(&set, &quantities)?;
-    assert_eq!(set.vanishing(&quantities)?.len(), 2);
+    set.evaluate(&[0.5, 0.0, -0.5, 0.0], &mut evaluation)?;
+    system.update(&set, &evaluation)?;
+    assert_eq!(set.vanishing(&evaluation)?.len(), 2);
     let mut du = [1.0, 3.0, 5.0, 7.0];
     system.expand(&mut du)?;
     assert!((0.5 + du[0] - du[1]).abs() < 1e-15 && du[2..] == [5.0, 7.0], "{du:?}");

@@ -1,7 +1,7 @@
 use qless_constraints::types::{
     Body, Distance, Driven, Equal, Line, LinearEquation, OnLine, Point, Prescribed, RigidBody,
 };
-use qless_constraints::{AddError, Constraint, ConstraintId, ConstraintSet, SetBuilder, Store, StoreError};
+use qless_constraints::{AddError, Constraint, ConstraintId, ConstraintSet, EquationError, EquationSink, SetBuilder};
 
 use crate::common::Outcome;
 
@@ -47,34 +47,34 @@ impl Constraint for Mix {
     const NAME: &'static str = "mix";
     type Error = Refused;
 
-    fn process(self, store: &mut Store) -> Result<(), Refused> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Refused> {
         match self.fault {
             Some(Fault::Input) => return Err(Refused("as agreed".into())),
-            Some(Fault::Dof) => store.equation("", [(3 * NODES + self.i, 1.0)], 0.0),
-            Some(Fault::Number) => store.equation("", [(0, f64::NAN)], 0.0),
+            Some(Fault::Dof) => sink.equation("", [(3 * NODES + self.i, 1.0)], 0.0),
+            Some(Fault::Number) => sink.equation("", [(0, f64::NAN)], 0.0),
             None => (),
         }
         let [a, b, c] = [0, 1, 2].map(|k| self.point(k));
         let number = (self.i * 37 % 11) as f64;
         let said = |error: &dyn std::error::Error| Refused(error.to_string());
         match (self.i * 31 + self.seed) % 9 {
-            0 => Equal::new([a.dofs[1], b.dofs[1], c.dofs[1]]).process(store).map_err(|e| said(&e)),
+            0 => Equal::new([a.dofs[1], b.dofs[1], c.dofs[1]]).emit(sink).map_err(|e| said(&e)),
             1 => LinearEquation { terms: vec![(a.dofs[0], 1.0), (b.dofs[1], number), (a.dofs[0], 2.0)], rhs: number }
-                .process(store)
+                .emit(sink)
                 .map_err(|e| said(&e)),
-            2 => Prescribed { values: vec![(a.dofs[0], number)] }.process(store).map_err(|e| said(&e)),
-            3 => Driven::new([(a.dofs[2], 1.0)], move |t| number * t).process(store).map_err(|e| said(&e)),
-            4 => OnLine { point: a, line: Line::Nodes(b, c) }.process(store).map_err(|e| said(&e)),
+            2 => Prescribed { values: vec![(a.dofs[0], number)] }.emit(sink).map_err(|e| said(&e)),
+            3 => Driven::new([(a.dofs[2], 1.0)], move |t| number * t).emit(sink).map_err(|e| said(&e)),
+            4 => OnLine { point: a, line: Line::Nodes(b, c) }.emit(sink).map_err(|e| said(&e)),
             5 => {
                 let body = Body::with_vector(a.dofs, a.at, c.dofs);
-                RigidBody { body, nodes: vec![b.into()] }.process(store).map_err(|e| said(&e))
+                RigidBody { body, nodes: vec![b.into()] }.emit(sink).map_err(|e| said(&e))
             }
             _ => Distance { length: Some(self.unit * (1.0 + number)), ..Distance::new(a, b) }
-                .process(store)
+                .emit(sink)
                 .map_err(|e| said(&e)),
         }?;
         // Names that differ between parts of the list.
-        store.equation(format!("own {}", self.i / 700), [(a.dofs[0], 1.0), (c.dofs[0], -1.0)], 0.0);
+        sink.equation(format!("own {}", self.i / 700), [(a.dofs[0], 1.0), (c.dofs[0], -1.0)], 0.0);
         Ok(())
     }
 }
@@ -118,9 +118,9 @@ fn seen(set: &ConstraintSet, ids: &[ConstraintId], unit: f64) -> Outcome<Seen> {
     let some = |k: usize| (k * 7919 % 1009) as f64 / 1009.0 - 0.5;
     let u: Vec<f64> = (0..set.dofs()).map(|k| unit * some(k)).collect();
     let w: Vec<f64> = (0..set.equations()).map(|k| some(k + 13)).collect();
-    let mut quantities = set.allocate();
-    set.assemble(&u, &w, &mut quantities)?;
-    let (c, g, h) = (quantities.c(), quantities.g(), quantities.h());
+    let mut evaluation = set.allocate();
+    set.assemble(&u, &w, &mut evaluation)?;
+    let (c, g, h) = (evaluation.c(), evaluation.g(), evaluation.h());
     let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect();
     Ok(Seen {
         numbers: [c, g.values(), h.values()].map(bits).into(),
@@ -178,12 +178,12 @@ fn a_set_in_use_takes_many() -> Outcome {
     let build = |way: Way, follows: bool| -> Outcome<_> {
         let mut set = ConstraintSet::builder(3 * NODES).build()?;
         one_by_one(&mut set, "before", 500, &|i| Mix::new(i, 4, 1.0))?;
-        let (u, mut quantities) = (vec![0.125; set.dofs()], set.allocate());
-        set.assemble(&u, &vec![1.0; set.equations()], &mut quantities)?;
+        let (u, mut evaluation) = (vec![0.125; set.dofs()], set.allocate());
+        set.assemble(&u, &vec![1.0; set.equations()], &mut evaluation)?;
         way(&mut set, "", 6000, &|i| Mix::new(i, 1, 1.0))?;
-        let mut quantities = if follows { quantities } else { set.allocate() };
-        set.assemble(&u, &vec![2.0; set.equations()], &mut quantities)?;
-        Ok(quantities)
+        let mut evaluation = if follows { evaluation } else { set.allocate() };
+        set.assemble(&u, &vec![2.0; set.equations()], &mut evaluation)?;
+        Ok(evaluation)
     };
     assert_eq!(build(at_once, true)?, build(one_by_one, false)?);
     Ok(())
@@ -220,7 +220,7 @@ fn too_many_are_refused() {
         let mut builder: SetBuilder = ConstraintSet::builder(dofs);
         let refused = builder.add_all("tie", count, |_| Equal::new([0, 1])).expect_err("too many");
         match refused {
-            AddError::Store { label, source: StoreError::TooLarge { what, .. }, .. } => (what, label),
+            AddError::Equation { label, source: EquationError::TooLarge { what, .. }, .. } => (what, label),
             other => panic!("{other}"),
         }
     };
@@ -235,8 +235,8 @@ impl Constraint for Far {
     const NAME: &'static str = "far";
     type Error = Refused;
 
-    fn process(self, store: &mut Store) -> Result<(), Refused> {
-        store.coordinate(self.0, 1.0);
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Refused> {
+        sink.coordinate(self.0, 1.0);
         Ok(())
     }
 }
@@ -246,8 +246,8 @@ fn coordinates_of_dofs_that_are_not_there_are_refused() -> Outcome {
     for dof in [6, 4_000_000_000, usize::MAX] {
         let mut builder = ConstraintSet::builder(6);
         let refused = builder.add("far", Far(dof)).expect_err("there is no such DOF");
-        let expected = StoreError::DofOutOfRange { dof, dofs: 6 };
-        assert!(matches!(refused, AddError::Store { source, .. } if source == expected));
+        let expected = EquationError::DofOutOfRange { dof, dofs: 6 };
+        assert!(matches!(refused, AddError::Equation { source, .. } if source == expected));
         builder.add("near", Far(5))?;
         builder.build()?.rounding(&[0.0; 6])?;
     }

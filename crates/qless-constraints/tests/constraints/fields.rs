@@ -97,10 +97,10 @@ fn periodic_pairs_of_any_fields_take_their_gradient() -> Outcome {
         let values = (0..2).flat_map(|i| (0..F).map(move |k| field(i, k)));
         let u: Vec<f64> = values.chain(e.into_iter().flatten()).collect();
         let set = builder.build().expect("few DOFs");
-        let mut quantities = set.allocate();
-        set.evaluate(&u, &mut quantities)?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&u, &mut evaluation)?;
         assert_eq!(set.equations(), 2 * F);
-        assert!(quantities.c().iter().all(|c| c.abs() < 1e-14), "{:?}", quantities.c());
+        assert!(evaluation.c().iter().all(|c| c.abs() < 1e-14), "{:?}", evaluation.c());
         Ok(())
     }
     assert_periodic::<2, 1>()?;
@@ -123,10 +123,10 @@ fn fields_that_turn_are_cyclic() -> Outcome {
         let mut builder = ConstraintSet::builder(2 * F);
         builder.add("it", Cyclic { a, b, turn, fields, tolerance: 1e-12 })?;
         let set = builder.build().expect("few DOFs");
-        let mut quantities = set.allocate();
-        set.evaluate(&u.concat(), &mut quantities)?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&u.concat(), &mut evaluation)?;
         assert_eq!(set.equations(), F);
-        assert!(quantities.c().iter().all(|c| c.abs() < 1e-15), "{:?}", quantities.c());
+        assert!(evaluation.c().iter().all(|c| c.abs() < 1e-15), "{:?}", evaluation.c());
         Ok(())
     }
     let (sin, cos) = 0.8_f64.sin_cos();

@@ -62,16 +62,16 @@ fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
     ] {
         let (set, places) = set_of(shape)?;
         assert_eq!(set.equations(), added, "{shape:?}");
-        let mut quantities = set.allocate();
+        let mut evaluation = set.allocate();
         for [p, q] in degree(shape) {
-            set.evaluate(&places.iter().map(|[x, y]| x.powi(p) * y.powi(q)).collect::<Vec<_>>(), &mut quantities)?;
-            assert!(quantities.c().iter().all(|c| c.abs() < 1e-15), "{shape:?}, x^{p} y^{q}: {:?}", quantities.c());
+            set.evaluate(&places.iter().map(|[x, y]| x.powi(p) * y.powi(q)).collect::<Vec<_>>(), &mut evaluation)?;
+            assert!(evaluation.c().iter().all(|c| c.abs() < 1e-15), "{shape:?}, x^{p} y^{q}: {:?}", evaluation.c());
         }
         let beyond: Vec<f64> = places.iter().map(|[x, y]| (x + 0.3 * y).powi(4)).collect();
-        set.evaluate(&beyond, &mut quantities)?;
-        assert!(quantities.c().iter().any(|c| c.abs() > 1e-3), "{shape:?}");
+        set.evaluate(&beyond, &mut evaluation)?;
+        assert!(evaluation.c().iter().any(|c| c.abs() > 1e-3), "{shape:?}");
         // Weights are dyadic, so that there is no rounding.
-        let sums = (0..set.equations()).map(|row| quantities.g().row(row).map(|(_, v)| v).sum::<f64>());
+        let sums = (0..set.equations()).map(|row| evaluation.g().row(row).map(|(_, v)| v).sum::<f64>());
         assert!(sums.into_iter().all(|sum| sum == 0.0), "{shape:?}");
     }
     Ok(())
@@ -90,9 +90,9 @@ fn a_node_on_an_edge_and_on_its_face_is_redundant() -> Outcome {
         builder.add("edge", HangingNode { node: [8 + i], shape: Shape::Line3, parent, at: [at, 0.0] })?;
     }
     let set = builder.build().expect("few DOFs");
-    let quantities = set.allocate();
+    let evaluation = set.allocate();
     let mut dense = Mat::<f64>::zeros(set.equations(), 11);
-    (0..set.equations()).for_each(|i| quantities.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
+    (0..set.equations()).for_each(|i| evaluation.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
     let sizes = dense.singular_values().map_err(|error| format!("{error:?}"))?;
     let rank = sizes.iter().filter(|&&s| s > 1e-12 * sizes[0]).count();
     assert_eq!((rank, analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank()), (3, 3));
@@ -129,9 +129,9 @@ fn orders_meet_in_the_lower_one() -> Outcome {
                 for &(at, dofs) in coarse.iter().chain(&fine) {
                     (u[dofs[0]], u[dofs[1]]) = ((at / scale).powi(degree as i32), 1.0 - at / scale);
                 }
-                let mut quantities = set.allocate();
-                set.evaluate(&u, &mut quantities)?;
-                Ok(quantities.c().iter().fold(0.0, |most: f64, c| most.max(c.abs())))
+                let mut evaluation = set.allocate();
+                set.evaluate(&u, &mut evaluation)?;
+                Ok(evaluation.c().iter().fold(0.0, |most: f64, c| most.max(c.abs())))
             };
             for degree in 0..=q {
                 assert!(residual(degree)? < 1e-13, "{p} at {q}, {degree}: {}", residual(degree)?);

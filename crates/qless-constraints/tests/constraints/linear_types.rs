@@ -13,9 +13,9 @@ fn point(node: usize, at: [f64; 3]) -> Point {
 }
 
 fn residual(set: &ConstraintSet, u: &[f64]) -> f64 {
-    let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities).expect("of this set");
-    quantities.c().iter().fold(0.0, |most: f64, c| most.max(c.abs()))
+    let mut evaluation = set.allocate();
+    set.evaluate(u, &mut evaluation).expect("of this set");
+    evaluation.c().iter().fold(0.0, |most: f64, c| most.max(c.abs()))
 }
 
 /// Any displacement that is linear in the coordinates.
@@ -152,10 +152,10 @@ fn average_is_the_least_squares_motion() -> Outcome {
     let mut u: Vec<f64> = (0..18).map(random).collect();
     let own = [0, 1, 2, 15, 16, 17];
     own.iter().for_each(|&dof| u[dof] = 0.0);
-    let mut quantities = set.allocate();
-    set.evaluate(&u, &mut quantities).expect("of this set");
+    let mut evaluation = set.allocate();
+    set.evaluate(&u, &mut evaluation).expect("of this set");
     // Where the reference is at zero, c is minus its motion; there the gradient of sum w |e|^2 vanishes, by differences of the sum.
-    own.iter().zip(quantities.c()).for_each(|(&dof, c)| u[dof] = -c);
+    own.iter().zip(evaluation.c()).for_each(|(&dof, c)| u[dof] = -c);
     let sum = |u: &[f64]| -> f64 {
         (1..5)
             .map(|i| {

@@ -97,10 +97,10 @@ fn volumes_do_not_feel_translations() {
     builder.add("cube", Volume { nodes, tetrahedra }).unwrap_or_else(|error| panic!("{error}"));
     let (set, mut u) = (builder.build().expect("few DOFs"), vec![0.0; 24]);
     u.iter_mut().enumerate().for_each(|(k, u)| *u = 0.1 * random(500 + k));
-    let mut quantities = set.allocate();
-    set.evaluate(&u, &mut quantities).expect("of this set");
+    let mut evaluation = set.allocate();
+    set.evaluate(&u, &mut evaluation).expect("of this set");
     for axis in 0..3 {
-        let along = quantities.g().row(0).filter(|(dof, _)| dof % 3 == axis);
+        let along = evaluation.g().row(0).filter(|(dof, _)| dof % 3 == axis);
         let (sum, size) = along.fold((0.0, 0.0), |(sum, size), (_, g)| (sum + g, size + g.abs()));
         assert!(sum.abs() < 1e-14 * size, "{sum} of {size}");
     }

@@ -7,16 +7,16 @@ use qless::{Options, analyse};
 use qless_constraints::types::{
     Body, Distance, Fixed, Line, LinearEquation, OnLine, PlanarPoint, Point, Prismatic, Revolute, Universal,
 };
-use qless_constraints::{Constraint, ConstraintSet, LineariseError, Nonlinear, Store};
+use qless_constraints::{Constraint, ConstraintSet, EquationSink, LineariseError, Nonlinear};
 
 type Outcome = Result<(), Box<dyn Error>>;
 
 /// Rank of G at u, and the labels of vanishing rows.
 fn rank(set: &ConstraintSet, u: &[f64]) -> Result<(usize, Vec<String>), Box<dyn Error>> {
-    let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities)?;
-    let analysis = analyse(&set.linearised(&quantities, &[])?, &Options::default())?;
-    let vanishing = set.vanishing(&quantities)?.into_iter().map(|found| found.label).collect();
+    let mut evaluation = set.allocate();
+    set.evaluate(u, &mut evaluation)?;
+    let analysis = analyse(&set.linearised(&evaluation, &[])?, &Options::default())?;
+    let vanishing = set.vanishing(&evaluation)?.into_iter().map(|found| found.label).collect();
     Ok((analysis.rank(), vanishing))
 }
 
@@ -94,13 +94,13 @@ fn a_rod_whose_ends_meet_has_no_direction() -> Outcome {
         assert_eq!(rank(&set, &meet)?, (0, vec!["rod".to_owned()]), "unit {unit}");
         let near = meet.map(|u| u * 0.999);
         assert_eq!(rank(&set, &near)?, (1, Vec::new()), "unit {unit}");
-        let mut quantities = set.allocate();
-        set.evaluate(&meet, &mut quantities)?;
-        let found = set.vanishing(&quantities)?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&meet, &mut evaluation)?;
+        let found = set.vanishing(&evaluation)?;
         assert!(found[0].entry <= found[0].rounding && !found[0].everywhere);
         // It is half its length too short, which no first-order step can change.
         assert!((found[0].value + 0.25 * unit).abs() < 1e-12 * unit, "{:?}", found[0]);
-        assert!(found[0].to_string().contains("\"rod\" says nothing at this configuration"), "{}", found[0]);
+        assert!(found[0].to_string().contains("\"rod\" has no effect at this configuration"), "{}", found[0]);
     }
     Ok(())
 }
@@ -109,11 +109,11 @@ fn a_rod_whose_ends_meet_has_no_direction() -> Outcome {
 #[test]
 fn noise_is_no_conflict() -> Outcome {
     let weld = held(|b| Fixed { a: Body::ground(), b, at: [0.3, -0.2, 0.5] })?;
-    let mut quantities = weld.allocate();
-    weld.evaluate(&[0.0, 0.0, 0.0, 0.0, TAU, 0.0], &mut quantities)?;
-    let system = weld.linearised(&quantities, &[])?;
+    let mut evaluation = weld.allocate();
+    weld.evaluate(&[0.0, 0.0, 0.0, 0.0, TAU, 0.0], &mut evaluation)?;
+    let system = weld.linearised(&evaluation, &[])?;
     let empty: Vec<usize> = (0..6).filter(|&row| system.matrix().row(row).len() == 0).collect();
-    let vanishing = weld.vanishing(&quantities)?;
+    let vanishing = weld.vanishing(&evaluation)?;
     assert_eq!(empty, vanishing.iter().map(|found| found.row).collect::<Vec<_>>());
     assert_eq!(empty.len(), 2);
     empty.iter().for_each(|&row| assert_eq!(system.rhs()[row], 0.0));
@@ -128,9 +128,9 @@ fn cancelled_terms_of_linear_equations_leave_nothing() -> Outcome {
     builder.add("some", LinearEquation { terms: vec![(0, 0.1), (1, 1e-200), (0, -0.1)], rhs: 0.0 })?;
     let set = builder.build()?;
     assert_eq!(rank(&set, &[1.0; 2])?, (1, vec!["none".to_owned()]));
-    let mut quantities = set.allocate();
-    set.evaluate(&[1.0; 2], &mut quantities)?;
-    let found = &set.vanishing(&quantities)?[0];
+    let mut evaluation = set.allocate();
+    set.evaluate(&[1.0; 2], &mut evaluation)?;
+    let found = &set.vanishing(&evaluation)?[0];
     assert!(found.everywhere && found.to_string().contains("has no terms"), "{found}");
     Ok(())
 }
@@ -139,7 +139,7 @@ fn cancelled_terms_of_linear_equations_leave_nothing() -> Outcome {
 struct Length;
 
 impl Nonlinear for Length {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
     fn value<S: qless_constraints::scalar::Scalar>(&self, u: &[S], c: &mut [S]) {
         let (x, y) = (u[2] - u[0], u[3] - u[1]);
         c[0] = (x * x + y * y).sqrt() - S::from(1.0);
@@ -149,8 +149,8 @@ impl Nonlinear for Length {
 impl Constraint for Length {
     const NAME: &'static str = "length";
     type Error = std::convert::Infallible;
-    fn process(self, store: &mut Store) -> Result<(), Self::Error> {
-        store.nonlinear("", &[0, 1, 2, 3], self);
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error> {
+        sink.nonlinear("", &[0, 1, 2, 3], self);
         Ok(())
     }
 }
@@ -165,9 +165,9 @@ fn types_of_users_have_bounds_too() -> Outcome {
     // The ends are a few units in the last place apart: a unit direction that is rounding only.
     let meet = [0.1 + 0.2, 0.5, 0.3, 0.5];
     assert_eq!(rank(&set, &meet)?, (0, vec!["rod".to_owned()]));
-    let mut quantities = set.allocate();
-    set.evaluate(&[0.5; 4], &mut quantities)?;
-    assert!(set.linearised(&quantities, &[]).is_err(), "0 / 0 was taken for a coefficient");
+    let mut evaluation = set.allocate();
+    set.evaluate(&[0.5; 4], &mut evaluation)?;
+    assert!(set.linearised(&evaluation, &[]).is_err(), "0 / 0 was taken for a coefficient");
     assert!(set.rounding(&[0.0; 3]).is_err());
     Ok(())
 }
@@ -214,10 +214,10 @@ fn what_leaves_the_range_of_doubles_is_refused_not_taken_for_rounding() -> Outco
     let mut builder = ConstraintSet::builder(4);
     builder.add("rod", Distance::new(points[0], points[1]))?;
     let set = builder.build()?;
-    let mut quantities = set.allocate();
+    let mut evaluation = set.allocate();
     for far in [1e160, 1e200, 1e308] {
-        set.evaluate(&[far, 0.0, 0.0, 0.0], &mut quantities)?;
-        let refused = set.linearised(&quantities, &[]);
+        set.evaluate(&[far, 0.0, 0.0, 0.0], &mut evaluation)?;
+        let refused = set.linearised(&evaluation, &[]);
         assert!(matches!(refused, Err(LineariseError::NotFinite { row: 0, .. })), "{far:e}: {refused:?}");
     }
     Ok(())

@@ -224,9 +224,9 @@ fn add_ties<const D: usize>(builder: &mut SetBuilder, name: &str) -> Result<bool
 
 fn rank_of(builder: SetBuilder) -> Result<(usize, usize), Box<dyn Error>> {
     let set = builder.build()?;
-    let mut quantities = set.allocate();
-    set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
-    Ok((set.equations(), analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank()))
+    let mut evaluation = set.allocate();
+    set.evaluate(&vec![0.0; set.dofs()], &mut evaluation)?;
+    Ok((set.equations(), analyse(&set.linearised(&evaluation, &[])?, &Options::default())?.rank()))
 }
 
 /// Equations and removed DOFs; none for a type without an example here.

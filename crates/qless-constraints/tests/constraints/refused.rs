@@ -48,7 +48,7 @@ fn faults_of_linear_types() {
     assert_refused(Equal::new([4]), "at least two");
     assert_refused(Equal::new([4, 5, 4]), "DOF 4 is in the list twice");
     let strain = MacroStrain::Given([[0.0; 2]; 2]);
-    assert_refused(Periodic { a: at(0, 1.0), b: at(1, 1.0), strain }, "one place");
+    assert_refused(Periodic { a: at(0, 1.0), b: at(1, 1.0), strain }, "the two nodes coincide");
     assert_refused(FluidNormal { structure: [0, 1, 2], fluid: [3, 4, 5], normal: [0.0; 3] }, "no direction");
     let pair = Cyclic {
         a: point(0, [1.0, 0.0, 0.0]),
@@ -89,8 +89,8 @@ fn faults_of_ties() {
         MortarTie { slave, master, multipliers: Multipliers::Dual, tolerance: 1e-9 }
     };
     assert_refused(mortar(vec![at(3, 0.0)]), "slave side: the surface has no faces");
-    assert_refused(mortar(vec![at(3, 0.0), at(4, 2.0)]), "over 1 of the size 2 of slave facet 1, from 1; nothing lies");
-    assert_refused(mortar(vec![at(3, 0.0), PlanarPoint::new([8, 9], [0.5, 1.0]), at(5, 1.0)]), "over it is 0.79");
+    assert_refused(mortar(vec![at(3, 0.0), at(4, 2.0)]), "over 1 of the size 2 of slave facet 1, from 1; there is no");
+    assert_refused(mortar(vec![at(3, 0.0), PlanarPoint::new([8, 9], [0.5, 1.0]), at(5, 1.0)]), "facet is 0.79");
 }
 
 /// A square of length 1 at a height, from `x`.
@@ -119,15 +119,15 @@ fn faults_of_surface_mortar_ties() {
     let mut dented = whole();
     dented.nodes[2].at = [0.3, 0.3, 0.0];
     assert_refused(tie(whole(), dented, 0.1), "face 1, from 1, is degenerate or folded");
-    assert_refused(tie(whole(), square(0.0, 0.25), 0.1), "one that lies over it is 0.25");
+    assert_refused(tie(whole(), square(0.0, 0.25), 0.1), "the nearest opposite facet is 0.25");
     assert_refused(tie(whole(), whole(), f64::NAN), "within the tolerance NaN");
     assert_refused(
         tie(whole(), square(0.25, 0.0), 0.01),
-        "of the size 1 of slave facet 1, from 1; nothing lies over it",
+        "of the size 1 of slave facet 1, from 1; there is no opposite facet",
     );
     assert_refused(tie(whole(), square(7.0, 0.0), f64::INFINITY), "over 1 of the size 1 of slave facet 1");
     let twice = with(vec![Face::new(Shape::Quad4, [0, 1, 2, 3]), Face::new(Shape::Tri3, [0, 1, 2])]);
-    assert_refused(tie(whole(), twice, 0.01), "lie over 1.5, more than the size 1 of slave facet 1");
+    assert_refused(tie(whole(), twice, 0.01), "cover 1.5, more than the size 1 of slave facet 1");
 }
 
 #[test]
@@ -143,25 +143,25 @@ fn faults_of_couplings() {
         "face of the solid: the surface has no",
     );
     let line = Surface { faces: vec![Face::new(Shape::Line2, [0, 1])], ..face.clone() };
-    assert_refused(end(line, Section::Mean), "have no normal");
+    assert_refused(end(line, Section::Mean), "have no mean normal");
     let both = vec![Face::new(Shape::Tri3, [0, 1, 2]), Face::new(Shape::Tri3, [0, 3, 2])];
-    assert_refused(end(Surface { faces: both, ..face.clone() }, Section::Plane), "point against each other");
+    assert_refused(end(Surface { faces: both, ..face.clone() }, Section::Plane), "opposite normals");
     let shell = |nodes: &[&[usize]], at: [f64; 3]| {
         let lines = nodes.iter().map(|nodes| ThicknessLine { shell: Node6 { at, ..beam }, nodes: nodes.to_vec() });
         ShellToSolid { lines: lines.collect(), face: square(0.0, 0.0), section: Section::Mean }
     };
     assert_refused(shell(&[], [0.0; 3]), "no nodes");
-    assert_refused(shell(&[&[0, 3]], [0.0; 3]), "node 1 (from 0) of the face is in no line");
+    assert_refused(shell(&[&[0, 3]], [0.0; 3]), "node 1 (from 0) of the face belongs to no line");
     assert_refused(shell(&[&[0, 3], &[1][..]], [0.0; 3]), "line 2, from 1, does not have two nodes");
     assert_refused(shell(&[&[0, 3], &[1, 3]], [0.0; 3]), "line 2, from 1, names node 3");
     assert_refused(shell(&[&[0, 7]], [0.0; 3]), "names node 7");
-    assert_refused(shell(&[&[0, 1, 2], &[3][..]], [0.0; 3]), "bends: node 1");
+    assert_refused(shell(&[&[0, 1, 2], &[3][..]], [0.0; 3]), "is not straight: node 1");
     assert_refused(shell(&[&[0, 3], &[1, 2]], [5.0, 0.0, 0.0]), "is 5 away from its shell node");
     assert_refused(shell(&[&[0, 3], &[1, 2]], [0.5; 3]), "line 1, from 1, has a shell node");
     let node = Node6::new([6, 7, 8], [9, 10, 11], [1.0; 3]);
     let vector = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
     let part = Node6::new([12, 13, 14], [15, 16, 17], [1.0; 3]).only([Component::X, Component::TurnZ]);
-    assert_refused(RigidBody { body: vector, nodes: vec![node, part] }, "node 2, from 1, follows with some");
+    assert_refused(RigidBody { body: vector, nodes: vec![node, part] }, "only some rotations of node 2");
     assert_refused(RigidBody { body: vector, nodes: vec![node.only([])] }, "every DOF of node 1");
 }
 

@@ -95,13 +95,13 @@ fn couplings_and_ties(found: &mut Vec<(&'static str, Option<ConstraintSet>)>, un
 /// c, G and the sum of the Hessians, with translations in the unit of the model.
 fn numbers(set: &ConstraintSet, unit: f64) -> [Vec<f64>; 3] {
     let u: Vec<f64> = (0..DOFS).map(|k| 0.5 * random(k + 900) * if k / 3 % 2 == 0 { unit } else { 1.0 }).collect();
-    let mut quantities = set.allocate();
-    set.evaluate(&u, &mut quantities).expect("of this set");
+    let mut evaluation = set.allocate();
+    set.evaluate(&u, &mut evaluation).expect("of this set");
     // Lengths are in the unit and angles are not, so that sums in H have one unit.
-    let is_length = |row: usize| quantities.g().row(row).any(|(dof, a)| dof / 3 % 2 == 0 && a != 0.0);
+    let is_length = |row: usize| evaluation.g().row(row).any(|(dof, a)| dof / 3 % 2 == 0 && a != 0.0);
     let weights: Vec<f64> = (0..set.equations()).map(|row| if is_length(row) { 1.0 / unit } else { 1.0 }).collect();
-    set.effective_hessian(&u, &weights, &mut quantities).expect("of this set");
-    [quantities.c().to_vec(), quantities.g().values().to_vec(), quantities.h().values().to_vec()]
+    set.effective_hessian(&u, &weights, &mut evaluation).expect("of this set");
+    [evaluation.c().to_vec(), evaluation.g().values().to_vec(), evaluation.h().values().to_vec()]
 }
 
 /// In a unit that is a power of two, every value equals that of the unit one times a power of it, or the model is refused. No value becomes

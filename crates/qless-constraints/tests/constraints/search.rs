@@ -129,9 +129,9 @@ fn ties_to_a_surface_pass_linear_fields() -> Outcome {
     assert_eq!(set.equations(), 120);
     let field = |[x, y, _]: [f64; 3]| [0.3 * x - 0.7 * y, 0.1 + y, 2.0 * x - 1.0];
     let u: Vec<f64> = surface.nodes.iter().chain(&nodes).flat_map(|node| field(node.at)).collect();
-    let mut quantities = set.allocate();
-    set.evaluate(&u, &mut quantities).expect("of this set");
-    assert!(quantities.c().iter().all(|c| c.abs() < 1e-13));
+    let mut evaluation = set.allocate();
+    set.evaluate(&u, &mut evaluation).expect("of this set");
+    assert!(evaluation.c().iter().all(|c| c.abs() < 1e-13));
     Ok(())
 }
 

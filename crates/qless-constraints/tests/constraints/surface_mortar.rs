@@ -137,11 +137,11 @@ fn flat_surfaces_pass_linear_fields() -> Outcome {
         let [d, m] = sums(&set, slave.nodes.len());
         assert!((d - area).abs() < 1e-12 * area && (m - area).abs() < 1e-12 * area, "{a:?}, {b:?}: {d}, {m}, {area}");
         let u: Vec<f64> = slave.nodes.iter().chain(&master.nodes).flat_map(|node| field(node.at)).collect();
-        let mut quantities = set.allocate();
-        set.evaluate(&u, &mut quantities).expect("of this set");
+        let mut evaluation = set.allocate();
+        set.evaluate(&u, &mut evaluation).expect("of this set");
         for row in 0..set.equations() {
-            let size: f64 = quantities.g().row(row).map(|(dof, v)| (v * u[dof]).abs()).sum();
-            assert!(quantities.c()[row].abs() < 1e-12 * size, "{a:?}, {b:?}, {}", set.label(row).expect("of this set"));
+            let size: f64 = evaluation.g().row(row).map(|(dof, v)| (v * u[dof]).abs()).sum();
+            assert!(evaluation.c()[row].abs() < 1e-12 * size, "{a:?}, {b:?}, {}", set.label(row).expect("of this set"));
         }
     }
     Ok(())
@@ -154,9 +154,9 @@ fn matching_meshes_move_together() -> Outcome {
         let mesh = Mesh { shape, cells: 3, wiggle: 0.4, bend: 0.0 };
         let (slave, master) = pair(mesh, mesh, inclined);
         let set = tied(&slave, &master, 1e-12)?;
-        let mut quantities = set.allocate();
-        set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
-        let system = set.linearised(&quantities, &[])?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&vec![0.0; set.dofs()], &mut evaluation)?;
+        let system = set.linearised(&evaluation, &[])?;
         let analysis = analyse(&system, &Options::default())?;
         assert_eq!(analysis.rank(), set.equations());
         let reduction = analysis.reduction().expect("within the gate");
@@ -252,9 +252,9 @@ fn collapsed_facets_pass_linear_fields() -> Outcome {
         let area = 6.0 * 1.3125_f64.sqrt();
         assert!((d - area).abs() < 1e-12 * area && (m - area).abs() < 1e-12 * area);
         let u: Vec<f64> = slave.nodes.iter().chain(&master.nodes).flat_map(|node| field(node.at)).collect();
-        let mut quantities = set.allocate();
-        set.evaluate(&u, &mut quantities).expect("of this set");
-        assert!(quantities.c().iter().all(|c| c.abs() < 1e-13));
+        let mut evaluation = set.allocate();
+        set.evaluate(&u, &mut evaluation).expect("of this set");
+        assert!(evaluation.c().iter().all(|c| c.abs() < 1e-13));
     }
     Ok(())
 }

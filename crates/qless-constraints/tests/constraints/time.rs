@@ -1,7 +1,7 @@
 use qless_constraints::scalar::Scalar;
 use qless_constraints::types::{Body, Driven, LinearEquation, RotationMotor, TranslationMotor};
 use qless_constraints::{
-    AddError, Constraint, ConstraintSet, EditError, Nonlinear, SetBuilder, Store, StoreError, TimeError,
+    AddError, Constraint, ConstraintSet, EditError, EquationError, EquationSink, Nonlinear, SetBuilder, TimeError,
 };
 
 use crate::common::Outcome;
@@ -14,7 +14,7 @@ struct Half {
 impl Nonlinear for Half {
     const DOFS: usize = 1;
     const DRIVEN: bool = true;
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         c[0] = u[0] * u[0] * S::from(0.5) - S::from(self.time);
@@ -33,8 +33,8 @@ impl Constraint for Square {
     const NAME: &'static str = "square";
     type Error = std::convert::Infallible;
 
-    fn process(self, store: &mut Store) -> Result<(), Self::Error> {
-        store.nonlinear("", &[0], Half { time: f64::NAN });
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error> {
+        sink.nonlinear("", &[0], Half { time: f64::NAN });
         Ok(())
     }
 }
@@ -47,12 +47,12 @@ fn numbers_are_those_of_the_time() -> Outcome {
     builder.add("still", LinearEquation { terms: vec![(0, 1.0)], rhs: 0.25 })?;
     builder.add("piston", Driven::new([(0, 2.0), (1, -1.0)], |t| 3.0 + t * t))?;
     let mut set = builder.build()?;
-    let mut quantities = set.allocate();
+    let mut evaluation = set.allocate();
     let u = [1.5, -2.0];
     for time in [0.0, -0.5, 7.0, 0.0] {
         set.set_time(time)?;
-        set.evaluate(&u, &mut quantities)?;
-        assert_eq!(quantities.c(), [1.25, 5.0 - (3.0 + time * time), 1.125 - time], "t = {time}");
+        set.evaluate(&u, &mut evaluation)?;
+        assert_eq!(evaluation.c(), [1.25, 5.0 - (3.0 + time * time), 1.125 - time], "t = {time}");
         assert_eq!(set.time(), time);
     }
     Ok(())
@@ -65,15 +65,15 @@ fn a_time_without_a_value_is_refused() -> Outcome {
     builder.add("ramp", Driven::new([(0, 1.0)], |t| 2.0 * t))?;
     builder.add("root", Driven::new([(0, 1.0)], f64::sqrt))?;
     let refused = builder.add("pole", Driven::new([(0, 1.0)], |t| 1.0 / t)).expect_err("infinite at time 0");
-    assert!(matches!(refused, AddError::Store { source: StoreError::NotFinite { .. }, .. }), "{refused}");
+    assert!(matches!(refused, AddError::Equation { source: EquationError::NotFinite { .. }, .. }), "{refused}");
     let mut set = builder.build()?;
     set.set_time(4.0)?;
     assert!(matches!(set.set_time(f64::INFINITY), Err(TimeError::Time(_))));
     let refused = set.set_time(-1.0).expect_err("no root");
     assert!(refused.to_string().contains("root") && refused.to_string().contains("time -1"), "{refused}");
-    let mut quantities = set.allocate();
-    set.evaluate(&[0.0], &mut quantities)?;
-    assert_eq!((set.time(), quantities.c()), (4.0, [-8.0, -2.0].as_slice()));
+    let mut evaluation = set.allocate();
+    set.evaluate(&[0.0], &mut evaluation)?;
+    assert_eq!((set.time(), evaluation.c()), (4.0, [-8.0, -2.0].as_slice()));
     Ok(())
 }
 

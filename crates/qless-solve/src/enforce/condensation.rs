@@ -26,7 +26,7 @@ pub struct Condensation {
     pub elimination: Elimination,
     pub condensed: CondensedPattern,
     /// The equations that are not eliminated.
-    pub left: Vec<usize>,
+    pub remaining: Vec<usize>,
 }
 
 impl Condensation {
@@ -35,8 +35,8 @@ impl Condensation {
         let elimination = elimination_of(system, rows)?;
         let condensed = elimination
             .condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), PrescribedDofs::Eliminated)?;
-        let left = condensed.remaining_equations(&elimination).into_iter().map(|i| rows[i]).collect();
-        Ok(Self { elimination, condensed, left })
+        let remaining = condensed.remaining_equations(&elimination).into_iter().map(|i| rows[i]).collect();
+        Ok(Self { elimination, condensed, remaining })
     }
 
     /// Sets the right-hand sides of the equations.

@@ -26,7 +26,7 @@ pub enum EnforceError {
         value: f64,
     },
     /// Equations contradict others.
-    #[error("{} cannot hold together with the equations that it depends on", .labels.join(" and "))]
+    #[error("conflicting equations: {}; each contradicts the equations that it depends on", .labels.join(" and "))]
     Conflict {
         /// The equations, 0-based.
         rows: Vec<usize>,
@@ -35,8 +35,8 @@ pub enum EnforceError {
     },
     /// The analysis cannot tell whether an equation is redundant, and u does not satisfy it.
     #[error(
-        "{label} follows from others but for {left:.1e} of its terms, too little to be sure that it does not; give its coefficients with all \
-         their digits, bring the units of its DOFs nearer to one another, or leave it out"
+        "{label} may be redundant or not: it differs from a combination of other equations by {residual:.1e} of its terms; give its \
+         coefficients with all digits, choose units of similar size for its DOFs, or remove it"
     )]
     Doubtful {
         /// The equation, 0-based.
@@ -44,7 +44,7 @@ pub enum EnforceError {
         /// Its label.
         label: String,
         /// Residual of the equation if the others hold, relative to its terms.
-        left: f64,
+        residual: f64,
     },
     /// The plan does not belong to this problem.
     #[error("the plan has {planned} equations, but {kept} are independent, and each must occur once")]
@@ -66,7 +66,7 @@ pub enum EnforceError {
     },
     /// K has an entry outside of the half that was declared.
     #[error(
-        "K has an entry in row {row}, column {column} (from 0), which is not in the half declared; give one half, or Stiffness::full"
+        "K has an entry in row {row}, column {column} (from 0), outside of the declared half; pass one half, or declare Stiffness::full"
     )]
     WrongHalf {
         /// Its row.
@@ -83,15 +83,15 @@ pub enum EnforceError {
     /// The constraints and prescribed DOFs leave the model free to move.
     #[error("{0}; support it, or give it stiffness")]
     Unsupported(FreeMotion),
-    /// The matrix is singular, and no motion without resistance was found.
-    #[error("{what} is singular, but no single motion that it leaves free was found; look for DOFs without stiffness")]
+    /// The matrix is singular, but no free motion was found.
+    #[error("{what} is singular, but no free motion was found; look for DOFs without stiffness")]
     Singular {
         /// Name of the matrix.
         what: &'static str,
     },
     /// The solution is not in balance.
     #[error(
-        "{row}: {imbalance:.1e} of the terms is left after refinement; the model is too ill-conditioned for double precision"
+        "{row}: the residual is {imbalance:.1e} of its terms after refinement; the model is too ill-conditioned for double precision"
     )]
     OutOfBalance {
         /// The forces on a DOF, or the label of an equation.
@@ -101,11 +101,11 @@ pub enum EnforceError {
     },
     /// The springs are so soft that u misses the requested accuracy.
     #[error(
-        "penalty factor {factor:.1e}: u is off by {cost:.1e} of its size, and {accuracy:.1e} was asked for; {}",
+        "penalty factor {factor:.1e}: the relative error of u is {cost:.1e}, more than the requested {accuracy:.1e}; {}",
         advice(*.smallest)
     )]
     PenaltyTooSmall {
-        /// The largest factor asked for.
+        /// The largest factor requested.
         factor: f64,
         /// Requested relative accuracy of u.
         accuracy: f64,
@@ -124,7 +124,7 @@ pub enum EnforceError {
     },
     /// Parts of T are kept as factors.
     #[error(
-        "T has parts that stay factors, of which no step is made; make the elimination with Form::Explicit, or use Problem"
+        "parts of T are kept as factors, which Steps does not support; create the elimination with Form::Explicit, or use Problem"
     )]
     Factored,
     /// The caller's [`Solver`](super::Solver) failed.
@@ -132,16 +132,16 @@ pub enum EnforceError {
     Solver(#[from] SolverError),
     /// Rounding keeps the residuals of augmented equations above the tolerance.
     #[error(
-        "{left:.1e} of the terms of a constraint is left, which is rounding, and {tolerance:.1e} was asked for; ask for more than that"
+        "rounding keeps the residual of an equation at {residual:.1e} of its terms, above the requested {tolerance:.1e}; request a larger tolerance"
     )]
     NoConvergence {
         /// Largest residual of an equation, relative to its terms.
-        left: f64,
+        residual: f64,
         /// Requested tolerance.
         tolerance: f64,
     },
     /// The solution leaves the range of doubles.
-    #[error("the solution leaves the range of doubles; choose units in which K, f and u are nearer to one")]
+    #[error("the solution leaves the range of doubles; choose units in which K, f and u are closer to one")]
     OutOfRange,
     /// The limit of fill is negative or not a number.
     #[error("the limit of fill is {0}; it must be zero or more, such as 10")]
@@ -152,7 +152,7 @@ pub enum EnforceError {
     /// The constraints cannot be solved for slaves.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
-    /// The equations chosen are no valid system.
+    /// The chosen equations are not a valid system.
     #[error(transparent)]
     System(#[from] SystemError),
     /// The equations cannot be brought into the form that condenses K.
@@ -163,11 +163,11 @@ pub enum EnforceError {
     Argument(#[from] ArgumentError),
 }
 
-/// The end of the message: a sufficient factor, or that none is.
+/// The end of the message on penalties.
 fn advice(factor: Option<f64>) -> String {
     match factor {
-        Some(factor) => format!("a factor that does is {factor:.1e}"),
-        None => "no factor does: use multipliers or elimination".into(),
+        Some(factor) => format!("a sufficient factor is {factor:.1e}"),
+        None => "no factor is sufficient: use multipliers or elimination".into(),
     }
 }
 
@@ -185,19 +185,19 @@ pub struct FreeMotion {
     /// Displacement of each of these DOFs in its own unit; the largest is 1 or -1.
     pub motion: Vec<f64>,
     /// Largest force that resists the motion, relative to its terms: zero or rounding.
-    pub held: f64,
+    pub resistance: f64,
 }
 
 impl FreeMotion {
     /// From a null vector of all DOFs and the unit of each DOF.
-    pub(super) fn new(u: &[f64], units: &[f64], held: f64) -> Self {
+    pub(super) fn new(u: &[f64], units: &[f64], resistance: f64) -> Self {
         let sizes: Vec<f64> = u.iter().zip(units).map(|(u, s)| u.abs() / s).collect();
         let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
         let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j] > SHARE * most).collect();
         let largest =
             dofs.iter().fold(0.0, |largest: f64, &j| if u[j].abs() > f64::abs(largest) { u[j] } else { largest });
         let motion = dofs.iter().map(|&j| u[j] / largest).collect();
-        Self { dofs, motion, held }
+        Self { dofs, motion, resistance }
     }
 
     /// Renumbers the DOFs: j becomes `dofs[j]`, which ascends.
@@ -212,16 +212,19 @@ impl FreeMotion {
         let mut both = [moves(self), moves(other)].concat();
         both.sort_by_key(|&(dof, _)| dof);
         let (dofs, motion) = both.into_iter().unzip();
-        Self { dofs, motion, held: self.held.max(other.held) }
+        Self { dofs, motion, resistance: self.resistance.max(other.resistance) }
     }
 }
 
 impl std::fmt::Display for FreeMotion {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.dofs.is_empty() {
-            return write!(f, "the equations depend on one another up to rounding, so that their multipliers are free");
+            return write!(
+                f,
+                "the equations are dependent up to rounding, so that their multipliers are not determined"
+            );
         }
-        write!(f, "nothing holds the motion of DOF ")?;
+        write!(f, "only rounding resists a motion of DOF ")?;
         for (place, (dof, value)) in self.dofs.iter().zip(&self.motion).take(NAMED).enumerate() {
             write!(f, "{}{dof} ({value:+.3})", if place > 0 { ", " } else { "" })?;
         }
@@ -229,6 +232,6 @@ impl std::fmt::Display for FreeMotion {
         if others > 0 {
             write!(f, " and {others} others")?;
         }
-        write!(f, " but forces of {:.1e} of what they are made of, which is rounding", self.held)
+        write!(f, " (the largest force is {:.1e} of its terms)", self.resistance)
     }
 }

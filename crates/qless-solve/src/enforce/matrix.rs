@@ -14,7 +14,7 @@ use super::EnforceError;
 use super::solver::{Llt, Lu, Solver, SolverError, SolverMatrix};
 use crate::common::SparseMatrix;
 
-/// From `(row, column, value)`, all in range; repeated entries are summed.
+/// The matrix of `(row, column, value)`, all in range; repeated entries are summed.
 pub fn from_triplets(
     rows: usize,
     cols: usize,
@@ -52,11 +52,6 @@ pub fn transposed(a: &SparseMatrix) -> Result<SparseMatrix, EnforceError> {
     from_triplets(a.ncols(), a.nrows(), entries(a).map(|(i, j, v)| (j, i, v)))
 }
 
-/// `y += A x`.
-pub fn add(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
-    entries(a).for_each(|(i, j, v)| y[i] += v * x[j]);
-}
-
 /// `y += A^T x`.
 pub fn add_transposed(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
     entries(a).for_each(|(i, j, v)| y[j] += v * x[i]);
@@ -70,13 +65,6 @@ pub fn add_sizes(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
 /// `y += |A|^T |x|`.
 pub fn add_sizes_transposed(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
     entries(a).for_each(|(i, j, v)| y[j] += (v * x[i]).abs());
-}
-
-/// `A x`.
-pub fn times(a: &SparseMatrix, x: &[f64]) -> Vec<f64> {
-    let mut y = vec![0.0; a.nrows()];
-    add(a, x, &mut y);
-    y
 }
 
 /// `[A B^T; B 0]`.

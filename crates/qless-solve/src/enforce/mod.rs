@@ -1,8 +1,8 @@
 //! Linear constraints on a stiffness model: `K u + C^T lambda = f` with `C u = b` (Eq. 1, 2, 10).
 //!
-//! | method | equations that are solved | what it leaves |
-//! | --- | --- | --- |
 //! | method | equations that are solved | error that it leaves |
+//! | --- | --- | --- |
+//! | transformation | `T^T K T q = T^T (f - K u_0)` (Eq. 7-9) | rounding |
 //! | Lagrange | `[K C^T; C 0] [u; lambda] = [f; b]` (Eq. 10), scaled by powers of two | rounding |
 //! | penalty | `(K + C^T D C) u = f + C^T D b`, `D` scaled from K (Eq. 11) | `C u - b = lambda / D`, at most the requested accuracy, or an error |
 //! | augmented Lagrange | penalty, and `lambda += D (C u - b)` until C u = b | the requested tolerance |
@@ -49,18 +49,10 @@ mod steps;
 mod stiffness;
 mod units;
 
-pub use error::EnforceError;
-pub use error::FreeMotion;
+pub use error::{EnforceError, FreeMotion};
 pub use methods::BlockPlan;
-pub use problem::Method;
-pub use problem::Problem;
-pub use problem::Solution;
+pub use problem::{Method, Problem, Solution};
 pub use reduced::reduced;
-pub use solver::Ldlt;
-pub use solver::Llt;
-pub use solver::Lu;
-pub use solver::Solver;
-pub use solver::SolverError;
-pub use solver::SolverMatrix;
+pub use solver::{Ldlt, Llt, Lu, Solver, SolverError, SolverMatrix};
 pub use steps::Steps;
 pub use stiffness::Stiffness;

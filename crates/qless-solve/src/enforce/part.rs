@@ -69,24 +69,24 @@ pub struct PartSplitter<'a> {
     /// The index of each DOF within its part; none if it is prescribed.
     place: Vec<Option<u32>>,
     /// Values of prescribed DOFs; zero for others.
-    given: Vec<f64>,
+    prescribed: Vec<f64>,
     /// Entries of K in rows of free DOFs and columns of prescribed ones: `(row, column, value)`, ascending.
-    of_given: Vec<(usize, usize, f64)>,
+    prescribed_columns: Vec<(usize, usize, f64)>,
 }
 
 impl<'a> PartSplitter<'a> {
     pub fn new(problem: &'a Problem<'a>) -> Self {
         let n = problem.system.dofs();
-        let (mut given, mut free) = (vec![0.0; n], vec![true; n]);
-        problem.system.prescribed().iter().for_each(|&(j, value)| (given[j], free[j]) = (value, false));
+        let (mut prescribed, mut free) = (vec![0.0; n], vec![true; n]);
+        problem.system.prescribed().iter().for_each(|&(j, value)| (prescribed[j], free[j]) = (value, false));
         let joins = |&(i, j, v): &(usize, usize, f64)| v != 0.0 && free[i] && !free[j];
-        let mut of_given: Vec<_> = entries(&problem.k).filter(joins).collect();
-        of_given.sort_by_key(|&(i, j, _)| (i, j));
+        let mut prescribed_columns: Vec<_> = entries(&problem.k).filter(joins).collect();
+        prescribed_columns.sort_by_key(|&(i, j, _)| (i, j));
         let (members, mut place) = (members(problem, &free), vec![None; n]);
         for (dofs, _) in &members {
             dofs.iter().enumerate().for_each(|(at, &j)| place[j] = Some(at as u32));
         }
-        Self { problem, members, place, given, of_given }
+        Self { problem, members, place, prescribed, prescribed_columns }
     }
 
     /// All parts, one after the other.
@@ -141,15 +141,15 @@ impl<'a> PartSplitter<'a> {
             sizes.push(size);
         };
         for &i in dofs {
-            let first = self.of_given.partition_point(|&(row, _, _)| row < i);
-            let of_row = self.of_given[first..].iter().take_while(|&&(row, _, _)| row == i);
-            let given = of_row.map(|&(_, j, v)| times_power(-v, -k) * self.given[j]);
-            add(&mut std::iter::once(times_power(self.problem.f[i], -k)).chain(given));
+            let first = self.prescribed_columns.partition_point(|&(row, _, _)| row < i);
+            let of_row = self.prescribed_columns[first..].iter().take_while(|&&(row, _, _)| row == i);
+            let prescribed = of_row.map(|&(_, j, v)| times_power(-v, -k) * self.prescribed[j]);
+            add(&mut std::iter::once(times_power(self.problem.f[i], -k)).chain(prescribed));
         }
         for (&row, &power) in rows.iter().zip(equations) {
             let whole = self.problem.system.matrix().row(row).filter(|&(j, _)| self.place[j].is_none());
-            let given = whole.map(|(j, v)| times_power(-v, -power) * self.given[j]);
-            add(&mut std::iter::once(times_power(self.problem.system.rhs()[row], -power)).chain(given));
+            let prescribed = whole.map(|(j, v)| times_power(-v, -power) * self.prescribed[j]);
+            add(&mut std::iter::once(times_power(self.problem.system.rhs()[row], -power)).chain(prescribed));
         }
         (sums, sizes)
     }

@@ -64,16 +64,8 @@ impl<'a> Problem<'a> {
     /// [`EnforceError`] if sizes do not match, a number is not finite, half of K is passed as a full matrix ([`EnforceError::Triangle`]), or
     /// equations conflict; the error has their labels.
     pub fn new(k: impl Into<Stiffness<'a>>, f: &'a [f64], system: &'a ConstraintSystem) -> Result<Self, EnforceError> {
-        let (stiffness, dofs) = (k.into(), system.dofs());
-        let k = stiffness.matrix();
-        for (what, found) in [("rows of K", k.nrows()), ("columns of K", k.ncols()), ("loads", f.len())] {
-            if found != dofs {
-                return Err(EnforceError::Size { what, found, dofs });
-            }
-        }
-        if let Some(&value) = k.val().iter().chain(f).find(|value| !value.is_finite()) {
-            return Err(EnforceError::NotFinite { value });
-        }
+        let stiffness = k.into();
+        check_arguments(stiffness.matrix(), f, &[], system.dofs())?;
         let (k, declared) = stiffness.whole()?;
         let analysis = analyse(system, &Options::default())?;
         let of_kind = |kind| (0..system.equations()).filter(|&row| analysis.kinds()[row] == kind).collect::<Vec<_>>();
@@ -124,6 +116,17 @@ impl<'a> Problem<'a> {
         let loaded = self.fixed.iter().map(|&dof| (dof, self.f[dof]));
         loaded.filter(|&(_, load)| load != 0.0).collect()
     }
+}
+
+/// Checks that sizes match and all numbers are finite.
+pub fn check_arguments(k: &SparseMatrix, f: &[f64], prescribed: &[f64], dofs: usize) -> Result<(), EnforceError> {
+    for (what, found) in [("rows of K", k.nrows()), ("columns of K", k.ncols()), ("loads", f.len())] {
+        if found != dofs {
+            return Err(EnforceError::Size { what, found, dofs });
+        }
+    }
+    let mut numbers = k.val().iter().chain(f).chain(prescribed);
+    numbers.find(|value| !value.is_finite()).map_or(Ok(()), |&value| Err(EnforceError::NotFinite { value }))
 }
 
 /// Displacements, multipliers, forces and error estimates.
@@ -212,17 +215,21 @@ pub fn check_redundant(analysis: &Analysis, kinds: &[Kind], rhs: &[f64], u: &[f6
     let system = analysis.system();
     let gap = |row: usize| {
         let terms = system.matrix().row(row).map(|(j, v)| v * u[j]);
-        terms.fold((-rhs[row], rhs[row].abs()), |(left, size), term| (left + term, size + term.abs()))
+        terms.fold((-rhs[row], rhs[row].abs()), |(sum, size), term| (sum + term, size + term.abs()))
     };
     for row in (0..kinds.len()).filter(|&row| kinds[row] == Kind::Redundant) {
-        let (mut left, mut size) = gap(row);
+        let (mut residual, mut size) = gap(row);
         for term in analysis.because(row)? {
             let (of_kept, size_of_kept) = gap(term.row);
-            left -= term.coefficient * of_kept;
+            residual -= term.coefficient * of_kept;
             size += (term.coefficient * size_of_kept).abs();
         }
-        if left.is_nan() || left.abs() > NOTHING * size {
-            return Err(EnforceError::Doubtful { row, label: system.equation_label(row), left: left.abs() / size });
+        if residual.is_nan() || residual.abs() > NOTHING * size {
+            return Err(EnforceError::Doubtful {
+                row,
+                label: system.equation_label(row),
+                residual: residual.abs() / size,
+            });
         }
     }
     Ok(())

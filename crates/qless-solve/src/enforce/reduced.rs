@@ -9,12 +9,13 @@ use qless::{Csr, Reduction, ReductionError};
 use super::condensation::TransformNoise;
 use super::matrix::{
     ScaledFactor, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, product, shifted,
-    times, transposed,
+    transposed,
 };
+use super::problem::check_arguments;
 use super::refinement::{MeasuredEquations, RefinementGoal, refine};
-use super::singularity::{SHIFTS, SupportVerdict, check_support, loose};
+use super::singularity::{SHIFTS, SupportVerdict, check_support, null_motion};
 use super::{EnforceError, FreeMotion, units};
-use crate::common::SparseMatrix;
+use crate::common::{SparseMatrix, times};
 
 /// Computes u of all DOFs by transformation with any reduction; `prescribed` are the values of its prescribed DOFs.
 ///
@@ -45,29 +46,20 @@ pub fn reduced(
     prescribed: &[f64],
 ) -> Result<Vec<f64>, EnforceError> {
     let dofs = reduction.slaves().len() + reduction.masters().len() + reduction.prescribed().len();
-    let given = dofs - reduction.prescribed().len() + prescribed.len();
-    for (what, found) in [
-        ("rows of K", k.nrows()),
-        ("columns of K", k.ncols()),
-        ("loads", f.len()),
-        ("DOFs with the prescribed values", given),
-    ] {
-        if found != dofs {
-            return Err(EnforceError::Size { what, found, dofs });
-        }
+    let with_values = dofs - reduction.prescribed().len() + prescribed.len();
+    if with_values != dofs {
+        return Err(EnforceError::Size { what: "DOFs with the prescribed values", found: with_values, dofs });
     }
-    if let Some(&value) = k.val().iter().chain(f).chain(prescribed).find(|value| !value.is_finite()) {
-        return Err(EnforceError::NotFinite { value });
-    }
-    let held = held(reduction);
-    let t = from_triplets(dofs, reduction.masters().len() + held.len(), triplets(reduction))?;
+    check_arguments(k, f, prescribed, dofs)?;
+    let slaves = factored_slaves(reduction);
+    let t = from_triplets(dofs, reduction.masters().len() + slaves.len(), triplets(reduction))?;
     let back = transposed(&t)?;
     let stiffness = product(&back, &product(k, &t)?)?;
     let constant = reduction.expand(&vec![0.0; reduction.masters().len()], prescribed)?;
     let load: Vec<f64> = f.iter().zip(times(k, &constant)).map(|(f, stressed)| f - stressed).collect();
     let mut rhs = times(&back, &load);
     let constraints = product(&equations(reduction, dofs)?, &t)?;
-    rhs.resize(t.ncols() + held.len(), 0.0);
+    rhs.resize(t.ncols() + slaves.len(), 0.0);
     let units = units::units(&stiffness, &constraints);
     let matrix = bordered(&stiffness, &constraints)?;
     let parts = units::parts(rhs.len(), entries(&matrix).map(|(i, j, _)| (i, j)));
@@ -123,17 +115,17 @@ fn rows(matrix: &Csr) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
 }
 
 /// Slaves of factored components, ascending; they are unknowns.
-fn held(reduction: &Reduction) -> Vec<usize> {
-    let mut held: Vec<usize> = reduction.factored().iter().flat_map(|block| block.slaves().iter().copied()).collect();
-    held.sort_unstable();
-    held
+fn factored_slaves(reduction: &Reduction) -> Vec<usize> {
+    let mut slaves: Vec<usize> = reduction.factored().iter().flat_map(|block| block.slaves().iter().copied()).collect();
+    slaves.sort_unstable();
+    slaves
 }
 
 /// Entries of T: eliminated slaves, then masters, then the slaves that stay unknowns.
 fn triplets(reduction: &Reduction) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
     let slaves = reduction.slaves().iter().enumerate();
     let of_slaves = slaves.flat_map(|(i, &dof)| reduction.t().row(i).map(move |(q, v)| (dof, q, v)));
-    let kept = reduction.masters().iter().copied().chain(held(reduction));
+    let kept = reduction.masters().iter().copied().chain(factored_slaves(reduction));
     of_slaves.chain(kept.enumerate().map(|(q, dof)| (dof, q, 1.0)))
 }
 
@@ -160,8 +152,8 @@ impl ReducedEquations<'_> {
         };
         let mut solve = |r: &[f64]| factor.solve(r);
         match check_support(self, &mut solve) {
-            Ok(SupportVerdict::Held(_)) => {}
-            Ok(SupportVerdict::Loose(motion, held)) => return Err(self.unsupported(&motion, held)),
+            Ok(SupportVerdict::Supported(_)) => {}
+            Ok(SupportVerdict::Mechanism(motion, resistance)) => return Err(self.unsupported(&motion, resistance)),
             Err(_) => return Err(self.free_motion(matrix).unwrap_or(singular)),
         }
         let refined = refine(self, &mut solve, rhs, &RefinementGoal::balance(REFINEMENTS))?;
@@ -176,15 +168,15 @@ impl ReducedEquations<'_> {
         let motion = |shift: f64| {
             let matrix = shifted(matrix, &self.units, self.t.ncols(), shift).ok()?;
             let mut factor = ScaledFactor::new(&matrix, self.units.clone(), false).ok()?;
-            let (motion, held) = loose(self, &mut |r: &[f64]| factor.solve(r))?;
-            Some(self.unsupported(&motion, held))
+            let (motion, resistance) = null_motion(self, &mut |r: &[f64]| factor.solve(r))?;
+            Some(self.unsupported(&motion, resistance))
         };
         SHIFTS.into_iter().find_map(motion)
     }
 
-    fn unsupported(&self, motion: &[f64], held: f64) -> EnforceError {
+    fn unsupported(&self, motion: &[f64], resistance: f64) -> EnforceError {
         let (u, units) = (times(&self.t, &motion[..self.t.ncols()]), units::units_of(self.k));
-        EnforceError::Unsupported(FreeMotion::new(&u, &units, held))
+        EnforceError::Unsupported(FreeMotion::new(&u, &units, resistance))
     }
 }
 

@@ -82,12 +82,12 @@ pub fn refine(
     goal: &RefinementGoal,
 ) -> Result<Refined, EnforceError> {
     let mut x = solve(b.0)?;
-    let (mut left, mut best) = measured(equations, &x, b, goal);
+    let (mut residual, mut best) = measured(equations, &x, b, goal);
     for _ in 1..goal.steps {
         if best.share <= goal.enough {
             break;
         }
-        let Ok(correction) = solve(&left) else { break };
+        let Ok(correction) = solve(&residual) else { break };
         x.iter_mut().zip(correction).for_each(|(x, more)| *x += more);
         let (rest, found) = measured(equations, &x, b, goal);
         let slow = found.share > 0.5 * best.share && (best.share <= 1.0 || !goal.patient);
@@ -99,7 +99,7 @@ pub fn refine(
         if slow || lost {
             break;
         }
-        left = rest;
+        residual = rest;
     }
     Ok(best)
 }
@@ -111,12 +111,12 @@ fn measured(
     b: (&[f64], &[f64]),
     goal: &RefinementGoal,
 ) -> (Vec<f64>, Refined) {
-    let left: Vec<f64> = b.0.iter().zip(equations.apply(x)).map(|(b, ax)| b - ax).collect();
+    let residual: Vec<f64> = b.0.iter().zip(equations.apply(x)).map(|(b, ax)| b - ax).collect();
     let size: Vec<f64> = equations.size(x).iter().zip(b.1).map(|(ax, b)| ax + b).collect();
     let floor = equations.size(&equations.levels(x, &size));
     let mut worst = Refined { x: x.to_vec(), row: 0, imbalance: 0.0, rounding: 0.0, share: 0.0 };
-    for (i, left) in left.iter().enumerate().filter(|(_, left)| **left != 0.0) {
-        let measured_by = |share: f64| left.abs() / size[i].max(share * floor[i]);
+    for (i, residual) in residual.iter().enumerate().filter(|(_, residual)| **residual != 0.0) {
+        let measured_by = |share: f64| residual.abs() / size[i].max(share * floor[i]);
         let imbalance = measured_by((goal.floor)(i));
         let share = imbalance / (goal.limit)(i);
         if !(goal.lax)(i) {
@@ -128,7 +128,7 @@ fn measured(
             (worst.row, worst.imbalance, worst.share) = (i, imbalance, share);
         }
     }
-    (left, worst)
+    (residual, worst)
 }
 
 /// x with every unknown as large as the largest of its part.

@@ -16,15 +16,14 @@ use std::borrow::Cow;
 
 use super::condensation::Condensation;
 use super::matrix::{
-    ScaledFactor, add, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, shifted,
-    times,
+    ScaledFactor, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, shifted,
 };
 use super::part::EnforcedPart;
 use super::problem::Method;
 use super::refinement::{MeasuredEquations, levelled};
 use super::units::UnitGroups;
 use super::{EnforceError, units};
-use crate::common::SparseMatrix;
+use crate::common::{SparseMatrix, add_product, times};
 
 /// The equations that all methods solve, with the sizes of their terms.
 pub struct SaddleEquations<'a> {
@@ -33,7 +32,8 @@ pub struct SaddleEquations<'a> {
     /// `1 / D` of each equation.
     compliance: Vec<f64>,
     units: Vec<f64>,
-    groups: UnitGroups,
+    /// Groups of DOFs with comparable units.
+    pub groups: UnitGroups,
     /// All unknowns belong to one part.
     parts: Vec<usize>,
 }
@@ -74,11 +74,6 @@ impl<'a> SaddleEquations<'a> {
         entries(self.k).chain(entries(&self.c).flat_map(move |(i, j, v)| [(n + i, j, v), (j, n + i, v)]))
     }
 
-    /// Groups of DOFs with comparable units.
-    pub fn groups(&self) -> &UnitGroups {
-        &self.groups
-    }
-
     /// Which unknowns have a known unit; a multiplier has one if all DOFs of its equation have.
     fn known(&self) -> Vec<bool> {
         let n = self.dofs();
@@ -103,9 +98,9 @@ impl MeasuredEquations for SaddleEquations<'_> {
         let mut y = vec![0.0; x.len()];
         let (u, lambda) = x.split_at(self.dofs());
         let (forces, gaps) = y.split_at_mut(self.dofs());
-        add(self.k, u, forces);
+        add_product(self.k, u, forces);
         add_transposed(&self.c, lambda, forces);
-        add(&self.c, u, gaps);
+        add_product(&self.c, u, gaps);
         (0..gaps.len()).for_each(|i| gaps[i] -= self.compliance[i] * lambda[i]);
         y
     }
@@ -149,7 +144,7 @@ impl MeasuredEquations for SaddleEquations<'_> {
 pub struct SaddleInverse<'a> {
     part: &'a EnforcedPart<'a>,
     /// D of each equation; zero without a spring.
-    springs: Vec<f64>,
+    pub springs: Vec<f64>,
     /// `K + C_P^T D C_P`.
     sum: Cow<'a, SparseMatrix>,
     eliminated: Vec<usize>,
@@ -178,7 +173,7 @@ impl<'a> SaddleInverse<'a> {
         let is_any = !eliminated.is_empty();
         let condensation = is_any.then(|| Condensation::new(&part.system, &eliminated, &sum)).transpose()?;
         let multipliers = border.len();
-        border.extend(condensation.iter().flat_map(|condensation| &condensation.left));
+        border.extend(condensation.iter().flat_map(|condensation| &condensation.remaining));
         let k_q = match &condensation {
             None => Cow::Borrowed(&*sum),
             Some(condensation) => Cow::Owned(condensation.matrix(&sum)?),
@@ -191,11 +186,6 @@ impl<'a> SaddleInverse<'a> {
         let factor = ScaledFactor::new(&matrix, units, definite)?;
         drop(matrix);
         Ok(Self { part, springs, sum, eliminated, condensation, unknowns: count, border, multipliers, factor })
-    }
-
-    /// D of each equation.
-    pub fn springs(&self) -> &[f64] {
-        &self.springs
     }
 
     /// `M^-1 r`.

@@ -28,19 +28,19 @@ const SHARPENINGS: usize = 6;
 pub const WRONG: f64 = 16.0 * f64::EPSILON;
 /// A is singular if relative errors of its entries up to this size can make it so.
 pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Growth from which a null vector is searched for; factors may have larger errors than A.
+/// Growth at which a null vector is searched for; factors may have larger errors than A.
 pub const SUSPICIOUS: f64 = 1e-4 / f64::EPSILON;
 /// `M^-1 A v` may differ from v by this fraction.
 const LOST: f64 = 0.5;
-/// Growth from which u has no correct digit.
+/// Growth at which u has no correct digit.
 const HOPELESS: f64 = 1.0 / WRONG;
 
 /// Whether the model is supported.
 pub enum SupportVerdict {
     /// It is supported, with this growth g.
-    Held(f64),
+    Supported(f64),
     /// This motion is free, except for forces of this fraction of their terms.
-    Loose(Vec<f64>, f64),
+    Mechanism(Vec<f64>, f64),
 }
 
 /// Decides whether the model is supported; returns the error of `solve`, if there is one.
@@ -50,21 +50,21 @@ pub fn check_support(
 ) -> Result<SupportVerdict, EnforceError> {
     let RoundingGrowth { growth, mode, lost } = rounding_growth(equations, solve)?;
     if growth < SUSPICIOUS && lost.is_none() {
-        return Ok(SupportVerdict::Held(growth));
+        return Ok(SupportVerdict::Supported(growth));
     }
-    let (motion, held) = better_null_vector(equations, solve, lost, mode);
-    Ok(if held <= ROUNDING || growth >= HOPELESS {
-        SupportVerdict::Loose(motion, held)
+    let (motion, resistance) = better_null_vector(equations, solve, lost, mode);
+    Ok(if resistance <= ROUNDING || growth >= HOPELESS {
+        SupportVerdict::Mechanism(motion, resistance)
     } else {
-        SupportVerdict::Held(growth)
+        SupportVerdict::Supported(growth)
     })
 }
 
 /// The free motion of a singular model, from the inverse of a slightly shifted matrix.
-pub fn loose(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
+pub fn null_motion(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
     let RoundingGrowth { mode, lost, .. } = rounding_growth(equations, solve).ok()?;
-    let (motion, held) = better_null_vector(equations, solve, lost, mode);
-    (held <= ROUNDING).then_some((motion, held))
+    let (motion, resistance) = better_null_vector(equations, solve, lost, mode);
+    (resistance <= ROUNDING).then_some((motion, resistance))
 }
 
 /// Sensitivity of the unknowns to rounding.
@@ -113,7 +113,7 @@ fn is_not_inverted(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v:
     off.is_nan() || off > LOST
 }
 
-/// The better of two null vectors.
+/// The null vector with the smaller relative force.
 fn better_null_vector(
     equations: &impl MeasuredEquations,
     solve: &mut Solve<'_>,
@@ -129,7 +129,7 @@ fn better_null_vector(
 
 /// A refined null vector, and the relative force that resists it.
 fn refined_null_vector(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
-    let mut best = held(equations, &v);
+    let mut best = unsupported_part(equations, &v);
     for _ in 0..SHARPENINGS {
         if best.1 <= 4.0 * f64::EPSILON {
             break;
@@ -141,7 +141,7 @@ fn refined_null_vector(equations: &impl MeasuredEquations, solve: &mut Solve<'_>
             break;
         }
         v.iter_mut().for_each(|v| *v /= largest);
-        let found = held(equations, &v);
+        let found = unsupported_part(equations, &v);
         if found.1 < best.1 {
             best = found;
         }
@@ -151,13 +151,13 @@ fn refined_null_vector(equations: &impl MeasuredEquations, solve: &mut Solve<'_>
 
 /// Restricts v to the connected parts without support, and returns the largest `|A v|_i / (|A| |v'|)_i` there, where every entry of v' is as
 /// large as the largest of its part. If all parts are supported, restricts v to the part with the weakest support.
-pub fn held(equations: &impl MeasuredEquations, v: &[f64]) -> (Vec<f64>, f64) {
-    let (left, size) = (equations.apply(v), equations.size(&levelled(equations, v)));
+pub fn unsupported_part(equations: &impl MeasuredEquations, v: &[f64]) -> (Vec<f64>, f64) {
+    let (residual, size) = (equations.apply(v), equations.size(&levelled(equations, v)));
     let parts = equations.parts();
     let mut worst: Vec<f64> = largest_of_parts(equations, v);
     worst.iter_mut().for_each(|moves| *moves = if *moves > 0.0 { 0.0 } else { f64::INFINITY });
-    for (i, left) in left.iter().enumerate().filter(|(_, left)| **left != 0.0) {
-        worst[parts[i]] = worst[parts[i]].max(left.abs() / size[i]);
+    for (i, residual) in residual.iter().enumerate().filter(|(_, residual)| **residual != 0.0) {
+        worst[parts[i]] = worst[parts[i]].max(residual.abs() / size[i]);
     }
     let least = worst.iter().copied().fold(f64::INFINITY, f64::min);
     let limit = least.max(ROUNDING);

@@ -3,9 +3,9 @@
 //! ```text
 //! A = [K C^T; C 0]
 //! s_j = 1 / sqrt(|K_jj|)                DOFs with stiffness: s_j u_j' = u_j, where u_j' are square roots of energy
-//! s_j = 1 / max_i |K_ij| s_i            DOFs that feel those; then all are balanced
+//! s_j = 1 / max_i |K_ij| s_i            DOFs that K couples to these; then all are balanced
 //! s_r = 1 / max_j |C_rj| s_j            equations, over DOFs that have their scale
-//! s_j = 1 / max_r |C_rj| s_r            DOFs that only equations know
+//! s_j = 1 / max_r |C_rj| s_r            DOFs that occur in equations only
 //! ```
 //!
 //! Numbers in these units can be compared, whatever the units of length, force, translation and rotation are. Cost: a few passes over the
@@ -116,7 +116,7 @@ pub fn parts(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<u
 
 /// Groups of DOFs with comparable units.
 pub struct UnitGroups {
-    of: Vec<u32>,
+    group_of: Vec<u32>,
     count: usize,
 }
 
@@ -142,18 +142,18 @@ impl UnitGroups {
             count += 1;
             count - 1
         };
-        let of = known.into_iter().map(|known| if known { KNOWN } else { own() }).collect();
-        Self { of, count: count as usize }
+        let group_of = known.into_iter().map(|known| if known { KNOWN } else { own() }).collect();
+        Self { group_of, count: count as usize }
     }
 
     /// `(group, DOF)` of all DOFs.
     pub fn of_dofs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.of.iter().enumerate().map(|(j, &group)| (group as usize, j))
+        self.group_of.iter().enumerate().map(|(j, &group)| (group as usize, j))
     }
 
     /// Whether the units of a DOF are known.
     pub fn is_known(&self, dof: usize) -> bool {
-        self.of[dof] == KNOWN
+        self.group_of[dof] == KNOWN
     }
 
     /// Whether there is more than one group.
@@ -164,7 +164,7 @@ impl UnitGroups {
     /// The largest absolute value in each group, given one number per DOF.
     pub fn largest(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut largest = vec![0.0_f64; self.count];
-        for (&group, number) in self.of.iter().zip(numbers) {
+        for (&group, number) in self.group_of.iter().zip(numbers) {
             largest[group as usize] = largest[group as usize].max(number.abs());
         }
         largest

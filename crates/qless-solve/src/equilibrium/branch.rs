@@ -12,11 +12,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use qless_constraints::Quantities;
+use qless_constraints::Evaluation;
 
 use super::StepFailure;
 use super::parts::EquilibriumParts;
-use super::rows::KeptRows;
+use super::rows::PartRows;
 use super::saddle::{Saddle, SaddleEntries, SaddlePattern};
 use super::time_path::TimePath;
 use crate::common::random;
@@ -39,8 +39,8 @@ const STILL: f64 = 1e-6;
 pub struct Branch {
     parts: Arc<EquilibriumParts>,
     part: usize,
-    before: Arc<Quantities>,
-    rows: KeptRows,
+    before: Arc<Evaluation>,
+    rows: PartRows,
     /// Units of the free DOFs.
     units: Vec<f64>,
     /// `[S^-2, G^T; G, 0]` with the units S; it gives the shortest motion with given G dx.
@@ -48,9 +48,9 @@ pub struct Branch {
     determined: Vec<bool>,
 }
 
-/// How a step moves along its branch.
+/// Result of the check of one step.
 #[derive(Clone, Copy, Default)]
-pub struct BranchTurn {
+pub struct BranchCheck {
     /// The spectral radius of P.
     pub radius: f64,
     /// Whether branches meet on the way, or nearly meet, so that Newton's method chooses one.
@@ -60,8 +60,8 @@ pub struct BranchTurn {
 impl Branch {
     /// At a configuration that satisfies the constraints of a part; none if no DOF is determined, or if branches meet there.
     pub fn new(
-        before: &Arc<Quantities>,
-        rows: &KeptRows,
+        before: &Arc<Evaluation>,
+        rows: &PartRows,
         (parts, part): (&Arc<EquilibriumParts>, usize),
         pattern: &mut SaddlePattern,
     ) -> Option<Self> {
@@ -71,33 +71,33 @@ impl Branch {
             return None;
         }
         let pulled = (0..).zip(&units).map(|(k, unit)| random(k) / unit);
-        let loose = saddle.solve(&pulled.chain(rows.list().iter().map(|_| 0.0)).collect::<Vec<_>>());
+        let loose = saddle.solve(&pulled.chain(rows.list.iter().map(|_| 0.0)).collect::<Vec<_>>());
         let determined: Vec<bool> = loose.iter().zip(&units).map(|(x, unit)| x.abs() <= STILL * unit).collect();
         let (parts, before, rows) = (parts.clone(), before.clone(), rows.clone());
         determined.contains(&true).then_some(Self { parts, part, before, rows, units, saddle, determined })
     }
 
     /// Checks the step to another configuration; an error if it may leave the branch.
-    pub fn turn(&self, after: &Quantities) -> Result<BranchTurn, StepFailure> {
+    pub fn check(&self, after: &Evaluation) -> Result<BranchCheck, StepFailure> {
         let changed = self.change(after);
         if changed == 0.0 {
-            return Ok(BranchTurn::default());
+            return Ok(BranchCheck::default());
         }
         let radius = self.radius(after);
         let meet = (radius - 1.0).abs() <= NEARER || radius >= NEARER.recip();
         match changed <= MET || meet {
-            true => Ok(BranchTurn { radius: radius.min(AIM), met: radius.is_nan() || radius > MOST }),
-            false if radius <= MOST => Ok(BranchTurn { radius, met: false }),
+            true => Ok(BranchCheck { radius: radius.min(AIM), met: radius.is_nan() || radius > MOST }),
+            false if radius <= MOST => Ok(BranchCheck { radius, met: false }),
             false => Err(StepFailure::Branch(growth(radius))),
         }
     }
 
-    fn change(&self, after: &Quantities) -> f64 {
+    fn change(&self, after: &Evaluation) -> f64 {
         let rows = self.parts.list[self.part].rows.iter().copied();
         change([&self.before, after], rows, (&self.parts.of_equations.columns, self.rows.units()))
     }
 
-    fn radius(&self, after: &Quantities) -> f64 {
+    fn radius(&self, after: &Evaluation) -> f64 {
         let drawn = (0..).zip(self.units.iter().zip(&self.determined));
         let mut x: Vec<f64> = drawn.map(|(k, (unit, &d))| if d { unit * random(k) } else { 0.0 }).collect();
         let mut half = 0.0;
@@ -105,7 +105,7 @@ impl Branch {
             if power == POWERS / 2 {
                 half = self.size(&x);
             }
-            x = self.moved(self.turned(after, &x).into_iter());
+            x = self.moved(self.jacobian_change(after, &x).into_iter());
         }
         let last = self.size(&x);
         if last == 0.0 { 0.0 } else { (last / half).powf(2.0 / POWERS as f64) }
@@ -119,11 +119,11 @@ impl Branch {
     }
 
     /// `(G - G') x` on the kept rows.
-    fn turned(&self, after: &Quantities, x: &[f64]) -> Vec<f64> {
+    fn jacobian_change(&self, after: &Evaluation, x: &[f64]) -> Vec<f64> {
         let (before, after) = (self.before.g(), after.g());
         let x = |j: usize| self.parts.place(self.part, j).map_or(0.0, |place| x[place]);
         let pairs = |&row: &usize| before.row(row).zip(after.row(row));
-        self.rows.list().iter().map(|r| pairs(r).map(|((j, a), (_, b))| (a - b) * x(j)).sum()).collect()
+        self.rows.list.iter().map(|r| pairs(r).map(|((j, a), (_, b))| (a - b) * x(j)).sum()).collect()
     }
 
     fn size(&self, x: &[f64]) -> f64 {
@@ -138,15 +138,15 @@ pub fn growth(radius: f64) -> f64 {
     (AIM / radius).max(0.1)
 }
 
-fn entries(before: &Quantities, rows: &KeptRows, (parts, part): (&EquilibriumParts, usize)) -> SaddleEntries {
+fn entries(before: &Evaluation, rows: &PartRows, (parts, part): (&EquilibriumParts, usize)) -> SaddleEntries {
     let (free, g) = (&parts.list[part].free, before.g());
     let n = free.len();
     let mut list: Vec<_> = free.iter().enumerate().map(|(i, &j)| (i, i, rows.units()[j].powi(-2))).collect();
-    for (r, &row) in (n..).zip(rows.list()) {
+    for (r, &row) in (n..).zip(&rows.list) {
         let there = g.row(row).filter_map(|(j, v)| Some((parts.place(part, j)?, v)));
         list.extend(there.flat_map(|(j, v)| [(r, j, v), (j, r, v)]));
     }
-    SaddleEntries { size: n + rows.list().len(), stiff: n, list, units: Vec::new() }
+    SaddleEntries { size: n + rows.list.len(), stiff: n, list, units: Vec::new() }
 }
 
 /// Fractions of a step at which functions of time are checked: fractional parts of square roots of primes. Small numbers of periods do not
@@ -172,22 +172,22 @@ pub fn check_jumps(
     branches: &[&Branch],
     time_path: &mut TimePath,
     [from, to]: [f64; 2],
-    room: &mut Quantities,
+    scratch: &mut Evaluation,
 ) -> Result<BTreeMap<usize, StepFailure>, StepFailure> {
-    let mut led = BTreeMap::new();
+    let mut failures = BTreeMap::new();
     if branches.is_empty() || matches!(time_path, TimePath::Still(_)) {
-        return Ok(led);
+        return Ok(failures);
     }
-    let straight = ahead(branches, time_path, to, room)?;
+    let straight = ahead(branches, time_path, to, scratch)?;
     for part in BETWEEN {
-        let there = ahead(branches, time_path, from + part * (to - from), room)?;
+        let there = ahead(branches, time_path, from + part * (to - from), scratch)?;
         let ways = branches.iter().zip(there).zip(&straight);
         let bent: Vec<CurvedWay> =
             ways.filter_map(|((branch, dx), straight)| branch.bent(dx, straight, part)).collect();
-        pass(&bent, time_path, room, &mut led)?;
+        pass(&bent, time_path, scratch, &mut failures)?;
     }
     time_path.set_factor(to)?;
-    Ok(led)
+    Ok(failures)
 }
 
 /// First-order displacement of the determined DOFs of each part up to a load factor.
@@ -195,21 +195,21 @@ fn ahead(
     branches: &[&Branch],
     time_path: &mut TimePath,
     factor: f64,
-    room: &mut Quantities,
+    scratch: &mut Evaluation,
 ) -> Result<Vec<Vec<f64>>, StepFailure> {
     time_path.set_factor(factor)?;
     if let Some(first) = branches.first() {
-        time_path.set().evaluate(first.before.u(), room)?;
+        time_path.set().evaluate(first.before.u(), scratch)?;
     }
-    Ok(branches.iter().map(|branch| branch.moved(branch.rows.list().iter().map(|&r| -room.c()[r]))).collect())
+    Ok(branches.iter().map(|branch| branch.moved(branch.rows.list.iter().map(|&r| -scratch.c()[r]))).collect())
 }
 
-/// Checks curved parts at their intermediate positions, and adds those that fail to `led`.
+/// Checks curved parts at their intermediate positions, and adds those that fail to `failures`.
 fn pass(
     bent: &[CurvedWay],
     time_path: &TimePath,
-    room: &mut Quantities,
-    led: &mut BTreeMap<usize, StepFailure>,
+    scratch: &mut Evaluation,
+    failures: &mut BTreeMap<usize, StepFailure>,
 ) -> Result<(), StepFailure> {
     let Some(first) = bent.first() else { return Ok(()) };
     let mut u = first.branch.before.u().to_vec();
@@ -217,11 +217,11 @@ fn pass(
     for CurvedWay { branch, dx, .. } in bent.iter().filter(|curved| is_finite(curved)) {
         branch.parts.list[branch.part].free.iter().zip(dx).for_each(|(&j, dx)| u[j] += dx);
     }
-    time_path.set().evaluate(&u, room)?;
+    time_path.set().evaluate(&u, scratch)?;
     for curved in bent {
         let found =
-            if is_finite(curved) { curved.branch.passes(room, curved.most) } else { Err(StepFailure::Branch(0.0)) };
-        found.unwrap_or_else(|failure| _ = led.entry(curved.branch.part).or_insert(failure));
+            if is_finite(curved) { curved.branch.passes(scratch, curved.most) } else { Err(StepFailure::Branch(0.0)) };
+        found.unwrap_or_else(|failure| _ = failures.entry(curved.branch.part).or_insert(failure));
     }
     Ok(())
 }
@@ -235,8 +235,8 @@ impl Branch {
         (off.is_nan() || off > STRAIGHT).then_some(CurvedWay { branch: self, dx, most })
     }
 
-    fn passes(&self, there: &Quantities, most: f64) -> Result<(), StepFailure> {
-        let radius = self.turn(there)?.radius;
+    fn passes(&self, there: &Evaluation, most: f64) -> Result<(), StepFailure> {
+        let radius = self.check(there)?.radius;
         let far = radius > most && self.change(there) > MET;
         if far { Err(StepFailure::Branch(growth(radius))) } else { Ok(()) }
     }

@@ -13,7 +13,7 @@ use crate::newton::NewtonError;
 #[non_exhaustive]
 pub enum EquilibriumError {
     /// The numbers of DOFs or equations do not match.
-    #[error("there are {found} {what} where the constraint set needs {expected}")]
+    #[error("there are {found} {what}, but the constraint set needs {expected}")]
     Size {
         /// The list that does not match.
         what: &'static str,
@@ -42,7 +42,7 @@ pub enum EquilibriumError {
     },
     /// The model adds stiffness outside its pattern.
     #[error(
-        "the model adds stiffness at ({row}, {column}), which its pattern does not name; both halves must be named"
+        "the model adds stiffness at ({row}, {column}), which is not in its pattern; the pattern must contain both halves"
     )]
     Pattern {
         /// Row of K, a DOF.
@@ -81,8 +81,8 @@ pub enum EquilibriumError {
     },
     /// A motor turns too far in the shortest load step.
     #[error(
-        "at load factor {factor}: {label} would turn by {angle} rad in the shortest load step, and more than a sixteenth of a turn is not \
-         followed; allow shorter load steps, or go to a time nearer by"
+        "at load factor {factor}: {label} would turn by {angle} rad in the shortest load step, more than a sixteenth of a turn; \
+         allow shorter load steps, or choose a closer target time"
     )]
     Turn {
         /// Load factor of the last equilibrium.
@@ -94,8 +94,8 @@ pub enum EquilibriumError {
     },
     /// The shortest load step moves a linkage so far that it may change to another branch.
     #[error(
-        "at load factor {factor}: even the shortest load step moves what the constraints determine so far that it may go over to another branch; \
-         allow shorter load steps, or go to a target nearer by"
+        "at load factor {factor}: even the shortest load step moves a linkage so far that it may change to another branch; allow \
+         shorter load steps, or choose a closer target"
     )]
     Branch {
         /// Load factor of the last equilibrium.
@@ -113,7 +113,7 @@ pub enum EquilibriumError {
         source: NewtonError,
     },
     /// Equations that the solution ignores as redundant do not hold.
-    #[error("at load factor {factor}: {} cannot hold together with the equations that it depends on", .labels.join(" and "))]
+    #[error("at load factor {factor}: conflicting equations: {}; each contradicts the equations that it depends on", .labels.join(" and "))]
     Conflict {
         /// Load factor of the last equilibrium.
         factor: f64,
@@ -142,7 +142,7 @@ pub enum EquilibriumError {
     /// The load steps became too short.
     #[error(
         "no equilibrium beyond load factor {factor}: at {tried} the force residual is {force:e}, the constraint residual {constraint:e}; \
-         the load may be more than the model carries, or it snaps through: prescribe a displacement instead"
+         the load may exceed the limit load, or the model snaps through: prescribe a displacement instead"
     )]
     NoConvergence {
         /// Load factor of the last equilibrium.

@@ -4,7 +4,7 @@
 //! last, ordered by their rows.
 
 use qless::common::DisjointSets;
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::model::Assembly;
 use crate::newton::{EquationParts, join_all};
@@ -20,7 +20,7 @@ pub struct EquilibriumPart {
     /// Its equations, ascending.
     pub rows: Vec<usize>,
     /// Prescribed DOFs in its stiffness or equations, ascending.
-    pub held: Vec<usize>,
+    pub prescribed: Vec<usize>,
 }
 
 pub struct EquilibriumParts {
@@ -35,14 +35,14 @@ pub struct EquilibriumParts {
 }
 
 impl EquilibriumParts {
-    pub fn new(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, prescribed: &[(usize, f64)]) -> Self {
+    pub fn new(assembly: &Assembly, set: &ConstraintSet, evaluation: &Evaluation, prescribed: &[(usize, f64)]) -> Self {
         let n = set.dofs();
-        let mut held = vec![false; n];
-        prescribed.iter().for_each(|&(j, _)| held[j] = true);
-        let mut roots = joined(assembly, set, quantities, &held);
+        let mut is_prescribed = vec![false; n];
+        prescribed.iter().for_each(|&(j, _)| is_prescribed[j] = true);
+        let mut roots = joined(assembly, set, evaluation, &is_prescribed);
         let (mut list, mut place): (Vec<EquilibriumPart>, _) = (Vec::new(), vec![NONE; n]);
         let mut of_dof = vec![NONE; n];
-        for j in (0..n).filter(|&j| !held[j]) {
+        for j in (0..n).filter(|&j| !is_prescribed[j]) {
             let root = roots.root(j);
             if root == j {
                 of_dof[j] = list.len() as u32;
@@ -53,7 +53,7 @@ impl EquilibriumParts {
             place[j] = free.len() as u32;
             free.push(j);
         }
-        let g = quantities.g();
+        let g = evaluation.g();
         let mut of_row = Vec::with_capacity(g.rows());
         for r in 0..g.rows() {
             let part = g.row(r).map(|(j, _)| of_dof[j]).find(|&part| part != NONE);
@@ -62,16 +62,12 @@ impl EquilibriumParts {
             list[part as usize].rows.push(r);
             of_row.push(part);
         }
-        list.iter_mut().for_each(|part| part.touch(assembly, quantities, &held));
-        let mut touched: Vec<bool> = held.iter().map(|held| !held).collect();
-        list.iter().flat_map(|part| &part.held).for_each(|&j| touched[j] = true);
+        list.iter_mut().for_each(|part| part.collect_prescribed(assembly, evaluation, &is_prescribed));
+        let mut touched: Vec<bool> = is_prescribed.iter().map(|prescribed| !prescribed).collect();
+        list.iter().flat_map(|part| &part.prescribed).for_each(|&j| touched[j] = true);
         let rest = (0..n).filter(|&j| !touched[j]).collect();
-        let untouched = EquilibriumPart { held: rest, ..EquilibriumPart::default() };
+        let untouched = EquilibriumPart { prescribed: rest, ..EquilibriumPart::default() };
         Self { list, untouched, of_dof, of_row, place, of_equations: EquationParts::new(g, prescribed, &[]) }
-    }
-
-    pub fn count(&self) -> usize {
-        self.list.len()
     }
 
     pub fn of_row(&self, r: usize) -> usize {
@@ -86,25 +82,25 @@ impl EquilibriumParts {
 
 impl EquilibriumPart {
     /// Collects its prescribed DOFs.
-    fn touch(&mut self, assembly: &Assembly, quantities: &Quantities, held: &[bool]) {
-        let g = quantities.g();
-        let of_row = |&r: &usize| g.row(r).map(|(j, _)| j).filter(|&j| held[j]);
-        let of_k = self.free.iter().flat_map(|&i| assembly.row(i).map(|(j, _)| j)).filter(|&j| held[j]);
-        self.held = of_k.chain(self.rows.iter().flat_map(of_row)).collect();
-        self.held.sort_unstable();
-        self.held.dedup();
+    fn collect_prescribed(&mut self, assembly: &Assembly, evaluation: &Evaluation, is_prescribed: &[bool]) {
+        let g = evaluation.g();
+        let of_row = |&r: &usize| g.row(r).map(|(j, _)| j).filter(|&j| is_prescribed[j]);
+        let of_k = self.free.iter().flat_map(|&i| assembly.row(i).map(|(j, _)| j)).filter(|&j| is_prescribed[j]);
+        self.prescribed = of_k.chain(self.rows.iter().flat_map(of_row)).collect();
+        self.prescribed.sort_unstable();
+        self.prescribed.dedup();
     }
 }
 
 /// Connected components of the free DOFs.
-fn joined(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, held: &[bool]) -> DisjointSets {
-    let (mut sets, g) = (DisjointSets::new(held.len()), quantities.g());
-    (0..g.rows()).for_each(|r| join_all(&mut sets, g.row(r).map(|(j, _)| j).filter(|&j| !held[j])));
-    for i in (0..held.len()).filter(|&i| !held[i]) {
+fn joined(assembly: &Assembly, set: &ConstraintSet, evaluation: &Evaluation, is_prescribed: &[bool]) -> DisjointSets {
+    let (mut sets, g) = (DisjointSets::new(is_prescribed.len()), evaluation.g());
+    (0..g.rows()).for_each(|r| join_all(&mut sets, g.row(r).map(|(j, _)| j).filter(|&j| !is_prescribed[j])));
+    for i in (0..is_prescribed.len()).filter(|&i| !is_prescribed[i]) {
         let of_k = assembly.row(i).map(|(j, _)| j);
-        join_all(&mut sets, std::iter::once(i).chain(of_k).filter(|&j| !held[j]));
+        join_all(&mut sets, std::iter::once(i).chain(of_k).filter(|&j| !is_prescribed[j]));
     }
-    let vectors = set.rotation_vectors().into_iter().filter(|vector| vector.iter().all(|&j| !held[j]));
+    let vectors = set.rotation_vectors().into_iter().filter(|vector| vector.iter().all(|&j| !is_prescribed[j]));
     vectors.for_each(|vector| join_all(&mut sets, vector));
     sets
 }

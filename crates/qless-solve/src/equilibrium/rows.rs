@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use qless::{Analysis, Kind, Options, analyse};
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::parts::EquilibriumParts;
 use super::{EquilibriumOptions, StepFailure};
@@ -25,21 +25,21 @@ pub struct RowChoice {
 }
 
 impl RowChoice {
-    /// Analyses G as evaluated in `quantities`; rows in `before` are preferred.
+    /// Analyses G as evaluated in `evaluation`; rows in `before` are preferred.
     pub fn new(
         (set, parts): (&ConstraintSet, &EquilibriumParts),
-        quantities: &Quantities,
+        evaluation: &Evaluation,
         prescribed: &[(usize, f64)],
         (options, mut before): (&EquilibriumOptions, Vec<usize>),
     ) -> Result<Arc<Self>, StepFailure> {
-        let mut still = quantities.clone();
+        let mut still = evaluation.clone();
         // Only the rank is needed.
         still.clear_values();
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
         let mut settings: Options = options.analysis.clone();
         before.sort_unstable();
         settings.preferences.equations = before;
-        let units = units(set, quantities, &parts.of_equations.columns)?;
+        let units = units(set, evaluation, &parts.of_equations.columns)?;
         let analysis = analyse(&set.linearised_in(&units, &still, &held)?, &settings)?;
         let kept = analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect();
         Ok(Arc::new(Self { units, kept, analysis }))
@@ -48,22 +48,18 @@ impl RowChoice {
 
 /// Kept rows of one part, ascending.
 #[derive(Clone, Debug)]
-pub struct KeptRows {
-    list: Vec<usize>,
+pub struct PartRows {
+    pub list: Vec<usize>,
     /// Whether a row was removed although the analysis found it independent.
-    is_thinned: bool,
+    pub is_thinned: bool,
     choice: Arc<RowChoice>,
 }
 
-impl KeptRows {
+impl PartRows {
     /// The independent rows among `of`.
     pub fn new(of: &[usize], choice: &Arc<RowChoice>) -> Self {
         let list = of.iter().copied().filter(|&r| choice.kept[r]).collect();
         Self { list, is_thinned: false, choice: choice.clone() }
-    }
-
-    pub fn list(&self) -> &[usize] {
-        &self.list
     }
 
     /// Units of the columns of G; those of DOFs come first.
@@ -85,10 +81,6 @@ impl KeptRows {
     pub fn leave_out(&mut self, row: usize) {
         self.list.retain(|&r| r != row);
         self.is_thinned = true;
-    }
-
-    pub fn is_thinned(&self) -> bool {
-        self.is_thinned
     }
 
     /// Chooses anew among `of`; returns whether the rows changed.

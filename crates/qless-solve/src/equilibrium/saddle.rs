@@ -9,7 +9,7 @@ use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{Argsort, Pair, SymbolicSparseColMat};
 
-use crate::common::{SparseMatrix, random};
+use crate::common::{SparseMatrix, random, times};
 
 /// Passes of scaling by square roots of the largest entries.
 const ROUNDS: usize = 10;
@@ -33,7 +33,8 @@ pub struct SaddleEntries {
 /// The scaled matrix with its factors.
 pub struct Saddle {
     scale: Vec<f64>,
-    a: SparseMatrix,
+    /// `A = D (saddle) D`.
+    pub a: SparseMatrix,
     lu: Lu<usize, f64>,
 }
 
@@ -46,11 +47,6 @@ impl Saddle {
         let a = pattern.matrix(entries.size, &scaled.chain(more).collect::<Vec<_>>())?;
         let lu = pattern.factors(&a)?;
         Ok(Self { scale, a, lu })
-    }
-
-    /// `A = D (saddle) D`.
-    pub fn matrix(&self) -> &SparseMatrix {
-        &self.a
     }
 
     /// Solves, with one step of refinement.
@@ -98,15 +94,6 @@ impl Saddle {
         (0..self.scale.len()).for_each(|j| shifted[(j, j)] += SHIFT);
         pattern.factors(&shifted).ok()
     }
-}
-
-/// `A x`.
-pub fn times(a: &SparseMatrix, x: &[f64]) -> Vec<f64> {
-    let mut y = vec![0.0; x.len()];
-    for (j, x) in x.iter().enumerate() {
-        a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j)).for_each(|(i, v)| y[i] += v * x);
-    }
-    y
 }
 
 fn inverse(lu: &Lu<usize, f64>, b: &[f64]) -> Vec<f64> {

@@ -15,8 +15,8 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use super::saddle::{norm, times};
-use crate::common::{SparseMatrix, random};
+use super::saddle::norm;
+use crate::common::{SparseMatrix, random, times};
 
 /// Values of s to try, for entries of size one: with a large s, M differs from the constraints; with a small s, the stiffness is lost to
 /// rounding.

@@ -1,7 +1,7 @@
 //! f_int, K, c, G and H at one configuration, and the residual `r = f_int + G^T lambda - f_ext`.
 
 use qless::Csr;
-use qless_constraints::{ConstraintSet, Quantities, Rounding};
+use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
 use super::model::{Assembly, AssemblyFault, Model};
 use super::parts::{EquilibriumPart, EquilibriumParts};
@@ -20,10 +20,10 @@ pub struct Unknowns {
     pub multipliers: Vec<f64>,
 }
 
-/// All quantities at one configuration.
+/// Model and constraints at one configuration.
 pub struct EquilibriumState {
     pub assembly: Assembly,
-    pub quantities: Quantities,
+    pub evaluation: Evaluation,
     /// `f_int + G^T lambda - f_ext` at all DOFs.
     pub residual: Vec<f64>,
     /// `sum |terms|` of the residual.
@@ -42,10 +42,10 @@ impl EquilibriumState {
         fault(&assembly)?;
         let n = set.dofs();
         let zeros = || vec![0.0; n];
-        let (quantities, constraints) = (set.allocate(), vec![0.0; set.equations()]);
+        let (evaluation, constraints) = (set.allocate(), vec![0.0; set.equations()]);
         Ok(Self {
             assembly,
-            quantities,
+            evaluation,
             residual: zeros(),
             terms: zeros(),
             rounding: zeros(),
@@ -64,11 +64,11 @@ impl EquilibriumState {
     ) -> Result<(), StepFailure> {
         self.assembly.clear(false);
         model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
-        set.evaluate(&at.u, &mut self.quantities)?;
+        set.evaluate(&at.u, &mut self.evaluation)?;
         self.sum(at, loads)
     }
 
-    /// Evaluates all quantities.
+    /// Evaluates f_int, K, c, G and H.
     pub fn evaluate(
         &mut self,
         model: &mut impl Model,
@@ -78,10 +78,10 @@ impl EquilibriumState {
     ) -> Result<(), StepFailure> {
         self.assembly.clear(true);
         model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
-        set.assemble(&at.u, &at.multipliers, &mut self.quantities)?;
+        set.assemble(&at.u, &at.multipliers, &mut self.evaluation)?;
         self.sum(at, loads)?;
         let rounding = set.rounding(&at.u)?;
-        self.constraints = in_roundings(self.quantities.c(), rounding.c());
+        self.constraints = in_roundings(self.evaluation.c(), rounding.c());
         self.round(model, at, rounding.g());
         self.of_constraints = Some(rounding);
         Ok(())
@@ -96,9 +96,9 @@ impl EquilibriumState {
     ) {
         if let Some(rounding) = &self.of_constraints {
             let parts = &parts.of_equations;
-            let weights = weights(self.quantities.g(), rounding.g(), &parts.columns);
+            let weights = weights(self.evaluation.g(), rounding.g(), &parts.columns);
             let extents = set.extents(u).expect("u has a number for each DOF");
-            let at_rest = at_rest(&weights, &self.quantities, (rounding, &extents), parts);
+            let at_rest = at_rest(&weights, &self.evaluation, (rounding, &extents), parts);
             for part in settled {
                 let in_forces = self.in_forces(part);
                 let rows = part.rows.iter().zip(in_forces);
@@ -114,7 +114,7 @@ impl EquilibriumState {
         let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
         let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);
         let most = sizes.map(|(stiffness, terms)| terms / stiffness).fold(0.0, f64::max);
-        let (c, g) = (self.quantities.c(), self.quantities.g());
+        let (c, g) = (self.evaluation.c(), self.evaluation.g());
         let of_row = |&r: &usize| {
             let motions = g.row(r).filter(|&(j, v)| v != 0.0 && stiffness(j) > 0.0);
             let least = motions.map(|(j, v)| (c[r] / v).abs() * stiffness(j)).fold(f64::INFINITY, f64::min);
@@ -130,7 +130,7 @@ impl EquilibriumState {
             residual[j] = assembly.force[j] - load;
             terms[j] = assembly.terms[j] + load.abs();
         }
-        let g = self.quantities.g();
+        let g = self.evaluation.g();
         for (r, &lambda) in at.multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
             g.row(r).for_each(|(j, v)| {
                 residual[j] += v * lambda;
@@ -142,13 +142,13 @@ impl EquilibriumState {
 
     /// Fails if a force or c of the part is not finite.
     pub fn finite(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
-        finite("the force", part.free.iter().chain(&part.held).map(|&j| (j, self.residual[j])))?;
-        finite("the constraint value", part.rows.iter().map(|&r| (r, self.quantities.c()[r])))
+        finite("the force", part.free.iter().chain(&part.prescribed).map(|&j| (j, self.residual[j])))?;
+        finite("the constraint value", part.rows.iter().map(|&r| (r, self.evaluation.c()[r])))
     }
 
     /// Fails if its stiffness is not finite.
     pub fn finite_stiffness(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
-        let rows = part.free.iter().chain(&part.held);
+        let rows = part.free.iter().chain(&part.prescribed);
         finite("the stiffness", rows.flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
     }
 
@@ -158,7 +158,7 @@ impl EquilibriumState {
             let terms = self.assembly.row(i);
             terms.for_each(|(j, k)| *rounding += ULPS * k.abs() * (at.u[j].abs() + model.coordinate(j).abs()));
         }
-        let g = self.quantities.g();
+        let g = self.evaluation.g();
         for (r, &lambda) in at.multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
             let bounds = &of_g[g.starts()[r]..g.starts()[r + 1]];
             g.row(r).zip(bounds).for_each(|((j, _), bound)| self.rounding[j] += (lambda * bound).abs());
@@ -178,7 +178,7 @@ impl EquilibriumState {
     /// of each other.
     pub fn follows(&self, row: usize, because: impl Iterator<Item = (f64, usize)>, roundings: f64) -> bool {
         let Some(rounding) = &self.of_constraints else { return false };
-        let (c, bounds) = (self.quantities.c(), rounding.c());
+        let (c, bounds) = (self.evaluation.c(), rounding.c());
         let start = (c[row], roundings * bounds[row]);
         let (left, limit) =
             because.fold(start, |(left, limit), (y, k)| (left - y * c[k], limit + OTHERS * (y * bounds[k]).abs()));

@@ -39,7 +39,7 @@ impl NewtonState<'_> {
         let analysis = &found.analysis;
         let (du, conflicts) = self.directions(found, step)?;
         let target = self.search(du, &kept(analysis)).map_err(|source| NewtonError::Argument { step, source })?;
-        for part in 0..self.parts.count() {
+        for part in 0..self.parts.count {
             let stuck = self.states[part].goal != StepGoal::Done && target.lengths[part] == 0.0;
             if conflicts[part] {
                 self.fail(part, self.conflict(part, analysis));
@@ -54,7 +54,7 @@ impl NewtonState<'_> {
     fn directions(&mut self, found: &Linearisation, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
         let down = self.downhill(found, step)?;
         let (out, exists) = if self.contradicted.is_empty() {
-            (vec![0.0; self.set.dofs()], vec![true; self.parts.count()])
+            (vec![0.0; self.set.dofs()], vec![true; self.parts.count])
         } else {
             second_order_directions(self, &found.analysis, step)?
         };
@@ -72,7 +72,7 @@ impl NewtonState<'_> {
         if !self.states.iter().any(|state| state.goal == StepGoal::Downhill) {
             return Ok(vec![0.0; self.set.dofs()]);
         }
-        if found.current { found.step(step) } else { self.linearised(&self.configuration.quantities, step)?.step(step) }
+        if found.current { found.step(step) } else { self.linearised(&self.configuration.evaluation, step)?.step(step) }
     }
 
     fn search(&mut self, du: Vec<f64>, kept: &[bool]) -> Result<StepEnd, ArgumentError> {
@@ -97,9 +97,7 @@ impl NewtonState<'_> {
         self.measure();
         Ok(())
     }
-}
 
-impl NewtonState<'_> {
     /// Decides what each part needs next.
     ///
     /// A part is done if its kept equations hold to the tolerance, and its redundant ones to the tolerance that follows from these.
@@ -128,7 +126,7 @@ impl NewtonState<'_> {
     pub fn goes_on(&mut self, step: usize) -> bool {
         if step == self.options.steps {
             let unfinished = |part: &usize| self.states[*part].goal != StepGoal::Done;
-            let late: Vec<usize> = (0..self.parts.count()).filter(unfinished).collect();
+            let late: Vec<usize> = (0..self.parts.count).filter(unfinished).collect();
             late.into_iter().for_each(|part| self.fail(part, self.no_convergence(step, part)));
         }
         self.states.iter().any(|state| state.goal != StepGoal::Done)
@@ -142,6 +140,6 @@ impl NewtonState<'_> {
         let rounding = self.configuration.rounding.c();
         let terms = analysis.because(row)?.into_iter().map(|b| b.coefficient.abs() * rounding[b.row]);
         let allowed = self.options.tolerance * terms.fold(rounding[row], |sum, term| sum + term);
-        Ok(!(self.configuration.quantities.c()[row].abs() <= allowed && allowed.is_finite()))
+        Ok(!(self.configuration.evaluation.c()[row].abs() <= allowed && allowed.is_finite()))
     }
 }

@@ -8,14 +8,14 @@
 //! u, and so does c.
 
 use qless::{ArgumentError, Csr};
-use qless_constraints::{ConstraintSet, Quantities, Rounding};
+use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
 use super::parts::{EquationParts, PartColumns};
 
 /// A configuration with its c and G.
 pub struct Configuration {
     pub u: Vec<f64>,
-    pub quantities: Quantities,
+    pub evaluation: Evaluation,
     /// Bounds on the rounding of c and G.
     pub rounding: Rounding,
     /// Weights D of the equations.
@@ -27,12 +27,12 @@ pub struct Configuration {
 
 impl Configuration {
     pub fn new(set: &ConstraintSet, u: Vec<f64>, parts: &EquationParts) -> Result<Self, ArgumentError> {
-        let mut quantities = set.allocate();
-        set.evaluate(&u, &mut quantities)?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&u, &mut evaluation)?;
         let rounding = set.rounding(&u)?;
-        let weights = weights(quantities.g(), rounding.g(), &parts.columns);
-        let residuals = residuals(quantities.c(), rounding.c(), &weights, parts);
-        Ok(Self { u, quantities, rounding, weights, residuals })
+        let weights = weights(evaluation.g(), rounding.g(), &parts.columns);
+        let residuals = residuals(evaluation.c(), rounding.c(), &weights, parts);
+        Ok(Self { u, evaluation, rounding, weights, residuals })
     }
 
     /// The largest residual of all parts.
@@ -45,8 +45,8 @@ fn residuals(c: &[f64], bounds: &[f64], weights: &[f64], parts: &EquationParts) 
     let relative = |(all, bound): (f64, f64)| if all == 0.0 { 0.0 } else { all / bound };
     let largest = |x| largest(weights, x, parts);
     let mut list: Vec<f64> = largest(c).into_iter().zip(largest(bounds)).map(relative).collect();
-    let flat = in_roundings(c, bounds).into_iter().enumerate().filter(|(r, _)| weights[*r] == 0.0);
-    flat.for_each(|(r, own)| list[parts.of_row(r)] = list[parts.of_row(r)].max(own));
+    let without_weight = in_roundings(c, bounds).into_iter().enumerate().filter(|(r, _)| weights[*r] == 0.0);
+    without_weight.for_each(|(r, own)| list[parts.of_row(r)] = list[parts.of_row(r)].max(own));
     list.iter_mut().for_each(|residual| *residual *= f64::EPSILON);
     list
 }
@@ -65,16 +65,16 @@ pub fn in_roundings(c: &[f64], rounding: &[f64]) -> Vec<f64> {
 
 /// How far each DOF can move until a nonlinear equation changes by the size of its terms: `1 / max_r (|G_rj| / size_r)`, or less if the
 /// curvature `|H_jj|` limits it. A length for a position, an angle for a rotation, in any unit; 0 for DOFs without equations.
-pub fn sizes_of_dofs(set: &ConstraintSet, u: &[f64], quantities: &mut Quantities) -> Result<Vec<f64>, ArgumentError> {
+pub fn sizes_of_dofs(set: &ConstraintSet, u: &[f64], evaluation: &mut Evaluation) -> Result<Vec<f64>, ArgumentError> {
     let weights: Vec<f64> = set.rounding(u)?.c().iter().map(|&bound| inverse(bound / f64::EPSILON)).collect();
-    set.effective_hessian(u, &weights, quantities)?;
+    set.effective_hessian(u, &weights, evaluation)?;
     let mut steepness = vec![0.0_f64; set.dofs()];
     for (row, weight) in weights.iter().enumerate() {
-        quantities.g().row(row).for_each(|(j, v)| steepness[j] = steepness[j].max(v.abs() * weight));
+        evaluation.g().row(row).for_each(|(j, v)| steepness[j] = steepness[j].max(v.abs() * weight));
     }
     for (j, steep) in steepness.iter_mut().enumerate() {
-        let bent = quantities.h().row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
-        *steep = inverse(steep.max(bent));
+        let curvature = evaluation.h().row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
+        *steep = inverse(steep.max(curvature));
     }
     Ok(steepness)
 }
@@ -87,12 +87,12 @@ pub fn inverse(x: f64) -> f64 {
 
 /// `max |G_rj - G'_rj| s_j / max |G'_rj| s_j` over j, then the largest over the rows; s are the sizes of the columns.
 pub fn change(
-    [before, after]: [&Quantities; 2],
+    [before, after]: [&Evaluation; 2],
     rows: impl IntoIterator<Item = usize>,
-    (of, sizes): (&PartColumns, &[f64]),
+    (columns, sizes): (&PartColumns, &[f64]),
 ) -> f64 {
     let of_row = |row: usize| {
-        let pairs = || of.row(before.g(), row).zip(after.g().row(row));
+        let pairs = || columns.row(before.g(), row).zip(after.g().row(row));
         let most = pairs().map(|((j, a), (_, b))| (a - b).abs() * sizes[j]).fold(0.0, f64::max);
         let size = pairs().map(|((j, a), (_, b))| a.abs().max(b.abs()) * sizes[j]).fold(0.0, f64::max);
         if most == 0.0 { 0.0 } else { most / size }
@@ -104,16 +104,16 @@ pub fn change(
 const SWEEPS: usize = 20;
 
 /// D, one weight per equation. Entries that are rounding do not count; a row without other entries has weight 0.
-pub fn weights(g: &Csr, rounding: &[f64], of: &PartColumns) -> Vec<f64> {
-    let entries = entries(g, rounding, of);
-    let (mut rows, mut columns) = (vec![0.0; g.rows()], vec![0.0; of.count()]);
-    let mut counts = (vec![0.0; g.rows()], vec![0.0; of.count()]);
+pub fn weights(g: &Csr, rounding: &[f64], columns: &PartColumns) -> Vec<f64> {
+    let entries = entries(g, rounding, columns);
+    let (mut row_scales, mut column_scales) = (vec![0.0; g.rows()], vec![0.0; columns.count]);
+    let mut counts = (vec![0.0; g.rows()], vec![0.0; columns.count]);
     entries.iter().for_each(|&(r, j, _)| (counts.0[r] += 1.0, counts.1[j] += 1.0).0);
     for _ in 0..SWEEPS {
-        average(&mut rows, &counts.0, entries.iter().map(|&(r, j, v)| (r, v + columns[j])));
-        average(&mut columns, &counts.1, entries.iter().map(|&(r, j, v)| (j, v + rows[r])));
+        average(&mut row_scales, &counts.0, entries.iter().map(|&(r, j, v)| (r, v + column_scales[j])));
+        average(&mut column_scales, &counts.1, entries.iter().map(|&(r, j, v)| (j, v + row_scales[r])));
     }
-    rows.iter().zip(counts.0).map(|(row, count)| if count > 0.0 { row.exp2() } else { 0.0 }).collect()
+    row_scales.iter().zip(counts.0).map(|(row, count)| if count > 0.0 { row.exp2() } else { 0.0 }).collect()
 }
 
 /// Motions below this fraction of a DOF's size are negligible.
@@ -127,14 +127,14 @@ const NEGLIGIBLE: f64 = 1e-11;
 /// condition on the motion is needed since weights of rows with small entries are very large.
 pub fn at_rest(
     weights: &[f64],
-    quantities: &Quantities,
+    evaluation: &Evaluation,
     (rounding, extents): (&Rounding, &[f64]),
     parts: &EquationParts,
 ) -> Vec<f64> {
     let largest = largest(weights, rounding.c(), parts);
-    let mut list = in_roundings(quantities.c(), rounding.c());
-    for (r, (own, c)) in list.iter_mut().zip(quantities.c()).enumerate() {
-        let motion: f64 = quantities.g().row(r).map(|(j, v)| v.abs() * extents[j]).sum();
+    let mut list = in_roundings(evaluation.c(), rounding.c());
+    for (r, (own, c)) in list.iter_mut().zip(evaluation.c()).enumerate() {
+        let motion: f64 = evaluation.g().row(r).map(|(j, v)| v.abs() * extents[j]).sum();
         let largest = largest[parts.of_row(r)];
         if weights[r] > 0.0 && largest > 0.0 && c.abs() <= NEGLIGIBLE * motion {
             *own = own.min(weights[r] * c.abs() / largest);
@@ -144,11 +144,11 @@ pub fn at_rest(
 }
 
 /// `(row, column, log2 |G_rj|)`.
-fn entries(g: &Csr, rounding: &[f64], of: &PartColumns) -> Vec<(usize, usize, f64)> {
+fn entries(g: &Csr, rounding: &[f64], columns: &PartColumns) -> Vec<(usize, usize, f64)> {
     let mut list = Vec::with_capacity(g.nnz());
     for r in 0..g.rows() {
         let bounds = &rounding[g.starts()[r]..g.starts()[r + 1]];
-        let real = of.row(g, r).zip(bounds).filter(|((_, v), bound)| v.is_finite() && v.abs() > **bound);
+        let real = columns.row(g, r).zip(bounds).filter(|((_, v), bound)| v.is_finite() && v.abs() > **bound);
         list.extend(real.map(|((j, v), _)| (r, j, v.abs().log2())));
     }
     list
@@ -158,7 +158,7 @@ fn entries(g: &Csr, rounding: &[f64], of: &PartColumns) -> Vec<(usize, usize, f6
 fn average(places: &mut [f64], counts: &[f64], numbers: impl Iterator<Item = (usize, f64)>) {
     places.fill(0.0);
     numbers.for_each(|(i, v)| places[i] -= v);
-    places.iter_mut().zip(counts).for_each(|(configuration, count)| *configuration /= count.max(1.0));
+    places.iter_mut().zip(counts).for_each(|(sum, count)| *sum /= count.max(1.0));
 }
 
 /// `max_r D_r |x_r|` over the rows of each part.

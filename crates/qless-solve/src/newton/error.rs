@@ -44,8 +44,8 @@ pub enum NewtonError {
     Tolerance(f64),
     /// Equations that contradict those that they depend on: no motion that the others allow reduces their residual, to first or second order.
     #[error(
-        "{} cannot hold together with {}: {amount:e} is left of it, and no motion that these allow makes it less; change one of \
-         them, or the prescribed values", .labels.join(" and "), list(.others)
+        "{} cannot be satisfied together with {}: the residual is {amount:e}, and no motion that the latter allow reduces it; \
+         change one of them, or the prescribed values", .labels.join(" and "), list(.others)
     )]
     Conflict {
         /// The equations.
@@ -59,8 +59,8 @@ pub enum NewtonError {
     },
     /// The number of steps is exhausted, or no step reduces c.
     #[error(
-        "no convergence in {steps} steps: {residual:e} of the size of its terms is left of {label}; start nearer to the \
-             solution, or go there by smaller steps of the prescribed values"
+        "no convergence in {steps} steps: the residual of {label} is {residual:e} of its terms; start closer to the solution, or \
+         change the prescribed values in smaller steps"
     )]
     NoConvergence {
         /// Steps made.

@@ -18,7 +18,7 @@ pub struct LowestEigenpairs {
 
 /// The part of each unknown, and the number of parts. Unknowns without a part stay zero.
 pub struct KrylovParts {
-    pub of: Vec<Option<usize>>,
+    pub part_of: Vec<Option<usize>>,
     pub parts: usize,
 }
 
@@ -31,8 +31,8 @@ struct KrylovBasis {
 
 pub fn lowest<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &KrylovParts) -> Result<LowestEigenpairs, E> {
     let krylov = KrylovBasis::new(apply, numbers)?;
-    let pairs: Vec<Option<(f64, Vec<f64>)>> = krylov.projected(numbers).iter().map(of_matrix).collect();
-    let mut vectors = vec![0.0; numbers.of.len()];
+    let pairs: Vec<Option<(f64, Vec<f64>)>> = krylov.projected(numbers).iter().map(lowest_of_matrix).collect();
+    let mut vectors = vec![0.0; numbers.part_of.len()];
     for (k, basis) in krylov.basis.iter().enumerate() {
         numbers.each(|i, part| {
             let part = pairs[part].as_ref().and_then(|(_, vector)| vector.get(k));
@@ -83,7 +83,7 @@ impl KrylovBasis {
     }
 }
 
-fn of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
+fn lowest_of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
     let k = matrix.nrows();
     if k == 0 {
         return None;
@@ -96,12 +96,12 @@ fn of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
 impl KrylovParts {
     /// Calls `visit(index, part)` for each unknown with a part.
     pub fn each(&self, mut visit: impl FnMut(usize, usize)) {
-        self.of.iter().enumerate().for_each(|(i, part)| part.iter().for_each(|&part| visit(i, part)));
+        self.part_of.iter().enumerate().for_each(|(i, part)| part.iter().for_each(|&part| visit(i, part)));
     }
 
     /// The start vector, which depends on the index of an unknown within its part, and the number of unknowns of each part.
     fn start(&self) -> (Vec<f64>, Vec<usize>) {
-        let (mut first, mut sizes) = (vec![0.0; self.of.len()], vec![0; self.parts]);
+        let (mut first, mut sizes) = (vec![0.0; self.part_of.len()], vec![0; self.parts]);
         self.each(|i, part| {
             first[i] = random(sizes[part] as u64);
             sizes[part] += 1;

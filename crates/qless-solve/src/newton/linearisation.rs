@@ -9,7 +9,7 @@
 //! follow from the sizes of the terms of c, and so from the unit of length. They are powers of two, which cause no rounding.
 
 use qless::{Analysis, ArgumentError, Form, Options, analyse};
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::configuration::inverse;
 use super::error::NewtonError;
@@ -31,25 +31,25 @@ pub struct Linearisation {
 }
 
 impl Linearisation {
-    /// Linearises and analyses; the DOFs in `held` do not move.
+    /// Linearises and analyses; the DOFs in `prescribed` do not move.
     pub fn new(
         set: &ConstraintSet,
-        quantities: &Quantities,
-        (held, of): (&[(usize, f64)], &PartColumns),
+        evaluation: &Evaluation,
+        (prescribed, columns): (&[(usize, f64)], &PartColumns),
         (step, options): (usize, &NewtonOptions),
     ) -> Result<Self, NewtonError> {
         options.analysis.validate().map_err(|source| NewtonError::Analysis { step, source: source.into() })?;
-        let increments: Vec<(usize, f64)> = held.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
-        let units = units(set, quantities, of).map_err(|source| NewtonError::Argument { step, source })?;
+        let increments: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
+        let units = units(set, evaluation, columns).map_err(|source| NewtonError::Argument { step, source })?;
         let system = set
-            .linearised_in(&units, quantities, &increments)
+            .linearised_in(&units, evaluation, &increments)
             .map_err(|source| NewtonError::System { step, source })?;
         // If the first hinge of a chain turns, its end moves by the length of the chain. Smaller entries of T would require slaves far away.
         let growth = options.analysis.growth.max(GROWTH);
         // The columns are scaled already. Balancing would choose slaves that hardly change c, and steps would be long.
         let loose = Options { growth, balance: false, ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
-        let increments = vec![0.0; held.len()];
+        let increments = vec![0.0; prescribed.len()];
         Ok(Self { analysis, current: true, increments, units })
     }
 
@@ -80,10 +80,10 @@ const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 const SWEEPS: usize = 20;
 
 /// The power of two nearest to the reach of each column; 1 for DOFs without a reach. Columns of DOFs come first.
-pub fn units(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
+pub fn units(set: &ConstraintSet, evaluation: &Evaluation, columns: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
     let power = |reach: f64| if reach > 0.0 { reach.log2().round().exp2() } else { 1.0 };
     let usable = |unit: f64| if unit.is_normal() && (1.0 / unit).is_normal() { unit } else { 1.0 };
-    Ok(reaches(set, quantities, of)?.into_iter().map(|reach| usable(power(reach))).collect())
+    Ok(reaches(set, evaluation, columns)?.into_iter().map(|reach| usable(power(reach))).collect())
 }
 
 /// Reach of each column: how far a DOF moves until a nonlinear c changes by the size of its terms, `1 / max_r (|G_rj| / size_r)`.
@@ -91,13 +91,13 @@ pub fn units(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> 
 /// An entry counts as the size of its terms, known from its rounding, even if they cancel. All displacements in a row count as its largest
 /// one: otherwise a rod along an axis would give the DOFs across it a longer reach. Terms of linear rows vanish with u, so that only the
 /// ratios of their entries count: a DOF without nonlinear rows gets the reach of its neighbours, or 0 if these have none.
-fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
-    let (g, rounding) = (quantities.g(), set.rounding(quantities.u())?);
+fn reaches(set: &ConstraintSet, evaluation: &Evaluation, columns: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
+    let (g, rounding) = (evaluation.g(), set.rounding(evaluation.u())?);
     let linear = set.linear_rows();
-    let mut steepness = vec![0.0_f64; of.count()];
+    let mut steepness = vec![0.0_f64; columns.count];
     for (row, bound) in rounding.c().iter().enumerate().filter(|(row, _)| !linear.contains(row)) {
         let weight = inverse(bound / f64::EPSILON);
-        let entries = || of.row(g, row).zip(g.row(row)).zip(rounding.of_row(row));
+        let entries = || columns.row(g, row).zip(g.row(row)).zip(rounding.of_row(row));
         let sizes = || entries().map(|(((j, v), (dof, _)), bound)| (j, dof, v.abs().max(bound / ROUNDINGS)));
         let of_displacements =
             sizes().filter(|&(_, dof, _)| set.is_displacement(dof)).fold(0.0, |most: f64, (.., size)| most.max(size));
@@ -107,7 +107,7 @@ fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> Re
         }
     }
     let mut reaches: Vec<f64> = steepness.into_iter().map(inverse).collect();
-    spread(|row| of.row(g, row), linear, &mut reaches);
+    spread(|row| columns.row(g, row), linear, &mut reaches);
     Ok(reaches)
 }
 

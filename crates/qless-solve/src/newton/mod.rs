@@ -50,7 +50,7 @@ use state::NewtonState;
 /// let solution = solve(&set, &[0.0, 0.5], &[(1, 0.6)], &NewtonOptions::default())?;
 /// // (0.8, 0.6) is on the circle.
 /// assert!((solution.u[0] + 0.2).abs() < 1e-15);
-/// // From its dead centre, where x = 0.8 asks for a motion along y that G knows nothing of.
+/// // From the dead centre: x = 0.8 requires a motion along y, for which G is zero.
 /// let solution = solve(&set, &[0.0, 0.0], &[(0, -0.2)], &NewtonOptions::default())?;
 /// assert!((solution.u[1] - 0.6).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

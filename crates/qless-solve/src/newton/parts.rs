@@ -13,7 +13,8 @@ const NONE: u32 = u32::MAX;
 pub struct EquationParts {
     of_row: Vec<u32>,
     of_dof: Vec<u32>,
-    count: usize,
+    /// Number of parts.
+    pub count: usize,
     /// Columns of G, split by parts.
     pub columns: PartColumns,
 }
@@ -21,10 +22,10 @@ pub struct EquationParts {
 impl EquationParts {
     /// `together` lists DOFs that belong together, such as those of a rotation.
     pub fn new(g: &Csr, prescribed: &[(usize, f64)], together: &[[usize; 3]]) -> Self {
-        let mut held = vec![false; g.cols()];
-        prescribed.iter().for_each(|&(j, _)| held[j] = true);
+        let mut is_prescribed = vec![false; g.cols()];
+        prescribed.iter().for_each(|&(j, _)| is_prescribed[j] = true);
         let mut sets = DisjointSets::new(g.cols());
-        let free = |r: usize| g.row(r).map(|(j, _)| j).filter(|&j| !held[j]);
+        let free = |r: usize| g.row(r).map(|(j, _)| j).filter(|&j| !is_prescribed[j]);
         (0..g.rows()).for_each(|r| join_all(&mut sets, free(r)));
         together.iter().for_each(|&dofs| join_all(&mut sets, dofs));
         let roots: Vec<usize> = (0..g.cols()).map(|j| sets.root(j)).collect();
@@ -40,13 +41,9 @@ impl EquationParts {
             count - 1
         };
         let of_row: Vec<u32> = (0..g.rows()).map(number).collect();
-        let of_dof = (0..g.cols()).map(|j| if held[j] { NONE } else { of_root[roots[j]] }).collect();
-        let columns = PartColumns::of_parts(g, &held, &of_row);
+        let of_dof = (0..g.cols()).map(|j| if is_prescribed[j] { NONE } else { of_root[roots[j]] }).collect();
+        let columns = PartColumns::of_parts(g, &is_prescribed, &of_row);
         Self { of_row, of_dof, count: count as usize, columns }
-    }
-
-    pub fn count(&self) -> usize {
-        self.count
     }
 
     pub fn of_row(&self, r: usize) -> usize {
@@ -69,36 +66,33 @@ impl EquationParts {
 
 /// Column of each entry of G.
 pub struct PartColumns {
-    of_entry: Vec<u32>,
-    count: usize,
+    column_of_entry: Vec<u32>,
+    /// Number of columns.
+    pub count: usize,
 }
 
 impl PartColumns {
     /// The columns of G itself.
     pub fn plain(g: &Csr) -> Self {
-        Self { of_entry: g.columns().to_vec(), count: g.cols() }
+        Self { column_of_entry: g.columns().to_vec(), count: g.cols() }
     }
 
-    /// Splits the column of each held DOF into one per part; these come after the others.
-    fn of_parts(g: &Csr, held: &[bool], of_row: &[u32]) -> Self {
+    /// Splits the column of each is_prescribed DOF into one per part; these come after the others.
+    fn of_parts(g: &Csr, is_prescribed: &[bool], of_row: &[u32]) -> Self {
         let entries = |r: usize| g.row(r).map(move |(j, _)| (j as u32, of_row[r]));
-        let mut split: Vec<_> = (0..g.rows()).flat_map(entries).filter(|&(j, _)| held[j as usize]).collect();
+        let mut split: Vec<_> = (0..g.rows()).flat_map(entries).filter(|&(j, _)| is_prescribed[j as usize]).collect();
         split.sort_unstable();
         split.dedup();
-        let configuration = |pair: (u32, u32)| (g.cols() + split.partition_point(|other| *other < pair)) as u32;
-        let column = |pair: (u32, u32)| if held[pair.0 as usize] { configuration(pair) } else { pair.0 };
-        let of_entry = (0..g.rows()).flat_map(entries).map(column).collect();
-        Self { of_entry, count: g.cols() + split.len() }
-    }
-
-    pub fn count(&self) -> usize {
-        self.count
+        let split_column = |pair: (u32, u32)| (g.cols() + split.partition_point(|other| *other < pair)) as u32;
+        let column = |pair: (u32, u32)| if is_prescribed[pair.0 as usize] { split_column(pair) } else { pair.0 };
+        let column_of_entry = (0..g.rows()).flat_map(entries).map(column).collect();
+        Self { column_of_entry, count: g.cols() + split.len() }
     }
 
     /// `(column, value)` of the entries of a row.
     pub fn row(&self, g: &Csr, r: usize) -> impl Iterator<Item = (usize, f64)> {
         let entries = g.starts()[r]..g.starts()[r + 1];
-        self.of_entry[entries.clone()].iter().zip(&g.values()[entries]).map(|(&j, &v)| (j as usize, v))
+        self.column_of_entry[entries.clone()].iter().zip(&g.values()[entries]).map(|(&j, &v)| (j as usize, v))
     }
 }
 

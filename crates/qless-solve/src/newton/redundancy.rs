@@ -4,7 +4,7 @@
 //! configuration decides: a random step `du = T dq` that the kept equations allow, corrected by Newton's method.
 
 use qless::{Analysis, Form, Options, Reduction, analyse};
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::configuration::{change, sizes_of_dofs};
 use super::error::NewtonError;
@@ -19,7 +19,7 @@ const STEP: f64 = 0.05;
 /// Number of random directions.
 const TRIES: u64 = 8;
 
-/// Where an equation is redundant that is redundant at u.
+/// Whether an equation that is redundant at u is redundant at other configurations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Redundancy {
     /// In all configurations nearby, or there are no others: the equation can be removed.
@@ -30,7 +30,7 @@ pub enum Redundancy {
     Unknown,
 }
 
-/// Finds the equations that are redundant at a consistent configuration u, and whether they are elsewhere.
+/// Finds the equations that are redundant at a consistent configuration u, and whether they are redundant at others.
 ///
 /// ```
 /// use qless_solve::newton::{NewtonOptions, Redundancy, redundancies};
@@ -73,7 +73,7 @@ pub fn redundancies(
 
 /// Analysis at one configuration.
 struct RedundancyAnalysis {
-    quantities: Quantities,
+    evaluation: Evaluation,
     sizes: Vec<f64>,
     /// `du_j = s_j y_j`; analysis and reduction are of y.
     units: Vec<f64>,
@@ -92,19 +92,19 @@ enum Nearby {
 
 impl RedundancyAnalysis {
     fn new(set: &ConstraintSet, u: &[f64], options: &Options) -> Result<Self, NewtonError> {
-        let mut quantities = set.allocate();
+        let mut evaluation = set.allocate();
         let argument = |source| NewtonError::Argument { step: 0, source };
-        set.evaluate(u, &mut quantities).map_err(argument)?;
-        let sizes = sizes_of_dofs(set, u, &mut quantities).map_err(argument)?;
+        set.evaluate(u, &mut evaluation).map_err(argument)?;
+        let sizes = sizes_of_dofs(set, u, &mut evaluation).map_err(argument)?;
         // Only the rank is needed. With c = 0 nothing conflicts.
-        quantities.clear_values();
-        let units = units(set, &quantities, &PartColumns::plain(quantities.g())).map_err(argument)?;
+        evaluation.clear_values();
+        let units = units(set, &evaluation, &PartColumns::plain(evaluation.g())).map_err(argument)?;
         let system =
-            set.linearised_in(&units, &quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
+            set.linearised_in(&units, &evaluation, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
         let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
         let reduction = analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step: 0, source })?;
-        Ok(Self { quantities, sizes, units, analysis, reduction })
+        Ok(Self { evaluation, sizes, units, analysis, reduction })
     }
 
     fn nearby(&self, set: &ConstraintSet, u: &[f64], options: &NewtonOptions) -> Nearby {
@@ -153,9 +153,9 @@ impl RedundancyAnalysis {
     }
 
     fn change_at(&self, set: &ConstraintSet, v: &[f64]) -> Option<f64> {
-        let mut quantities = set.allocate();
-        set.evaluate(v, &mut quantities).ok()?;
-        let of = PartColumns::plain(quantities.g());
-        Some(change([&self.quantities, &quantities], 0..set.equations(), (&of, &self.sizes)))
+        let mut evaluation = set.allocate();
+        set.evaluate(v, &mut evaluation).ok()?;
+        let columns = PartColumns::plain(evaluation.g());
+        Some(change([&self.evaluation, &evaluation], 0..set.equations(), (&columns, &self.sizes)))
     }
 }

@@ -7,7 +7,7 @@
 //! there is no solution nearby.
 
 use qless::{Analysis, ArgumentError, Form, Reduction};
-use qless_constraints::Quantities;
+use qless_constraints::Evaluation;
 
 use super::configuration::sizes_of_dofs;
 use super::error::NewtonError;
@@ -27,18 +27,18 @@ pub fn second_order_directions(
     step: usize,
 ) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
     let argument = |source| NewtonError::Argument { step, source };
-    let sizes = sizes_of_dofs(run.set, &run.configuration.u, &mut run.configuration.quantities).map_err(argument)?;
+    let sizes = sizes_of_dofs(run.set, &run.configuration.u, &mut run.configuration.evaluation).map_err(argument)?;
     let WeightedConflicts { weights, amounts } = WeightedConflicts::new(run, analysis).map_err(argument)?;
-    run.set.effective_hessian(&run.configuration.u, &weights, &mut run.configuration.quantities).map_err(argument)?;
+    run.set.effective_hessian(&run.configuration.u, &weights, &mut run.configuration.evaluation).map_err(argument)?;
     let motions = AllowedMotions::new(run, sizes, step)?;
     let numbers = motions.numbers(&run.parts, &run.contradicted);
-    let mut found = lowest(|z| motions.bent(&run.configuration.quantities, z), &numbers).map_err(argument)?;
+    let mut found = lowest(|z| motions.curvature(&run.configuration.evaluation, z), &numbers).map_err(argument)?;
     let scales = scales(run, &weights);
     let length = |part: usize| {
         let lowest = found.values[part].filter(|lowest| *lowest < -NEGATIVE * scales[part]);
         lowest.map(|lowest| (-2.0 * amounts[part] / lowest).sqrt())
     };
-    let lengths: Vec<Option<f64>> = (0..run.parts.count()).map(length).collect();
+    let lengths: Vec<Option<f64>> = (0..run.parts.count).map(length).collect();
     numbers.each(|i, part| found.vectors[i] *= lengths[part].unwrap_or(0.0));
     let du = motions.with_sign(&found.vectors, &run.parts).map_err(argument)?;
     Ok((du, lengths.iter().map(Option::is_some).collect()))
@@ -54,14 +54,14 @@ struct WeightedConflicts {
 
 impl WeightedConflicts {
     fn new(run: &NewtonState, analysis: &Analysis) -> Result<Self, ArgumentError> {
-        let (c, rounding) = (run.configuration.quantities.c(), run.configuration.rounding.c());
+        let (c, rounding) = (run.configuration.evaluation.c(), run.configuration.rounding.c());
         let raw = |k: usize| Some(c[k] / rounding[k] / rounding[k]).filter(|f| f.is_finite());
-        let mut most = vec![0.0_f64; run.parts.count()];
+        let mut most = vec![0.0_f64; run.parts.count];
         for &k in &run.contradicted {
             let most = &mut most[run.parts.of_row(k)];
             *most = most.max(raw(k).unwrap_or(0.0).abs());
         }
-        let mut all = Self { weights: vec![0.0; c.len()], amounts: vec![0.0; run.parts.count()] };
+        let mut all = Self { weights: vec![0.0; c.len()], amounts: vec![0.0; run.parts.count] };
         for &k in &run.contradicted {
             let part = run.parts.of_row(k);
             let f = raw(k).map_or(0.0, |raw| raw / most[part]);
@@ -88,39 +88,39 @@ fn scales(run: &NewtonState, weights: &[f64]) -> Vec<f64> {
 struct AllowedMotions {
     reduction: Reduction,
     sizes: Vec<f64>,
-    held: Vec<f64>,
+    zeros: Vec<f64>,
     /// `du_j = s_j y_j`; the reduction is of y.
     units: Vec<f64>,
 }
 
 impl AllowedMotions {
     fn new(run: &NewtonState, sizes: Vec<f64>, step: usize) -> Result<Self, NewtonError> {
-        let mut still = run.configuration.quantities.clone();
+        let mut still = run.configuration.evaluation.clone();
         still.clear_values();
         let found = run.linearised(&still, step)?;
         let reduction = found.analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step, source })?;
-        Ok(Self { reduction, sizes, held: vec![0.0; run.prescribed.len()], units: found.units })
+        Ok(Self { reduction, sizes, zeros: vec![0.0; run.prescribed.len()], units: found.units })
     }
 
     /// The masters of the parts that contain `rows`.
     fn numbers(&self, parts: &EquationParts, rows: &[usize]) -> KrylovParts {
-        let mut asked = vec![false; parts.count()];
+        let mut asked = vec![false; parts.count];
         rows.iter().for_each(|&row| asked[parts.of_row(row)] = true);
-        let of = |&j: &usize| parts.of_dof(j).filter(|&part| asked[part]);
-        KrylovParts { of: self.reduction.masters().iter().map(of).collect(), parts: parts.count() }
+        let part_of = |&j: &usize| parts.of_dof(j).filter(|&part| asked[part]);
+        KrylovParts { part_of: self.reduction.masters().iter().map(part_of).collect(), parts: parts.count }
     }
 
     fn motion(&self, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         let masters = self.reduction.masters().iter().zip(z);
         let masters: Vec<f64> = masters.map(|(&j, z)| self.sizes[j] / self.units[j] * z).collect();
-        let y = self.reduction.expand(&masters, &self.held)?;
+        let y = self.reduction.expand(&masters, &self.zeros)?;
         Ok(y.iter().zip(&self.units).map(|(y, unit)| unit * y).collect())
     }
 
     /// `Z^T H Z z`.
-    fn bent(&self, quantities: &Quantities, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
-        let force = times(quantities.h(), &self.motion(z)?);
+    fn curvature(&self, evaluation: &Evaluation, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+        let force = times(evaluation.h(), &self.motion(z)?);
         let force: Vec<f64> = force.iter().zip(&self.units).map(|(force, unit)| unit * force).collect();
         let slaves: Vec<f64> = self.reduction.slaves().iter().map(|&j| force[j]).collect();
         let back = self.reduction.apply_transposed(&slaves)?;
@@ -131,7 +131,7 @@ impl AllowedMotions {
     /// Chooses the sign of the motion in each part: the DOF that moves most increases.
     fn with_sign(&self, z: &[f64], parts: &EquationParts) -> Result<Vec<f64>, ArgumentError> {
         let mut du = self.motion(z)?;
-        let mut most = vec![0.0_f64; parts.count()];
+        let mut most = vec![0.0_f64; parts.count];
         for (j, part) in (0..du.len()).filter_map(|j| Some((j, parts.of_dof(j)?))) {
             let by_size = if self.sizes[j] > 0.0 { du[j] / self.sizes[j] } else { 0.0 };
             most[part] = if by_size.abs() > most[part].abs() { by_size } else { most[part] };

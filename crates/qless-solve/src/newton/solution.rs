@@ -33,7 +33,7 @@ pub struct NewtonIterate {
     /// Rank of G.
     pub rank: usize,
     /// Equations that the step ignores.
-    pub left_out: Vec<usize>,
+    pub ignored: Vec<usize>,
     /// Step length that led to this iterate, relative to du: the smallest of the connected parts that moved; 1 for a full step and for the
     /// first iterate.
     pub length: f64,

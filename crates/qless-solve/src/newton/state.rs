@@ -1,7 +1,7 @@
 //! The state between two steps of all parts, and the errors of parts that fail.
 
 use qless::{Analysis, ArgumentError, Kind, SystemBuilder};
-use qless_constraints::{ConstraintSet, Quantities, shorten_rotation};
+use qless_constraints::{ConstraintSet, Evaluation, shorten_rotation};
 
 use super::configuration::{Configuration, at_rest, in_roundings};
 use super::error::NewtonError;
@@ -22,7 +22,7 @@ pub struct NewtonState<'a> {
     pub rotations: Vec<[usize; 3]>,
     pub configuration: Configuration,
     /// Buffers for trial points.
-    pub buffer: Quantities,
+    pub buffer: Evaluation,
     /// `|c_r|` in roundings of its own terms, or as [`at_rest`] computes it if the part has settled.
     pub residuals: Vec<f64>,
     pub states: Vec<PartStatus>,
@@ -69,8 +69,8 @@ impl<'a> NewtonState<'a> {
         let parts = EquationParts::new(buffer.g(), prescribed, &rotations);
         let configuration =
             Configuration::new(set, u, &parts).map_err(|source| NewtonError::Argument { step: 0, source })?;
-        let residuals = in_roundings(configuration.quantities.c(), configuration.rounding.c());
-        let states = vec![PartStatus { goal: StepGoal::Downhill, settled: false, length: 1.0 }; parts.count()];
+        let residuals = in_roundings(configuration.evaluation.c(), configuration.rounding.c());
+        let states = vec![PartStatus { goal: StepGoal::Downhill, settled: false, length: 1.0 }; parts.count];
         let (contradicted, iterates, failures) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self {
             set,
@@ -88,8 +88,8 @@ impl<'a> NewtonState<'a> {
         })
     }
 
-    pub fn linearised(&self, quantities: &Quantities, step: usize) -> Result<Linearisation, NewtonError> {
-        Linearisation::new(self.set, quantities, (self.prescribed, &self.parts.columns), (step, self.options))
+    pub fn linearised(&self, evaluation: &Evaluation, step: usize) -> Result<Linearisation, NewtonError> {
+        Linearisation::new(self.set, evaluation, (self.prescribed, &self.parts.columns), (step, self.options))
     }
 
     /// Linearises and analyses at u; the last analysis is kept if all equations are linear.
@@ -97,29 +97,29 @@ impl<'a> NewtonState<'a> {
         let constant = self.set.linear_rows().len() == self.set.equations();
         let found = match before.filter(|_| constant) {
             Some(known) => known.outdated(),
-            None => self.linearised(&self.configuration.quantities, step)?,
+            None => self.linearised(&self.configuration.evaluation, step)?,
         };
         let on_the_way = self.states.iter().filter(|state| state.goal != StepGoal::Done);
         self.iterates.push(NewtonIterate {
             residual: self.configuration.residual(),
             rank: found.analysis.rank(),
-            left_out: dependent(&found.analysis),
+            ignored: dependent(&found.analysis),
             length: on_the_way.map(|state| state.length).fold(1.0, f64::min),
         });
         Ok(found)
     }
 
-    /// In settled parts, a residual may be the rounding of other rows.
+    /// Updates the residuals. In settled parts, a residual may be the rounding of other rows.
     pub fn measure(&mut self) {
         let configuration = &self.configuration;
-        self.residuals = in_roundings(configuration.quantities.c(), configuration.rounding.c());
+        self.residuals = in_roundings(configuration.evaluation.c(), configuration.rounding.c());
         if !self.states.iter().any(|state| state.settled) {
             return;
         }
         let extents = self.set.extents(&configuration.u).expect("u has a number for each DOF");
         let at_rest = at_rest(
             &configuration.weights,
-            &configuration.quantities,
+            &configuration.evaluation,
             (&configuration.rounding, &extents),
             &self.parts,
         );
@@ -158,12 +158,12 @@ impl NewtonState<'_> {
             rows.iter().flat_map(|&row| analysis.because(row).unwrap_or_default()).map(|b| b.row).collect();
         others.sort_unstable();
         others.dedup();
-        let amount = rows.iter().map(|&row| self.configuration.quantities.c()[row].abs()).fold(0.0, f64::max);
+        let amount = rows.iter().map(|&row| self.configuration.evaluation.c()[row].abs()).fold(0.0, f64::max);
         NewtonError::Conflict { labels: named(&rows), others: named(&others), rows, amount }
     }
 
     pub fn no_convergence(&self, steps: usize, part: usize) -> NewtonError {
-        let weighted = |&r: &usize| self.configuration.weights[r] * self.configuration.quantities.c()[r].abs();
+        let weighted = |&r: &usize| self.configuration.weights[r] * self.configuration.evaluation.c()[r].abs();
         let rows = (0..self.residuals.len()).filter(|&r| self.parts.of_row(r) == part);
         let worst = rows.max_by(|a, b| weighted(a).total_cmp(&weighted(b)));
         let label = worst.and_then(|row| self.set.label(row).ok()).unwrap_or_default();

@@ -8,7 +8,7 @@
 //! All parts try their lengths together, so that one evaluation serves all. Parts that have found their length keep it.
 
 use qless::{ArgumentError, Csr};
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::configuration::{Configuration, largest};
 use super::parts::EquationParts;
@@ -20,7 +20,7 @@ const DECREASE: f64 = 1e-4;
 /// Most trials. At a distance of 1e-150 from a dead centre, du is longer by that factor, so that t may be as small as `4^-250`.
 const TRIES: usize = 250;
 
-/// What a part needs from its step.
+/// The goal of a part's step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepGoal {
     /// Nothing: all of its equations hold.
@@ -73,8 +73,8 @@ struct TrialVerdict {
 
 impl<'a> StepLine<'a> {
     pub fn new((set, parts): (&'a ConstraintSet, &'a EquationParts), from: &'a Configuration, du: Vec<f64>) -> Self {
-        let slope = times(from.quantities.g(), &du);
-        let residuals = largest(&from.weights, from.quantities.c(), parts);
+        let slope = times(from.evaluation.g(), &du);
+        let residuals = largest(&from.weights, from.evaluation.c(), parts);
         Self { set, parts, from, du, slope, residuals }
     }
 
@@ -83,7 +83,7 @@ impl<'a> StepLine<'a> {
         &self,
         goals: &[StepGoal],
         (kept, tolerance): (&[bool], f64),
-        buffer: &mut Quantities,
+        buffer: &mut Evaluation,
     ) -> Result<Vec<f64>, ArgumentError> {
         let first =
             |goal: &StepGoal| if *goal == StepGoal::Done { TrialLength::Found(0.0) } else { TrialLength::Open(1.0) };
@@ -109,7 +109,7 @@ impl<'a> StepLine<'a> {
         self.from.u.iter().zip(&self.du).enumerate().map(moved).collect()
     }
 
-    fn trial(&self, lengths: Vec<TrialLength>, buffer: &mut Quantities) -> Result<TrialPoint, ArgumentError> {
+    fn trial(&self, lengths: Vec<TrialLength>, buffer: &mut Evaluation) -> Result<TrialPoint, ArgumentError> {
         self.set.evaluate(&self.at(|part| lengths[part].t()), buffer)?;
         Ok(TrialPoint { lengths, c: buffer.c().to_vec(), slope: times(buffer.g(), &self.du) })
     }
@@ -129,7 +129,7 @@ impl<'a> StepLine<'a> {
     }
 
     fn trusts(&self, trial: &TrialPoint, r: usize, t: f64) -> bool {
-        let c = self.from.quantities.c()[r];
+        let c = self.from.evaluation.c()[r];
         let third = trial.c[r] - c - 0.5 * t * (self.slope[r] + trial.slope[r]);
         let second = 0.5 * t * (trial.slope[r] - self.slope[r]);
         let residual = self.residuals[self.parts.of_row(r)];
@@ -141,7 +141,7 @@ impl<'a> StepLine<'a> {
     /// Adds a weighted equation.
     fn add(&self, TrialVerdict { now, model, .. }: &mut TrialVerdict, trial: &TrialPoint, r: usize, t: f64) {
         let weight = self.from.weights[r];
-        let (c, g) = (weight * self.from.quantities.c()[r], weight * self.slope[r]);
+        let (c, g) = (weight * self.from.evaluation.c()[r], weight * self.slope[r]);
         let q = weight * (0.5 * (trial.slope[r] - self.slope[r]) / t);
         *now += (weight * trial.c[r]) * (weight * trial.c[r]);
         let products = [c * c, 2.0 * (c * g), g * g + 2.0 * (c * q), 2.0 * (g * q), q * q];

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use qless_constraints::scalar::Scalar;
 use qless_constraints::types::{Distance, LinearEquation, OnSphere, PlanarPoint};
-use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store};
+use qless_constraints::{Constraint, ConstraintSet, EquationSink, Nonlinear};
 use qless_solve::newton::{NewtonError, NewtonOptions, NewtonSolution, Redundancy, redundancies, solve};
 
 use crate::linkages::Outcome;
@@ -18,15 +18,15 @@ impl Constraint for SliderCrank {
     const NAME: &'static str = "slider-crank";
     type Error = std::convert::Infallible;
 
-    fn process(self, store: &mut Store) -> Result<(), Self::Error> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error> {
         let dofs = self.dofs;
-        store.nonlinear("", &dofs, self);
+        sink.nonlinear("", &dofs, self);
         Ok(())
     }
 }
 
 impl Nonlinear for SliderCrank {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (r, l) = (S::from(self.crank), S::from(self.rod));
@@ -120,12 +120,12 @@ fn the_slider_goes_through_both_dead_centres() -> Outcome {
     for unit in UNITS {
         for set in [by_angle(unit)?, by_points(unit)?] {
             let slider = if set.dofs() == 2 { 1 } else { 2 };
-            let (mut u, mut quantities) = (vec![0.0; set.dofs()], set.allocate());
+            let (mut u, mut evaluation) = (vec![0.0; set.dofs()], set.allocate());
             for k in (0..=20).chain((0..20).rev()).chain(0..=3) {
                 let found = solve(&set, &u, &[(slider, -0.05 * f64::from(k) * unit)], &NewtonOptions::default());
                 u = found.map_err(|e| format!("unit {unit}, step {k}: {e}"))?.u;
-                set.evaluate(&u, &mut quantities)?;
-                assert!(quantities.c().iter().all(|c| c.abs() <= 5e-14 * unit), "{unit} {k} {:?}", quantities.c());
+                set.evaluate(&u, &mut evaluation)?;
+                assert!(evaluation.c().iter().all(|c| c.abs() <= 5e-14 * unit), "{unit} {k} {:?}", evaluation.c());
             }
         }
     }

@@ -88,14 +88,14 @@ impl Chain {
     /// Loads that keep the chain in equilibrium where it is, and the multipliers of its rods there.
     fn loads(&self, random: &mut Random, springs: &[f64], unit: f64) -> Outcome<(Vec<f64>, Vec<f64>)> {
         let set = self.set(None)?;
-        let mut quantities = set.allocate();
-        set.evaluate(&self.u, &mut quantities)?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&self.u, &mut evaluation)?;
         let mut loads: Vec<f64> = self.u.iter().zip(springs).map(|(u, k)| k * u).collect();
         let mut forces = Vec::new();
         for row in 0..set.equations() {
-            let most = quantities.g().row(row).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
+            let most = evaluation.g().row(row).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
             let force = unit / most * (0.6 + 0.3 * random.next());
-            quantities.g().row(row).for_each(|(j, v)| loads[j] += v * force);
+            evaluation.g().row(row).for_each(|(j, v)| loads[j] += v * force);
             forces.push(force);
         }
         Ok((loads, forces))

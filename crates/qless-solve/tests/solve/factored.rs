@@ -148,14 +148,14 @@ fn dense_parts_change() -> Outcome {
 
 /// Newton's method with the explicit reduction; DOFs in `held` do not move.
 fn with_t(set: &ConstraintSet, start: &[f64], held: &[usize]) -> Outcome<Vec<f64>> {
-    let (mut u, mut quantities) = (start.to_vec(), set.allocate());
+    let (mut u, mut evaluation) = (start.to_vec(), set.allocate());
     for _ in 0..12 {
-        set.evaluate(&u, &mut quantities).expect("of this set");
-        if quantities.c().iter().all(|c| c.abs() < 1e-13) {
+        set.evaluate(&u, &mut evaluation).expect("of this set");
+        if evaluation.c().iter().all(|c| c.abs() < 1e-13) {
             break;
         }
         let increments: Vec<(usize, f64)> = held.iter().map(|&j| (j, 0.0)).collect();
-        let system = set.linearised(&quantities, &increments)?;
+        let system = set.linearised(&evaluation, &increments)?;
         let reduction = analyse(&system, &Options::default())?.reduction()?;
         let du =
             reduction.expand(&vec![0.0; reduction.masters().len()], &vec![0.0; held.len()]).expect("of its lengths");
@@ -180,9 +180,9 @@ fn linkages_are_assembled_as_with_t() -> Outcome {
             compared += 1;
             let found = solution.u;
             // Newton's method chooses which masters stay; those of T are therefore prescribed at its result.
-            let mut quantities = set.allocate();
-            set.evaluate(&found, &mut quantities).expect("of this set");
-            let reduction = analyse(&set.linearised(&quantities, &[])?, &Options::default())?.reduction()?;
+            let mut evaluation = set.allocate();
+            set.evaluate(&found, &mut evaluation).expect("of this set");
+            let reduction = analyse(&set.linearised(&evaluation, &[])?, &Options::default())?.reduction()?;
             let mut start = start;
             reduction.masters().iter().for_each(|&j| start[j] = found[j]);
             let truth = with_t(&set, &start, reduction.masters())?;
@@ -210,9 +210,9 @@ fn long_chains_are_assembled() -> Outcome {
     let set = builder.build().expect("few DOFs");
     let start: Vec<f64> = (0..set.dofs()).map(|j| 1e-3 * random(j)).collect();
     let found = solve(&set, &start, &[], &NewtonOptions::default())?;
-    let mut quantities = set.allocate();
-    set.evaluate(&found.u, &mut quantities).expect("of this set");
-    assert!(quantities.c().iter().all(|c| c.abs() < 1e-10));
+    let mut evaluation = set.allocate();
+    set.evaluate(&found.u, &mut evaluation).expect("of this set");
+    assert!(evaluation.c().iter().all(|c| c.abs() < 1e-10));
     assert_eq!(found.iterates.last().map(|iterate| iterate.rank), Some(3 * bodies));
     Ok(())
 }

@@ -198,10 +198,10 @@ fn joints_remove_their_degrees_of_freedom() -> Outcome {
             let a = model.pose_a(case);
             let (turn_on_a, shift) = motion(joint, case, 1.0);
             let u = model.dofs([a, model.pose_b(a, turn_on_a, shift)]);
-            let mut quantities = set.allocate();
-            set.evaluate(&u, &mut quantities)?;
+            let mut evaluation = set.allocate();
+            set.evaluate(&u, &mut evaluation)?;
             let mut dense = Mat::<f64>::zeros(set.equations(), 2 * STRIDE);
-            (0..set.equations()).for_each(|r| quantities.g().row(r).for_each(|(j, v)| dense[(r, j)] = v));
+            (0..set.equations()).for_each(|r| evaluation.g().row(r).for_each(|(j, v)| dense[(r, j)] = v));
             let values = dense.singular_values().map_err(|_| "no singular values")?;
             let norms = model.kinds.iter().skip(usize::from(model.grounded)).filter(|&&k| k == Kind::Euler).count();
             let rank = values.iter().filter(|&&s| s > 1e-9 * values[0]).count();

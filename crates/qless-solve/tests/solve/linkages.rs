@@ -5,21 +5,9 @@ use qless_solve::newton::{NewtonOptions, solve};
 
 pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
-/// `G du = -c` at u = 0.
-pub fn at_rest(
-    set: &ConstraintSet,
-    prescribed: &[(usize, f64)],
-) -> Result<qless::ConstraintSystem, Box<dyn std::error::Error>> {
-    let mut quantities = set.allocate();
-    set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
-    Ok(set.linearised(&quantities, prescribed)?)
-}
-
 /// Rank of G at u.
 pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
-    let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities).expect("of this set");
-    Ok(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank())
+    Ok(analyse(&set.linearised_at(u, &[])?, &Options::default())?.rank())
 }
 
 /// A number in [-0.5, 0.5], the same for a seed.

@@ -127,9 +127,9 @@ fn periodic_pairs_follow_the_strain() -> Outcome {
     let dofs = MacroStrain::Dofs(from_fn(|i| from_fn(|j| 3 * n.pow(3) + 3 * i + j)));
     for strain in [MacroStrain::Given(e), dofs] {
         let set = periodic::<3>(n, strain, u.len())?;
-        let mut quantities = set.allocate();
-        set.evaluate(&u, &mut quantities).expect("of this set");
-        assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));
+        let mut evaluation = set.allocate();
+        set.evaluate(&u, &mut evaluation).expect("of this set");
+        assert!(evaluation.c().iter().all(|c| c.abs() < 1e-15));
     }
     Ok(())
 }
@@ -139,9 +139,9 @@ fn periodic_pairs_follow_the_strain() -> Outcome {
 fn periodic_grids_in_the_plane() -> Outcome {
     for n in [2, 4, 9] {
         let set = periodic::<2>(n, MacroStrain::Given([[0.1, 0.3], [0.2, -0.4]]), 2 * n * n)?;
-        let mut quantities = set.allocate();
-        set.evaluate(&vec![0.0; set.dofs()], &mut quantities).expect("of this set");
-        let analysis = qless::analyse(&set.linearised(&quantities, &[])?, &qless::Options::default())?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&vec![0.0; set.dofs()], &mut evaluation).expect("of this set");
+        let analysis = qless::analyse(&set.linearised(&evaluation, &[])?, &qless::Options::default())?;
         assert_eq!((set.equations(), analysis.rank()), (4 * n, 4 * n - 2));
         assert!(analysis.dependent().iter().all(|dependent| dependent.kind == qless::Kind::Redundant));
     }

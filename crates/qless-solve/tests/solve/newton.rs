@@ -150,7 +150,7 @@ fn linear_equations_need_one_step() -> Outcome {
     let start = [0.1, -0.4, 0.9, 3.0, -2.0];
     let solution = solve(&set, &start, &[(4, 0.3), (1, 1.5)], &NewtonOptions::default())?;
     assert_eq!(solution.iterates.len(), 2);
-    assert!(solution.iterates.iter().all(|iterate| (iterate.rank, iterate.left_out.len()) == (3, 1)));
+    assert!(solution.iterates.iter().all(|iterate| (iterate.rank, iterate.ignored.len()) == (3, 1)));
     let truth = [1.5, 1.5, 1.5, 3.0 * 1.5 + 0.7 * 0.3 - 0.1, 0.3];
     assert!(solution.u.iter().zip(truth).all(|(u, truth)| (u - truth).abs() < 1e-14), "{:?}", solution.u);
     // A gap that contradicts the closure of the ring is found from any start.

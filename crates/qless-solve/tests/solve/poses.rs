@@ -146,20 +146,20 @@ pub fn carried(pose: Pose, from: Vector, point: Vector) -> Vector {
 
 /// c at u.
 pub fn values(set: &ConstraintSet, u: &[f64]) -> Outcome<Vec<f64>> {
-    let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities)?;
-    Ok(quantities.c().to_vec())
+    let mut evaluation = set.allocate();
+    set.evaluate(u, &mut evaluation)?;
+    Ok(evaluation.c().to_vec())
 }
 
 /// Rank of G by singular values, with positions in a unit of length and rows divided by their largest entry.
 pub fn dense_rank(set: &ConstraintSet, u: &[f64], unit: f64) -> Outcome<usize> {
-    let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities)?;
+    let mut evaluation = set.allocate();
+    set.evaluate(u, &mut evaluation)?;
     let mut dense = faer::Mat::<f64>::zeros(set.equations(), set.dofs());
     for r in 0..set.equations() {
         let scaled = |(j, v): (usize, f64)| (j, if j % STRIDE < 3 { unit * v } else { v });
-        let most = quantities.g().row(r).map(|entry| scaled(entry).1.abs()).fold(0.0, f64::max);
-        quantities.g().row(r).map(scaled).for_each(|(j, v)| dense[(r, j)] = v / most);
+        let most = evaluation.g().row(r).map(|entry| scaled(entry).1.abs()).fold(0.0, f64::max);
+        evaluation.g().row(r).map(scaled).for_each(|(j, v)| dense[(r, j)] = v / most);
     }
     let values = dense.singular_values().map_err(|_| "no singular values")?;
     // All singular values must be far from the gap.

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use qless_constraints::types::{Distance, OnSphere, PlanarPoint};
-use qless_constraints::{ConstraintSet, Quantities};
+use qless_constraints::{ConstraintSet, Evaluation};
 use qless_solve::newton::{self, NewtonOptions};
 
 use crate::linkages::Outcome;
@@ -42,8 +42,8 @@ impl Net {
     }
 
     /// G of the free DOFs; c is a length.
-    fn singular_values(&self, quantities: &Quantities) -> Vec<f64> {
-        let g = quantities.g();
+    fn singular_values(&self, evaluation: &Evaluation) -> Vec<f64> {
+        let g = evaluation.g();
         let mut dense = Mat::zeros(g.rows(), g.cols());
         (0..g.rows()).for_each(|i| g.row(i).for_each(|(j, v)| dense[(i, j)] = v));
         self.prescribed.iter().for_each(|&(j, _)| dense.col_mut(j).fill(0.0));
@@ -61,9 +61,9 @@ fn redundant_rods_of_nets_are_those_that_singular_values_show() -> Outcome {
             continue;
         };
         found += 1;
-        let mut quantities = net.set.allocate();
-        net.set.evaluate(&solution.u, &mut quantities)?;
-        let values = net.singular_values(&quantities);
+        let mut evaluation = net.set.allocate();
+        net.set.evaluate(&solution.u, &mut evaluation)?;
+        let values = net.singular_values(&evaluation);
         if values.iter().all(|value| *value > 1e-5 || *value < 1e-12) {
             clear += 1;
             let rank = values.iter().filter(|value| **value > 1e-5).count();

@@ -266,17 +266,17 @@ fn random_mechanisms_are_as_unstable_as_their_eigenvalues() -> Outcome {
         builder.add("tie", Equal::new([0, n - 1]))?;
         let set = builder.build()?;
         let springs: Vec<f64> = (0..n).map(|j| force / length * (number(200 + j) + 0.3)).collect();
-        let (mut quantities, zeros) = (set.allocate(), vec![0.0; n]);
+        let (mut evaluation, zeros) = (set.allocate(), vec![0.0; n]);
         let pulls: Vec<f64> = (0..set.equations()).map(|r| 0.5 * force * number(300 + r)).collect();
-        set.assemble(&zeros, &pulls, &mut quantities)?;
+        set.assemble(&zeros, &pulls, &mut evaluation)?;
         let mut loads = zeros.clone();
-        (0..set.equations()).for_each(|r| quantities.g().row(r).for_each(|(j, v)| loads[j] += v * pulls[r]));
+        (0..set.equations()).for_each(|r| evaluation.g().row(r).for_each(|(j, v)| loads[j] += v * pulls[r]));
         let target = Target { loads: &loads, prescribed: &[] };
         // Newton's method may find another equilibrium or none.
         let (mut model, start) = (Weights { springs: springs.clone() }, Start::at_rest(&set));
         let Ok(found) = solve(&mut model, &set, &start, &target, &asked()) else { continue };
-        set.assemble(&found.u, &found.multipliers, &mut quantities)?;
-        let (g, h) = (dense(quantities.g()), dense(quantities.h()));
+        set.assemble(&found.u, &found.multipliers, &mut evaluation)?;
+        let (g, h) = (dense(evaluation.g()), dense(evaluation.h()));
         let stiff = Mat::from_fn(n, n, |i, j| h[(i, j)] + if i == j { springs[i] } else { 0.0 });
         let svd = g.svd().map_err(|e| format!("{e:?}"))?;
         let size = svd.S().column_vector();

@@ -10,7 +10,7 @@ const SHORT: usize = 16;
 #[derive(Default)]
 pub struct KeySorter {
     /// Rank of each unsorted key; empty if the list was long.
-    of: Vec<u8>,
+    ranks: Vec<u8>,
     unsorted: [u64; SHORT],
     sorted: [u64; SHORT],
     /// Whether each sorted key starts a run.
@@ -26,18 +26,18 @@ impl KeySorter {
             return &[];
         }
         if keys.len() > SHORT {
-            self.of.clear();
+            self.ranks.clear();
             keys.sort_unstable();
             self.find_runs(keys);
             return &self.runs;
         }
-        if self.of.len() == keys.len() && self.shift(keys) {
+        if self.ranks.len() == keys.len() && self.shift(keys) {
             return &self.runs;
         }
-        let alike = self.of.len() == keys.len() && self.place(keys);
+        let alike = self.ranks.len() == keys.len() && self.place(keys);
         if !alike {
-            self.of.clear();
-            self.of.extend(keys.iter().map(|key| keys.iter().map(|other| u8::from(other < key)).sum::<u8>()));
+            self.ranks.clear();
+            self.ranks.extend(keys.iter().map(|key| keys.iter().map(|other| u8::from(other < key)).sum::<u8>()));
             self.place(keys);
         }
         self.unsorted[..keys.len()].copy_from_slice(keys);
@@ -65,7 +65,7 @@ impl KeySorter {
 
     /// Arranges the keys by the ranks of the last list; returns whether they ascend then.
     fn place(&mut self, keys: &[u64]) -> bool {
-        self.of.iter().zip(keys).for_each(|(&rank, &key)| self.sorted[usize::from(rank) % SHORT] = key);
+        self.ranks.iter().zip(keys).for_each(|(&rank, &key)| self.sorted[usize::from(rank) % SHORT] = key);
         let sorted = &self.sorted[..keys.len()];
         sorted.windows(2).filter(|two| two[0] >= two[1]).count() == 0
     }

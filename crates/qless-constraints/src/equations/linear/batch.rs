@@ -22,11 +22,12 @@ pub struct LinearBatch {
     /// Renewed after each change of the batch's rows of G.
     pub stamp: ChangeStamp,
     /// DOFs are stored relative to this one, which is not above the smallest.
-    base: u32,
+    pub base: u32,
     pub owners: Vec<EquationOwner>,
     /// Right-hand sides b, separate from the coefficients because they may change.
     pub rhs: Vec<f64>,
-    nnz: usize,
+    /// Entries in the rows of G.
+    pub nnz: usize,
     /// Coefficient lists, one after the other; `unused` counts the coefficients of removed equations.
     numbers: Vec<f64>,
     unused: usize,
@@ -68,16 +69,6 @@ impl LinearBatch {
 
     pub fn rows(&self) -> usize {
         self.owners.len()
-    }
-
-    /// Entries in the rows of G.
-    pub fn nnz(&self) -> usize {
-        self.nnz
-    }
-
-    /// Approximately the smallest DOF.
-    pub fn first_dof(&self) -> u32 {
-        self.base
     }
 
     /// Inserts an equation before row `row`. `recent` finds coefficient lists that are already stored.

@@ -75,9 +75,7 @@ impl<I: DofOffset> EqualLengthRows<I> {
         let dofs = &self.dofs[place * self.terms..(place + 1) * self.terms];
         dofs.iter().zip(&lists[self.list[place] as usize..]).map(move |(&j, &v)| (base + j.value(), v))
     }
-}
 
-impl<I: DofOffset> EqualLengthRows<I> {
     /// Writes the columns and coefficients of these equations; `end` holds the end of each row of the batch.
     pub fn write_rows(&self, (base, lists): (u32, &[f64]), end: &[usize], col: &mut [u32], val: &mut [f64]) {
         for (i, (&row, &list)) in self.row.iter().zip(&self.list).enumerate() {
@@ -146,17 +144,18 @@ const NONE: u32 = u32::MAX;
 /// Lists are compared bit by bit. Constant time and memory per list; nearly all repetitions are found.
 #[derive(Default)]
 pub struct CoefficientCache {
-    of: Identity,
+    /// Identity of the list of numbers.
+    list: Identity,
     places: Vec<u32>,
     /// Start of the list returned last: most consecutive equations share it.
     last: usize,
 }
 
 impl CoefficientCache {
-    /// The start of a list in `numbers`, to which it is appended unless the cache finds it; `of` identifies `numbers`.
-    pub fn put(&mut self, of: Identity, numbers: &mut Vec<f64>, list: impl Iterator<Item = f64> + Clone) -> u32 {
-        if self.of != of || self.places.is_empty() {
-            self.of = of;
+    /// The start of a list in `numbers`, to which it is appended unless the cache finds it; `list_id` identifies `numbers`.
+    pub fn put(&mut self, list_id: Identity, numbers: &mut Vec<f64>, list: impl Iterator<Item = f64> + Clone) -> u32 {
+        if self.list != list_id || self.places.is_empty() {
+            self.list = list_id;
             self.places.clear();
             self.places.resize(1 << BITS, NONE);
         } else if starts_with(&numbers[self.last..], list.clone()) {

@@ -34,7 +34,7 @@ impl LinearEquations {
     }
 
     pub fn nnz(&self) -> usize {
-        self.batches.iter().map(LinearBatch::nnz).sum()
+        self.batches.iter().map(|batch| batch.nnz).sum()
     }
 
     pub fn owner(&self, row: usize) -> EquationOwner {

@@ -1,4 +1,4 @@
-//! What a set needs from nonlinear equations without knowing their type: stored in a batch, or staged outside of it.
+//! Interfaces to nonlinear equations of any type, stored in a batch or staged outside of one.
 
 use std::any::Any;
 use std::ops::Range;

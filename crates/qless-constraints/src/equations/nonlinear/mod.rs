@@ -77,7 +77,7 @@ impl NonlinearEquations {
     pub fn insert<Q: Nonlinear>(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
         if let Some((place, batch)) = self.recent_room::<Q>(owner.constraint) {
             batch.insert(owner, dofs, parameters);
-            return self.offsets.grow(place, Q::PARTS.len() as i32);
+            return self.offsets.grow(place, Q::EQUATION_NAMES.len() as i32);
         }
         let kind = self.meet(TypeId::of::<Q>());
         let place = self.room_at::<Q>(kind, owner.constraint);
@@ -85,7 +85,7 @@ impl NonlinearEquations {
         if let Some(batch) = self.typed_mut::<Q>(place) {
             batch.insert(owner, dofs, parameters);
         }
-        self.offsets.grow(place, Q::PARTS.len() as i32);
+        self.offsets.grow(place, Q::EQUATION_NAMES.len() as i32);
     }
 
     /// The batch of the last inserted item, if the next item can be appended to it.

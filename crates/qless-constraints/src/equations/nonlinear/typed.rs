@@ -88,12 +88,6 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         local
     }
 
-    /// Range of DOFs from the smallest to the largest.
-    pub fn hull(&self) -> Range<u32> {
-        let (least, most) = self.dofs.iter().fold((u32::MAX, 0), |(least, most), &j| (least.min(j), most.max(j)));
-        least.min(most)..if self.dofs.is_empty() { 0 } else { most + 1 }
-    }
-
     /// Number of Hessian numbers of item i.
     pub fn numbers_of(&self, i: usize) -> usize {
         if Self::UNITS > 0 { Self::UNITS } else { self.numbers[i] as usize }

@@ -21,13 +21,8 @@ pub struct ClosestParameters {
 }
 
 /// The parameters nearest to the origin, not restricted to the element. Returns `None` if the element is degenerate at
-/// its centre.
-pub fn closest_parameters<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
-    closest_parameters_from(shape, nodes, shape.centre())
-}
-
-/// The same from another starting point.
-pub fn closest_parameters_from<const D: usize>(
+/// the starting point.
+pub fn closest_parameters<const D: usize>(
     shape: Shape,
     nodes: &[[f64; D]],
     start: ShapeParameters,

@@ -9,7 +9,7 @@ mod proof;
 use super::bounds::bounds;
 use super::node::relative;
 use super::shape::{Shape, ShapeParameters};
-use gauss_newton::{ClosestParameters, closest_parameters, closest_parameters_from, descend};
+use gauss_newton::{ClosestParameters, closest_parameters, descend};
 use proof::is_nearest;
 
 /// The point of an element nearest to a given point.
@@ -112,13 +112,12 @@ pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
 /// If the element fills its space, at most one of its points is the origin. But the iteration from the centre may end
 /// outside at another solution.
 fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
-    let first = closest_parameters(shape, nodes)?;
+    let first = closest_parameters(shape, nodes, shape.centre())?;
     let inside = |closest: &ClosestParameters| closest.converged && shape.clamp(closest.xi) == closest.xi;
     if inside(&first) || shape.is_affine() || shape.dimensions() < D || !may_hold(shape, nodes) {
         return Some(first);
     }
-    let another =
-        halfway(shape).into_iter().filter_map(|start| closest_parameters_from(shape, nodes, start)).find(inside);
+    let another = halfway(shape).into_iter().filter_map(|start| closest_parameters(shape, nodes, start)).find(inside);
     Some(another.unwrap_or(first))
 }
 

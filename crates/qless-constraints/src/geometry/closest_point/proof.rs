@@ -98,8 +98,8 @@ mod tests {
             let on: [f64; 3] = std::array::from_fn(|d| nodes.iter().zip(&truth).map(|(x, n)| n * x[d]).sum());
             for gap in [1e-13, 1e-10, 1e-6, 1e-3, 0.1, 0.5] {
                 let arms = relative(&nodes, &[on[0], on[1], on[2] + gap]);
-                let Some(closest) =
-                    closest_parameters(shape, &arms).filter(|closest| shape.clamp(closest.xi) == closest.xi)
+                let Some(closest) = closest_parameters(shape, &arms, shape.centre())
+                    .filter(|closest| shape.clamp(closest.xi) == closest.xi)
                 else {
                     continue;
                 };

@@ -81,7 +81,7 @@ impl Shape {
     }
 
     /// `[middle, end, end]` of each edge with a middle node, in the order of the middle nodes.
-    pub(crate) fn edges(self) -> &'static [[usize; 3]] {
+    pub(crate) const fn edges(self) -> &'static [[usize; 3]] {
         match self {
             Self::Line3 => &[[2, 0, 1]],
             Self::Tri6 => &[[3, 0, 1], [4, 1, 2], [5, 2, 0]],

@@ -5,93 +5,53 @@ use super::Shape;
 /// Parameters `xi, eta, zeta`; unused ones are zero.
 pub(crate) type ShapeParameters = [f64; 3];
 
-const LINE: [ShapeParameters; 3] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]];
-const TETRAHEDRON: [ShapeParameters; 10] = [
-    [0.0, 0.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-    [0.5, 0.0, 0.0],
-    [0.5, 0.5, 0.0],
-    [0.0, 0.5, 0.0],
-    [0.0, 0.0, 0.5],
-    [0.5, 0.0, 0.5],
-    [0.0, 0.5, 0.5],
-];
-const TRIANGLE: [ShapeParameters; 6] =
-    [TETRAHEDRON[0], TETRAHEDRON[1], TETRAHEDRON[2], TETRAHEDRON[4], TETRAHEDRON[5], TETRAHEDRON[6]];
-const QUADRILATERAL: [ShapeParameters; 9] = [
-    [-1.0, -1.0, 0.0],
-    [1.0, -1.0, 0.0],
-    [1.0, 1.0, 0.0],
-    [-1.0, 1.0, 0.0],
-    [0.0, -1.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [-1.0, 0.0, 0.0],
-    [0.0, 0.0, 0.0],
-];
-const PYRAMID: [ShapeParameters; 13] = [
-    QUADRILATERAL[0],
-    QUADRILATERAL[1],
-    QUADRILATERAL[2],
-    QUADRILATERAL[3],
-    [0.0, 0.0, 1.0],
-    QUADRILATERAL[4],
-    QUADRILATERAL[5],
-    QUADRILATERAL[6],
-    QUADRILATERAL[7],
-    [-0.5, -0.5, 0.5],
-    [0.5, -0.5, 0.5],
-    [0.5, 0.5, 0.5],
-    [-0.5, 0.5, 0.5],
-];
-const WEDGE: [ShapeParameters; 15] = [
-    [0.0, 0.0, -1.0],
-    [1.0, 0.0, -1.0],
-    [0.0, 1.0, -1.0],
-    [0.0, 0.0, 1.0],
-    [1.0, 0.0, 1.0],
-    [0.0, 1.0, 1.0],
-    [0.5, 0.0, -1.0],
-    [0.5, 0.5, -1.0],
-    [0.0, 0.5, -1.0],
-    [0.5, 0.0, 1.0],
-    [0.5, 0.5, 1.0],
-    [0.0, 0.5, 1.0],
-    [0.0, 0.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-];
-const HEXAHEDRON: [ShapeParameters; 27] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-    [0.0, -1.0, -1.0],
-    [1.0, 0.0, -1.0],
-    [0.0, 1.0, -1.0],
-    [-1.0, 0.0, -1.0],
-    [0.0, -1.0, 1.0],
-    [1.0, 0.0, 1.0],
-    [0.0, 1.0, 1.0],
-    [-1.0, 0.0, 1.0],
-    [-1.0, -1.0, 0.0],
-    [1.0, -1.0, 0.0],
-    [1.0, 1.0, 0.0],
-    [-1.0, 1.0, 0.0],
-    [0.0, 0.0, -1.0],
-    [0.0, 0.0, 1.0],
-    [0.0, -1.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [-1.0, 0.0, 0.0],
-    [0.0, 0.0, 0.0],
-];
+/// The corners, and the middles of the edges; other nodes are zero.
+const fn with_middles<const N: usize>(corners: &[ShapeParameters], shape: Shape) -> [ShapeParameters; N] {
+    let (mut all, mut k) = ([[0.0; 3]; N], 0);
+    while k < corners.len() {
+        all[k] = corners[k];
+        k += 1;
+    }
+    let edges = shape.edges();
+    k = 0;
+    while k < edges.len() {
+        let [middle, a, b] = edges[k];
+        let (a, b) = (all[a], all[b]);
+        all[middle] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])];
+        k += 1;
+    }
+    all
+}
+
+const LINE: [ShapeParameters; 3] = with_middles(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], Shape::Line3);
+const TRIANGLE: [ShapeParameters; 6] = with_middles(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], Shape::Tri6);
+const TETRAHEDRON: [ShapeParameters; 10] =
+    with_middles(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], Shape::Tet10);
+const SQUARE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+/// A corner of the square at the height zeta.
+const fn corner(k: usize, zeta: f64) -> ShapeParameters {
+    [SQUARE[k][0], SQUARE[k][1], zeta]
+}
+
+const QUADRILATERAL: [ShapeParameters; 9] =
+    with_middles(&[corner(0, 0.0), corner(1, 0.0), corner(2, 0.0), corner(3, 0.0)], Shape::Quad9);
+const PYRAMID: [ShapeParameters; 13] =
+    with_middles(&[corner(0, 0.0), corner(1, 0.0), corner(2, 0.0), corner(3, 0.0), [0.0, 0.0, 1.0]], Shape::Pyramid13);
+const WEDGE: [ShapeParameters; 15] = with_middles(
+    &[[0.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]],
+    Shape::Wedge15,
+);
+const HEXAHEDRON: [ShapeParameters; 27] = {
+    let below = [corner(0, -1.0), corner(1, -1.0), corner(2, -1.0), corner(3, -1.0)];
+    let above = [corner(0, 1.0), corner(1, 1.0), corner(2, 1.0), corner(3, 1.0)];
+    let [a, b, c, d] = below;
+    let [e, f, g, h] = above;
+    let mut all: [ShapeParameters; 27] = with_middles(&[a, b, c, d, e, f, g, h], Shape::Hex27);
+    // The middles of the faces.
+    (all[20][2], all[21][2], all[22][1], all[23][0], all[24][1], all[25][0]) = (-1.0, 1.0, -1.0, 1.0, 1.0, -1.0);
+    all
+};
 
 impl Shape {
     /// Parameters of the nodes.

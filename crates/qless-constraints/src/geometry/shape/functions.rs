@@ -6,18 +6,14 @@ use super::domain::ShapeParameters;
 use crate::scalar::{Dual, Scalar};
 
 impl Shape {
-    /// `N_k` of each node.
-    pub(crate) fn weights(self, xi: ShapeParameters) -> Vec<f64> {
-        self.functions(xi)
-    }
-
     /// `[N_k, dN_k / dxi, dN_k / deta, dN_k / dzeta]` of each node.
     pub(crate) fn slopes(self, xi: ShapeParameters) -> Vec<[f64; 4]> {
         let variables: [Dual<3>; 3] = std::array::from_fn(|k| Dual::variable(xi[k], k));
-        self.functions(variables).iter().map(|n| [n.real, n.slope[0], n.slope[1], n.slope[2]]).collect()
+        self.weights(variables).iter().map(|n| [n.real, n.slope[0], n.slope[1], n.slope[2]]).collect()
     }
 
-    fn functions<S: Scalar>(self, xi: [S; 3]) -> Vec<S> {
+    /// `N_k` of each node.
+    pub(crate) fn weights<S: Scalar>(self, xi: [S; 3]) -> Vec<S> {
         let one = S::from(1.0);
         let node =
             |function: fn(ShapeParameters, [S; 3]) -> S| self.places().iter().map(|&p| function(p, xi)).collect();

@@ -6,7 +6,7 @@ use crate::nonlinear::jacobian;
 use crate::scalar::HyperDual;
 
 pub fn compare<Q: Nonlinear>(item: &Q, u: &[f64]) {
-    let (m, n) = (Q::PARTS.len(), u.len());
+    let (m, n) = (Q::EQUATION_NAMES.len(), u.len());
     let (mut c, mut g) = (vec![f64::NAN; m], vec![f64::NAN; m * n]);
     item.value_and_jacobian(u, &mut c, &mut g);
     let (mut value, mut slopes) = (vec![f64::NAN; m], vec![f64::NAN; m * n]);

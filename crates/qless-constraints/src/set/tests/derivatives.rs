@@ -57,7 +57,8 @@ fn hessian_is_the_difference_of_jacobians() -> Outcome {
     for u in configurations() {
         let mut at = set.allocate();
         set.evaluate(&u, &mut at).expect("of this set");
-        set.effective_hessian(&u, &Weights::Multipliers(&w).of(&at.c).expect("as many"), &mut at).expect("of this set");
+        set.effective_hessian(&u, &Weights::Multipliers(&w).values(&at.c).expect("as many"), &mut at)
+            .expect("of this set");
         assert_eq!(Ok(&at.h), at.h.transpose().as_ref());
         let force = |v: &[f64]| {
             let mut moved = set.allocate();

@@ -22,12 +22,12 @@ pub const ROTATIONS: [std::ops::RangeInclusive<usize>; 3] = [33..=35, 39..=42, 4
 
 /// The unit of length, and the distance of the model from the origin in that unit.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct UnitAndShift {
     pub unit: f64,
     pub shift: f64,
 }
 
-impl Place {
+impl UnitAndShift {
     fn at<const D: usize>(self, x: [f64; D]) -> [f64; D] {
         x.map(|x| self.unit * (self.shift + x))
     }
@@ -43,10 +43,10 @@ impl Place {
 }
 
 pub fn set() -> Result<ConstraintSet, Box<dyn std::error::Error>> {
-    set_at(Place { unit: 1.0, shift: 0.0 })
+    set_at(UnitAndShift { unit: 1.0, shift: 0.0 })
 }
 
-pub fn set_at(place: Place) -> Result<ConstraintSet, Box<dyn std::error::Error>> {
+pub fn set_at(place: UnitAndShift) -> Result<ConstraintSet, Box<dyn std::error::Error>> {
     let mut builder = ConstraintSet::builder(DOFS);
     points(&mut builder, place)?;
     let vector = Body::with_vector([30, 31, 32], place.at([0.4, 0.1, -0.3]), [33, 34, 35]);
@@ -69,7 +69,7 @@ pub fn set_at(place: Place) -> Result<ConstraintSet, Box<dyn std::error::Error>>
     Ok(builder.build().expect("few DOFs"))
 }
 
-fn points(builder: &mut SetBuilder, place: Place) -> Result<(), Box<dyn std::error::Error>> {
+fn points(builder: &mut SetBuilder, place: UnitAndShift) -> Result<(), Box<dyn std::error::Error>> {
     let (point, reversed) = (|node| place.point(node), |node| place.reversed(node));
     builder.add("rod", Distance::new(point(0), point(1)))?;
     builder.add("long rod", Distance { a: reversed(5), b: point(2), length: Some(4.0 * place.unit) })?;
@@ -92,7 +92,7 @@ fn points(builder: &mut SetBuilder, place: Place) -> Result<(), Box<dyn std::err
     Ok(())
 }
 
-fn joints(builder: &mut SetBuilder, place: Place, a: Body, b: Body) -> Result<(), Box<dyn std::error::Error>> {
+fn joints(builder: &mut SetBuilder, place: UnitAndShift, a: Body, b: Body) -> Result<(), Box<dyn std::error::Error>> {
     let (at, axis) = (place.at([0.2, 0.3, -0.1]), [1.0, 2.0, -1.0]);
     builder.add("ball joint", Spherical { a, b, at })?;
     builder.add("hinge", Revolute { a, b, at, axis })?;

@@ -29,12 +29,12 @@ fn values_are_those_of_the_rows() -> Result<(), Box<dyn std::error::Error>> {
     }
     let set = builder.build().expect("few DOFs");
     let u: Vec<f64> = (0..DOFS as u64).map(|j| random(j + 77)).collect();
-    let mut quantities = set.allocate();
-    set.evaluate(&u, &mut quantities).expect("of this set");
+    let mut evaluation = set.allocate();
+    set.evaluate(&u, &mut evaluation).expect("of this set");
     for i in 0..EQUATIONS {
         let parts = || terms(i).into_iter().map(|(j, v)| v * u[j]);
         let (truth, size) = (parts().sum::<f64>() - rhs(i), parts().map(f64::abs).sum::<f64>() + rhs(i).abs());
-        assert!((quantities.c[i] - truth).abs() <= 1e-15 * size.max(1.0), "equation {i}: {}, {truth}", quantities.c[i]);
+        assert!((evaluation.c[i] - truth).abs() <= 1e-15 * size.max(1.0), "equation {i}: {}, {truth}", evaluation.c[i]);
     }
     Ok(())
 }

@@ -4,7 +4,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::every_type::{DOFS, Place, ROTATIONS, random, set_at};
+use super::every_type::{DOFS, ROTATIONS, UnitAndShift, random, set_at};
 use crate::ConstraintSet;
 use crate::equations::coordinates::CoarseSize;
 use crate::scalar::double_double::DoubleDouble;
@@ -31,7 +31,7 @@ fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
 fn reference(set: &ConstraintSet, u: &[f64], seed: u64) -> [Vec<DoubleDouble>; 2] {
     let size = |j: usize| u[j].abs() + set.reference_coordinates.largest().get(j).map_or(0.0, |size| size.at.number());
     let by = |j: usize| 2.0 * random(seed + j as u64) * f64::EPSILON * size(j);
-    let moved: Vec<_> = (0..DOFS).map(|j| DoubleDouble::moved(u[j], by(j))).collect();
+    let moved: Vec<_> = (0..DOFS).map(|j| DoubleDouble::sum(u[j], by(j))).collect();
     let mut all = [Vec::new(), Vec::new()];
     for batch in &set.nonlinear.batches {
         let [c, g] = batch.reference(&moved);
@@ -72,7 +72,7 @@ fn bounds_hold_and_are_near() -> Outcome {
     let [mut of_c, mut of_g] = [Vec::new(), Vec::new()];
     let mut seed = 0;
     for (unit, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-12, 3e3)] {
-        let set = set_at(Place { unit, shift })?;
+        let set = set_at(UnitAndShift { unit, shift })?;
         let linear = set.linear_rows().len();
         let constant = set.linear.nnz();
         for size in [None, Some(0.0), Some(1e-9), Some(1e-3), Some(0.3), Some(2.0), Some(6.0), Some(13.0)] {

@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use super::every_type::random;
 use crate::types::{Body, Distance, LinearEquation, OnSphere, Point, RigidBody};
-use crate::{ConstraintSet, Quantities};
+use crate::{ConstraintSet, Evaluation};
 
 /// Evaluates in two passes, and in one.
-fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option<[Quantities; 2]> {
+fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option<[Evaluation; 2]> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
     let [mut apart, mut at_once] = [set.allocate(), set.allocate()];
     pool.install(|| {
@@ -41,7 +41,7 @@ fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> 
     assert!(one.h.values().iter().any(|&v| v != 0.0) && at_once == one);
     for threads in [2, 3, 8] {
         let more = evaluate(&set, &u, &w, threads).ok_or("no threads")?;
-        assert!(more.iter().all(|quantities| *quantities == one), "{threads} threads");
+        assert!(more.iter().all(|evaluation| *evaluation == one), "{threads} threads");
     }
     Ok(())
 }
@@ -63,10 +63,10 @@ fn tasks_that_come_while_others_plan_wait_for_nobody() {
             std::thread::sleep(Duration::from_micros(if k == 1 { 200 * seed as u64 } else { 0 }));
             let (set, done) = (Arc::clone(&set), done.clone());
             pool.spawn(move || {
-                let mut quantities = set.allocate();
+                let mut evaluation = set.allocate();
                 let (u, w) = (vec![0.1; set.dofs()], vec![1.0; set.equations()]);
-                set.assemble(&u, &w, &mut quantities).expect("of this set");
-                done.send(quantities).expect("somebody waits");
+                set.assemble(&u, &w, &mut evaluation).expect("of this set");
+                done.send(evaluation).expect("somebody waits");
             });
         }
         let wait = || all.recv_timeout(Duration::from_secs(60)).expect("no task waits for itself");

@@ -5,8 +5,9 @@ use super::equations::{RepeatedNodes, check, lead};
 use super::mean_rigid_motion::{MotionObservation, RigidMotionFit};
 use super::node6::CoupledComponent;
 use super::rigid_motion::{arm, clean};
+use crate::scalar::vector::hypot;
 use crate::types::{CouplingError, Node6};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A weighted average: the reference follows the rigid motion that fits the motion of the nodes best. Also known as
 /// RBE3.
@@ -15,17 +16,14 @@ use crate::{Constraint, Store};
 /// `r_i = X_i - X_r`. The sums go over the components k of node i, which may be along local axes of that node
 /// ([`Node6::along`]). L is the mean of all `|r_i|`, so that the unit of length does not matter. Each component of the
 /// reference has one equation, `u_rk = sum_j a_j u_j`. The fit always determines all six components, even if only some
-/// of them follow. The equations add no stiffness. They distribute a load on the reference over the nodes, as forces
+/// of them are coupled. The equations add no stiffness. They distribute a load on the reference over the nodes, as forces
 /// with the same resultant.
 ///
-/// DOFs removed: one for each component of the reference. The equations are independent, as each has a DOF of its own.
 /// Components that the nodes do not determine are refused. Nodes on a line do not determine rotations about it, nor,
 /// for a reference beside the line, all of its translations; two nodes are always a line. Nodes count as on a line if
 /// they deviate by less than about 1e-8 of its length (measured by singular values), or by less than the rounding of
 /// the coordinates. In this case let only the other components follow ([`Node6::only`]), or add nodes with rotations.
-/// Units: lengths for translations, radians for rotations. Cost: O(nodes) for each component.
-///
-/// Source: RBE3 of Nastran. At the minimum, `sum_i w_i e_i = 0` and `sum_i w_i r_i x e_i = 0`.
+/// Cost: O(nodes) for each component.
 ///
 #[doc = include_str!("../../../docs/pictures/average.svg")]
 ///
@@ -51,9 +49,9 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Average {
-    /// The node that follows, restricted to the components that do.
+    /// The dependent node, restricted to its coupled components.
     pub reference: Node6,
-    /// The nodes that lead, restricted to the components that count, and their weights.
+    /// The independent nodes, restricted to the components that count, with their weights.
     pub nodes: Vec<(Node6, f64)>,
 }
 
@@ -73,8 +71,7 @@ impl Average {
 
     /// L, or 1 if all nodes coincide with the reference: then the fit weighs no translation against a rotation.
     fn mean_arm(&self) -> f64 {
-        let length =
-            |(node, _): &(Node6, f64)| arm(node.at, self.reference.at).iter().fold(0.0, |s: f64, x| s.hypot(*x));
+        let length = |(node, _): &(Node6, f64)| hypot(arm(node.at, self.reference.at));
         let mean = self.nodes.iter().map(length).map(|length| length / self.nodes.len() as f64).sum();
         if mean > 0.0 { mean } else { 1.0 }
     }
@@ -98,7 +95,7 @@ impl Constraint for Average {
     const NAME: &'static str = "weighted average";
     type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CouplingError> {
         self.check()?;
         let (observations, components): (Vec<_>, Vec<_>) = self.observations().into_iter().unzip();
         let fit = RigidMotionFit::new(&observations);
@@ -112,7 +109,7 @@ impl Constraint for Average {
             let led = components.iter().zip(factors);
             let terms =
                 led.flat_map(|(component, factor)| component.terms.iter().map(move |&(dof, a)| (dof, factor * a)));
-            lead(store, self.reference.long_name(component.kind), terms, &self.reference, motion)?;
+            lead(sink, self.reference.long_name(component.kind), terms, &self.reference, motion)?;
         }
         Ok(())
     }

@@ -6,11 +6,11 @@ use super::error::CouplingError;
 use super::face_integrals::{self, mean_normal};
 use super::mean_rigid_motion::MeanRigidMotion;
 use super::node6::{CoupledComponent, Node6};
-use super::rigid_motion::{about, along, arm, axis};
+use super::rigid_motion::{about, along, arm};
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
-use crate::scalar::vector::{Vector, perpendicular};
-use crate::{Constraint, Store};
+use crate::scalar::vector::{Vector, axis, perpendicular};
+use crate::{Constraint, EquationSink};
 
 /// The end of a beam joined to a face of a solid, for small rotations.
 ///
@@ -28,11 +28,7 @@ use crate::{Constraint, Store};
 /// For all three choices, forces and moments of the beam equal the resultants on the face, as rigid motions satisfy
 /// every equation.
 ///
-/// DOFs removed: one per equation. The equations are independent if no other constraint holds the same nodes. With
-/// `Rigid`, other ties of these nodes easily become redundant or conflicting. Units: lengths for translations, radians
-/// for rotations; the unit of length does not matter. Cost: O(nodes + faces).
-///
-/// Sources: RBE2 of Nastran for the rigid form, RBE3 with consistent integrals as weights for the mean.
+/// With `Rigid`, other ties of these nodes easily become redundant or conflicting. Cost: O(nodes + faces).
 ///
 #[doc = include_str!("../../../docs/pictures/beam_to_solid.svg")]
 ///
@@ -55,7 +51,7 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BeamToSolid {
-    /// The end node of the beam. With `Mean`, a DOF that is `None` does not follow: a hinge, possibly about a local
+    /// The end node of the beam. With `Mean`, a DOF that is `None` is not coupled: a hinge, possibly about a local
     /// axis ([`Node6::along`]).
     pub beam: Node6,
     /// The face of the solid. `Plane` needs faces with consistent normals; the others accept any faces, such as the
@@ -75,11 +71,11 @@ impl BeamToSolid {
     }
 
     /// `e . u_i = e . (u_b + theta x r_i)` at each node.
-    fn equation_per_node(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+    fn equation_per_node(&self, sink: &mut EquationSink, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         for (i, node) in self.nodes() {
             let terms = self.along(i, e, 1.0).collect();
             let motion = along(e, arm(node.at, self.beam.at));
-            follow(store, format!("node {}, {name}", i + 1), terms, &self.beam, motion)?;
+            follow(sink, format!("node {}, {name}", i + 1), terms, &self.beam, motion)?;
         }
         Ok(())
     }
@@ -93,13 +89,13 @@ impl BeamToSolid {
     /// `motion . (u_b, theta)` equals that of the mean rigid motion of the face.
     fn mean(
         &self,
-        store: &mut Store,
+        sink: &mut EquationSink,
         fit: &MeanRigidMotion,
         motion: [f64; 6],
         name: String,
     ) -> Result<(), CouplingError> {
         let terms = fit.terms(&self.face, motion, self.beam.at)?;
-        lead(store, name, terms.into_iter(), &self.beam, motion)
+        lead(sink, name, terms.into_iter(), &self.beam, motion)
     }
 }
 
@@ -107,28 +103,28 @@ impl Constraint for BeamToSolid {
     const NAME: &'static str = "beam to solid";
     type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CouplingError> {
         let points = face_integrals::points(&self.face)?;
         let again = if self.section == Section::Mean { RepeatedNodes::Allowed } else { RepeatedNodes::Refused };
         check(&self.beam, self.nodes().iter().map(|(_, node)| node), again)?;
         match self.section {
-            Section::Rigid => (0..3).try_for_each(|k| self.equation_per_node(store, axis(k), AXES[k])),
+            Section::Rigid => (0..3).try_for_each(|k| self.equation_per_node(sink, axis(k), AXES[k])),
             Section::Plane => {
                 let normal = mean_normal(&points)?;
-                self.equation_per_node(store, normal, "normal")?;
+                self.equation_per_node(sink, normal, "normal")?;
                 let mean_motion = MeanRigidMotion::new(points);
                 let [s, t] = perpendicular(normal);
                 let no_arm = [0.0; 3];
-                self.mean(store, &mean_motion, along(s, no_arm), "in the plane 1".to_owned())?;
-                self.mean(store, &mean_motion, along(t, no_arm), "in the plane 2".to_owned())?;
-                self.mean(store, &mean_motion, about(normal), "torsion".to_owned())
+                self.mean(sink, &mean_motion, along(s, no_arm), "in the plane 1".to_owned())?;
+                self.mean(sink, &mean_motion, along(t, no_arm), "in the plane 2".to_owned())?;
+                self.mean(sink, &mean_motion, about(normal), "torsion".to_owned())
             }
             Section::Mean => {
                 let mean_motion = MeanRigidMotion::new(points);
                 let name = |component: &CoupledComponent| self.beam.long_name(component.kind);
                 self.beam
                     .coupled_components()
-                    .try_for_each(|component| self.mean(store, &mean_motion, component.row([0.0; 3]), name(&component)))
+                    .try_for_each(|component| self.mean(sink, &mean_motion, component.row([0.0; 3]), name(&component)))
             }
         }
     }

@@ -6,13 +6,13 @@ use std::collections::hash_map::Entry;
 use super::error::CouplingError;
 use super::node6::{Component, Node6};
 use super::rigid_motion::clean;
-use crate::Store;
+use crate::EquationSink;
 use crate::scalar::vector::{Vector, dot};
 
 /// Adds `sum_j a_j u_j - motion . q = 0`, where q are the DOFs of the reference. Factors that are only rounding are
 /// left out.
 pub fn follow(
-    store: &mut Store,
+    sink: &mut EquationSink,
     part: String,
     terms: Vec<(usize, f64)>,
     reference: &Node6,
@@ -23,7 +23,7 @@ pub fn follow(
         let own = reference.coupled(component).ok_or_else(|| missing(&part, component, factor))?;
         all.extend(own.terms.iter().map(|&(dof, a)| (dof, -factor * a)));
     }
-    store.equation(part, all, 0.0);
+    sink.equation(part, all, 0.0);
     Ok(())
 }
 
@@ -46,13 +46,13 @@ fn missing(part: &str, component: Component, factor: f64) -> CouplingError {
 
 /// Adds `motion . q - sum_j a_j u_j = 0`: the reference follows a mean of other DOFs.
 pub fn lead(
-    store: &mut Store,
+    sink: &mut EquationSink,
     part: String,
     terms: impl Iterator<Item = (usize, f64)>,
     reference: &Node6,
     motion: [f64; 6],
 ) -> Result<(), CouplingError> {
-    follow(store, part, terms.map(|(dof, factor)| (dof, -factor)).collect(), reference, motion.map(|x| -x))
+    follow(sink, part, terms.map(|(dof, factor)| (dof, -factor)).collect(), reference, motion.map(|x| -x))
 }
 
 /// Checks that every node has finite coordinates, coupled components, and DOFs that no other node has.

@@ -13,7 +13,7 @@ pub enum CouplingError {
     NoNodes,
     /// A node has no coupled component.
     #[error(
-        "every DOF of node {node}, from 1 (0 is the reference), is None; give those that take part, or leave it out"
+        "every DOF of node {node}, from 1 (0 is the reference), is None; name those that are coupled, or remove the node"
     )]
     NoComponents {
         /// The node, from 1; 0 for the reference.
@@ -27,8 +27,8 @@ pub enum CouplingError {
     },
     /// A DOF is used twice.
     #[error(
-        "DOF {dof} of node {node}, from 1 (0 is the reference), is named twice: by it, by the reference or by another node; \
-         each needs DOFs of its own, and each node is named once"
+        "DOF {dof} of node {node}, from 1 (0 is the reference), occurs twice: in this node, in the reference or in another \
+         node; each node needs DOFs of its own, and may be listed once"
     )]
     SharedDof {
         /// The node, from 1; 0 for the reference.
@@ -38,8 +38,8 @@ pub enum CouplingError {
     },
     /// A component along a local axis needs a DOF that the node does not have.
     #[error(
-        "the {component} of node {node}, from 1 (0 is the reference), in its local axes is made of DOFs that it does not have; give \
-         them, or leave the component out"
+        "the local {component} of node {node}, from 1 (0 is the reference), depends on DOFs that the node does not have; add them, or \
+         remove the component"
     )]
     LocalAxis {
         /// The node, from 1; 0 for the reference.
@@ -50,7 +50,7 @@ pub enum CouplingError {
     /// An equation needs a DOF that the reference does not have.
     #[error(
         "the equation \"{part}\" needs the {component} of the reference, with a factor of {factor}, but the reference has no \
-         such DOF; give it one, or leave out the component that needs it"
+         such DOF; add it, or remove the component that needs it"
     )]
     MissingDof {
         /// Name of the equation, as in labels.
@@ -70,9 +70,9 @@ pub enum CouplingError {
     },
     /// The nodes do not determine the motion of the reference.
     #[error(
-        "the nodes do not determine the {component} of the reference: they stay where they are while it moves by \
-         {translation:?} and turns about {rotation:?} (nodes in a line do not see rotations about the line); let only its \
-         other components follow (Node6::only), or add nodes beside the line or components"
+        "the nodes do not determine the {component} of the reference: the translation {translation:?} with \
+         the rotation {rotation:?} moves none of them (nodes on a line do not determine the rotation about it); let only the \
+         other components follow (Node6::only), or add components, or nodes off the line"
     )]
     Undetermined {
         /// The component that is not determined.
@@ -84,8 +84,8 @@ pub enum CouplingError {
     },
     /// Some rotations of a node, but not all three, are to follow a finite rotation.
     #[error(
-        "node {node}, from 1, follows with some of its rotations; components of finite rotations are not independent: \
-         give all three or none, or join it by a hinge"
+        "only some rotations of node {node}, from 1, are coupled; components of finite rotations are not independent: \
+         couple all three or none, or use a hinge"
     )]
     PartOfRotations {
         /// The node, from 1.
@@ -99,7 +99,7 @@ pub enum CouplingError {
     Surface(#[from] SurfaceError),
     /// The faces have no common normal.
     #[error(
-        "the faces of the solid are lines or solids, or point against each other, so that they have no normal; correct them"
+        "the faces of the solid are lines or solids, or have opposite normals, so that they have no mean normal; correct them"
     )]
     NoNormal,
     /// A line of nodes through the thickness is invalid.
@@ -112,7 +112,7 @@ pub enum CouplingError {
     },
     /// A node of the face belongs to no line.
     #[error(
-        "node {node} (from 0) of the face is in no line, so that its part of the area has no shell node; add it to one"
+        "node {node} (from 0) of the face belongs to no line, so that no shell node takes its share of the area; add it to one"
     )]
     NotInLine {
         /// The node, from 0, of the surface.
@@ -128,13 +128,15 @@ pub enum LineFault {
     #[error("does not have two nodes at different places; give all nodes through the thickness")]
     TooShort,
     /// A node does not exist, or is listed twice.
-    #[error("names node {node} (from 0), which is no node of a face, or is in another line or twice in this one")]
+    #[error("names node {node} (from 0), which belongs to no face, or is listed in another line or twice in this one")]
     Node {
         /// The node, from 0, of the surface.
         node: usize,
     },
     /// A node lies off the line.
-    #[error("bends: node {node} (from 0) is {distance} beside it, more than a hundredth of its length {length}")]
+    #[error(
+        "is not straight: node {node} (from 0) is {distance} away from it, more than a hundredth of its length {length}"
+    )]
     Bent {
         /// The node, from 0, of the surface.
         node: usize,
@@ -153,13 +155,13 @@ pub enum LineFault {
     },
     /// The shell node has invalid coordinates or DOFs.
     #[error(
-        "has a shell node without finite coordinates, without DOFs of its local axes, or that shares a DOF with itself, the solid or \
-         the shell node of another line; each needs DOFs of its own"
+        "has a shell node whose coordinates are not finite, whose local axes need DOFs that it does not have, or that shares a DOF with \
+         itself, the solid or the shell node of another line; each node needs DOFs of its own"
     )]
     Shell,
     /// A DOF of a node is used twice.
     #[error(
-        "names node {node} (from 0) with DOF {dof}, which the node has twice or another node has too; each needs DOFs of its own"
+        "names node {node} (from 0) with DOF {dof}, which occurs twice in this node or also in another node; each node needs DOFs of its own"
     )]
     SharedDof {
         /// The node, from 0, of the surface.
@@ -168,8 +170,6 @@ pub enum LineFault {
         dof: usize,
     },
     /// The faces give the line no weight.
-    #[error(
-        "has no share of the area of the faces; give the nodes on middles of edges as lines as well, or other faces"
-    )]
+    #[error("has no share of the area of the faces; add lines at mid-edge nodes, or choose other faces")]
     NoArea,
 }

@@ -4,10 +4,10 @@
 //! integrals of `N_i r r^T` are exact on parallelograms and triangles with straight edges.
 
 use super::rigid_motion::clean;
-use crate::geometry::outline::seven_points;
+use crate::geometry::outline::{gauss_points, seven_points};
 use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::geometry::surface::Surface;
-use crate::scalar::vector::{Vector, add, cross, dot, scale, sub, unit};
+use crate::scalar::vector::{Vector, add, cross, dot, hypot, scale, sub, unit};
 use crate::types::CouplingError;
 
 /// A quadrature point.
@@ -25,7 +25,7 @@ pub struct GaussPoint {
 impl GaussPoint {
     /// Quadrature weight, an area.
     pub fn weight(&self) -> f64 {
-        self.normal.iter().fold(0.0, |sum: f64, x| sum.hypot(*x))
+        hypot(self.normal)
     }
 }
 
@@ -59,8 +59,7 @@ fn rule(shape: Shape) -> Vec<(ShapeParameters, f64)> {
     if shape.corners().len() == 3 {
         return seven_points().map(|(l, weight)| ([l[1], l[2], 0.0], weight / 2.0)).to_vec();
     }
-    let root = 0.6_f64.sqrt();
-    let line = [(-root, 5.0 / 9.0), (0.0, 8.0 / 9.0), (root, 5.0 / 9.0)];
+    let line = gauss_points();
     line.iter().flat_map(|&(xi, a)| line.iter().map(move |&(eta, b)| ([xi, eta, 0.0], a * b))).collect()
 }
 

@@ -9,13 +9,13 @@ use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::geometry::surface::{Face, Surface, SurfaceError};
 use crate::scalar::vector::{Vector, add, dot, unit};
 use crate::types::Point;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// Equal normal displacements of a structure and a fluid in displacement form, `n . (u_s - u_f) = 0`, a length.
 /// Tangential sliding is free.
 ///
-/// DOFs removed: one. At an edge, a pair of nodes may have several normals: equations with linearly independent
-/// normals are independent. For a fluid in pressure form, whose mesh may differ, see [`crate::types::FluidWall`].
+/// At an edge, a pair of nodes may have several normals: equations with linearly independent normals are independent.
+/// For a fluid in pressure form, whose mesh may differ, see [`crate::types::FluidWall`].
 ///
 #[doc = include_str!("../../../docs/pictures/fluid_normal.svg")]
 ///
@@ -53,11 +53,11 @@ impl Constraint for FluidNormal {
     const NAME: &'static str = "structure and fluid";
     type Error = FluidNormalError;
 
-    fn process(self, store: &mut Store) -> Result<(), FluidNormalError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), FluidNormalError> {
         let n = unit(self.normal).ok_or(FluidNormalError::Normal)?;
         let side = |dofs: [usize; 3], sign: f64| (0..3).map(move |k| (dofs[k], sign * n[k]));
         let terms = side(self.structure, 1.0).chain(side(self.fluid, -1.0));
-        store.equation("", terms.filter(|&(_, v)| v != 0.0), 0.0);
+        sink.equation("", terms.filter(|&(_, v)| v != 0.0), 0.0);
         Ok(())
     }
 }
@@ -74,11 +74,9 @@ const CREASE: f64 = 0.866;
 /// displacements of both meshes satisfy the equations, and forces on `u_n` act on the structure along `n_j`, with the
 /// same resultant.
 ///
-/// DOFs removed: one for each node of the fluid's side. The equations are independent, as each has a `u_n` of its own.
 /// At an edge of the wall a node needs one `u_n` per side: give each side as a constraint of its own. Nodes with faces
-/// more than 30 degrees off the mean normal are refused. Units: lengths. Cost: O(n log n).
-///
-/// Source: the paper's appendix A.2. For a fluid in displacement form see [`crate::types::FluidNormal`].
+/// more than 30 degrees off the mean normal are refused. Cost: O(n log n). For a fluid in displacement form see
+/// [`crate::types::FluidNormal`].
 ///
 #[doc = include_str!("../../../docs/pictures/fluid_wall.svg")]
 ///
@@ -140,7 +138,9 @@ pub enum FluidWallError {
         face: usize,
     },
     /// A DOF is used twice.
-    #[error("DOF {dof} of node {node}, from 1, of the fluid is that of another node or of the wall; give each its own")]
+    #[error(
+        "DOF {dof} of node {node}, from 1, of the fluid also belongs to another node or to the wall; each needs its own"
+    )]
     SharedDof {
         /// The node, from 1.
         node: usize,
@@ -150,7 +150,7 @@ pub enum FluidWallError {
     /// The normals of the faces at a node differ too much.
     #[error(
         "face {face} and the mean of all faces at node {node} of the fluid, both from 1, have normals with a cosine of \
-         {cosine}, below 0.866: split the wall at its edge, with a DOF for each side, or turn faces that point to the other side"
+         {cosine}, below 0.866: split the wall at its edge, with a DOF for each side, or reverse faces that point to the other side"
     )]
     Crease {
         /// The node, from 1.
@@ -229,7 +229,7 @@ impl Constraint for FluidWall {
     const NAME: &'static str = "wall of a fluid";
     type Error = FluidWallError;
 
-    fn process(self, store: &mut Store) -> Result<(), FluidWallError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), FluidWallError> {
         let normals = self.normals()?;
         let at_wall = |&(i, n): &(usize, Option<Vector<f64>>)| n.map(|n| (i, n));
         let used: Vec<_> = normals.into_iter().enumerate().filter_map(|pair| at_wall(&pair)).collect();
@@ -244,7 +244,7 @@ impl Constraint for FluidWall {
                 (0..3).map(move |k| (dofs[k], -w * n[k]))
             });
             let all = terms.filter(|&(_, v)| v != 0.0).chain([(self.fluid[i].normal, 1.0)]);
-            store.equation(format!("node {}", i + 1), all, 0.0);
+            sink.equation(format!("node {}", i + 1), all, 0.0);
         }
         Ok(())
     }

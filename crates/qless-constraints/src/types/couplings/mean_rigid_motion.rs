@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 use super::error::CouplingError;
 use super::face_integrals::GaussPoint;
 use super::node6::Component;
-use super::rigid_motion::{about, along, arm, axis, clean};
+use super::rigid_motion::{about, along, arm, clean};
 use super::svd::{JacobiSvd, svd};
 use crate::geometry::surface::Surface;
-use crate::scalar::vector::{Vector, add, cross, scale};
+use crate::scalar::vector::{Vector, add, axis, cross, hypot, scale};
 
 /// Singular values below this share of the largest count as zero: nodes that deviate from a line by less than about
 /// 1e-8 of its length.
@@ -49,7 +49,7 @@ impl RigidMotionFit {
     /// Fits m observations. Cost: O(m).
     pub fn new(observations: &[MotionObservation]) -> Self {
         let (centre, size) = centre(observations);
-        let spread = observations.iter().map(|o| norm_of(arm_from(o.at, centre, size))).fold(0.0, f64::max);
+        let spread = observations.iter().map(|o| hypot(arm_from(o.at, centre, size))).fold(0.0, f64::max);
         let unit = if spread > 0.0 { spread } else { 1.0 };
         let mut rows: Vec<[f64; 6]> = observations.iter().map(|o| row(o, arm_from(o.at, centre, size), unit)).collect();
         let balance = balance(&rows);
@@ -99,17 +99,12 @@ impl RigidMotionFit {
         let rotation = [q[3], q[4], q[5]];
         let shift = cross(rotation, scale(1.0 / self.length, arm(place, self.centre)));
         let translation = add([q[0], q[1], q[2]], shift);
-        let size = norm_of(translation).hypot(norm_of(rotation));
+        let size = hypot(translation).hypot(hypot(rotation));
         let (translation, rotation) = (scale(1.0 / size, translation), scale(1.0 / size, rotation));
         let most = |a: &Component, b: &Component| motion[*a as usize].abs().total_cmp(&motion[*b as usize].abs());
         let component = Component::ALL.into_iter().max_by(|a, b| most(a, b)).unwrap_or(Component::X);
         CouplingError::Undetermined { component, translation, rotation }
     }
-}
-
-/// Norm without squares, which may overflow.
-fn norm_of(x: Vector<f64>) -> f64 {
-    x[0].hypot(x[1]).hypot(x[2])
 }
 
 /// The weighted mean of the positions, computed relative to the first, and the largest coordinate.

@@ -1,8 +1,8 @@
 //! Nodes with up to six DOFs, their components and local axes.
 
-use super::rigid_motion::{about, along, axis, clean};
+use super::rigid_motion::{about, along, clean};
 use crate::geometry::node::Point;
-use crate::scalar::vector::{Vector, cross, dot, norm, scale, sub, unit};
+use crate::scalar::vector::{Vector, axis, cross, dot, norm, scale, sub, unit};
 
 /// A component of the motion of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

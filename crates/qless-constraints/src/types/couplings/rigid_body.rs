@@ -13,7 +13,7 @@ use crate::types::joints::height::height;
 use crate::types::joints::orientation::Aligned;
 use crate::types::joints::relative::{relative, rotation_vectors};
 use crate::types::{Component, CouplingError, Node6};
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, EquationSink, Nonlinear};
 
 /// A rigid link (one node) or rigid body (many nodes) for small rotations. Also known as RBE2.
 ///
@@ -21,12 +21,6 @@ use crate::{Constraint, Nonlinear, Store};
 /// (`None`, [`Node6::only`]) stay free, as with a list of components in a deck. In planar models, both sides omit the
 /// other DOFs: a DOF that the reference lacks must have the factor zero. Components may be along local axes of each
 /// node ([`Node6::along`]): `e . u_i = e . (u_r + theta x (X_i - X_r))`.
-///
-/// DOFs removed: one per equation. All equations are independent, as each has a DOF of its own. If two bodies share
-/// nodes, some of their equations are redundant or conflicting. Units: lengths for translations, radians for
-/// rotations.
-///
-/// Source: RBE2 of Nastran; the kinematics of a rigid body, linear in theta.
 ///
 #[doc = include_str!("../../../docs/pictures/small_rigid_body.svg")]
 ///
@@ -44,18 +38,18 @@ use crate::{Constraint, Nonlinear, Store};
 /// let set = builder.build()?;
 /// assert_eq!(set.label(4)?, "link, node 2, rotation z");
 /// // A rotation by 0.1 about z moves the first node by 0.2 along y, and rotates the second.
-/// let mut quantities = set.allocate();
+/// let mut evaluation = set.allocate();
 /// let mut u = [0.0; 15];
 /// (u[5], u[7], u[14]) = (0.1, 0.2, 0.1);
-/// set.evaluate(&u, &mut quantities)?;
-/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-16));
+/// set.evaluate(&u, &mut evaluation)?;
+/// assert!(evaluation.c().iter().all(|c| c.abs() < 1e-16));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallRigidBody {
-    /// The node that leads; theta are its rotations.
+    /// The reference node; theta are its rotations.
     pub reference: Node6,
-    /// The nodes that follow, restricted to the components that do.
+    /// The dependent nodes, restricted to their coupled components.
     pub nodes: Vec<Node6>,
 }
 
@@ -63,7 +57,7 @@ impl Constraint for SmallRigidBody {
     const NAME: &'static str = "rigid body, small rotations";
     type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CouplingError> {
         if self.nodes.is_empty() {
             return Err(CouplingError::NoNodes);
         }
@@ -72,7 +66,7 @@ impl Constraint for SmallRigidBody {
             let r: Vector<f64> = arm(node.at, self.reference.at);
             for component in node.coupled_components() {
                 let (name, row) = (equation_name(i, self.nodes.len(), node, component.kind), component.row(r));
-                follow(store, name, component.terms, &self.reference, row)?;
+                follow(sink, name, component.terms, &self.reference, row)?;
             }
         }
         Ok(())
@@ -93,11 +87,6 @@ pub(super) fn equation_name(number: usize, nodes: usize, node: &Node6, component
 /// The body may have a rotation vector or Euler parameters. A node has all three rotations or none: single components
 /// of a rotation vector have no meaning. A node with Euler parameters is a [`Body`]: join it by a fixed joint.
 ///
-/// DOFs removed: one per equation. All equations are independent at every rotation, as each has a DOF of its own.
-/// Units: lengths for translations, radians for rotations.
-///
-/// Source: RBE2 of Nastran, with the exact kinematics of a rigid body.
-///
 #[doc = include_str!("../../../docs/pictures/rigid_body.svg")]
 ///
 #[doc = include_str!("../../../docs/types/rigid_body.md")]
@@ -111,16 +100,16 @@ pub(super) fn equation_name(number: usize, nodes: usize, node: &Node6, component
 /// builder.add("link", RigidBody { body, nodes: vec![node] })?;
 /// let set = builder.build()?;
 /// // A quarter turn about z brings the node from (2, 0, 0) to (0, 2, 0).
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::FRAC_PI_2, -2.0, 2.0, 0.0], &mut quantities)?;
-/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::FRAC_PI_2, -2.0, 2.0, 0.0], &mut evaluation)?;
+/// assert!(evaluation.c().iter().all(|c| c.abs() < 1e-15));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidBody {
     /// Position and rotation of the body.
     pub body: Body,
-    /// The nodes that follow, restricted to the components that do.
+    /// The dependent nodes, restricted to their coupled components.
     pub nodes: Vec<Node6>,
 }
 
@@ -132,7 +121,7 @@ struct BodyCoordinate {
 }
 
 impl Nonlinear for BodyCoordinate {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         c[0] = S::from(self.at) + u[0] - self.body.point(&u[1..])[self.axis];
@@ -151,31 +140,31 @@ impl Nonlinear for BodyCoordinate {
 
 impl RigidBody {
     /// Equations for the translations of node i: all three together, or one by one.
-    fn translations(&self, store: &mut Store, i: usize) {
+    fn translations(&self, sink: &mut EquationSink, i: usize) {
         let node = self.nodes[i];
         if let Some(point) = point(&node).filter(|_| Component::ALL[..3].iter().all(|&k| node.has(k))) {
-            return coincident(store, self.name(i), &self.body, &Body::node(point), node.at);
+            return coincident(sink, self.name(i), &self.body, &Body::node(point), node.at);
         }
         for component in node.coupled_components().filter(|component| !component.kind.is_rotation()) {
             let name = equation_name(i, self.nodes.len(), &node, component.kind);
             if let Some(point) = point(&node).filter(|_| node.local.is_some()) {
-                height(store, name, &self.body, &Body::node(point), node.at, component.axis);
+                height(sink, name, &self.body, &Body::node(point), node.at, component.axis);
             } else if let [(dof, _)] = component.terms[..] {
-                self.coordinate(store, name, node.at, (component.kind as usize, dof));
+                self.coordinate(sink, name, node.at, (component.kind as usize, dof));
             }
         }
     }
 
     /// Adds `X_k + u_k - x_k(body) = 0`.
-    fn coordinate(&self, store: &mut Store, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
+    fn coordinate(&self, sink: &mut EquationSink, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
         let parameters = BodyCoordinate { body: self.body.attach(at), axis, at: at[axis] };
-        store.numbers(at);
-        self.body.declare_magnitudes(store);
-        store.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
+        sink.numbers(at);
+        self.body.declare_magnitudes(sink);
+        sink.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
     }
 
     /// Adds `log(R^T R_i) = 0`.
-    fn rotations(&self, store: &mut Store, i: usize) -> Result<(), CouplingError> {
+    fn rotations(&self, sink: &mut EquationSink, i: usize) -> Result<(), CouplingError> {
         let node = self.nodes[i];
         let listed = Component::ALL[3..].iter().filter(|&&component| node.has(component)).count();
         match (listed, &node.dofs[3..]) {
@@ -183,7 +172,7 @@ impl RigidBody {
             (3, &[Some(x), Some(y), Some(z)]) => {
                 // The equations use only the rotations, so the position is arbitrary.
                 let follower = Body::with_vector(self.body.position, node.at, [x, y, z]);
-                relative(store, self.name(i), &self.body, &follower, Aligned);
+                relative(sink, self.name(i), &self.body, &follower, Aligned);
                 Ok(())
             }
             _ => Err(CouplingError::PartOfRotations { node: i + 1 }),
@@ -200,7 +189,7 @@ impl Constraint for RigidBody {
     const NAME: &'static str = "rigid body, finite rotations";
     type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CouplingError> {
         if self.nodes.is_empty() {
             return Err(CouplingError::NoNodes);
         }
@@ -209,8 +198,8 @@ impl Constraint for RigidBody {
         }
         check(&reference_node(&self.body), self.nodes.iter(), RepeatedNodes::Refused)?;
         for i in 0..self.nodes.len() {
-            self.translations(store, i);
-            self.rotations(store, i)?;
+            self.translations(sink, i);
+            self.rotations(sink, i)?;
         }
         Ok(())
     }

@@ -33,14 +33,10 @@ pub fn about(e: Vector<f64>) -> [f64; 6] {
     [0.0, 0.0, 0.0, e[0], e[1], e[2]]
 }
 
-/// The unit vector along a coordinate axis.
-pub fn axis(k: usize) -> Vector<f64> {
-    std::array::from_fn(|i| f64::from(u8::from(i == k)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scalar::vector::axis;
 
     #[test]
     fn differences_of_rounded_coordinates_are_zero() {

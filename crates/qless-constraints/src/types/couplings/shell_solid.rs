@@ -4,12 +4,12 @@ use super::equations::{DofOwners, follow};
 use super::error::{CouplingError, LineFault};
 use super::face_integrals::GaussPoint;
 use super::node6::Node6;
-use super::rigid_motion::{along, arm, axis, clean};
+use super::rigid_motion::{along, arm, clean};
 use super::{Section, face_integrals};
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
-use crate::scalar::vector::{Vector, add, cross, dot, norm, perpendicular, scale, unit};
-use crate::{Constraint, Store};
+use crate::scalar::vector::{Vector, add, axis, cross, dot, hypot, norm, perpendicular, scale, unit};
+use crate::{Constraint, EquationSink};
 
 /// The edge of a shell joined to the side of a solid, for small rotations: each shell node with a line of solid nodes.
 ///
@@ -27,11 +27,7 @@ use crate::{Constraint, Store};
 /// that is linear through the thickness and constant along the edge, also for quadratic faces. The rotation about d
 /// moves no node of a straight line. It is not coupled, and must be held at the shell, as elsewhere in the shell.
 ///
-/// DOFs removed: one per equation; they are independent. Units: lengths for translations, radians for rotations; the
-/// unit of length does not matter. Cost: O(nodes + faces).
-///
-/// Source: resultants of Reissner-Mindlin theory, `n = int sigma dz` and `m = int z sigma dz`, with equal virtual work
-/// on both sides.
+/// The equations are independent. Cost: O(nodes + faces).
 ///
 #[doc = include_str!("../../../docs/pictures/shell_to_solid.svg")]
 ///
@@ -83,7 +79,7 @@ struct LineCoupling<'a> {
 
 impl LineCoupling<'_> {
     /// Adds `sum_i a_i e . (u_i - u_s - theta x r_i) = 0`.
-    fn equation(&self, store: &mut Store, a: &[f64], e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+    fn equation(&self, sink: &mut EquationSink, a: &[f64], e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         let (mut terms, mut motion, mut sizes) = (Vec::new(), [0.0; 6], [0.0; 2]);
         for (&node, &a) in self.line.nodes.iter().zip(a) {
             let node = &self.face.nodes[node];
@@ -97,30 +93,30 @@ impl LineCoupling<'_> {
         let rounding = |k: usize| 64.0 * f64::EPSILON * sizes[k / 3];
         motion.iter_mut().enumerate().filter(|(k, x)| x.abs() <= rounding(*k)).for_each(|(_, x)| *x = 0.0);
         clean(terms.iter_mut().map(|(_, a)| a), 1.0);
-        follow(store, format!("line {}, {name}", self.number), terms, self.shell, motion)
+        follow(sink, format!("line {}, {name}", self.number), terms, self.shell, motion)
     }
 
-    fn equation_per_node(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+    fn equation_per_node(&self, sink: &mut EquationSink, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         for (i, node) in self.line.nodes.iter().enumerate() {
             let one: Vec<f64> = (0..self.line.nodes.len()).map(|k| f64::from(u8::from(k == i))).collect();
-            self.equation(store, &one, e, &format!("node {}, {name}", node + 1))?;
+            self.equation(sink, &one, e, &format!("node {}, {name}", node + 1))?;
         }
         Ok(())
     }
 
-    fn equations(&self, store: &mut Store, section: Section) -> Result<(), CouplingError> {
+    fn equations(&self, sink: &mut EquationSink, section: Section) -> Result<(), CouplingError> {
         let LineShares { direction, weights, moments, .. } = self.line;
         let across = perpendicular(*direction);
         let both = ["across 1", "across 2"].into_iter().zip(across);
         match section {
-            Section::Rigid => (0..3).try_for_each(|k| self.equation_per_node(store, axis(k), AXES[k])),
+            Section::Rigid => (0..3).try_for_each(|k| self.equation_per_node(sink, axis(k), AXES[k])),
             Section::Plane => {
-                both.into_iter().try_for_each(|(name, e)| self.equation_per_node(store, e, name))?;
-                self.equation(store, weights, *direction, "thickness")
+                both.into_iter().try_for_each(|(name, e)| self.equation_per_node(sink, e, name))?;
+                self.equation(sink, weights, *direction, "thickness")
             }
             Section::Mean => {
-                (0..3).try_for_each(|k| self.equation(store, weights, axis(k), AXES[k]))?;
-                both.into_iter().try_for_each(|(name, e)| self.equation(store, moments, e, &format!("rotation {name}")))
+                (0..3).try_for_each(|k| self.equation(sink, weights, axis(k), AXES[k]))?;
+                both.into_iter().try_for_each(|(name, e)| self.equation(sink, moments, e, &format!("rotation {name}")))
             }
         }
     }
@@ -151,7 +147,7 @@ impl Constraint for ShellToSolid {
     const NAME: &'static str = "shell to solid";
     type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CouplingError> {
         let points = face_integrals::points(&self.face)?;
         if self.lines.is_empty() {
             return Err(CouplingError::NoNodes);
@@ -159,7 +155,7 @@ impl Constraint for ShellToSolid {
         let shares = line_shares(&self.lines, &self.face, &points)?;
         self.check_dofs()?;
         for (i, (ThicknessLine { shell, .. }, line)) in self.lines.iter().zip(&shares).enumerate() {
-            LineCoupling { number: i + 1, shell, line, face: &self.face }.equations(store, self.section)?;
+            LineCoupling { number: i + 1, shell, line, face: &self.face }.equations(sink, self.section)?;
         }
         Ok(())
     }
@@ -193,12 +189,12 @@ impl LineShares {
         let direction = unit(far).ok_or(LineFault::TooShort)?;
         let heights = arms.iter().map(|&r| dot(r, direction)).collect();
         for (&node, &r) in line.nodes.iter().zip(&arms) {
-            let distance = size(cross(r, direction));
+            let distance = hypot(cross(r, direction));
             if distance > BENT * length {
                 return Err(LineFault::Bent { node, distance, length });
             }
         }
-        let distance = size(cross(arm(line.shell.at, origin), direction));
+        let distance = hypot(cross(arm(line.shell.at, origin), direction));
         if distance > length {
             return Err(LineFault::Apart { distance, length });
         }
@@ -233,7 +229,7 @@ fn sum(terms: impl Iterator<Item = f64> + Clone) -> Result<f64, LineFault> {
 
 /// The vector between the outermost nodes, and its length.
 fn extent(arms: &[Vector<f64>]) -> (Vector<f64>, f64) {
-    let far = arms.iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or_default();
+    let far = arms.iter().copied().max_by(|&a, &b| hypot(a).total_cmp(&hypot(b))).unwrap_or_default();
     let (mut low, mut high) = ([0.0; 3], far);
     for &r in arms {
         if dot(r, far) < dot(low, far) {
@@ -243,11 +239,7 @@ fn extent(arms: &[Vector<f64>]) -> (Vector<f64>, f64) {
         }
     }
     let whole = add(high, scale(-1.0, low));
-    (whole, size(whole))
-}
-
-fn size(x: Vector<f64>) -> f64 {
-    x[0].hypot(x[1]).hypot(x[2])
+    (whole, hypot(whole))
 }
 
 /// Computes the shares of all lines. Every node of a face must belong to a line.

@@ -1,6 +1,6 @@
 //! Bodies, and points attached to them: to the ground, to a node, or to a body with rotations.
 
-use crate::Store;
+use crate::EquationSink;
 use crate::geometry::lanes::{Lanes, RotatedArmLanes};
 use crate::geometry::rotation::RotationKind;
 use crate::geometry::rotation_derivatives;
@@ -66,13 +66,13 @@ impl Body {
         [position, self.rotation_dofs()].concat()
     }
 
-    /// Declares the magnitudes of the coordinates and rotations to the store.
+    /// Declares the magnitudes of the coordinates and rotations to the sink.
     ///
     /// Rotation vectors are known to one unit in the last place of a radian, Euler parameters to one unit in the last
     /// place of 1, even if they are small.
-    pub(crate) fn declare_magnitudes(&self, store: &mut Store) {
-        store.numbers(self.at);
-        self.rotation_dofs().iter().for_each(|&dof| store.coordinate(dof, 1.0));
+    pub(crate) fn declare_magnitudes(&self, sink: &mut EquationSink) {
+        sink.numbers(self.at);
+        self.rotation_dofs().iter().for_each(|&dof| sink.coordinate(dof, 1.0));
     }
 
     /// Attaches `point`, given in the reference configuration, to the body.

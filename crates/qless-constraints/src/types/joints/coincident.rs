@@ -9,17 +9,17 @@ use super::relative::{rotation_vectors, triangle};
 use crate::geometry::lanes::{LANES, Lanes, RotatedArmLanes, RotationVectorLanes};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, scale, sub};
-use crate::{Nonlinear, Store};
+use crate::{EquationSink, Nonlinear};
 
 /// Adds the equations that keep the point `at` of both bodies together.
-pub fn coincident(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, at: Vector<f64>) {
+pub fn coincident(sink: &mut EquationSink, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, at: Vector<f64>) {
     // The body with the lower DOFs comes first: then the entries of G are already sorted.
     let swap = a.dofs().first() > b.dofs().first();
     let (first, second, sign) = if swap { (b, a, -1.0) } else { (a, b, 1.0) };
     let parameters = Coincident { a: first.attach(at), b: second.attach(at), sign };
-    store.numbers(at);
-    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
-    store.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
+    sink.numbers(at);
+    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    sink.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
 }
 
 /// Two points that coincide: `c = sign (x_a - x_b)`.
@@ -30,7 +30,7 @@ struct Coincident {
 }
 
 impl Nonlinear for Coincident {
-    const PARTS: &'static [&'static str] = &["x", "y", "z"];
+    const EQUATION_NAMES: &'static [&'static str] = &["x", "y", "z"];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.dofs());

@@ -6,12 +6,10 @@ use super::prismatic::path;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// Body b slides along an axis of body a and rotates about it: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i`
-/// perpendicular to the axis, lengths, and the tilt of the axis, two angles, as in [`super::Revolute`].
-///
-/// Four degrees of freedom are removed. Singular if the axes point in opposite directions.
+/// perpendicular to the axis, and the tilt of the axis, as in [`super::Revolute`].
 ///
 #[doc = include_str!("../../../docs/pictures/cylindrical.svg")]
 ///
@@ -25,9 +23,9 @@ use crate::{Constraint, Store};
 /// builder.add("sleeve", Cylindrical { a: Body::ground(), b: rod, at: [0.0; 3], axis: [1.0, 0.0, 0.0] })?;
 /// let set = builder.build()?;
 /// // The rod slides by 2 and rotates by 1 rad.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[2.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0; 4]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[2.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0; 4]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,11 +44,11 @@ impl Constraint for Cylindrical {
     const NAME: &'static str = "cylindrical joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
         let axis = direction(self.axis)?;
-        path(store, &self.a, &self.b, self.at, axis);
-        relative(store, "", &self.a, &self.b, Tilt::new(axis));
+        path(sink, &self.a, &self.b, self.at, axis);
+        relative(sink, "", &self.a, &self.b, Tilt::new(axis));
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 
 use crate::scalar::Scalar;
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, EquationSink, Nonlinear};
 
 /// Euler parameters of length one. Each body with Euler parameters needs this constraint once.
 ///
@@ -17,9 +17,9 @@ use crate::{Constraint, Nonlinear, Store};
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("crank", EulerNorm { parameters: [0, 1, 2, 3] })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[-0.4, 0.8, 0.0, 0.0], &mut quantities)?;
-/// assert!(quantities.c()[0].abs() < 1e-15);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[-0.4, 0.8, 0.0, 0.0], &mut evaluation)?;
+/// assert!(evaluation.c()[0].abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,14 +32,14 @@ impl Constraint for EulerNorm {
     const NAME: &'static str = "length of Euler parameters";
     type Error = Infallible;
 
-    fn process(self, store: &mut Store) -> Result<(), Infallible> {
-        self.parameters.iter().for_each(|&dof| store.coordinate(dof, 1.0));
-        store.nonlinear("", &self.parameters, Norm);
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Infallible> {
+        self.parameters.iter().for_each(|&dof| sink.coordinate(dof, 1.0));
+        sink.nonlinear("", &self.parameters, Norm);
         Ok(())
     }
 }
 
-/// The constraint has no parameters to store.
+/// The constraint has no parameters to sink.
 struct Norm;
 
 impl Nonlinear for Norm {
@@ -47,7 +47,7 @@ impl Nonlinear for Norm {
     const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0];
     const SAME_PAIRS: bool = true;
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         // |p|^2 - 1 = 2 u_0 + |u|^2; this form avoids cancellation.

@@ -6,15 +6,13 @@ use super::orientation::Aligned;
 use super::relative::relative;
 use super::{JointError, check_turns};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
-/// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `log(R_a^T R_b) = 0`, three
-/// angles.
+/// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0` and `log(R_a^T R_b) = 0`.
 ///
 /// The angles are the components of the shortest rotation vector from a to b, in the axes of a. So a joint that is not
-/// yet assembled closes over at most half a turn. Multipliers are the force and the moment of the joint, the moment in
-/// the axes of a. Six degrees of freedom are removed. There are no singularities; at exactly half a turn, the sign of
-/// the quaternion decides the sense.
+/// yet assembled closes over at most half a turn; at exactly half a turn, the sign of the quaternion decides the sense.
+/// The moment among the multipliers is in the axes of a.
 ///
 #[doc = include_str!("../../../docs/pictures/fixed.svg")]
 ///
@@ -43,10 +41,10 @@ impl Constraint for Fixed {
     const NAME: &'static str = "fixed joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        coincident(store, "", &self.a, &self.b, self.at);
-        relative(store, "", &self.a, &self.b, Aligned);
+        coincident(sink, "", &self.a, &self.b, self.at);
+        relative(sink, "", &self.a, &self.b, Aligned);
         Ok(())
     }
 }

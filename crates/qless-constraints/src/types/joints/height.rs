@@ -10,12 +10,12 @@ use super::relative::{rotation_vectors, triangle_before};
 use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, scale, sub};
-use crate::{Nonlinear, Store};
+use crate::{EquationSink, Nonlinear};
 
 /// Adds the equation that keeps the point `at` of body b at the same height as that of body a, along the direction `s`
 /// of body a.
 pub fn height(
-    store: &mut Store,
+    sink: &mut EquationSink,
     part: impl Into<Cow<'static, str>>,
     a: &Body,
     b: &Body,
@@ -23,12 +23,12 @@ pub fn height(
     s: Vector<f64>,
 ) {
     let parameters = Height::new(a, b, at, s);
-    store.numbers(at);
-    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
-    store.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
+    sink.numbers(at);
+    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    sink.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
 }
 
-/// The stored parameters.
+/// The parameters.
 pub struct Height {
     /// The centre of body a.
     a: AttachedPoint,
@@ -52,7 +52,7 @@ impl Height {
 }
 
 impl Nonlinear for Height {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.dofs());

@@ -41,14 +41,14 @@ pub enum JointError {
     #[error("both bodies are the ground; at least one must move")]
     NothingMoves,
     /// The joint fixes directions, but a body has no rotations.
-    #[error("the joint fixes directions, but a body is a node without rotations; give it some")]
+    #[error("the joint fixes directions, but a body is a node without rotations; give it rotations")]
     NoRotations,
     /// An axis is zero or not finite.
     #[error("an axis has no direction; give a vector that is not zero")]
     Axis,
     /// Axes that must be perpendicular are not.
     #[error(
-        "the axes are to be perpendicular in the reference configuration, but the cosine of their angle is {0}; give axes at a right angle"
+        "the axes must be perpendicular in the reference configuration, but the cosine of their angle is {0}; give axes at a right angle"
     )]
     NotPerpendicular(f64),
 }

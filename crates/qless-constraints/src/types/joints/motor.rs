@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use super::attachment::Body;
 use super::height::Height;
-use super::orientation::{TimeFunction, Twist, value_at};
+use super::orientation::{Twist, value_at};
 use super::relative::relative;
 use super::{JointError, check_moves, check_turns, direction};
+use crate::equations::TimeFunction;
 use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, EquationSink, Nonlinear};
 
 /// Rotates body b relative to body a about an axis: `c = psi - phi(t)`, an angle, at the time t of the set
 /// ([`set_time`](crate::ConstraintSet::set_time), initially 0).
@@ -19,8 +20,7 @@ use crate::{Constraint, Nonlinear, Store};
 /// psi is the angle of `R_a^T R_b` about the axis, once the axes are aligned. `psi - phi` is known only modulo 2 pi,
 /// and c is its value in `[-pi, pi]`. `phi` may cover any number of turns. Between two times the motor takes the
 /// shorter way, so that the time steps must be less than half a turn. The motor does not guide the axis: add it to a
-/// [`super::Revolute`] or [`super::Cylindrical`] joint. Its multiplier is the moment about the axis. One degree of
-/// freedom is removed. Singular if the axes point in opposite directions.
+/// [`super::Revolute`] or [`super::Cylindrical`] joint.
 ///
 #[doc = include_str!("../../../docs/pictures/rotation_motor.svg")]
 ///
@@ -36,9 +36,9 @@ use crate::{Constraint, Nonlinear, Store};
 /// let mut set = builder.build()?;
 /// set.set_time(5.0)?;
 /// // 15 rad are two turns and 2.43 rad; `qless_solve::newton::solve` finds this configuration.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, 15.0 - 2.0 * std::f64::consts::TAU], &mut quantities)?;
-/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-12));
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, 15.0 - 2.0 * std::f64::consts::TAU], &mut evaluation)?;
+/// assert!(evaluation.c().iter().all(|c| c.abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone)]
@@ -59,8 +59,7 @@ pub struct RotationMotor {
 /// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. The motor does not
 /// guide the path: add it to a [`super::Prismatic`] or [`super::Cylindrical`] joint, or to a node ([`Body::node`])
 /// with another guide. Body b may be a node without rotations. Body a carries the axis, so it is the ground or has
-/// rotations. The multiplier is the force along the axis. One degree of freedom is removed. There are no
-/// singularities.
+/// rotations.
 ///
 #[doc = include_str!("../../../docs/pictures/translation_motor.svg")]
 ///
@@ -75,9 +74,9 @@ pub struct RotationMotor {
 /// builder.add("pressure", TranslationMotor::new(ground, ram, at, [1.0, 0.0, 0.0], |t| 0.1 * t))?;
 /// let mut set = builder.build()?;
 /// set.set_time(2.0)?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.5, 0.0, 0.0, 0.0, 0.0, 0.0], &mut quantities)?;
-/// assert!(quantities.c().iter().any(|c| (c - 0.3).abs() < 1e-15));
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.5, 0.0, 0.0, 0.0, 0.0, 0.0], &mut evaluation)?;
+/// assert!(evaluation.c().iter().any(|c| (c - 0.3).abs() < 1e-15));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone)]
@@ -133,9 +132,9 @@ impl Constraint for RotationMotor {
     const NAME: &'static str = "rotation motor";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        relative(store, "", &self.a, &self.b, Twist::new(direction(self.axis)?, self.angle));
+        relative(sink, "", &self.a, &self.b, Twist::new(direction(self.axis)?, self.angle));
         Ok(())
     }
 }
@@ -144,7 +143,7 @@ impl Constraint for TranslationMotor {
     const NAME: &'static str = "translation motor";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_moves(&self.a, &self.b)?;
         // Body a carries the axis, so it must not be a node. Of body b only the point matters.
         if self.a.kind == RotationKind::Node {
@@ -152,9 +151,9 @@ impl Constraint for TranslationMotor {
         }
         let height = Height::new(&self.a, &self.b, self.at, direction(self.axis)?);
         let dofs = [self.a.dofs(), self.b.dofs()].concat();
-        store.numbers(self.at);
-        [self.a, self.b].iter().for_each(|body| body.declare_magnitudes(store));
-        store.nonlinear("", &dofs, Travel { height, motion: self.travel });
+        sink.numbers(self.at);
+        [self.a, self.b].iter().for_each(|body| body.declare_magnitudes(sink));
+        sink.nonlinear("", &dofs, Travel { height, motion: self.travel });
         Ok(())
     }
 }
@@ -167,7 +166,7 @@ struct Travel {
 
 impl Nonlinear for Travel {
     const DRIVEN: bool = true;
-    const PARTS: &'static [&'static str] = Height::PARTS;
+    const EQUATION_NAMES: &'static [&'static str] = Height::EQUATION_NAMES;
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
         self.height.rise = value_at(&self.motion, time)?;

@@ -10,17 +10,14 @@
 //! ([`crate::geometry::angle`]) of functions `(m, v)` of q, which are linear, or quadratic for the tilt.
 
 use std::array::from_fn;
-use std::sync::Arc;
 
 use super::relative::{MAX_EQUATIONS, QuaternionMatrix, RotationFunction};
+use crate::equations::TimeFunction;
 use crate::geometry::quaternion::{Quaternion, inner};
 use crate::geometry::rotation::{RotationKind, by_euler};
 use crate::geometry::{angle, rotation_derivatives};
 use crate::scalar::vector::{Vector, dot, lift, perpendicular};
 use crate::scalar::{Arithmetic, Scalar};
-
-/// A prescribed angle or length as a function of time.
-pub(super) type TimeFunction = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
 /// The value at a time. The error is a value that is not finite.
 pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
@@ -51,7 +48,7 @@ fn combined(weights: &[f64], rows: &[Quaternion<f64>]) -> Quaternion<f64> {
 pub struct Aligned;
 
 impl RotationFunction for Aligned {
-    const PARTS: &'static [&'static str] = &["turn x", "turn y", "turn z"];
+    const EQUATION_NAMES: &'static [&'static str] = &["turn x", "turn y", "turn z"];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c.copy_from_slice(&angle::value::<S, 3>(shorter(q)).map(|x| S::from(2.0) * x));
@@ -118,7 +115,7 @@ impl Tilt {
 }
 
 impl RotationFunction for Tilt {
-    const PARTS: &'static [&'static str] = &["tilt 1", "tilt 2"];
+    const EQUATION_NAMES: &'static [&'static str] = &["tilt 1", "tilt 2"];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c.copy_from_slice(&angle::value::<S, 2>(self.parts(q)));
@@ -166,7 +163,7 @@ impl Twist {
 }
 
 impl RotationFunction for Twist {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
     const DRIVEN: bool = true;
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
@@ -212,7 +209,7 @@ pub struct PerpendicularAxes {
 }
 
 impl RotationFunction for PerpendicularAxes {
-    const PARTS: &'static [&'static str] = &[""];
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c[0] = dot(lift(self.of_a), by_euler(q, self.of_b));

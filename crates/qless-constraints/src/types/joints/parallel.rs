@@ -5,15 +5,15 @@ use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// An axis of each body, kept parallel: `c = beta e`, the rotation vector that rotates `R_a t` to `R_b t`, in the axes
 /// of a, two angles.
 ///
 /// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e is along `t x R_a^T R_b t`. So the axes point the same way, not
-/// in opposite directions. The positions of the bodies do not matter. Two degrees of freedom are removed. Singular if
-/// the axes point in opposite directions: within 1e-8 rad of this the rank is one, and c is half a turn about one
-/// direction perpendicular to the axis. This lets Newton's method leave the singularity.
+/// in opposite directions. The positions of the bodies do not matter. Within 1e-8 rad of opposite directions the rank is
+/// one, and c is half a turn about one direction perpendicular to the axis. This lets Newton's method leave the
+/// singularity.
 ///
 #[doc = include_str!("../../../docs/pictures/parallel.svg")]
 ///
@@ -27,9 +27,9 @@ use crate::{Constraint, Store};
 /// builder.add("upright", Parallel { a: Body::ground(), b: arm, axis: [0.0, 0.0, 1.0] })?;
 /// let set = builder.build()?;
 /// // The body is tilted by 2 rad.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 2.0, 0.0], &mut quantities)?;
-/// assert!((quantities.c()[0].hypot(quantities.c()[1]) - 2.0).abs() < 1e-15);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 2.0, 0.0], &mut evaluation)?;
+/// assert!((evaluation.c()[0].hypot(evaluation.c()[1]) - 2.0).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,9 +46,9 @@ impl Constraint for Parallel {
     const NAME: &'static str = "parallel axes";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        relative(store, "", &self.a, &self.b, Tilt::new(direction(self.axis)?));
+        relative(sink, "", &self.a, &self.b, Tilt::new(direction(self.axis)?));
         Ok(())
     }
 }

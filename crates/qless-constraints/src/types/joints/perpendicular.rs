@@ -5,11 +5,10 @@ use super::orientation::PerpendicularAxes;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::scalar::vector::{Vector, dot};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
-/// An axis of each body, kept perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle.
-///
-/// The positions of the bodies do not matter. One degree of freedom is removed. Singular if the axes are parallel.
+/// An axis of each body, kept perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle. The
+/// positions of the bodies do not matter.
 ///
 #[doc = include_str!("../../../docs/pictures/perpendicular.svg")]
 ///
@@ -24,9 +23,9 @@ use crate::{Constraint, Store};
 /// builder.add("square", joint)?;
 /// let set = builder.build()?;
 /// // The axes stay perpendicular if the body rotates about one of them.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 0.0, 2.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 0.0, 2.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,9 +44,9 @@ impl Constraint for Perpendicular {
     const NAME: &'static str = "perpendicular axes";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        relative(store, "", &self.a, &self.b, perpendicular_axes(self.axis_a, self.axis_b)?);
+        relative(sink, "", &self.a, &self.b, perpendicular_axes(self.axis_a, self.axis_b)?);
         Ok(())
     }
 }

@@ -6,13 +6,10 @@ use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
-/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0`, a length, and the tilt of the normal, two angles,
-/// as in [`super::Revolute`].
-///
-/// It slides in two directions and rotates about the normal. Three degrees of freedom are removed. Singular if the
-/// normals point in opposite directions.
+/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0` and the tilt of the normal, as in
+/// [`super::Revolute`]. It slides in two directions and rotates about the normal.
 ///
 #[doc = include_str!("../../../docs/pictures/planar.svg")]
 ///
@@ -26,9 +23,9 @@ use crate::{Constraint, Store};
 /// builder.add("table", Planar { a: Body::ground(), b: puck, at: [1.0, 0.0, 0.0], normal: [0.0, 0.0, 1.0] })?;
 /// let set = builder.build()?;
 /// // The body slides and spins.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[2.0, -1.0, 0.0, 0.0, 0.0, 3.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0; 3]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[2.0, -1.0, 0.0, 0.0, 0.0, 3.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0; 3]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,11 +44,11 @@ impl Constraint for Planar {
     const NAME: &'static str = "planar joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
         let normal = direction(self.normal)?;
-        height(store, "height", &self.a, &self.b, self.at, normal);
-        relative(store, "", &self.a, &self.b, Tilt::new(normal));
+        height(sink, "height", &self.a, &self.b, self.at, normal);
+        relative(sink, "", &self.a, &self.b, Tilt::new(normal));
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ use super::attachment::Body;
 use crate::geometry::quaternion::{BodyQuaternion, Quaternion, body_quaternion, conjugate, inner, product};
 use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
-use crate::{Nonlinear, Store};
+use crate::{EquationSink, Nonlinear};
 
 /// Maximum number of equations of one function.
 pub const MAX_EQUATIONS: usize = 3;
@@ -19,8 +19,8 @@ pub type QuaternionMatrix = [Quaternion<f64>; 4];
 
 /// A function of the relative rotation.
 pub trait RotationFunction: Send + Sync + 'static {
-    /// As [`Nonlinear::PARTS`], at most [`MAX_EQUATIONS`].
-    const PARTS: &'static [&'static str];
+    /// As [`Nonlinear::EQUATION_NAMES`], at most [`MAX_EQUATIONS`].
+    const EQUATION_NAMES: &'static [&'static str];
     /// As [`Nonlinear::DRIVEN`].
     const DRIVEN: bool = false;
 
@@ -40,17 +40,23 @@ pub trait RotationFunction: Send + Sync + 'static {
     fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix);
 }
 
-/// Adds the equations `of` on the relative rotation of two bodies.
-pub fn relative<F: RotationFunction>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
+/// Adds the equations `function` on the relative rotation of two bodies.
+pub fn relative<F: RotationFunction>(
+    sink: &mut EquationSink,
+    part: impl Into<Cow<'static, str>>,
+    a: &Body,
+    b: &Body,
+    function: F,
+) {
     let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
-    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
-    store.nonlinear(part, &dofs, RelativeRotation { a: a.kind, b: b.kind, of });
+    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    sink.nonlinear(part, &dofs, RelativeRotation { a: a.kind, b: b.kind, function });
 }
 
 struct RelativeRotation<F> {
     a: RotationKind,
     b: RotationKind,
-    of: F,
+    function: F,
 }
 
 impl<F> RelativeRotation<F> {
@@ -65,15 +71,15 @@ impl<F> RelativeRotation<F> {
 }
 
 impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
-    const PARTS: &'static [&'static str] = F::PARTS;
+    const EQUATION_NAMES: &'static [&'static str] = F::EQUATION_NAMES;
     const DRIVEN: bool = F::DRIVEN;
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
-        self.of.at_time(time)
+        self.function.at_time(time)
     }
 
     fn angle(&self) -> Option<f64> {
-        self.of.angle()
+        self.function.angle()
     }
 
     fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
@@ -82,13 +88,13 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.rotations());
-        self.of.value(product(conjugate(body_quaternion(self.a, a)), body_quaternion(self.b, b)), c);
+        self.function.value(product(conjugate(body_quaternion(self.a, a)), body_quaternion(self.b, b)), c);
     }
 
     #[inline]
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let (a, b, q) = self.turns(u);
-        let slopes = self.of.slopes(q, c);
+        let slopes = self.function.slopes(q, c);
         for (row, z) in g.chunks_exact_mut(u.len()).zip(slopes) {
             let (of_a, of_b) = row.split_at_mut(self.a.rotations());
             a.gradient(product(b.q, conjugate(z)), of_a);
@@ -98,7 +104,7 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
 
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
         let (a, b, q) = self.turns(u);
-        let (z, square) = self.of.curvature(q, w);
+        let (z, square) = self.function.curvature(q, w);
         let (count_a, n) = (self.a.rotations(), u.len());
         let (slopes_a, slopes_b) = (a.slopes(), b.slopes());
         // dq / du_j, and its product with d^2 c / dq^2.

@@ -6,14 +6,13 @@ use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
-/// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and the tilt of the axis, two angles.
+/// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0` and the tilt of the axis.
 ///
 /// The tilt is the rotation vector that rotates `R_a t` to `R_b t`, in the axes of a, with the angle
 /// `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]). So the axes point the same way after assembly, from any
-/// initial position. Multipliers are the force and the two moments perpendicular to the axis. Five degrees of freedom
-/// are removed. Singular only if the axes point in opposite directions. The joint may turn any number of times.
+/// initial position. The joint may turn any number of times.
 ///
 #[doc = include_str!("../../../docs/pictures/revolute.svg")]
 ///
@@ -45,11 +44,11 @@ impl Constraint for Revolute {
     const NAME: &'static str = "revolute joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
         let axis = direction(self.axis)?;
-        coincident(store, "", &self.a, &self.b, self.at);
-        relative(store, "", &self.a, &self.b, Tilt::new(axis));
+        coincident(sink, "", &self.a, &self.b, self.at);
+        relative(sink, "", &self.a, &self.b, Tilt::new(axis));
         Ok(())
     }
 }

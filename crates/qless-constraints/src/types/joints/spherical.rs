@@ -4,11 +4,9 @@ use super::attachment::Body;
 use super::coincident::coincident;
 use super::{JointError, check_moves};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
-/// A ball joint: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths.
-///
-/// Multipliers are the force of the joint. Three degrees of freedom are removed. There are no singularities.
+/// A ball joint: `x_a + R_a s_a - x_b - R_b s_b = 0`.
 ///
 #[doc = include_str!("../../../docs/pictures/spherical.svg")]
 ///
@@ -37,9 +35,9 @@ impl Constraint for Spherical {
     const NAME: &'static str = "spherical joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_moves(&self.a, &self.b)?;
-        coincident(store, "", &self.a, &self.b, self.at);
+        coincident(sink, "", &self.a, &self.b, self.at);
         Ok(())
     }
 }

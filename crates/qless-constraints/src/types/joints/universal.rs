@@ -6,13 +6,10 @@ use super::perpendicular::perpendicular_axes;
 use super::relative::relative;
 use super::{JointError, check_turns};
 use crate::scalar::vector::Vector;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
-/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `(R_a s) . (R_b t) = 0`, the cosine of
-/// their angle.
-///
-/// Shafts at an angle beta rotate by `tan(psi_b) = tan(psi_a) / cos(beta)`. They lock at a right angle. Four degrees
-/// of freedom are removed. Singular if the axes are parallel, which is impossible in an assembled joint.
+/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0` and `(R_a s) . (R_b t) = 0`. Shafts at an angle beta rotate
+/// by `tan(psi_b) = tan(psi_a) / cos(beta)`.
 ///
 #[doc = include_str!("../../../docs/pictures/universal.svg")]
 ///
@@ -46,11 +43,11 @@ impl Constraint for Universal {
     const NAME: &'static str = "universal joint";
     type Error = JointError;
 
-    fn process(self, store: &mut Store) -> Result<(), JointError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
         let cross = perpendicular_axes(self.axis_a, self.axis_b)?;
-        coincident(store, "", &self.a, &self.b, self.at);
-        relative(store, "cross", &self.a, &self.b, cross);
+        coincident(sink, "", &self.a, &self.b, self.at);
+        relative(sink, "cross", &self.a, &self.b, cross);
         Ok(())
     }
 }

@@ -71,10 +71,10 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
     }
 
     fn check_cover(&self, facet: usize, piece: &FacetPiece, covered: f64) -> Result<(), MortarError> {
-        let (size, tolerance) = (piece.size(), self.tolerance);
+        let (size, tolerance) = (piece.outline.size(), self.tolerance);
         let bare = size - covered;
         // A facet that is mostly uncovered is refused for every tolerance.
-        let allowed = (tolerance * piece.border()).min(size / 2.0) + ROUNDING * size;
+        let allowed = (tolerance * piece.outline.border()).min(size / 2.0) + ROUNDING * size;
         if within(bare.abs(), allowed) {
             Ok(())
         } else if bare < 0.0 {

@@ -16,7 +16,7 @@ use crate::geometry::node::field_of_node;
 use crate::geometry::search::FaceSearch;
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::{Surface, SurfaceError};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// The functions `Phi_i` of the multipliers of a mortar tie, one for each slave node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -35,9 +35,7 @@ pub enum Multipliers {
 /// dimensions.
 ///
 /// `D_ij = int Phi_i N_j` and `M_ik = int Phi_i N_k`, with the functions `N_j` of the slave side, `N_k` of the master
-/// side and `Phi_i` of the multipliers ([`Multipliers`]). Each node i of a slave facet has one equation per field, in
-/// the unit of u times a length (lines) or an area (faces). As many DOFs are removed. Equations become redundant if a
-/// slave node has other constraints, for example where two interfaces meet, or if it is also a master node.
+/// side and `Phi_i` of the multipliers ([`Multipliers`]). Each node i of a slave facet has one equation per field.
 ///
 /// The integrals go over segments: overlaps of a slave and a master facet, seen along the normal of the mean plane of
 /// the slave facet (perpendicular to its chord for lines). Areas are measured in that plane. D and M use the same
@@ -63,11 +61,11 @@ pub enum Multipliers {
 /// builder.add("interface", MortarTie { slave, master, multipliers: Multipliers::Dual, tolerance: 1e-9 })?;
 /// let set = builder.build()?;
 /// // A linear temperature satisfies all equations.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 1.0, 2.0, 0.0, 0.5, 1.25, 2.0], &mut quantities)?;
-/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.0, 1.0, 2.0, 0.0, 0.5, 1.25, 2.0], &mut evaluation)?;
+/// assert!(evaluation.c().iter().all(|c| c.abs() < 1e-15));
 /// // With dual multipliers, each row has a single slave node.
-/// assert_eq!(quantities.g().row(0).filter(|&(dof, _)| dof < 3).count(), 1);
+/// assert_eq!(evaluation.g().row(0).filter(|&(dof, _)| dof < 3).count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -103,14 +101,14 @@ impl<const D: usize, const F: usize> Constraint for MortarTie<D, F> {
     const NAME: &'static str = "mortar tie";
     type Error = MortarError;
 
-    fn process(self, store: &mut Store) -> Result<(), MortarError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), MortarError> {
         self.check()?;
         let (slave, master) = (&self.slave.nodes, &self.master.nodes);
         for (i, row) in self.rows()? {
             for k in 0..F {
                 let d = row.slaves().map(|(j, v)| (slave[j].dofs[k], v));
                 let m = row.masters().map(|(j, v)| (master[j].dofs[k], v));
-                store.equation(field_of_node::<D, F>(i, k), d.chain(m), 0.0);
+                sink.equation(field_of_node::<D, F>(i, k), d.chain(m), 0.0);
             }
         }
         Ok(())
@@ -131,7 +129,7 @@ pub enum MortarError {
     },
     /// A facet has a wrong dimension.
     #[error(
-        "facet {facet}, from 1, of the {side} side is a {shape:?}; the facets of both sides must be lines, or in space all faces"
+        "facet {facet}, from 1, of the {side} side is a {shape:?}; both sides must consist of lines, or in space of faces"
     )]
     Dimension {
         /// "slave" or "master".
@@ -142,7 +140,7 @@ pub enum MortarError {
         shape: Shape,
     },
     /// A facet has no size, or is not convex.
-    #[error("facet {facet}, from 1, of the {side} side has no area, or points inwards at a corner; correct it")]
+    #[error("facet {facet}, from 1, of the {side} side has no area, or is not convex; correct it")]
     Facet {
         /// "slave" or "master".
         side: &'static str,
@@ -168,8 +166,8 @@ pub enum MortarError {
     },
     /// Several master facets cover the same place.
     #[error(
-        "master facets lie over {covered}, more than the size {size} of slave facet {facet}, from 1: \
-         take out those that are there twice or lie behind others"
+        "master facets cover {covered}, more than the size {size} of slave facet {facet}, from 1: \
+         remove facets that are listed twice or lie behind others"
     )]
     Overlap {
         /// The slave facet, from 1.
@@ -184,7 +182,11 @@ pub enum MortarError {
 /// Advice for a facet that is not covered.
 fn cover_advice(gap: Option<f64>) -> String {
     match gap {
-        Some(gap) => format!("one that lies over it is {gap} away: bring the sides together, or raise the tolerance"),
-        None => "nothing lies over it: extend the master side, shorten the slave side, or exchange the two".to_owned(),
+        Some(gap) => {
+            format!("the nearest opposite facet is {gap} away: bring the sides together, or raise the tolerance")
+        }
+        None => {
+            "there is no opposite facet: extend the master side, shorten the slave side, or exchange the two".to_owned()
+        }
     }
 }

@@ -55,7 +55,8 @@ impl FacetView {
     /// `N_k` and the position on the facet for a point of the plane. Parameters are not clamped, so that linear fields
     /// stay linear beyond curved edges.
     fn functions(&self, point: &PlanePoint) -> Option<(Vec<f64>, Vector<f64>)> {
-        let foot = closest_parameters(self.shape, &relative(&self.flat, point)).filter(|foot| foot.converged)?;
+        let foot = closest_parameters(self.shape, &relative(&self.flat, point), self.shape.centre())
+            .filter(|foot| foot.converged)?;
         let n = self.shape.weights(foot.xi);
         let place = n.iter().zip(&self.arms).fold([0.0; 3], |sum, (&n, &arm)| add(sum, scale(n, arm)));
         Some((n, place))
@@ -80,7 +81,7 @@ pub struct MortarSegment {
 pub struct FacetPiece {
     plane: MeanPlane,
     view: FacetView,
-    outline: Outline,
+    pub outline: Outline,
 }
 
 impl FacetPiece {
@@ -96,22 +97,12 @@ impl FacetPiece {
         pieces(shape).iter().map(piece).collect()
     }
 
-    /// Area or length.
-    pub fn size(&self) -> f64 {
-        self.outline.size()
-    }
-
-    /// See [`Outline::border`].
-    pub fn border(&self) -> f64 {
-        self.outline.border()
-    }
-
     /// The overlaps with the pieces of another facet.
     pub fn segments(&self, shape: Shape, places: &[Vector<f64>]) -> Vec<MortarSegment> {
         let other = FacetView::new(&self.plane, shape, places);
         let segment = |nodes: &&[usize]| {
             let outline = other.outline(nodes);
-            let least = SLIVER * outline.size().min(self.size());
+            let least = SLIVER * outline.size().min(self.outline.size());
             let common = outline.common(&self.outline)?;
             // Written so that NaN is left out.
             if common.size() > least { integrate(&self.view, &other, &common) } else { None }

@@ -3,7 +3,7 @@
 
 use crate::geometry::node::{Node, field, rounding, separation, within};
 use crate::geometry::sector_rotation::{Turn, sin_cos};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// How the F fields of a node change under rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,9 +15,6 @@ pub enum Turning {
 }
 
 /// Cyclic symmetry of harmonic 0: all sectors deform alike, `u_b = R(alpha) u_a` (vectors) or `u_b = u_a` (scalars).
-///
-/// F equations, F DOFs removed. A node on the axis is its own image, `b = a`: its equations hold only the components
-/// perpendicular to the axis, and have a lower rank.
 ///
 #[doc = include_str!("../../../docs/pictures/cyclic.svg")]
 ///
@@ -33,9 +30,9 @@ pub enum Turning {
 /// builder.add("sector", Cyclic { a, b, turn, fields: Turning::Vectors, tolerance: 1e-9 })?;
 /// let set = builder.build()?;
 /// // A radial displacement of a corresponds to a radial displacement of b.
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.1, 0.0, 0.0, 0.0, 0.1, 0.0], &mut quantities)?;
-/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-16));
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.1, 0.0, 0.0, 0.0, 0.1, 0.0], &mut evaluation)?;
+/// assert!(evaluation.c().iter().all(|c| c.abs() < 1e-16));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,10 +49,9 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
     pub tolerance: f64,
 }
 
-/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations, 2 F DOFs removed.
+/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations.
 ///
-/// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`. For k =
-/// 0, and for half the number of sectors, both parts are independent, and the real part suffices.
+/// For k = 0, and for half the number of sectors, both parts are independent, and the real part suffices.
 ///
 #[doc = include_str!("../../../docs/pictures/cyclic_harmonic.svg")]
 ///
@@ -99,7 +95,7 @@ pub enum CyclicError {
         dimensions: usize,
     },
     /// The image is too far from the rotated node.
-    #[error("the turned node is {distance} away from its image, more than the tolerance {tolerance}")]
+    #[error("the rotated node is {distance} away from its image, more than the tolerance {tolerance}")]
     NoImage {
         /// Distance from the rotated node to the image.
         distance: f64,
@@ -127,7 +123,7 @@ impl<const D: usize, const F: usize> Cyclic<D, F> {
         let terms: Vec<_> = match self.fields {
             Turning::Scalars => vec![(dofs[k], -factor)],
             Turning::Vectors => {
-                let row = self.turn.rotation()[k % D].iter().enumerate();
+                let row = self.turn.rotation[k % D].iter().enumerate();
                 row.map(|(j, r)| (dofs[k / D * D + j], -factor * r)).collect()
             }
         };
@@ -139,11 +135,11 @@ impl<const D: usize, const F: usize> Constraint for Cyclic<D, F> {
     const NAME: &'static str = "cyclic symmetry";
     type Error = CyclicError;
 
-    fn process(self, store: &mut Store) -> Result<(), CyclicError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CyclicError> {
         self.check()?;
         for k in 0..F {
             let terms = self.turned(k, 1.0, &self.a.dofs).into_iter().chain([(self.b.dofs[k], 1.0)]);
-            store.equation(field::<D, F>(k), terms, 0.0);
+            sink.equation(field::<D, F>(k), terms, 0.0);
         }
         Ok(())
     }
@@ -153,17 +149,17 @@ impl<const D: usize, const F: usize> Constraint for CyclicHarmonic<D, F> {
     const NAME: &'static str = "cyclic symmetry of a harmonic";
     type Error = CyclicError;
 
-    fn process(self, store: &mut Store) -> Result<(), CyclicError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), CyclicError> {
         let (pair, real, imaginary) = (self.real, self.real.a.dofs, self.imaginary_a);
         pair.check()?;
-        let (sin, cos) = sin_cos(f64::from(self.harmonic) * pair.turn.angle());
+        let (sin, cos) = sin_cos(f64::from(self.harmonic) * pair.turn.angle);
         for k in 0..F {
             for (part, [of_real, of_imaginary], image) in
                 [("real", [cos, -sin], pair.b.dofs[k]), ("imaginary", [sin, cos], self.imaginary_b[k])]
             {
                 let terms = [pair.turned(k, of_real, &real), pair.turned(k, of_imaginary, &imaginary)].concat();
                 let name = format!("{part} {}", field::<D, F>(k)).trim_end().to_owned();
-                store.equation(name, terms.into_iter().chain([(image, 1.0)]), 0.0);
+                sink.equation(name, terms.into_iter().chain([(image, 1.0)]), 0.0);
             }
         }
         Ok(())

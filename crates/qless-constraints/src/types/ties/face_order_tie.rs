@@ -6,7 +6,7 @@ use super::{interpolate, is_shared};
 use crate::geometry::node::{ROUNDING, field_of_node};
 use crate::geometry::shape::Shape;
 use crate::types::Polynomials;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A face of p-refinement in a nodal basis: the finer side follows the polynomial through the nodes of the coarser
 /// side.
@@ -14,10 +14,9 @@ use crate::{Constraint, Store};
 /// `u_i = sum_k N_k(xi_i) u_k`. The polynomials `N_k` of the coarser side ([`Polynomials`](crate::types::Polynomials))
 /// are 1 at one of its nodes and 0 at the others. The nodes may have any position on the face: equally spaced, Fekete
 /// points, or others. The finer polynomials must contain the coarser ones, so that both sides agree everywhere, also
-/// on the edges; an [`OrderTie`](crate::types::OrderTie) on an edge would be redundant. Each finer node has F
-/// equations and removes F DOFs, except shared nodes, which have the same DOFs as a coarser node at the same place.
-/// Weights that are only rounding are exactly zero, and their sum is one. Cost: a dense factorisation of the size of
-/// the coarser side.
+/// on the edges; an [`OrderTie`](crate::types::OrderTie) on an edge would be redundant. Shared nodes, which have the
+/// same DOFs as a coarser node at the same place, have no equations. Weights that are only rounding are exactly zero,
+/// and their sum is one. Cost: a dense factorization of the size of the coarser side.
 ///
 /// In a hierarchic basis, lower modes are shared, and additional modes of the finer side vanish: `u_m = 0`, a
 /// [`Prescribed`](crate::types::Prescribed).
@@ -41,21 +40,21 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceOrderTie<const F: usize> {
-    /// The side that follows.
+    /// The dependent side.
     pub fine: FaceSide<F>,
-    /// The side that leads. Its parameters have the same first corner.
+    /// The independent side. Its parameters have the same first corner.
     pub coarse: FaceSide<F>,
 }
 
 impl<const F: usize> FaceOrderTie<F> {
     fn check(&self) -> Result<(), FaceOrderTieError> {
-        self.fine.check(Side::Fine)?;
-        self.coarse.check(Side::Coarse)?;
+        self.fine.check(TieSide::Fine)?;
+        self.coarse.check(TieSide::Coarse)?;
         let (fine, coarse) = (self.fine.polynomials, self.coarse.polynomials);
         if !fine.contain(coarse) {
             return Err(FaceOrderTieError::NotAmong { fine, coarse });
         }
-        self.fine.weights(Side::Fine, &[]).map(|_| ())
+        self.fine.weights(TieSide::Fine, &[]).map(|_| ())
     }
 
     fn is_shared(&self, i: usize) -> Result<bool, FaceOrderTieError> {
@@ -69,13 +68,13 @@ impl<const F: usize> Constraint for FaceOrderTie<F> {
     const NAME: &'static str = "face of p-refinement";
     type Error = FaceOrderTieError;
 
-    fn process(self, store: &mut Store) -> Result<(), FaceOrderTieError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), FaceOrderTieError> {
         self.check()?;
-        let weights = self.coarse.weights(Side::Coarse, &self.fine.places())?;
+        let weights = self.coarse.weights(TieSide::Coarse, &self.fine.places())?;
         for (i, ((_, dofs), weights)) in self.fine.nodes.iter().zip(weights).enumerate() {
             if !self.is_shared(i)? {
                 let masters = self.coarse.nodes.iter().map(|&(_, dofs)| dofs).zip(weights);
-                interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
+                interpolate(sink, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
             }
         }
         Ok(())
@@ -106,7 +105,7 @@ impl<const F: usize> FaceSide<F> {
         Ok(Self { polynomials, nodes })
     }
 
-    pub(super) fn check(&self, side: Side) -> Result<(), FaceOrderTieError> {
+    pub(super) fn check(&self, side: TieSide) -> Result<(), FaceOrderTieError> {
         let (polynomials, found) = (self.polynomials, self.nodes.len());
         if polynomials.degree() == 0 || polynomials.dimension() != found {
             return Err(FaceOrderTieError::Count { side, polynomials, found });
@@ -122,7 +121,7 @@ impl<const F: usize> FaceSide<F> {
     }
 
     /// `N_k` at these points.
-    pub(super) fn weights(&self, side: Side, points: &[[f64; 2]]) -> Result<Vec<Vec<f64>>, FaceOrderTieError> {
+    pub(super) fn weights(&self, side: TieSide, points: &[[f64; 2]]) -> Result<Vec<Vec<f64>>, FaceOrderTieError> {
         self.polynomials.weights(&self.places(), points).ok_or(FaceOrderTieError::Undetermined { side })
     }
 
@@ -133,14 +132,14 @@ impl<const F: usize> FaceSide<F> {
 
 /// A side of the tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// The side that follows.
+pub enum TieSide {
+    /// The dependent side.
     Fine,
-    /// The side that leads.
+    /// The independent side.
     Coarse,
 }
 
-impl fmt::Display for Side {
+impl fmt::Display for TieSide {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(if *self == Self::Fine { "finer" } else { "coarser" })
     }
@@ -153,7 +152,7 @@ pub enum FaceOrderTieError {
     /// A shape is not a face.
     #[error("a {shape:?} is not a face")]
     NoFace {
-        /// What it is.
+        /// The shape.
         shape: Shape,
     },
     /// A shape has another number of nodes.
@@ -168,7 +167,7 @@ pub enum FaceOrderTieError {
     #[error("the {side} side has {found} nodes, but {polynomials:?} (degree one or more) needs {}", polynomials.dimension())]
     Count {
         /// Which side.
-        side: Side,
+        side: TieSide,
         /// Its polynomials.
         polynomials: Polynomials,
         /// Its nodes.
@@ -176,7 +175,7 @@ pub enum FaceOrderTieError {
     },
     /// The finer side does not contain the polynomials of the coarser side.
     #[error(
-        "not all of {coarse:?} of the coarser side are among {fine:?} of the finer side, which cannot follow: exchange the sides, or raise the finer degree"
+        "the polynomials {fine:?} of the finer side do not contain {coarse:?} of the coarser side: exchange the sides, or raise the finer degree"
     )]
     NotAmong {
         /// Polynomials of the finer side.
@@ -188,7 +187,7 @@ pub enum FaceOrderTieError {
     #[error("node {node}, from 1, of the {side} side is at {at:?}, which is not on the face; correct its parameters")]
     Outside {
         /// Which side.
-        side: Side,
+        side: TieSide,
         /// The node, from 1.
         node: usize,
         /// Its parameters.
@@ -196,11 +195,11 @@ pub enum FaceOrderTieError {
     },
     /// The nodes do not determine a polynomial.
     #[error(
-        "the nodes of the {side} side do not determine a polynomial of it: two are in one place, or too many on one curve; move them"
+        "the nodes of the {side} side do not determine a polynomial of it: two coincide, or too many lie on one curve; move them"
     )]
     Undetermined {
         /// Which side.
-        side: Side,
+        side: TieSide,
     },
     /// A finer node has a DOF of a coarser node at another place.
     #[error(

@@ -3,15 +3,15 @@
 use super::interpolate;
 use crate::geometry::node::{ROUNDING, field};
 use crate::geometry::shape::{Shape, ShapeParameters};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A hanging node of h-refinement, at the parameters xi of its parent: a linear or quadratic edge or face of an
 /// element that was not refined.
 ///
-/// F equations, F DOFs removed. The weights depend only on the parameters, so they are exact: 1/2 and 1/2 in the
-/// middle of a linear edge; 3/8, -1/8 and 3/4 at a quarter of a quadratic edge. The field is continuous if the
-/// children have the degree of the parent, and if all their nodes on it hang or belong to it. A second parent for the
-/// same node is redundant, for example an edge of the face on which it hangs. Nodes of a parent may hang too.
+/// The weights depend only on the parameters, so they are exact: 1/2 and 1/2 in the middle of a linear edge; 3/8, -1/8
+/// and 3/4 at a quarter of a quadratic edge. The field is continuous if the children have the degree of the parent, and
+/// if all their nodes on it hang or belong to it. An edge of the face on which a node hangs would be a second, redundant
+/// parent. Nodes of a parent may hang too.
 ///
 /// For p-refinement use [`OrderTie`](crate::types::OrderTie). For nodes with unknown parameters use
 /// [`NodeTie`](crate::types::NodeTie).
@@ -50,7 +50,7 @@ pub enum HangingNodeError {
     /// The parent is a solid.
     #[error("the parent is a {shape:?}; nodes hang on edges and faces")]
     Solid {
-        /// What it is.
+        /// The shape.
         shape: Shape,
     },
     /// The parent has the wrong number of nodes.
@@ -108,10 +108,10 @@ impl<const F: usize> Constraint for HangingNode<F> {
     const NAME: &'static str = "hanging node";
     type Error = HangingNodeError;
 
-    fn process(self, store: &mut Store) -> Result<(), HangingNodeError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), HangingNodeError> {
         self.check()?;
         let weights = self.shape.weights(self.place()?);
-        interpolate(store, field::<0, F>, &self.node, self.parent.iter().copied().zip(weights));
+        interpolate(sink, field::<0, F>, &self.node, self.parent.iter().copied().zip(weights));
         Ok(())
     }
 }

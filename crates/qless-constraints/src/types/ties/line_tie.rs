@@ -4,13 +4,12 @@ use super::interpolate;
 use crate::geometry::node::{Node, field_of_node};
 use crate::geometry::search::{FaceSearch, SearchError};
 use crate::geometry::surface::{Surface, SurfaceError};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A line tied to another line node by node (collocation): `u_p = N_1 u_1 + N_2 u_2`. Both are polylines with F fields
 /// in D dimensions.
 ///
-/// Each slave node has F equations and removes F DOFs. They are redundant if a node is tied twice, or belongs to both
-/// lines. Cost for n nodes: O(n log n).
+/// Cost for n nodes: O(n log n).
 ///
 #[doc = include_str!("../../../docs/pictures/line_tie.svg")]
 ///
@@ -54,7 +53,7 @@ pub enum LineTieError {
         master: usize,
     },
     /// A segment has no length.
-    #[error("segment {segment} of the line, from 1, has no length; take one of its nodes out")]
+    #[error("segment {segment} of the line, from 1, has no length; remove one of its nodes")]
     Degenerate {
         /// The segment, from 1.
         segment: usize,
@@ -77,7 +76,7 @@ impl<const D: usize, const F: usize> Constraint for LineTie<D, F> {
     const NAME: &'static str = "tie of lines";
     type Error = LineTieError;
 
-    fn process(self, store: &mut Store) -> Result<(), LineTieError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), LineTieError> {
         if self.slave.is_empty() || self.master.len() < 2 {
             return Err(LineTieError::TooFew { slave: self.slave.len(), master: self.master.len() });
         }
@@ -86,7 +85,7 @@ impl<const D: usize, const F: usize> Constraint for LineTie<D, F> {
         let nearest = FaceSearch::new(&line)?.within(&places, self.tolerance).map_err(LineTieError::Search)?;
         for (i, (node, found)) in self.slave.iter().zip(nearest).enumerate() {
             let ends = line.nodes[found.face..].iter().zip(&found.weights).map(|(end, &n)| (end.dofs, n));
-            interpolate(store, |k| field_of_node::<D, F>(i, k).into(), &node.dofs, ends);
+            interpolate(sink, |k| field_of_node::<D, F>(i, k).into(), &node.dofs, ends);
         }
         Ok(())
     }

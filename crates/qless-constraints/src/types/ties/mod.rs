@@ -10,9 +10,9 @@ mod periodic;
 
 use std::borrow::Cow;
 
-use crate::Store;
+use crate::EquationSink;
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic, Turning};
-pub use face_order_tie::{FaceOrderTie, FaceOrderTieError, FaceSide, Side};
+pub use face_order_tie::{FaceOrderTie, FaceOrderTieError, FaceSide, TieSide};
 pub use hanging_node::{HangingNode, HangingNodeError};
 pub use line_tie::{LineTie, LineTieError};
 pub use node_tie::{NodeTie, NodeTieError};
@@ -21,7 +21,7 @@ pub use periodic::{MacroStrain, Periodic, PeriodicError};
 
 /// Adds the F equations `u_p - sum_k N_k u_k = 0`. Masters with weight zero are left out.
 fn interpolate<const F: usize>(
-    store: &mut Store,
+    sink: &mut EquationSink,
     name: impl Fn(usize) -> Cow<'static, str>,
     slave: &[usize; F],
     masters: impl Iterator<Item = ([usize; F], f64)>,
@@ -29,7 +29,7 @@ fn interpolate<const F: usize>(
     let masters: Vec<_> = masters.filter(|&(_, n)| n != 0.0).collect();
     for (k, &dof) in slave.iter().enumerate() {
         let terms = masters.iter().map(|(dofs, n)| (dofs[k], -n));
-        store.equation(name(k), terms.chain([(dof, 1.0)]), 0.0);
+        sink.equation(name(k), terms.chain([(dof, 1.0)]), 0.0);
     }
 }
 

@@ -7,7 +7,7 @@ use crate::geometry::node::{Node, field, relative, rounding, within};
 use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::Surface;
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// A node with F fields, tied to a line, to a face, or to a solid that contains it, in D dimensions:
 /// `u_p = sum_k N_k(xi) u_k`.
@@ -17,10 +17,8 @@ use crate::{Constraint, Store};
 /// is one, up to two units of rounding per weight, so that constants are reproduced, and linear fields if the node
 /// lies on the element. Cost: about ten evaluations of N.
 ///
-/// F equations, F DOFs removed. Each field is interpolated separately: over a gap h, a rigid rotation theta leaves an
-/// error `theta h`. So the tolerance should be small compared with the element. Equations are redundant if a node is
-/// tied to two elements that share its masters, if masters are tied back to their slave, or if the node belongs to the
-/// element (`0 = 0`).
+/// Each field is interpolated separately: over a gap h, a rigid rotation theta leaves an error `theta h`. So the
+/// tolerance should be small compared with the element.
 ///
 /// A node embedded in a tetrahedron:
 ///
@@ -132,7 +130,7 @@ impl<const D: usize, const F: usize> Constraint for NodeTie<D, F> {
     const NAME: &'static str = "tie of a node";
     type Error = NodeTieError;
 
-    fn process(self, store: &mut Store) -> Result<(), NodeTieError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), NodeTieError> {
         if self.face.len() != self.shape.nodes() {
             return Err(NodeTieError::Nodes { shape: self.shape, found: self.face.len() });
         }
@@ -145,7 +143,7 @@ impl<const D: usize, const F: usize> Constraint for NodeTie<D, F> {
             return Err(NodeTieError::TooFar { distance: found.distance, tolerance: self.tolerance });
         }
         let masters = self.face.iter().zip(&found.weights).map(|(node, &n)| (node.dofs, n));
-        interpolate(store, field::<D, F>, &self.node.dofs, masters);
+        interpolate(sink, field::<D, F>, &self.node.dofs, masters);
         Ok(())
     }
 }

@@ -2,15 +2,14 @@
 
 use super::{interpolate, is_shared};
 use crate::geometry::node::{ROUNDING, field_of_node};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// An edge of p-refinement in a nodal basis: the p + 1 nodes of the finer side follow the polynomial through the q + 1
 /// nodes of the coarser side.
 ///
 /// `u_i = sum_k L_k(s_i) u_k` with the Lagrange polynomials of the coarser nodes. These may have any position on the
-/// edge: equally spaced, Gauss-Lobatto points, or others. Each finer node has F equations and removes F DOFs, except
-/// shared nodes, which have the same DOFs as a coarser node at the same place. Equations are redundant if a finer node
-/// has other constraints, for example at a corner of two such edges whose ends are not shared.
+/// edge: equally spaced, Gauss-Lobatto points, or others. Shared nodes, which have the same DOFs as a coarser node at
+/// the same place, have no equations.
 ///
 /// In a hierarchic basis, lower modes are shared, and modes above q vanish on the edge: `u_m = 0`, a
 /// [`Prescribed`](crate::types::Prescribed).
@@ -127,14 +126,14 @@ impl<const F: usize> Constraint for OrderTie<F> {
     const NAME: &'static str = "edge of p-refinement";
     type Error = OrderTieError;
 
-    fn process(self, store: &mut Store) -> Result<(), OrderTieError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), OrderTieError> {
         let places: Vec<f64> = self.coarse.iter().map(|&(at, _)| at).collect();
         self.check(&places)?;
         for (i, (at, dofs)) in self.fine.iter().enumerate() {
             if !self.is_shared(i)? {
                 let weights = lagrange(&places, *at);
                 let masters = self.coarse.iter().map(|&(_, dofs)| dofs).zip(weights);
-                interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
+                interpolate(sink, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
             }
         }
         Ok(())

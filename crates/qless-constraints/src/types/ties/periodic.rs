@@ -1,7 +1,7 @@
 //! `u_b - u_a = E (X_b - X_a)`: nodes on opposite faces of a periodic cell, under a macroscopic gradient E.
 
 use crate::geometry::node::{Node, field};
-use crate::{Constraint, Store};
+use crate::{Constraint, EquationSink};
 
 /// The macroscopic gradient E of F fields in D dimensions, an F x D matrix: dimensionless for displacements, one over
 /// a length times the unit of the field otherwise.
@@ -13,10 +13,7 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
     Dofs([[usize; D]; F]),
 }
 
-/// A periodic pair, `u_b - u_a = E (X_b - X_a)`: F equations, F DOFs removed.
-///
-/// Equations are redundant if pairs form a ring: the four corners of a cell that is periodic in two directions need
-/// three pairs, and the fourth is redundant.
+/// A periodic pair, `u_b - u_a = E (X_b - X_a)`.
 ///
 #[doc = include_str!("../../../docs/pictures/periodic.svg")]
 ///
@@ -31,9 +28,9 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("pair", Periodic { a: left, b: right, strain })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 0.0, 0.02, 0.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0, 0.0]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[0.0, 0.0, 0.02, 0.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0, 0.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -45,9 +42,9 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
 /// let mut builder = ConstraintSet::builder(2);
 /// builder.add("pair", Periodic { a, b, strain: MacroStrain::Given([[-20.0, 0.0, 0.0]]) })?;
 /// let set = builder.build()?;
-/// let mut quantities = set.allocate();
-/// set.evaluate(&[35.0, 25.0], &mut quantities)?;
-/// assert_eq!(quantities.c(), [0.0]);
+/// let mut evaluation = set.allocate();
+/// set.evaluate(&[35.0, 25.0], &mut evaluation)?;
+/// assert_eq!(evaluation.c(), [0.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +62,7 @@ pub struct Periodic<const D: usize, const F: usize = D> {
 #[non_exhaustive]
 pub enum PeriodicError {
     /// Both nodes are at the same place.
-    #[error("the two nodes are in one place; a node and its image lie on opposite faces")]
+    #[error("the two nodes coincide; a node and its image lie on opposite faces")]
     OnePlace,
 }
 
@@ -73,7 +70,7 @@ impl<const D: usize, const F: usize> Constraint for Periodic<D, F> {
     const NAME: &'static str = "periodic pair";
     type Error = PeriodicError;
 
-    fn process(self, store: &mut Store) -> Result<(), PeriodicError> {
+    fn emit(self, sink: &mut EquationSink) -> Result<(), PeriodicError> {
         let step: [f64; D] = std::array::from_fn(|j| self.b.at[j] - self.a.at[j]);
         if step == [0.0; D] {
             return Err(PeriodicError::OnePlace);
@@ -82,11 +79,11 @@ impl<const D: usize, const F: usize> Constraint for Periodic<D, F> {
             let pair = [(self.b.dofs[k], 1.0), (self.a.dofs[k], -1.0)];
             match self.strain {
                 MacroStrain::Given(e) => {
-                    store.equation(field::<D, F>(k), pair, (0..D).map(|j| e[k][j] * step[j]).sum());
+                    sink.equation(field::<D, F>(k), pair, (0..D).map(|j| e[k][j] * step[j]).sum());
                 }
                 MacroStrain::Dofs(e) => {
                     let strain = (0..D).filter(|&j| step[j] != 0.0).map(|j| (e[k][j], -step[j]));
-                    store.equation(field::<D, F>(k), pair.into_iter().chain(strain), 0.0);
+                    sink.equation(field::<D, F>(k), pair.into_iter().chain(strain), 0.0);
                 }
             }
         }

@@ -163,5 +163,5 @@ fn walls_of_holes_have_no_plane() {
     let mut builder = ConstraintSet::builder(54);
     let error =
         builder.add("it", BeamToSolid { beam, face, section: Section::Plane }).expect_err("no plane").to_string();
-    assert!(error.contains("point against each other"), "{error}");
+    assert!(error.contains("opposite normals"), "{error}");
 }

@@ -66,9 +66,9 @@ fn finite_rigid_bodies_take_component_lists() -> Outcome {
                 let by = rodrigues(theta, r);
                 (0..3).for_each(|k| (u[6 * i + k], u[6 * i + 3 + k]) = (shift[k] + by[k] - r[k], theta[k]));
             }
-            let mut quantities = set.allocate();
-            set.evaluate(&u, &mut quantities).expect("of this set");
-            for (row, c) in quantities.c().iter().enumerate() {
+            let mut evaluation = set.allocate();
+            set.evaluate(&u, &mut evaluation).expect("of this set");
+            for (row, c) in evaluation.c().iter().enumerate() {
                 let label = set.label(row).expect("a row");
                 let size = if label.contains("turn") || label.contains("rotation") { 1.0 } else { scale };
                 assert!(c.abs() < 1e-14 * size, "{seed}, {label}: {c}");

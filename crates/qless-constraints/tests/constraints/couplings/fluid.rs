@@ -127,13 +127,13 @@ fn walls_with_faults_are_refused() {
     sides.into_iter().for_each(|faces| assert_eq!(refusal(FluidWall { faces, ..folded.clone() }), "accepted"));
     let mut turned = flat();
     turned.faces[1].nodes.reverse();
-    assert!(refusal(turned).contains("turn faces that point to the other side"));
+    assert!(refusal(turned).contains("reverse faces that point to the other side"));
     let mut away = flat();
     away.fluid[7].at[2] = 0.25;
     assert!(refusal(away).contains("0.25 away"), "{}", refusal(flat()));
     let mut shared = flat();
     shared.fluid[3].normal = shared.fluid[1].normal;
-    assert!(refusal(shared).contains("DOF 37 of node 4, from 1, of the fluid is that of another"));
+    assert!(refusal(shared).contains("DOF 37 of node 4, from 1, of the fluid also belongs to another"));
     assert!(refusal(FluidWall { faces: vec![], ..flat() }).contains("fluid's side: the surface has no faces"));
     let line = FluidWall { faces: vec![Face::new(Shape::Line2, [0, 1])], ..flat() };
     assert!(refusal(line).contains("is a Line2, which has no normal"));

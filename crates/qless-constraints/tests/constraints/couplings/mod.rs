@@ -80,9 +80,9 @@ fn rigid(dofs: usize, nodes: &[Node6], shift: [f64; 3], theta: [f64; 3]) -> Vec<
 }
 
 fn values(set: &ConstraintSet, u: &[f64]) -> Vec<f64> {
-    let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities).expect("of this set");
-    quantities.c().to_vec()
+    let mut evaluation = set.allocate();
+    set.evaluate(u, &mut evaluation).expect("of this set");
+    evaluation.c().to_vec()
 }
 
 /// The largest `|c_r|` over what its terms add up to in size.

@@ -55,12 +55,12 @@ fn pair(slave: Mesh, master: Mesh, place: impl Fn([f64; 2]) -> [f64; 3]) -> [Sur
 }
 
 fn residual(set: &ConstraintSet, u: &[f64]) -> Outcome<f64> {
-    let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities)?;
+    let mut evaluation = set.allocate();
+    set.evaluate(u, &mut evaluation)?;
     // Relative to the terms of each equation.
     let of_row = |row: usize| {
-        let size: f64 = quantities.g().row(row).map(|(dof, v)| (v * u[dof]).abs()).sum();
-        if size > 0.0 { quantities.c()[row].abs() / size } else { 0.0 }
+        let size: f64 = evaluation.g().row(row).map(|(dof, v)| (v * u[dof]).abs()).sum();
+        if size > 0.0 { evaluation.c()[row].abs() / size } else { 0.0 }
     };
     Ok((0..set.equations()).map(of_row).fold(0.0, f64::max))
 }

@@ -50,9 +50,9 @@ fn ranks_are_those_of_the_svd() -> Outcome {
                 .add("floor again", MortarTie { slave: master, master: slave, multipliers: kind, tolerance: 1e-9 })?;
         }
         let set = builder.build().expect("few DOFs");
-        let quantities = set.allocate();
+        let evaluation = set.allocate();
         let mut dense = Mat::<f64>::zeros(set.equations(), 24);
-        (0..set.equations()).for_each(|i| quantities.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
+        (0..set.equations()).for_each(|i| evaluation.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
         let sizes = dense.singular_values().map_err(|error| format!("{error:?}"))?;
         let rank = sizes.iter().filter(|&&s| s > 1e-12 * sizes[0]).count();
         let found = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
@@ -73,7 +73,7 @@ fn facets_of_other_dimensions_are_refused() {
     let words =
         ConstraintSet::builder(8).add("it", tie).map_or_else(|error| error.to_string(), |_| "accepted".to_owned());
     assert!(
-        words.contains("facet 1, from 1, of the slave side is a Quad4; the facets of both sides must be lines"),
+        words.contains("facet 1, from 1, of the slave side is a Quad4; both sides must consist of lines"),
         "{words}"
     );
     let solid = |first: usize| -> Surface<3, 1> {

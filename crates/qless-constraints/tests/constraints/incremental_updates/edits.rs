@@ -1,7 +1,7 @@
-//! Single changes: in full segments, with outdated quantities, and invalid ones.
+//! Single changes: in full segments, with an outdated evaluation, and invalid ones.
 
 use qless_constraints::types::{Distance, Driven, Equal, Prescribed};
-use qless_constraints::{ConstraintId, ConstraintSet, EditError, LineariseError, Quantities, ReplaceError};
+use qless_constraints::{ConstraintId, ConstraintSet, EditError, Evaluation, LineariseError, ReplaceError};
 
 use super::recipe::{Random, point};
 use super::run::bits;
@@ -30,7 +30,7 @@ fn full_segments_take_what_comes_between() -> Outcome {
     let (nodes, mut random) = (5000, Random(3));
     let (mut set, ids) = chain(nodes, |node| node.is_multiple_of(2))?;
     let mut is_rod: Vec<bool> = (0..nodes).map(|node| node.is_multiple_of(2)).collect();
-    let mut quantities = set.allocate();
+    let mut evaluation = set.allocate();
     for _ in 0..4 {
         for _ in 0..1000 {
             let node = random.below(nodes - 1);
@@ -42,9 +42,9 @@ fn full_segments_take_what_comes_between() -> Outcome {
         let w: Vec<f64> = (0..nodes - 1).map(|_| random.number()).collect();
         let mut expected = fresh.allocate();
         fresh.assemble(&u, &w, &mut expected)?;
-        set.assemble(&u, &w, &mut quantities)?;
-        assert!(bits(quantities.c()) == bits(expected.c()));
-        for (found, expected) in [(quantities.g(), expected.g()), (quantities.h(), expected.h())] {
+        set.assemble(&u, &w, &mut evaluation)?;
+        assert!(bits(evaluation.c()) == bits(expected.c()));
+        for (found, expected) in [(evaluation.g(), expected.g()), (evaluation.h(), expected.h())] {
             assert_eq!((found.starts(), found.columns()), (expected.starts(), expected.columns()));
             assert!(bits(found.values()) == bits(expected.values()));
         }
@@ -52,31 +52,31 @@ fn full_segments_take_what_comes_between() -> Outcome {
     Ok(())
 }
 
-/// Quantities evaluated before a change are not accepted after it.
+/// Evaluation evaluated before a change are not accepted after it.
 #[test]
 fn numbers_from_before_a_change_are_refused() -> Outcome {
     let mut builder = ConstraintSet::builder(6);
     let rod = builder.add("rod", Distance::new(point(0), point(1)))?;
     let clamp = builder.add("clamp", Prescribed::fixed([0, 1]))?;
     let mut set = builder.build()?;
-    let mut quantities = set.allocate();
-    let outdated = |set: &ConstraintSet, quantities: &Quantities| {
-        matches!(set.linearised(quantities, &[]), Err(LineariseError::Argument(_)))
+    let mut evaluation = set.allocate();
+    let outdated = |set: &ConstraintSet, evaluation: &Evaluation| {
+        matches!(set.linearised(evaluation, &[]), Err(LineariseError::Argument(_)))
     };
-    assert!(outdated(&set, &quantities), "never evaluated");
-    set.evaluate(&[0.1; 6], &mut quantities)?;
-    assert!(!outdated(&set, &quantities));
+    assert!(outdated(&set, &evaluation), "never evaluated");
+    set.evaluate(&[0.1; 6], &mut evaluation)?;
+    assert!(!outdated(&set, &evaluation));
     set.deactivate(rod)?;
-    assert!(outdated(&set, &quantities));
-    set.evaluate(&[0.1; 6], &mut quantities)?;
-    assert_eq!(set.linearised(&quantities, &[])?.equations(), 2);
+    assert!(outdated(&set, &evaluation));
+    set.evaluate(&[0.1; 6], &mut evaluation)?;
+    assert_eq!(set.linearised(&evaluation, &[])?.equations(), 2);
     set.set_rhs(clamp, &[1.0, 2.0])?;
-    assert!(outdated(&set, &quantities));
-    set.evaluate(&[0.1; 6], &mut quantities)?;
+    assert!(outdated(&set, &evaluation));
+    set.evaluate(&[0.1; 6], &mut evaluation)?;
     set.activate(rod)?;
     // Only H is new; c and G are outdated.
-    set.effective_hessian(&[0.1; 6], &[0.0; 3], &mut quantities)?;
-    assert!(outdated(&set, &quantities));
+    set.effective_hessian(&[0.1; 6], &[0.0; 3], &mut evaluation)?;
+    assert!(outdated(&set, &evaluation));
     Ok(())
 }
 
@@ -88,9 +88,9 @@ fn changes_that_cannot_be_are_refused() -> Outcome {
     let slope = builder.add("root", Driven::new([(0, 1.0)], |t| (1.0 + t).sqrt()))?;
     let foreign = others.add("tie", Equal::new([0, 1]))?;
     let (mut set, other) = (builder.build()?, others.build()?);
-    let mut quantities = set.allocate();
-    set.evaluate(&[0.5; 6], &mut quantities)?;
-    let before = quantities.clone();
+    let mut evaluation = set.allocate();
+    set.evaluate(&[0.5; 6], &mut evaluation)?;
+    let before = evaluation.clone();
     assert_eq!(set.remove(foreign), Err(EditError::Foreign));
     assert_eq!(set.deactivate(foreign), Err(EditError::Foreign));
     assert!(matches!(set.set_rhs(tie, &[1.0]), Err(EditError::Count { found: 1, expected: 2, .. })));
@@ -98,9 +98,9 @@ fn changes_that_cannot_be_are_refused() -> Outcome {
     assert!(refused.to_string().contains("tie"), "{refused}");
     let refused = set.replace(tie, Equal::new([0, 9])).expect_err("no such DOF");
     assert!(matches!(&refused, ReplaceError::Add(_)) && refused.to_string().contains("tie"), "{refused}");
-    set.evaluate(&[0.5; 6], &mut quantities)?;
-    assert_eq!(quantities, before);
-    assert!(other.rows_of(tie).is_err() && other.linearised(&quantities, &[]).is_err());
+    set.evaluate(&[0.5; 6], &mut evaluation)?;
+    assert_eq!(evaluation, before);
+    assert!(other.rows_of(tie).is_err() && other.linearised(&evaluation, &[]).is_err());
 
     // An inactive constraint is evaluated when it is activated, not when time advances.
     set.deactivate(slope)?;
@@ -110,8 +110,8 @@ fn changes_that_cannot_be_are_refused() -> Outcome {
     assert!(!set.is_active(slope)?);
     set.set_rhs(slope, &[0.25])?;
     set.activate(slope)?;
-    set.evaluate(&[0.5; 6], &mut quantities)?;
-    assert_eq!((quantities.c(), set.constraints()), ([0.0, 0.0, 0.25].as_slice(), 2));
+    set.evaluate(&[0.5; 6], &mut evaluation)?;
+    assert_eq!((evaluation.c(), set.constraints()), ([0.0, 0.0, 0.25].as_slice(), 2));
     set.remove(slope)?;
     assert_eq!(set.remove(slope), Err(EditError::Gone { place: 1 }));
     assert_eq!((set.constraints(), set.equations()), (1, 2));

@@ -57,16 +57,16 @@ fn curvature_comes_and_goes() -> Outcome {
         let mut builder = ConstraintSet::builder(93);
         (0..30).try_for_each(|i| builder.add("tie", Equal::new([3 * i + 1, 3 * i + 4])).map(drop))?;
         let mut set = builder.build()?;
-        let mut quantities = set.allocate();
+        let mut evaluation = set.allocate();
         let (u, mut patterns) = (vec![0.1; 93], Vec::new());
         for _ in 0..3 {
-            set.assemble(&u, &vec![1.0; set.equations()], &mut quantities)?;
-            assert_eq!((quantities.h().rows(), quantities.h().nnz()), (93, 0));
+            set.assemble(&u, &vec![1.0; set.equations()], &mut evaluation)?;
+            assert_eq!((evaluation.h().rows(), evaluation.h().nnz()), (93, 0));
             let ids = (0..rods).map(|i| set.add("rod", Distance::new(point(i), point(i + 1))));
             let ids = ids.collect::<Result<Vec<_>, _>>()?;
-            set.assemble(&u, &vec![1.0; set.equations()], &mut quantities)?;
-            assert_eq!(quantities.h().nnz(), 3 * (rods + 1) + 6 * rods);
-            patterns.push(quantities.h().clone());
+            set.assemble(&u, &vec![1.0; set.equations()], &mut evaluation)?;
+            assert_eq!(evaluation.h().nnz(), 3 * (rods + 1) + 6 * rods);
+            patterns.push(evaluation.h().clone());
             ids.into_iter().try_for_each(|id| set.remove(id))?;
         }
         assert!(patterns.iter().all(|h| *h == patterns[0]));
@@ -79,7 +79,7 @@ impl Run {
     fn compare_values(&mut self) -> Outcome {
         let u: Vec<f64> = (0..3 * self.nodes).map(|_| self.random.number()).collect();
         let w = vec![1.0; self.set.equations()];
-        self.set.assemble(&u, &w, &mut self.quantities)?;
+        self.set.assemble(&u, &w, &mut self.evaluation)?;
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! Random operations on a set, and a new set to compare with.
 
-use qless_constraints::{ConstraintId, ConstraintSet, EditError, Quantities};
+use qless_constraints::{ConstraintId, ConstraintSet, EditError, Evaluation};
 
 use super::recipe::{KINDS, Random, Recipe};
 use crate::common::Outcome;
@@ -17,7 +17,7 @@ pub struct Entry {
 
 pub struct Run {
     pub set: ConstraintSet,
-    pub quantities: Quantities,
+    pub evaluation: Evaluation,
     pub entries: Vec<Entry>,
     pub gone: Vec<ConstraintId>,
     pub random: Random,
@@ -38,8 +38,8 @@ impl Run {
             entries.push(Entry { id, label, recipe, active: true, rhs: None });
         }
         let set = builder.build()?;
-        let quantities = set.allocate();
-        Ok(Self { set, quantities, entries, gone: Vec::new(), random: Random(seed), nodes, count: 0 })
+        let evaluation = set.allocate();
+        Ok(Self { set, evaluation, entries, gone: Vec::new(), random: Random(seed), nodes, count: 0 })
     }
 
     pub fn step(&mut self) -> Outcome {
@@ -81,13 +81,13 @@ impl Run {
         Ok(())
     }
 
-    /// Evaluates some of the quantities.
+    /// Evaluates c and G, H, or all of them.
     fn look(&mut self) -> Outcome {
         let (u, w) = (vec![0.1; 3 * self.nodes], vec![1.0; self.set.equations()]);
         match self.random.below(3) {
-            0 => self.set.evaluate(&u, &mut self.quantities)?,
-            1 => self.set.effective_hessian(&u, &w, &mut self.quantities)?,
-            _ => self.quantities = self.set.allocate(),
+            0 => self.set.evaluate(&u, &mut self.evaluation)?,
+            1 => self.set.effective_hessian(&u, &w, &mut self.evaluation)?,
+            _ => self.evaluation = self.set.allocate(),
         }
         Ok(())
     }
@@ -122,14 +122,14 @@ impl Run {
         let mut expected = fresh.allocate();
         fresh.assemble(&u, &w, &mut expected)?;
         if self.random.below(2) == 0 {
-            self.set.assemble(&u, &w, &mut self.quantities)?;
+            self.set.assemble(&u, &w, &mut self.evaluation)?;
         } else {
-            self.set.effective_hessian(&u, &w, &mut self.quantities)?;
-            self.set.evaluate(&u, &mut self.quantities)?;
+            self.set.effective_hessian(&u, &w, &mut self.evaluation)?;
+            self.set.evaluate(&u, &mut self.evaluation)?;
         }
         assert_eq!(self.set.equations(), fresh.equations());
-        assert!(bits(self.quantities.c()) == bits(expected.c()));
-        for (found, expected) in [(self.quantities.g(), expected.g()), (self.quantities.h(), expected.h())] {
+        assert!(bits(self.evaluation.c()) == bits(expected.c()));
+        for (found, expected) in [(self.evaluation.g(), expected.g()), (self.evaluation.h(), expected.h())] {
             let pattern = (found.starts(), found.columns()) == (expected.starts(), expected.columns());
             assert!(pattern && bits(found.values()) == bits(expected.values()));
         }

@@ -7,11 +7,11 @@ mod springs;
 
 use super::EnforceError;
 use super::EnforceError::{PenaltyTooSmall, Unsupported};
-use super::matrix::times;
 use super::part::{EnforcedPart, PartSplitter};
 use super::problem::{Method, Problem, Solution};
 use super::refinement::{BALANCED, FLOOR, Refined, RefinementGoal, SHARP, refine};
 use super::saddle::{SaddleEquations, SaddleInverse, spring_stiffness};
+use crate::common::times;
 
 /// Most solves, including refinements; and most steps in which multipliers take over from springs.
 const REFINEMENTS: usize = 6;
@@ -48,7 +48,7 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
     refused.map_or_else(|| with_reactions(problem, solution), Err)
 }
 
-/// Uses springs if the methods ask for them and their result is certain; otherwise multipliers.
+/// Solves with springs if the methods contain any and their result is certain; otherwise with multipliers.
 fn solve_part(part: &EnforcedPart, accuracy: f64) -> Result<PartSolution, EnforceError> {
     let is_sprung = part.methods.iter().any(|method| method.factor().is_some());
     let found = if is_sprung { springs::by_springs(part, accuracy)? } else { None };

@@ -15,7 +15,7 @@ use qless::{Form, Options, SystemBuilder, analyse};
 use super::super::problem::Method;
 use super::super::refinement::{BALANCED, FLOOR, MeasuredEquations, Refined, RefinementGoal, SHARP, refine};
 use super::super::saddle::{SaddleEquations, spring_stiffness};
-use super::super::singularity::{ROUNDING, SHIFTS, SupportVerdict, check_support, held, loose};
+use super::super::singularity::{ROUNDING, SHIFTS, SupportVerdict, check_support, null_motion, unsupported_part};
 use super::super::{EnforceError, FreeMotion};
 use super::penalty_error::SolutionRounding;
 use super::{AUGMENTATIONS, EnforcedPart, FactoredPart, PartSolution, limits};
@@ -37,8 +37,8 @@ pub fn by_multipliers(part: &EnforcedPart, accuracy: f64) -> Result<PartSolution
     if part.methods.iter().any(|method| matches!(method, Method::Penalty { .. })) {
         return exact.penalised(&refined.x, &rounding, accuracy);
     }
-    let stated = exact.rounding_share(&refined.x, &rounding);
-    accept(part, refined, stated, accuracy)
+    let accuracy_of_u = exact.rounding_share(&refined.x, &rounding);
+    accept(part, refined, accuracy_of_u, accuracy)
 }
 
 /// Tries elimination if multipliers leave an equation unsatisfied: zero terms stay zero in T, but become rounding in the factors.
@@ -48,21 +48,26 @@ fn try_elimination<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> Option<(Fac
     Some((prepared, refined))
 }
 
-/// A solution with the relative error `stated`, or an error if that is not below one.
-pub fn accept(part: &EnforcedPart, refined: Refined, stated: f64, accuracy: f64) -> Result<PartSolution, EnforceError> {
-    if stated.is_nan() || stated >= 1.0 {
+/// A solution with the relative error `accuracy_of_u`, or an error if that is not below one.
+pub fn accept(
+    part: &EnforcedPart,
+    refined: Refined,
+    accuracy_of_u: f64,
+    accuracy: f64,
+) -> Result<PartSolution, EnforceError> {
+    if accuracy_of_u.is_nan() || accuracy_of_u >= 1.0 {
         return Err(residual_error(part, &refined, accuracy));
     }
     let Refined { x, imbalance, .. } = refined;
-    Ok(PartSolution { x, imbalance, accuracy: stated })
+    Ok(PartSolution { x, imbalance, accuracy: accuracy_of_u })
 }
 
 /// The error for a residual that rounding keeps above its limit.
 fn residual_error(part: &EnforcedPart, refined: &Refined, tolerance: f64) -> EnforceError {
-    let (n, left) = (part.dofs.len(), refined.imbalance);
+    let (n, residual) = (part.dofs.len(), refined.imbalance);
     match refined.row.checked_sub(n).map(|row| part.methods[row]) {
-        Some(Method::Augmented { .. }) if refined.share > 1.0 => EnforceError::NoConvergence { left, tolerance },
-        _ => EnforceError::OutOfBalance { row: part.name(refined.row), imbalance: left },
+        Some(Method::Augmented { .. }) if refined.share > 1.0 => EnforceError::NoConvergence { residual, tolerance },
+        _ => EnforceError::OutOfBalance { row: part.name(refined.row), imbalance: residual },
     }
 }
 
@@ -75,8 +80,8 @@ pub fn supported<'a>(part: &'a EnforcedPart<'a>) -> Result<(FactoredPart<'a>, f6
     };
     let FactoredPart { model, inverse, .. } = &mut prepared;
     match check_support(model, &mut |r: &[f64]| inverse.solve(r)) {
-        Ok(SupportVerdict::Held(growth)) => Ok((prepared, growth)),
-        Ok(SupportVerdict::Loose(motion, held)) => Err(unsupported(part, model, &motion, held)),
+        Ok(SupportVerdict::Supported(growth)) => Ok((prepared, growth)),
+        Ok(SupportVerdict::Mechanism(motion, resistance)) => Err(unsupported(part, model, &motion, resistance)),
         Err(error) => Err(free_motion(part, &methods, error)),
     }
 }
@@ -85,8 +90,8 @@ pub fn supported<'a>(part: &'a EnforcedPart<'a>) -> Result<(FactoredPart<'a>, f6
 fn free_motion(part: &EnforcedPart, methods: &[Method], error: EnforceError) -> EnforceError {
     let motion = |shift: f64| {
         let FactoredPart { model, mut inverse, .. } = FactoredPart::new(part, methods.to_vec(), shift).ok()?;
-        let (motion, held) = loose(&model, &mut |r: &[f64]| inverse.solve(r))?;
-        Some(unsupported(part, &model, &motion, held))
+        let (motion, resistance) = null_motion(&model, &mut |r: &[f64]| inverse.solve(r))?;
+        Some(unsupported(part, &model, &motion, resistance))
     };
     SHIFTS.into_iter().find_map(motion).or_else(|| by_elimination(part)).unwrap_or(match error {
         EnforceError::Solver(_) => EnforceError::Singular { what: "the stiffness with its constraints" },
@@ -114,16 +119,16 @@ fn by_elimination(part: &EnforcedPart) -> Option<EnforceError> {
         masters[master] = 1.0;
         let x = reduction.expand(&masters, &[]).ok()?;
         let x: Vec<f64> = x.iter().zip(units).map(|(x, s)| x * s).collect();
-        let (motion, share) = held(&model, &x);
+        let (motion, share) = unsupported_part(&model, &x);
         (share <= ROUNDING && motion[..n].iter().any(|u| *u != 0.0)).then(|| unsupported(part, &model, &motion, share))
     };
     (0..reduction.masters().len()).find_map(mode)
 }
 
 /// The error with the free motion in the caller's numbering.
-fn unsupported(part: &EnforcedPart, model: &SaddleEquations, motion: &[f64], held: f64) -> EnforceError {
+fn unsupported(part: &EnforcedPart, model: &SaddleEquations, motion: &[f64], resistance: f64) -> EnforceError {
     let n = model.dofs();
-    EnforceError::Unsupported(FreeMotion::new(&motion[..n], &model.units()[..n], held).renumbered(&part.dofs))
+    EnforceError::Unsupported(FreeMotion::new(&motion[..n], &model.units()[..n], resistance).renumbered(&part.dofs))
 }
 
 /// Number of powers of ten that are tried as larger factors.
@@ -139,18 +144,18 @@ impl FactoredPart<'_> {
     ) -> Result<PartSolution, EnforceError> {
         let factor = self.part.methods.iter().filter_map(|method| method.factor()).fold(0.0, f64::max);
         let cost = match self.yielded(exact, (1.0, rounding), accuracy)? {
-            (Some(refined), left) if left <= accuracy && left < 1.0 => {
-                let stated = self.rounding_share(exact, rounding) + left;
-                return accept(self.part, refined, stated, accuracy);
+            (Some(refined), error) if error <= accuracy && error < 1.0 => {
+                let accuracy_of_u = self.rounding_share(exact, rounding) + error;
+                return accept(self.part, refined, accuracy_of_u, accuracy);
             }
-            (Some(_), left) => left,
-            (None, left) => left.max(1.0),
+            (Some(_), error) => error,
+            (None, error) => error.max(1.0),
         };
         // The error falls as 1 / factor once it is small.
         let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
         let does = |&share: &f64| {
             let found = self.yielded(exact, (share, rounding), accuracy);
-            matches!(found, Ok((Some(_), left)) if left <= accuracy && left < 1.0)
+            matches!(found, Ok((Some(_), error)) if error <= accuracy && error < 1.0)
         };
         let shares = (0..STIFFER).map(|digits| first * 10_f64.powi(digits));
         let smallest = { shares }.find(does).map(|share| share * factor);
@@ -180,8 +185,8 @@ impl FactoredPart<'_> {
         let refined = refine(&model, &mut |r: &[f64]| self.inverse.solve(r), rhs, &goal)?;
         if refined.share <= 1.0 {
             // Two solutions cannot show a smaller difference.
-            let left = self.share(exact, &refined.x, rounding).max(f64::EPSILON);
-            return Ok((Some(refined), left));
+            let error = self.share(exact, &refined.x, rounding).max(f64::EPSILON);
+            return Ok((Some(refined), error));
         }
         let first: Vec<f64> = exact
             .iter()

@@ -27,7 +27,7 @@ impl FactoredPart<'_> {
         let exact: Vec<f64> =
             x.iter().zip(&first).zip(&second).map(|((x, first), second)| x + first + second).collect();
         let (first, second, references) = (self.sizes(&first), self.sizes(&second), self.references(&exact, rounding));
-        let mut left = 0.0_f64;
+        let mut error = 0.0_f64;
         for (group, (first, second)) in first.into_iter().zip(second).enumerate().filter(|(_, (first, _))| *first > 0.0)
         {
             // A fast mode may hide many slow ones. The series is known only if all modes are fast.
@@ -35,9 +35,9 @@ impl FactoredPart<'_> {
             if ratio.is_nan() || ratio > SHORTER {
                 return None;
             }
-            left = left.max(first / (1.0 - ratio) / references[group]);
+            error = error.max(first / (1.0 - ratio) / references[group]);
         }
-        Some(left)
+        Some(error)
     }
 
     /// `|a - b| / |a|` over the DOFs.
@@ -58,16 +58,16 @@ impl FactoredPart<'_> {
     /// The first two corrections of x by the gaps `C u - b`. Forces are in balance already; their residual is rounding.
     fn corrections_to_exact(&mut self, x: &[f64]) -> Option<[Vec<f64>; 2]> {
         let n = self.model.dofs();
-        let mut left = difference(&self.part.rhs.0, &self.model.apply_exact(x));
-        left[..n].fill(0.0);
-        let first = self.inverse.solve(&left).ok()?;
-        let second = self.inverse.solve(&difference(&left, &self.model.apply_exact(&first))).ok()?;
+        let mut residual = difference(&self.part.rhs.0, &self.model.apply_exact(x));
+        residual[..n].fill(0.0);
+        let first = self.inverse.solve(&residual).ok()?;
+        let second = self.inverse.solve(&difference(&residual, &self.model.apply_exact(&first))).ok()?;
         Some([first, second])
     }
 
     /// The largest displacement of each group, dimensionless.
     pub fn sizes(&self, x: &[f64]) -> Vec<f64> {
-        self.model.groups().largest(x.iter().zip(self.model.units()).map(|(x, unit)| x / unit))
+        self.model.groups.largest(x.iter().zip(self.model.units()).map(|(x, unit)| x / unit))
     }
 
     /// The larger of the largest displacement of each group and the displacement that the loads would cause on their own stiffness. Without
@@ -76,7 +76,7 @@ impl FactoredPart<'_> {
         let mut sizes = self.sizes(x);
         if self.model.is_stiff() {
             let loads = self.part.rhs.0.iter().zip(self.model.units()).map(|(load, unit)| load * unit);
-            let loads = self.model.groups().largest_load(loads);
+            let loads = self.model.groups.largest_load(loads);
             sizes.iter_mut().zip(loads).for_each(|(size, load)| *size = size.max(load));
         }
         sizes
@@ -86,7 +86,7 @@ impl FactoredPart<'_> {
     /// well, the terms of its forces.
     fn references(&self, x: &[f64], rounding: &SolutionRounding) -> Vec<f64> {
         let sizes = self.sizes_and_loads(x);
-        let (groups, units, mut references) = (self.model.groups(), self.model.units(), sizes.clone());
+        let (groups, units, mut references) = (&self.model.groups, self.model.units(), sizes.clone());
         let zeros: Vec<_> = groups.of_dofs().filter(|&(group, _)| sizes[group] <= rounding.of_groups[group]).collect();
         let terms = if zeros.is_empty() { Vec::new() } else { self.terms_of_dofs(x) };
         for (group, j) in zeros {
@@ -147,13 +147,14 @@ impl FactoredPart<'_> {
     fn errors(&self, x: &[f64]) -> Vec<Vec<f64>> {
         let pairs = |ax: Vec<f64>, b: &[f64]| ax.into_iter().zip(b.to_vec());
         let (b, b_sizes) = (&self.part.rhs.0, &self.part.rhs.1);
-        let left: Vec<f64> = pairs(self.model.apply(x), b).map(|(ax, b)| b - ax).collect();
+        let residual: Vec<f64> = pairs(self.model.apply(x), b).map(|(ax, b)| b - ax).collect();
         let sizes: Vec<f64> = pairs(self.model.size(x), b_sizes).map(|(ax, b)| WRONG * (ax + b)).collect();
         let mut random = RandomForces::default();
-        let both = left.iter().zip(&sizes).map(|(left, size)| random.next() * (left.abs() + size)).collect();
+        let both =
+            residual.iter().zip(&sizes).map(|(residual, size)| random.next() * (residual.abs() + size)).collect();
         let mut all = vec![both];
-        if self.model.groups().are_many() {
-            all.push(left);
+        if self.model.groups.are_many() {
+            all.push(residual);
             all.extend((0..TRIALS).map(|_| sizes.iter().map(|size| random.next() * SAFETY * size).collect()));
         }
         all

@@ -31,13 +31,13 @@ impl FactoredPart<'_> {
         let growth = self.certain_growth()?;
         let refined = self.refined(accuracy).ok().filter(|refined| refined.share <= 1.0)?;
         let rounding = self.rounding(&refined, growth)?;
-        let left = self.penalty_error(&refined.x, &rounding)?;
+        let penalty_error = self.penalty_error(&refined.x, &rounding)?;
         // Rounding that the solution with multipliers would not have.
         let is_hidden = refined.rounding > ROUNDED && rounding.share > accuracy;
         let is_penalised = self.methods.iter().any(|method| matches!(method, Method::Penalty { .. }));
         let limit = if is_penalised { accuracy.min(1.0) } else { 1.0 };
-        let accuracy = self.rounding_share(&refined.x, &rounding) + left;
-        let is_right = accuracy < 1.0 && left <= limit && !is_hidden;
+        let accuracy = self.rounding_share(&refined.x, &rounding) + penalty_error;
+        let is_right = accuracy < 1.0 && penalty_error <= limit && !is_hidden;
         is_right.then_some(PartSolution { x: refined.x, imbalance: refined.imbalance, accuracy })
     }
 
@@ -45,15 +45,15 @@ impl FactoredPart<'_> {
     fn certain_growth(&mut self) -> Option<f64> {
         let Self { model, inverse, .. } = self;
         // Dimensionless, as the growth. A factor is relative to the stiffest DOF of its equation; it is larger relative to the others.
-        let of_rows = inverse.springs().iter().zip(&model.units()[model.dofs()..]);
+        let of_rows = inverse.springs.iter().zip(&model.units()[model.dofs()..]);
         let stiffest = of_rows.map(|(spring, unit)| spring / unit / unit).fold(1.0, f64::max);
         let found = rounding_growth(model, &mut |r: &[f64]| inverse.solve(r)).ok()?;
-        let seen = found.lost.is_none() && found.growth * stiffest < SUSPICIOUS;
-        (seen && self.has_no_hidden_mechanism()).then_some(found.growth)
+        let is_visible = found.lost.is_none() && found.growth * stiffest < SUSPICIOUS;
+        (is_visible && self.has_no_hidden_mechanism()).then_some(found.growth)
     }
 }
 
-/// Number of steps after which gaps that close have vanished beside those that stay.
+/// Steps after which closing gaps are negligible compared with gaps that stay open.
 const STEPS: usize = 4;
 /// Largest fraction of the gaps that may remain in the last step.
 const CLOSES: f64 = 0.1;

@@ -8,7 +8,7 @@ use qless::elimination::EliminationError;
 use qless::{ConstraintSystem, Elimination, Kind};
 
 use super::super::refinement::{FLOOR, MeasuredEquations, RefinementGoal, refine};
-use super::super::singularity::{SHIFTS, SupportVerdict, check_support, loose};
+use super::super::singularity::{SHIFTS, SupportVerdict, check_support, null_motion};
 use super::super::solver::{Solver, SolverError};
 use super::super::{EnforceError, FreeMotion, units};
 use super::Steps;
@@ -25,8 +25,10 @@ impl<S: Solver> Steps<S> {
         let failed = match factored {
             Err(error) => error,
             Ok(()) => match check_support(&terms, &mut |r: &[f64]| backsolve(&mut self.solver, r)) {
-                Ok(SupportVerdict::Held(_)) => return Ok(()),
-                Ok(SupportVerdict::Loose(motion, held)) => return Err(unsupported(&terms, &motion, held)),
+                Ok(SupportVerdict::Supported(_)) => return Ok(()),
+                Ok(SupportVerdict::Mechanism(motion, resistance)) => {
+                    return Err(unsupported(&terms, &motion, resistance));
+                }
                 Err(error) => error,
             },
         };
@@ -39,8 +41,8 @@ impl<S: Solver> Steps<S> {
                 continue;
             }
             let terms = StepEquations::new(&self.elimination, &self.pattern, k, (&self.parts, &self.noise));
-            if let Some((motion, held)) = loose(&terms, &mut |r: &[f64]| backsolve(&mut self.solver, r)) {
-                return Err(unsupported(&terms, &motion, held));
+            if let Some((motion, resistance)) = null_motion(&terms, &mut |r: &[f64]| backsolve(&mut self.solver, r)) {
+                return Err(unsupported(&terms, &motion, resistance));
             }
         }
         // The factors of a shifted matrix must not be used for K.
@@ -91,9 +93,9 @@ fn backsolve(solver: &mut impl Solver, r: &[f64]) -> Result<Vec<f64>, EnforceErr
 }
 
 /// The error with the free motion of all DOFs.
-fn unsupported(terms: &StepEquations, motion: &[f64], held: f64) -> EnforceError {
+fn unsupported(terms: &StepEquations, motion: &[f64], resistance: f64) -> EnforceError {
     let units = terms.spread_units();
-    EnforceError::Unsupported(FreeMotion::new(&terms.moved(motion), &units, held))
+    EnforceError::Unsupported(FreeMotion::new(&terms.moved(motion), &units, resistance))
 }
 
 /// Largest residual of an equation relative to its terms; T itself satisfies the equations to 1e-10.
@@ -104,17 +106,20 @@ pub fn check_equations(elimination: &Elimination, (x, units): (&[f64], &[f64]), 
     let (sizes, mut levels) = (sizes_of_dofs(elimination, x), None);
     let system = elimination.analysis().ok_or(EliminationError::NoEquations)?.system();
     for i in (0..system.equations()).filter(|&i| elimination.kinds()[i] == Kind::Independent) {
-        let (mut left, mut size) = (-elimination.rhs()[i], elimination.rhs()[i].abs());
+        let (mut residual, mut size) = (-elimination.rhs()[i], elimination.rhs()[i].abs());
         for (j, v) in system.matrix().row(i) {
-            left += v * u[j];
+            residual += v * u[j];
             size += v.abs() * sizes[j];
         }
-        let is_met = |size: f64| left.abs() <= MET * size;
+        let is_met = |size: f64| residual.abs() <= MET * size;
         if !is_met(size) {
             let levels = levels.get_or_insert_with(|| levelled(elimination, system, units, &sizes));
             let level = system.matrix().row(i).map(|(j, v)| v.abs() * levels[j]).sum::<f64>();
             if !is_met(FLOOR * level) {
-                return Err(EnforceError::OutOfBalance { row: system.equation_label(i), imbalance: left.abs() / size });
+                return Err(EnforceError::OutOfBalance {
+                    row: system.equation_label(i),
+                    imbalance: residual.abs() / size,
+                });
             }
         }
     }

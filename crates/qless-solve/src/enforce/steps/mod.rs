@@ -134,10 +134,7 @@ impl<S: Solver> Steps<S> {
     /// [`EnforceError::Doubtful`] if an equation may be redundant or not and u depends on it.
     pub fn solve_again(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
         if !self.is_held {
-            return Err(SolverError(
-                "there are no factors to solve with: Steps::solve comes first, without an error".into(),
-            )
-            .into());
+            return Err(SolverError("there are no factors; call Steps::solve first, which must succeed".into()).into());
         }
         let (x, units) = self.solve_balanced(k, f)?;
         self.elimination.expand_into(&x, u)?;

@@ -124,11 +124,11 @@ fn absolute(x: &[f64]) -> Vec<f64> {
 /// `|L| |x| + |G| |u_p| + |g|`: the sizes of the terms of u.
 pub fn sizes_of_dofs(elimination: &Elimination, x: &[f64]) -> Vec<f64> {
     let mut sizes = spread(elimination, &absolute(x), |_, _, t| t.abs());
-    let (reduction, given) = (elimination.reduction(), elimination.prescribed_values());
-    elimination.prescribed().iter().zip(given).for_each(|(&dof, value)| sizes[dof] = value.abs());
+    let (reduction, values) = (elimination.reduction(), elimination.prescribed_values());
+    elimination.prescribed().iter().zip(values).for_each(|(&dof, value)| sizes[dof] = value.abs());
     for (i, &dof) in elimination.slaves().iter().enumerate() {
-        let of_given = reduction.g_matrix().row(i).map(|(p, v)| (v * given[p]).abs());
-        sizes[dof] += of_given.sum::<f64>() + reduction.g()[i].abs();
+        let of_prescribed = reduction.g_matrix().row(i).map(|(p, v)| (v * values[p]).abs());
+        sizes[dof] += of_prescribed.sum::<f64>() + reduction.g()[i].abs();
     }
     sizes
 }

@@ -63,7 +63,7 @@ impl<M: Model> Corrector<'_, M> {
     fn measure(&mut self, x: &Unknowns) {
         let iterating = self.iterating();
         let constraint =
-            |own: &Self, part: usize| f64::EPSILON * own.state.constraint(own.all[part].rows.list().iter().copied());
+            |own: &Self, part: usize| f64::EPSILON * own.state.constraint(own.all[part].rows.list.iter().copied());
         let falls = |&part: &usize| {
             let last = self.all[part].iterates.last();
             last.is_none_or(|last| constraint(self, part) <= FALLS * last.constraint)
@@ -124,9 +124,9 @@ impl<M: Model> Corrector<'_, M> {
 
     /// Analyses the rows where everything was evaluated last.
     pub(super) fn choose(&self) -> Result<std::sync::Arc<RowChoice>, StepFailure> {
-        let before = self.all.iter().flat_map(|own| own.rows.list().iter().copied()).collect();
+        let before = self.all.iter().flat_map(|own| own.rows.list.iter().copied()).collect();
         let place = (self.set, self.parts);
-        RowChoice::new(place, &self.state.quantities, self.prescribed, (self.options, before))
+        RowChoice::new(place, &self.state.evaluation, self.prescribed, (self.options, before))
     }
 }
 
@@ -160,7 +160,7 @@ impl<M: Model> Corrector<'_, M> {
     fn alone(&mut self, before: &[f64], now: &[f64], moved: &[usize]) -> Result<(), ModelRefusal> {
         let mut u = before.to_vec();
         let moved = moved.iter().map(|&part| &self.parts.list[part]);
-        moved.for_each(|part| part.free.iter().chain(&part.held).for_each(|&j| u[j] = now[j]));
+        moved.for_each(|part| part.free.iter().chain(&part.prescribed).for_each(|&j| u[j] = now[j]));
         self.state.assembly.clear(false);
         self.model.assemble(&u, &mut self.state.assembly)
     }

@@ -101,7 +101,7 @@ impl<M: Model> Corrector<'_, M> {
     pub(super) fn advance(&self, x: &mut Unknowns, part: usize, dx: &[f64], (t, of_multipliers): (f64, f64)) {
         let free = &self.parts.list[part].free;
         free.iter().zip(dx).for_each(|(&j, dx)| x.u[j] += t * dx);
-        let multipliers = self.all[part].rows.list().iter().zip(&dx[free.len()..]);
+        let multipliers = self.all[part].rows.list.iter().zip(&dx[free.len()..]);
         multipliers.for_each(|(&r, dx)| x.multipliers[r] += of_multipliers * dx);
     }
 

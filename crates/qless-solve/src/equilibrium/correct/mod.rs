@@ -3,7 +3,7 @@
 //! All parts are iterated together: one evaluation of model and constraints serves all. Scales, factors, step lengths, kept rows and
 //! termination are separate. A part that has converged or failed does not move. One iteration:
 //!
-//! | what | for | cost |
+//! | operation | for | cost |
 //! | --- | --- | --- |
 //! | evaluation with stiffness | all parts together | one pass |
 //! | new choice of rows | parts that need it | one analysis, rarely |
@@ -17,7 +17,7 @@ mod tangent;
 use qless_constraints::ConstraintSet;
 
 use super::parts::EquilibriumParts;
-use super::rows::KeptRows;
+use super::rows::PartRows;
 use super::saddle::{Saddle, SaddlePattern};
 use super::state::{EquilibriumState, Unknowns};
 use super::{EquilibriumIterate, EquilibriumOptions, Model, StepFailure};
@@ -25,7 +25,7 @@ use super::{EquilibriumIterate, EquilibriumOptions, Model, StepFailure};
 /// Most changes of the kept rows in one load step.
 const CHANGES: usize = 4;
 
-/// What a part keeps of its matrices from one load step to the next.
+/// Matrix data of a part that the next load step reuses.
 #[derive(Default)]
 pub struct Factoring {
     /// Pattern of the last tangent.
@@ -81,15 +81,15 @@ impl<M: Model> Corrector<'_, M> {
 
     /// The corrections of parts, except those whose rows changed.
     fn steps(&mut self, x: &Unknowns, iterating: &[usize]) -> Result<Vec<Correction>, StepFailure> {
-        let lists: Vec<_> = iterating.iter().map(|&part| self.all[part].rows.list().to_vec()).collect();
+        let lists: Vec<_> = iterating.iter().map(|&part| self.all[part].rows.list.clone()).collect();
         let before = |part: usize| iterating.binary_search(&part).ok().map(|place| &lists[place][..]);
         let mut steps = Vec::new();
         for (part, saddle, motion) in self.regular(iterating)? {
-            if before(part) != Some(self.all[part].rows.list()) {
+            if before(part) != Some(&self.all[part].rows.list[..]) {
                 continue;
             }
             let own = &mut self.all[part];
-            let only_multipliers = motion.is_some() && own.loose.is_none() && !own.rows.list().is_empty();
+            let only_multipliers = motion.is_some() && own.loose.is_none() && !own.rows.list.is_empty();
             own.loose = motion;
             let dx = saddle.solve(&self.rhs(part, x));
             steps.push(Correction { part, saddle, dx, only_multipliers });
@@ -99,7 +99,7 @@ impl<M: Model> Corrector<'_, M> {
 
     /// `-F` on free DOFs and kept rows of a part, including the effect of prescribed DOFs that have yet to move.
     fn rhs(&self, part: usize, x: &Unknowns) -> Vec<f64> {
-        let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
+        let (g, h) = (self.state.evaluation.g(), self.state.evaluation.h());
         let arrived = self.arrived(part, x);
         let more = |start: f64, entries: &mut dyn Iterator<Item = (usize, f64)>| {
             let held = entries.filter(|&(j, _)| self.goal[j].is_some());
@@ -110,11 +110,11 @@ impl<M: Model> Corrector<'_, M> {
             if arrived { now } else { more(more(now, &mut self.state.assembly.row(i)), &mut h.row(i)) }
         };
         let c = |&r: &usize| {
-            let now = self.state.quantities.c()[r];
+            let now = self.state.evaluation.c()[r];
             if arrived { now } else { more(now, &mut g.row(r)) }
         };
         let free = self.parts.list[part].free.iter().map(|j| -force(j));
-        free.chain(self.all[part].rows.list().iter().map(|r| -c(r))).collect()
+        free.chain(self.all[part].rows.list.iter().map(|r| -c(r))).collect()
     }
 
     /// Remaining motion of a prescribed DOF; zero for free DOFs.
@@ -124,12 +124,12 @@ impl<M: Model> Corrector<'_, M> {
 
     /// Whether all prescribed DOFs of a part have their values.
     fn arrived(&self, part: usize, x: &Unknowns) -> bool {
-        self.parts.list[part].held.iter().all(|&j| self.goal[j] == Some(x.u[j]))
+        self.parts.list[part].prescribed.iter().all(|&j| self.goal[j] == Some(x.u[j]))
     }
 }
 
 pub struct PartProgress {
-    pub rows: KeptRows,
+    pub rows: PartRows,
     pub stage: PartStage,
     pub iterates: Vec<EquilibriumIterate>,
     /// Length of the last step.
@@ -140,7 +140,7 @@ pub struct PartProgress {
     pub(super) changes: usize,
 }
 
-/// What a part does next.
+/// The stage of a part's iteration.
 pub enum PartStage {
     /// Iterate.
     Iterating,
@@ -153,7 +153,7 @@ pub enum PartStage {
 }
 
 impl PartProgress {
-    pub fn new(rows: KeptRows) -> Self {
+    pub fn new(rows: PartRows) -> Self {
         Self { rows, stage: PartStage::Iterating, iterates: Vec::new(), length: 1.0, loose: None, changes: 0 }
     }
 

@@ -9,20 +9,20 @@
 //! Let y be the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their last correction and last places.
 //! The support is rounding if `|A' y - A y| > |A y| / 2`. Cost: two evaluations, if some motion is resisted weakly.
 
-use super::super::saddle::{Saddle, SaddleEntries, large, largest, norm, times};
+use super::super::saddle::{Saddle, SaddleEntries, large, largest, norm};
 use super::super::state::Unknowns;
 use super::super::{Model, StepFailure};
 use super::{CHANGES, Corrector};
-use crate::common::random;
+use crate::common::{random, times};
 
 /// Added to the scaled diagonal if the tangent is singular.
 const ADDED: f64 = 1e-3;
 
 /// Rows are dependent, but it is not known which.
 const NO_FACTORS: &str =
-    "it is singular, and has no factors even with something added; look for equations that depend on one another";
+    "it is singular, and its factorization fails even after regularisation; look for dependent equations";
 
-/// Why a tangent is singular.
+/// Cause of a singular tangent.
 enum SingularCause {
     /// DOFs of a motion without resistance.
     Motion(Vec<usize>),
@@ -56,12 +56,12 @@ impl<M: Model> Corrector<'_, M> {
     /// Gives parts the rows that are independent here; if these are the same, removes one row. Rows that differ by the rounding of G count as
     /// independent in the units of their entries, so that they would be chosen again. Whether the removed row holds is checked at the end.
     fn separate(&mut self, asking: Vec<(usize, Vec<usize>)>) -> Result<Vec<usize>, StepFailure> {
-        let may = |part: usize| !self.all[part].rows.is_thinned() && self.all[part].changes < CHANGES;
+        let may = |part: usize| !self.all[part].rows.is_thinned && self.all[part].changes < CHANGES;
         let choice = if asking.iter().any(|(part, _)| may(*part)) { Some(self.choose()?) } else { None };
         let mut open = Vec::new();
         for (part, dependent) in asking {
             let own = &mut self.all[part];
-            if let Some(choice) = choice.as_ref().filter(|_| !own.rows.is_thinned() && own.changes < CHANGES) {
+            if let Some(choice) = choice.as_ref().filter(|_| !own.rows.is_thinned && own.changes < CHANGES) {
                 own.changes += 1;
                 if own.rows.renew(&self.parts.list[part].rows, choice) {
                     open.push(part);
@@ -96,7 +96,7 @@ impl<M: Model> Corrector<'_, M> {
             self.factoring[part].in_units = true;
             return self.tangent(part);
         }
-        let rows = self.all[part].rows.list();
+        let rows = &self.all[part].rows.list;
         let dependent = largest(null.get(free.len()..).unwrap_or_default()).map(|r| rows[r]);
         Ok((saddle, Some(SingularCause::Rows(dependent.collect()))))
     }
@@ -104,7 +104,7 @@ impl<M: Model> Corrector<'_, M> {
     pub(super) fn entries(&self, part: usize) -> SaddleEntries {
         let (free, rows) = (&self.parts.list[part].free, &self.all[part].rows);
         let place = |j: usize| self.parts.place(part, j);
-        let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
+        let (g, h) = (self.state.evaluation.g(), self.state.evaluation.h());
         let stiffness =
             |(i, &dof): (usize, &usize)| self.state.assembly.row(dof).filter_map(move |(j, v)| Some((i, place(j)?, v)));
         let mut list: Vec<_> = free.iter().enumerate().flat_map(stiffness).collect();
@@ -112,12 +112,12 @@ impl<M: Model> Corrector<'_, M> {
         let bent = |(i, &dof): (usize, &usize)| h.row(dof).filter_map(move |(j, v)| Some((i, place(j)?, v)));
         list.extend(free.iter().enumerate().flat_map(bent));
         let border = (free.len()..)
-            .zip(rows.list())
+            .zip(&rows.list)
             .flat_map(|(r, &row)| g.row(row).filter_map(move |(j, v)| Some((r, place(j)?, v))));
         list.extend(border.flat_map(|(r, j, v)| [(r, j, v), (j, r, v)]));
         let in_units = self.factoring[part].in_units;
         let units = if in_units { free.iter().map(|&j| rows.units()[j]).collect() } else { Vec::new() };
-        SaddleEntries { size: free.len() + rows.list().len(), stiff, list, units }
+        SaddleEntries { size: free.len() + rows.list.len(), stiff, list, units }
     }
 }
 
@@ -166,7 +166,7 @@ impl<M: Model> Corrector<'_, M> {
         self.state.evaluate(self.model, self.set, &off, self.loads)?;
         for SoftPart { place, y } in soft {
             let (part, saddle, _) = &found[place];
-            let here = times(saddle.matrix(), &y);
+            let here = times(&saddle.a, &y);
             let there = saddle.applied(&self.entries(*part), &y);
             let change: Vec<f64> = there.iter().zip(&here).map(|(there, here)| there - here).collect();
             let is_firm = norm(&change) <= CHANGES_BY * norm(&here);

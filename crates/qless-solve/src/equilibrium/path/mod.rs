@@ -15,7 +15,7 @@ use qless_constraints::ConstraintSet;
 use super::branch::growth;
 use super::correct::Factoring;
 use super::parts::{EquilibriumPart, EquilibriumParts};
-use super::rows::KeptRows;
+use super::rows::PartRows;
 use super::stability::Stability;
 use super::state::{EquilibriumState, Unknowns, constraint_forces};
 use super::time_path::TimePath;
@@ -37,7 +37,7 @@ pub struct Path<'a, M> {
     /// The last equilibrium.
     at: Unknowns,
     /// Kept rows of each part there.
-    rows: Option<Vec<KeptRows>>,
+    rows: Option<Vec<PartRows>>,
     rotations: Vec<[usize; 3]>,
     factoring: Vec<Factoring>,
     tracks: Vec<PartTrack>,
@@ -54,12 +54,12 @@ impl<'a, M: Model> Path<'a, M> {
     ) -> Result<Self, EquilibriumError> {
         let set = constraints.set();
         let state = EquilibriumState::new(model, set)?;
-        let parts = Arc::new(EquilibriumParts::new(&state.assembly, set, &state.quantities, target.prescribed));
+        let parts = Arc::new(EquilibriumParts::new(&state.assembly, set, &state.evaluation, target.prescribed));
         let mut moves = vec![false; set.dofs()];
         target.prescribed.iter().for_each(|&(j, v)| moves[j] = start.u[j] != v);
         let in_time = matches!(constraints, TimePath::Driven { .. });
         let driven =
-            |part: &EquilibriumPart| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
+            |part: &EquilibriumPart| (in_time || part.prescribed.iter().any(|&j| moves[j])) && !is_straight(set, part);
         let track = |part: &EquilibriumPart| PartTrack { driven: driven(part), ..PartTrack::default() };
         let tracks = parts.list.iter().map(track).collect();
         let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
@@ -118,12 +118,12 @@ impl<'a, M: Model> Path<'a, M> {
     /// Factor for the length of the next step.
     fn longer(&self) -> f64 {
         let easy = self.tracks.iter().all(|track| track.iterates <= EASY);
-        self.tracks.iter().map(|track| growth(track.turn.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
+        self.tracks.iter().map(|track| growth(track.branch_check.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
     }
 
     fn finish(self) -> Equilibrium {
         let Self { target, options, parts, state, at, rows, tracks, steps, .. } = self;
-        let forces = constraint_forces(state.quantities.g(), &at.multipliers);
+        let forces = constraint_forces(state.evaluation.g(), &at.multipliers);
         let kept = |r: &usize| rows.as_ref().is_none_or(|rows| rows[parts.of_row(*r)].kept(*r));
         let stability = || Stability::of_parts(tracks.iter().filter_map(|track| track.stability));
         Equilibrium {

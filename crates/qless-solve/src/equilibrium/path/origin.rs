@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::super::Model;
-use super::super::branch::{Branch, BranchTurn};
+use super::super::branch::{Branch, BranchCheck};
 use super::super::correct::{PartProgress, PartStage};
 use super::super::error::StepFailure;
-use super::super::rows::{KeptRows, RowChoice};
+use super::super::rows::{PartRows, RowChoice};
 use super::Path;
 use crate::newton::{NewtonError, NewtonOptions, PartwiseSolution, solve_each};
 
@@ -36,23 +36,23 @@ impl<M: Model> Path<'_, M> {
     pub(super) fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<PartProgress>, StepFailure> {
         self.tracks
             .iter_mut()
-            .for_each(|track| (track.branch, track.turn, track.rank) = (None, BranchTurn::default(), None));
+            .for_each(|track| (track.branch, track.branch_check, track.rank) = (None, BranchCheck::default(), None));
         let (all, holds) = match self.rows.clone() {
-            Some(rows) => (rows.into_iter().map(PartProgress::new).collect(), vec![true; self.parts.count()]),
+            Some(rows) => (rows.into_iter().map(PartProgress::new).collect(), vec![true; self.parts.list.len()]),
             None => self.rows_at_start(prescribed)?,
         };
         let asked = |part: &usize| self.tracks[*part].driven && holds[*part];
-        let asked: Vec<usize> = (0..self.parts.count()).filter(asked).collect();
+        let asked: Vec<usize> = (0..self.parts.list.len()).filter(asked).collect();
         if asked.is_empty() {
             return Ok(all);
         }
         if self.rows.is_some() {
-            self.constraints.set().evaluate(&self.at.u, &mut self.state.quantities)?;
+            self.constraints.set().evaluate(&self.at.u, &mut self.state.evaluation)?;
         }
-        let before = Arc::new(self.state.quantities.clone());
+        let before = Arc::new(self.state.evaluation.clone());
         for part in asked {
             let (track, rows) = (&mut self.tracks[part], &all[part].rows);
-            track.rank = Some(rows.list().len());
+            track.rank = Some(rows.list.len());
             track.branch = Branch::new(&before, rows, (&self.parts, part), &mut track.of_branch);
         }
         Ok(all)
@@ -64,7 +64,7 @@ impl<M: Model> Path<'_, M> {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, _)| (j, self.at.u[j])).collect();
         let near = self.consistent(&held, LOOK).ok();
         let is_near = |part: usize| near.as_ref().is_some_and(|near| near.errors[part].is_none());
-        let holds: Vec<bool> = (0..self.parts.count()).map(is_near).collect();
+        let holds: Vec<bool> = (0..self.parts.list.len()).map(is_near).collect();
         let mut u = self.at.u.clone();
         let near = near.iter().flat_map(|near| self.parts.list.iter().map(|part| (part, &near.u))).zip(&holds);
         let near = near.filter(|(_, holds)| **holds);
@@ -77,9 +77,9 @@ impl<M: Model> Path<'_, M> {
         let start = |(part, far): (usize, Option<Result<Arc<RowChoice>, NewtonError>>)| {
             let rows = &self.parts.list[part].rows;
             match far {
-                Some(Ok(far)) => PartProgress::new(KeptRows::new(rows, &far)),
+                Some(Ok(far)) => PartProgress::new(PartRows::new(rows, &far)),
                 other => {
-                    let mut own = PartProgress::new(KeptRows::new(rows, &choice));
+                    let mut own = PartProgress::new(PartRows::new(rows, &choice));
                     if let Some(Err(error)) = other {
                         own.stage = PartStage::Failed(StepFailure::Constraints(error));
                     }
@@ -122,9 +122,9 @@ impl<M: Model> Path<'_, M> {
     /// Evaluates the constraints at u and analyses their rows.
     pub(super) fn choice_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Arc<RowChoice>, StepFailure> {
         let set = self.constraints.set();
-        set.evaluate(u, &mut self.state.quantities)?;
-        let before = self.rows.iter().flatten().flat_map(|rows| rows.list().iter().copied()).collect();
-        RowChoice::new((set, &self.parts), &self.state.quantities, prescribed, (self.options, before))
+        set.evaluate(u, &mut self.state.evaluation)?;
+        let before = self.rows.iter().flatten().flat_map(|rows| rows.list.iter().copied()).collect();
+        RowChoice::new((set, &self.parts), &self.state.evaluation, prescribed, (self.options, before))
     }
 
     /// Finds the nearest configuration that satisfies the constraints.
@@ -137,7 +137,7 @@ impl<M: Model> Path<'_, M> {
         let options = NewtonOptions { tolerance, steps, analysis };
         let found = solve_each(self.constraints.set(), &self.at.u, prescribed, &options);
         let PartwiseSolution { u, parts: of_equations, failures } = found.map_err(StepFailure::Constraints)?;
-        let mut first = vec![usize::MAX; of_equations.count()];
+        let mut first = vec![usize::MAX; of_equations.count];
         failures.iter().enumerate().rev().for_each(|(k, (part, _))| first[*part] = k);
         let error = |rows: &Vec<usize>| {
             let first = rows.iter().map(|&r| first[of_equations.of_row(r)]).min()?;

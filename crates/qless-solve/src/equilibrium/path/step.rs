@@ -3,10 +3,10 @@
 
 use qless_constraints::shorten_rotation;
 
-use super::super::branch::{Branch, BranchTurn, check_jumps};
+use super::super::branch::{Branch, BranchCheck, check_jumps};
 use super::super::correct::{Corrector, PartProgress, PartStage, side_by_side};
 use super::super::error::StepFailure;
-use super::super::rows::KeptRows;
+use super::super::rows::PartRows;
 use super::super::stability::stability;
 use super::super::state::Unknowns;
 use super::super::{LoadStep, Model};
@@ -26,16 +26,16 @@ pub(super) struct StepTarget {
 
 impl<M: Model> Path<'_, M> {
     /// Finds the equilibrium at a load factor, starting from the last one.
-    pub(super) fn step(&mut self, [last, factor]: [f64; 2]) -> Result<(Unknowns, Vec<KeptRows>), StepFailures> {
+    pub(super) fn step(&mut self, [last, factor]: [f64; 2]) -> Result<(Unknowns, Vec<PartRows>), StepFailures> {
         let end = self.end(factor);
         // Whole turns are singular; half a turn is the limit.
         self.rotations.iter().for_each(|&vector| _ = shorten_rotation(&mut self.at.u, vector));
         let origin = self.origin(&end.prescribed);
         self.constraints.advance_to(factor)?;
         let branches: Vec<&Branch> = self.tracks.iter().filter_map(|track| track.branch.as_ref()).collect();
-        let led = check_jumps(&branches, &mut self.constraints, [last, factor], &mut self.state.quantities)?;
-        if !led.is_empty() {
-            return Err(led.into_values().collect());
+        let failures = check_jumps(&branches, &mut self.constraints, [last, factor], &mut self.state.evaluation)?;
+        if !failures.is_empty() {
+            return Err(failures.into_values().collect());
         }
         let mut x = self.at.clone();
         let (mut all, mut whole) = match origin {
@@ -90,8 +90,8 @@ impl<M: Model> Path<'_, M> {
             for &part in &ran {
                 let own = &mut corrector.all[part];
                 let branch = self.tracks[part].branch.as_ref().filter(|_| own.is_done());
-                match branch.map_or(Ok(BranchTurn::default()), |branch| branch.turn(&corrector.state.quantities)) {
-                    Ok(turn) => self.tracks[part].turn = turn,
+                match branch.map_or(Ok(BranchCheck::default()), |branch| branch.check(&corrector.state.evaluation)) {
+                    Ok(check) => self.tracks[part].branch_check = check,
                     Err(failure) => own.fail(failure),
                 }
             }
@@ -101,7 +101,7 @@ impl<M: Model> Path<'_, M> {
             result = corrector.check_support(&done, x).map(|tangents| {
                 for (part, saddle) in tangents.into_iter().filter(|_| self.options.stability) {
                     let free = self.parts.list[part].free.len();
-                    self.tracks[part].stability = Some(stability(saddle.matrix(), free));
+                    self.tracks[part].stability = Some(stability(&saddle.a, free));
                 }
             });
         }
@@ -170,7 +170,7 @@ impl<M: Model> Path<'_, M> {
             Err(failure) => return Some(failure),
         };
         let other = |&part: &usize| {
-            let rows = KeptRows::new(&self.parts.list[part].rows, &choice);
+            let rows = PartRows::new(&self.parts.list[part].rows, &choice);
             (part, std::mem::replace(&mut all[part], PartProgress::new(rows)))
         };
         let firsts: Vec<_> = retried.iter().map(other).collect();
@@ -190,7 +190,7 @@ impl<M: Model> Path<'_, M> {
         (whole, found): (StepFailure, NearestConsistent),
         end: &StepTarget,
     ) -> Option<StepFailure> {
-        let every = 0..self.parts.count();
+        let every = 0..self.parts.list.len();
         let there = every.filter(|&part| found.errors[part].is_none());
         let retried: Vec<usize> = there.filter(|&part| self.is_elsewhere(part, &found.u, end)).collect();
         if retried.is_empty() {
@@ -202,7 +202,7 @@ impl<M: Model> Path<'_, M> {
             Ok(choice) => choice,
             Err(failure) => return Some(failure),
         };
-        *all = self.parts.list.iter().map(|part| PartProgress::new(KeptRows::new(&part.rows, &choice))).collect();
+        *all = self.parts.list.iter().map(|part| PartProgress::new(PartRows::new(&part.rows, &choice))).collect();
         let second = self.attempt((x, None), all, end).err();
         let knows_more = |own: &PartProgress| !matches!(own.stage, PartStage::Failed(StepFailure::NoConvergence));
         if second.is_none() && !all.iter().all(knows_more) { Some(whole) } else { second }
@@ -211,7 +211,7 @@ impl<M: Model> Path<'_, M> {
     /// Whether a part has moved, or its prescribed DOFs will.
     fn is_elsewhere(&self, part: usize, u: &[f64], end: &StepTarget) -> bool {
         let (part, at) = (&self.parts.list[part], &self.at.u);
-        part.free.iter().any(|&j| u[j] != at[j]) || part.held.iter().any(|&j| end.goal[j] != Some(at[j]))
+        part.free.iter().any(|&j| u[j] != at[j]) || part.prescribed.iter().any(|&j| end.goal[j] != Some(at[j]))
     }
 
     /// Moves parts to u, and prescribed DOFs to their values.

@@ -1,8 +1,8 @@
-//! What a path keeps of each part, and the failures of a load step.
+//! State of each part along a load path, and the failures of a load step.
 
 use qless_constraints::ConstraintSet;
 
-use super::super::branch::{Branch, BranchTurn};
+use super::super::branch::{Branch, BranchCheck};
 use super::super::correct::PartProgress;
 use super::super::error::{Reached, StepFailure};
 use super::super::saddle::SaddlePattern;
@@ -16,7 +16,7 @@ pub struct PartTrack {
     pub branch: Option<Branch>,
     pub of_branch: SaddlePattern,
     /// Result of the branch check of the last step.
-    pub turn: BranchTurn,
+    pub branch_check: BranchCheck,
     /// Number of independent rows at the start of the last step, if the constraints hold there.
     pub rank: Option<usize>,
     pub stability: Option<Stability>,
@@ -27,7 +27,7 @@ pub struct PartTrack {
 impl PartTrack {
     /// Whether branches meet on the way, or the rank changed.
     pub fn branches_meet(&self, own: &PartProgress) -> bool {
-        self.turn.met || self.rank.is_some_and(|rank| rank != own.rows.list().len())
+        self.branch_check.met || self.rank.is_some_and(|rank| rank != own.rows.list.len())
     }
 }
 

@@ -79,13 +79,13 @@ fn side_by_side(all: &[&NewtonSolution], rows: &[Vec<usize>]) -> Vec<NewtonItera
     let look = |k: usize| {
         let now = || all.iter().filter_map(move |s| s.iterates.get(k).or(s.iterates.last()));
         let going = all.iter().filter_map(|s| s.iterates.get(k));
-        let left_out = now().zip(rows).flat_map(|(look, rows)| look.left_out.iter().map(|&r| rows[r]));
-        let mut left_out: Vec<usize> = left_out.collect();
-        left_out.sort_unstable();
+        let ignored = now().zip(rows).flat_map(|(look, rows)| look.ignored.iter().map(|&r| rows[r]));
+        let mut ignored: Vec<usize> = ignored.collect();
+        ignored.sort_unstable();
         NewtonIterate {
             residual: now().map(|look| look.residual).fold(0.0, f64::max),
             rank: now().map(|look| look.rank).sum(),
-            left_out,
+            ignored,
             length: going.map(|look| look.length).fold(1.0, f64::min),
         }
     };
@@ -120,7 +120,7 @@ fn assert_law(case: &str, together: &Together, found: &Found, single: &[Found]) 
         assert_eq!(bits(there), bits(own.u.iter().copied()), "{case}");
     }
     assert_eq!(solution.iterates, side_by_side(&single, &together.rows), "{case}");
-    assert_eq!(Some(&solution.redundant), solution.iterates.last().map(|look| &look.left_out), "{case}");
+    assert_eq!(Some(&solution.redundant), solution.iterates.last().map(|look| &look.ignored), "{case}");
 }
 
 /// How many have a solution side by side, and how many have none alone.

@@ -111,9 +111,9 @@ fn tension_passes_meshes_that_do_not_match() -> Outcome {
         // Supports of the rigid motions: three, two and one DOF at three corners.
         let [b, c] = [lower.cells, lower.cells * lower.side()];
         let held: Vec<_> = [0, 1, 2, 3 * b + 1, 3 * b + 2, 3 * c + 2].into_iter().map(|dof| (dof, 0.0)).collect();
-        let mut quantities = set.allocate();
-        set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
-        let system = set.linearised(&quantities, &held)?;
+        let mut evaluation = set.allocate();
+        set.evaluate(&vec![0.0; set.dofs()], &mut evaluation)?;
+        let system = set.linearised(&evaluation, &held)?;
         let solution = Problem::new(&k, &f, &system)?.transformation()?;
         for node in &nodes {
             let [x, y, z] = node.at;

@@ -45,9 +45,9 @@ fn tension<C: Constraint>(
     let mut fixed: Vec<usize> = (0..side * side).map(|i| 3 * i + 2).chain([0, 1, 3 * cells + 1]).collect();
     fixed.extend(held.iter().map(|dof| solid + dof));
     let held: Vec<(usize, f64)> = fixed.into_iter().map(|dof| (dof, 0.0)).collect();
-    let mut quantities = set.allocate();
-    set.evaluate(&vec![0.0; dofs], &mut quantities)?;
-    let system = set.linearised(&quantities, &held)?;
+    let mut evaluation = set.allocate();
+    set.evaluate(&vec![0.0; dofs], &mut evaluation)?;
+    let system = set.linearised(&evaluation, &held)?;
     Ok((Problem::new(&k, &f, &system)?.transformation()?.u, block))
 }
 

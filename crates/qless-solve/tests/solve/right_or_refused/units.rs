@@ -185,7 +185,7 @@ fn tied_cubes_without_ground_are_refused() -> Outcome {
             f[dofs - 1] = force;
             for (name, solution) in by_all(&Problem::new(&k, &f, &system)?) {
                 match solution {
-                    Err(EnforceError::Unsupported(motion)) => assert!(motion.held < 1e-13, "{name}: {motion}"),
+                    Err(EnforceError::Unsupported(motion)) => assert!(motion.resistance < 1e-13, "{name}: {motion}"),
                     other => {
                         let most = other.map(|s| s.u.iter().fold(0.0, |most: f64, u| most.max(u.abs())));
                         return Err(format!("{name}, {cells} cells, {length}, {force}: {most:?}").into());
