@@ -166,8 +166,8 @@ fn a_solver_reads_its_own_format() {
     }
     for (arguments, parts) in [
         ("check a.inp --solver ansis", ["`ansis` is no solver", "mystran"]),
-        ("check case --solver ccx", ["case", "--solver and --case go with a deck"]),
-        ("check case --case 1", ["case", "--solver and --case go with a deck"]),
+        ("check case --solver ccx", ["case", "--solver and --case need a deck"]),
+        ("check case --case 1", ["case", "--solver and --case need a deck"]),
     ] {
         let run = place.run(arguments);
         assert!(run.code == 2 && parts.iter().all(|part| run.err.contains(part)), "{arguments}: {}", run.err);

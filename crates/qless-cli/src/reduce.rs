@@ -1,4 +1,4 @@
-//! `qless reduce`: `u_s = T u_q + G u_p + g` as files, all or none.
+//! `qless reduce`: writes `u_s = T u_q + G u_p + g` as files, all or none.
 
 mod blocks;
 
@@ -15,33 +15,33 @@ use qless_io::write::Output;
 use crate::args::ReduceArgs;
 use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::failure::{CliFailure, say};
-use crate::report::{Outcome, Reduced};
+use crate::report::{CommandOutcome, Reduced};
 use crate::terminal::Progress;
 
-/// Files of every reduction; factors come in addition.
+/// Files of every reduction, without those of factors.
 pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
 
-/// Writes the files and prints the report, or, for conflicting or incomplete equations, prints the report only.
+/// Writes the files and prints the report; for conflicting or incomplete equations it only prints the report.
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
     check_place(args)?;
     let progress = Progress::new(args.model.quiet);
     let question = Question { options: args.options(), preferences: args.preferences(), choice: args.choice() };
     let diagnosis = diagnose(&args.model, question, &progress)?;
     if diagnosis.is_refused() || diagnosis.is_incomplete() {
-        let way = if diagnosis.is_refused() { "" } else { ", or write what was read with --allow-incomplete" };
-        diagnosis.print(None, &Outcome::Refused, progress)?;
+        let way = if diagnosis.is_refused() { "" } else { ", or use --allow-incomplete" };
+        diagnosis.print(None, &CommandOutcome::Refused, progress)?;
         say(format_args!("error: nothing was written to {}: see the report{way}", args.output.display()));
         return Ok(diagnosis.code());
     }
     progress.stage("reducing");
     let start = Instant::now();
-    let refused = |error| CliFailure::of_reduction(error, &args.model.input, &diagnosis.system);
-    let reduction = diagnosis.analysis.reduction_in(args.form()).map_err(refused)?;
+    let refused = |error| CliFailure::from_reduction(error, &args.model.input, &diagnosis.system);
+    let reduction = diagnosis.analysis.reduction_in(args.form).map_err(refused)?;
     let time = start.elapsed();
     progress.stage("writing");
     write(args, &reduction, &diagnosis)?;
-    let reduced = Reduced { reduction: &reduction, form: args.form(), time };
-    diagnosis.print(Some(reduced), &Outcome::Written(&args.output), progress)?;
+    let reduced = Reduced { reduction: &reduction, form: args.form, time };
+    diagnosis.print(Some(reduced), &CommandOutcome::Written(&args.output), progress)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -74,13 +74,13 @@ fn add(output: &mut Output, reduction: &Reduction, labels: &[String]) -> Result<
 
 fn beyond_range(args: &ReduceArgs, number: usize) -> CliFailure {
     CliFailure::Input(format!(
-        "{}: the units of block {number} are too far apart for its factors, which would lie beyond 1e308: rescale its equations, or \
-         use --form explicit",
+        "{}: the units of block {number} differ too much: its factors would exceed 1e308; rescale its equations, or use --form \
+         explicit",
         args.model.input.display()
     ))
 }
 
-/// Files of factors from an earlier run, which would be mistaken for new ones.
+/// Files of factors from an earlier run, which would look like new ones.
 fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
     match blocks::stale(folder, count) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -90,9 +90,9 @@ fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
     }
 }
 
-/// Refuses an output folder that cannot be written, or whose files would be lost, before the work begins.
+/// Refuses an output folder that cannot be written, or whose files would be lost.
 fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
-    // The prescribed.txt of a reduction and that of a case differ in meaning: never overwrite one by the other.
+    // A case and a reduction both have a prescribed.txt, with different meanings.
     if args.output.join("C.mtx").symlink_metadata().is_ok() {
         return Err(CliFailure::Input(format!(
             "{}: the folder holds a case (C.mtx) with its own prescribed.txt, which would be overwritten; name another folder with -o",

@@ -1,4 +1,4 @@
-//! Runs the command on all ranks of an MPI job: a failure of one rank stops all, with the same exit code.
+//! Runs the command on all ranks of an MPI job. If one rank fails, all stop with the same exit code.
 
 use std::process::ExitCode;
 
@@ -11,7 +11,7 @@ use crate::failure::CliFailure;
 use crate::set_up;
 
 impl Job {
-    /// All ranks run the command together; the first one speaks.
+    /// Runs the command on all ranks; only the first one prints.
     pub fn run(self) -> ExitCode {
         let world = match World::start() {
             Ok(world) if world.size() > 1 => world,
@@ -22,13 +22,13 @@ impl Job {
             Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.end(&failure)),
             Err(error) => {
                 if self.rank == 0 {
-                    // An error of standard error cannot be reported anywhere.
+                    // A write error could not be reported anywhere.
                     let _ = error.print();
                 }
                 ExitCode::from(error.exit_code() as u8)
             }
         };
-        // A rank that exits with an error ends the job: wait until the first rank has written everything.
+        // A rank that exits with an error ends the job, so wait until the first rank has written everything.
         world.sum(&mut [0]);
         ended
     }
@@ -38,8 +38,8 @@ impl Job {
     }
 }
 
-const OTHER_MPI: &str = "mpirun has started several processes, but this qless finds itself alone: it was built with another MPI \
-     library; use the mpirun of that one";
+const OTHER_MPI: &str = "mpirun has started several processes, but this qless sees only itself: it was built with another MPI \
+     library; use the mpirun of that library";
 
 fn run(world: &World, command: &Command) -> Result<ExitCode, CliFailure> {
     let Command::Check(args) = command else {

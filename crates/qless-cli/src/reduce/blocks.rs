@@ -1,4 +1,4 @@
-//! The files of parts in factor form, `block1_L.mtx` and so on.
+//! Files of parts in factor form, such as `block1_L.mtx`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -27,7 +27,7 @@ pub fn write(output: &mut Output, number: usize, block: &FactoredBlock, parts: &
     output.indices(&name("prescribed.txt"), block.prescribed())
 }
 
-/// Files of blocks after the first `count` in a folder: of an earlier run, to be mistaken for new ones.
+/// Files in a folder that are named after blocks beyond the first `count`: an earlier run wrote them.
 pub fn stale(folder: &Path, count: usize) -> io::Result<BTreeSet<String>> {
     let mut names = BTreeSet::new();
     for entry in fs::read_dir(folder)? {
@@ -40,7 +40,7 @@ pub fn stale(folder: &Path, count: usize) -> io::Result<BTreeSet<String>> {
     Ok(names)
 }
 
-/// The number of the block that a file is named after.
+/// Number of the block in a file name.
 pub fn number(name: &str) -> Option<usize> {
     let (number, file) = name.strip_prefix("block")?.split_once('_')?;
     let is_plain = number.bytes().all(|digit| digit.is_ascii_digit()) && !number.starts_with('0');

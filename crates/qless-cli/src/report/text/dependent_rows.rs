@@ -1,4 +1,4 @@
-//! The model and its dependent equations, as the text needs them, whether one process or several ranks analysed them.
+//! The data of the text report, from one process or from several ranks.
 
 use std::path::Path;
 

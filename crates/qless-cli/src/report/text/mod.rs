@@ -1,6 +1,6 @@
-//! The report for people: what is wrong, why, how sure that is, and what to do; at most 24 lines of [`COLUMNS`].
+//! The report as text of at most 24 lines: verdict, dependent equations with certificates, confidence, advice.
 //!
-//! The verdict comes first, in words. Items that do not fit are counted; `--format json` has all of them.
+//! Items that do not fit are counted; `--format json` has all of them.
 
 mod combination;
 mod confidence;
@@ -11,7 +11,7 @@ mod summary;
 
 use qless::{Kind, Report};
 
-use super::Outcome;
+use super::CommandOutcome;
 use crate::diagnose::Diagnosis;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs, shorten};
 pub use confidence::exact_rank;
@@ -20,11 +20,11 @@ pub use summary::verdict;
 
 /// Longest line.
 const COLUMNS: usize = 100;
-/// Most lines of a report, unless sections of a deck need more.
+/// Most lines of a report, unless the sections of a deck need more.
 const LINES: usize = 24;
 
-/// The report, ending in a line break.
-pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> String {
+/// The report of one process.
+pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> String {
     let because = |row| diagnosis.analysis.because(row).unwrap_or_default();
     let list = EquationList {
         input: &diagnosis.args.input,
@@ -35,17 +35,17 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
         because: &because,
     };
     let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
-    let mut doubts = confidence::second_reading(diagnosis, report);
+    let mut doubts = confidence::near_dependence(diagnosis, report);
     doubts.extend(exact_rank(diagnosis, report));
     doubts.extend(confidence::ignored_coefficients(diagnosis, report));
     whole(&list, report, outcome, &sections, doubts)
 }
 
-/// The report with sections of a deck and lines of doubt, which only some analyses have.
+/// The report with sections of a deck and lines about doubts, which may be empty.
 pub fn whole(
     list: &EquationList,
     report: &Report,
-    outcome: &Outcome,
+    outcome: &CommandOutcome,
     sections: &[LayoutSection],
     doubts: Vec<String>,
 ) -> String {
@@ -70,8 +70,8 @@ fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
     lines
 }
 
-/// The last lines: how sure the rank is, how it was found, and what to do.
-fn rest(list: &EquationList, report: &Report, outcome: &Outcome, doubts: Vec<String>) -> Vec<String> {
+/// The last lines: confidence, backend, time and advice.
+fn rest(list: &EquationList, report: &Report, outcome: &CommandOutcome, doubts: Vec<String>) -> Vec<String> {
     let mut lines = Vec::new();
     if report.input.rows > 0 {
         lines.extend(confidence::rank(list, report));
