@@ -32,6 +32,7 @@ pub mod chunk;
 pub mod deck;
 mod error;
 mod fault;
+mod file_chunk;
 mod lines;
 pub mod matrix_market;
 mod number;

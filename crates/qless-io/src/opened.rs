@@ -6,6 +6,7 @@ use qless::ConstraintSystem;
 
 use crate::case::CaseFiles;
 use crate::deck::{self, Deck, Format, Solver, format_of};
+use crate::error::read_file;
 use crate::matrix_market::header;
 use crate::{ReadError, bytes};
 
@@ -50,7 +51,7 @@ impl Opened {
     /// # Errors
     /// [`ReadError::Io`], or [`ReadError::Unknown`] if no reader recognises the content.
     pub fn read(path: &Path, solver: Option<Solver>) -> Result<Self, ReadError> {
-        let text = bytes::read(path).map_err(ReadError::io(path))?;
+        let text = read_file(path)?;
         let expected = solver.map(Solver::format).or_else(|| Format::from_path(path));
         let content = match format_of(&text, expected) {
             _ if header::is_present(&text) => FileContent::Matrix,
@@ -128,7 +129,7 @@ pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> 
         return Opened::read(path, None)?.into_case(rhs, prescribed);
     }
     let files = CaseFiles::in_folder(path)?.with(rhs, prescribed);
-    let matrix = bytes::read(&files.matrix).map_err(ReadError::io(&files.matrix))?;
+    let matrix = read_file(&files.matrix)?;
     files.read_from(matrix)
 }
 
