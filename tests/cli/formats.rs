@@ -109,7 +109,7 @@ fn what_is_nothing_known_says_what_was_seen() {
     for (bytes, part) in [
         (&b""[..], "it is empty"),
         (b"\n \n", "it is empty"),
-        (b"<html><body>*NODE</body></html>", "a page of the web"),
+        (b"<html><body>*NODE</body></html>", "an HTML page"),
         (&noise, "starts with the bytes"),
         (b"Dear all,\nhere is the deck.\n", "line 1 is `Dear all,`"),
         (b"** comments\n** alone\n", "line 1 is `** comments`"),

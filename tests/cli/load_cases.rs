@@ -86,7 +86,7 @@ fn a_reduction_has_to_be_told_which() {
     assert_eq!(place.run("reduce -q same.inp -o other").code, 0);
 }
 
-/// Both ends of a tie prescribed: the values agree at the end, and in between only if they take the same course.
+/// Both ends of a tie prescribed: the values agree at the end, and in between only if they have the same time history.
 #[test]
 fn values_of_different_amplitudes_conflict() {
     let place = Place::new();

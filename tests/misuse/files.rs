@@ -129,8 +129,8 @@ fn what_no_deck_holds() {
         });
         let foreign = LoadCase {
             name: String::new(),
-            prescribed: vec![Prescribed { dof, value: f64::NAN, course: 0, origin: place }],
-            clashes: vec![Prescribed { dof, value: 1.0, course: 0, origin: place }],
+            prescribed: vec![Prescribed { dof, value: f64::NAN, history: 0, origin: place }],
+            clashes: vec![Prescribed { dof, value: 1.0, history: 0, origin: place }],
             loads: vec![Load { dof, origin: place }],
             removed: vec![u32::MAX, 0],
         };

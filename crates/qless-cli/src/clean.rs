@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use qless_io::deck::Format;
 use qless_io::deck::clean::{self, CleanError, Plan, Reason};
+use qless_io::without_gz;
 use qless_io::write::{Inputs, OneFile};
 
 use crate::args::CleanArgs;
@@ -65,10 +66,9 @@ fn redundant(plan: &Plan) -> usize {
 
 /// Checks that the output has the ending of the input, or another ending of its format. The output is never packed.
 fn check_format(input: &Path, language: Format, output: &Path) -> Result<(), CliFailure> {
-    let is_packed = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
     let is_same = output.extension().is_some() && output.extension() == input.extension();
     let (input, output) = (input.display(), output);
-    if is_packed {
+    if without_gz(output).is_some() {
         let output = output.display();
         return Err(CliFailure::Input(format!("{output}: the output is plain text; leave out the ending .gz")));
     }

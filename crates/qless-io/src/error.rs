@@ -113,7 +113,7 @@ pub enum WriteError {
     },
     /// A file with several names (hard links).
     #[error(
-        "{}: the file has {names} names (hard links), and a new one would replace it under this name only; name another \
+        "{}: the file has {names} names (hard links), and a new file would replace only this name; name another \
          place, or remove this name first",
         path.display()
     )]

@@ -40,6 +40,7 @@ mod opened;
 pub mod vectors;
 pub mod write;
 
+pub use bytes::without_gz;
 pub use case::case_files;
 pub use error::{ReadError, WriteError};
 pub use fault::{NumberFault, Quantity, TextFault};

@@ -34,7 +34,7 @@ pub enum FileContent {
 ///
 /// std::fs::write(&path, "<html>")?;
 /// let error = Opened::read(&path, None).unwrap_err().to_string();
-/// assert!(error.contains("cannot tell what this is: it starts as a page of the web; decks of CalculiX"));
+/// assert!(error.contains("cannot tell what this is: it starts as an HTML page; decks of CalculiX"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
@@ -56,7 +56,7 @@ impl Opened {
         let content = match format_of(&text, expected) {
             _ if header::is_present(&text) => FileContent::Matrix,
             Ok(format) => FileContent::Deck(format),
-            // The reader of matrices gives the better message.
+            // The reader of matrices explains the fault better.
             Err(_) if is_matrix(path) => FileContent::Matrix,
             Err(seen) => return Err(ReadError::Unknown { path: path.to_path_buf(), seen }),
         };
@@ -170,8 +170,7 @@ pub fn read_deck_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadEr
     Opened::read(path, solver)?.into_deck(solver)
 }
 
-/// Whether a path ends as a matrix file does.
+/// Whether a path has the ending of a matrix file.
 fn is_matrix(path: &Path) -> bool {
-    let ends = |path: &Path, ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
-    ends(path, "mtx") || ends(path, "gz") && path.file_stem().is_some_and(|stem| ends(Path::new(stem), "mtx"))
+    bytes::without_gz(path).unwrap_or(path).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mtx"))
 }

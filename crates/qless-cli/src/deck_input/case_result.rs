@@ -71,11 +71,11 @@ pub fn analyse_case(deck: &Deck, case: &LoadCase, analyse: AnalyseCase) -> Resul
     let refused = |error| CliFailure::from_deck(deck, &error);
     let system = model.system(case).map_err(refused)?;
     let analysis = analyse(&system, (deck, case))?;
-    let histories = model.courses_of(case);
+    let histories = model.histories_of(case);
     // Independent equations are consistent with every right-hand side.
     if histories.len() > 1 && !analysis.dependent().is_empty() && count_kinds(&analysis).0 == 0 {
         for history in histories {
-            let system = model.system_of_course(case, history).map_err(refused)?;
+            let system = model.system_of_history(case, history).map_err(refused)?;
             let analysis = analyse(&system, (deck, case))?;
             if count_kinds(&analysis).0 > 0 {
                 return Ok(CaseAnalysis { system, analysis, history: Some(history) });
@@ -86,7 +86,7 @@ pub fn analyse_case(deck: &Deck, case: &LoadCase, analyse: AnalyseCase) -> Resul
 }
 
 fn describe_times(deck: &Deck, history: u32) -> String {
-    let name = deck.model().courses().nth(history as usize).flatten();
+    let name = deck.model().histories().nth(history as usize).flatten();
     let values = name.map_or("without an amplitude".to_owned(), |name| format!("of amplitude {name}"));
     format!("at times when amplitudes differ: shown for the values {values} alone")
 }

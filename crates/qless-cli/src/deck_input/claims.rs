@@ -1,6 +1,6 @@
 //! Claims of two cards on one DOF, and the reaction of the solver.
 
-use qless_io::deck::clean::{EquationFault, Finding, findings};
+use qless_io::deck::clean::{FaultKind, Finding, findings};
 use qless_io::deck::{Deck, LoadCase, Model, Outcome, Prescribed};
 use serde::Serialize;
 
@@ -92,10 +92,10 @@ fn add<T: Clone + PartialEq>(all: &mut Vec<T>, more: &[T]) {
 /// The card that a solver drops for a fault.
 fn dropped(finding: &Finding, model: &Model) -> String {
     let equation = |i: usize| model.equation(i).map_or_else(String::new, |equation| model.place(equation.origin));
-    match (finding.dropped(), finding.fault) {
+    match (finding.dropped(), finding.fault.kind) {
         (Some(i), _) => equation(i),
-        (None, EquationFault::SlavePrescribed { by, .. }) => model.place(by),
-        (None, fault) => equation(fault.equation()),
+        (None, FaultKind::SlavePrescribed { by, .. }) => model.place(by),
+        (None, _) => equation(finding.fault.equation),
     }
 }
 

@@ -1,5 +1,5 @@
-//! The cards of a deck and their names. Cards that count up evenly, such as `CE 1`, `CE 2`, ..., are stored as one
-//! run.
+//! The cards of a deck and their names. Cards with evenly increasing numbers, such as `CE 1`, `CE 2`, ..., are stored as
+//! one run.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -38,16 +38,6 @@ impl CardName {
         match self.0 {
             NameParts::Numbered(word, number) => Self(NameParts::Numbered(word, number.wrapping_add(more))),
             _ => self.clone(),
-        }
-    }
-
-    /// Whether the other name is this one with its number increased by `more`.
-    pub(super) fn is_counted(&self, more: u32, other: &Self) -> bool {
-        match (&self.0, &other.0) {
-            (NameParts::Numbered(word, number), NameParts::Numbered(other, count)) => {
-                number.wrapping_add(more) == *count && word == other
-            }
-            _ => self.counted(more) == *other,
         }
     }
 
@@ -139,8 +129,7 @@ pub struct Cards {
     fixed: BTreeMap<u32, Option<&'static str>>,
 }
 
-/// A run of cards: card `first + k` has a number higher by `k numbers` than `card`, and starts `k lines` lines further
-/// on.
+/// A run of cards: the number of card `first + k` is higher by `k numbers` than that of `card`, and its line by `k lines`.
 #[derive(Clone, Debug)]
 struct CardRun {
     first: u32,
@@ -162,11 +151,7 @@ impl CardRun {
             self.numbers = self.card.name.distance(&card.name);
             self.lines = card.line.wrapping_sub(self.card.line);
         }
-        let k = i - self.first;
-        let line = self.card.line.wrapping_add(k.wrapping_mul(self.lines));
-        line == card.line
-            && self.card.file == card.file
-            && self.card.name.is_counted(k.wrapping_mul(self.numbers), &card.name)
+        self.at(i) == *card
     }
 }
 
@@ -237,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cards_are_kept_as_they_come() {
+    fn cards_are_stored_in_order() {
         let numbered = |word, number| CardName::numbered(word, number);
         let added = [
             (numbered("CE", 1), 0, 2),

@@ -23,7 +23,7 @@ use rustc_hash::FxHashMap;
 use super::plan::conflicts;
 use super::{Deck, Dof, Format, LoadCase, Model, ansys, calculix, nastran, parse};
 
-pub use super::faults::{EquationFault, faults, faults_in};
+pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
 pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
 pub(super) use super::plan::{Edits, Renamed};
 pub use super::solver::{Finding, findings};
@@ -67,7 +67,7 @@ fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> 
             return Err(CleanError::Conflicting { case: a.name.clone() });
         }
         let unproven = |what: String| CleanError::Unproven { case: a.name.clone(), what };
-        let b = partner(old, k, &new).ok_or_else(|| unproven("it is no load case any more".into()))?;
+        let b = partner(old, k, &new).ok_or_else(|| unproven("the cleaned deck has no such load case".into()))?;
         same(old, a, &new, b, renamed).map_err(unproven)?;
     }
     Ok(())
@@ -159,15 +159,15 @@ fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), Strin
 #[derive(PartialEq)]
 struct PrescribedValue {
     value: f64,
-    course: String,
+    history: String,
 }
 
 fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, PrescribedValue> {
-    let names: Vec<Option<&str>> = model.courses().collect();
-    let course = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
+    let names: Vec<Option<&str>> = model.histories().collect();
+    let history = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
     case.prescribed
         .iter()
-        .map(|one| (one.dof, PrescribedValue { value: one.value, course: course(one.course) }))
+        .map(|one| (one.dof, PrescribedValue { value: one.value, history: history(one.history) }))
         .collect()
 }
 

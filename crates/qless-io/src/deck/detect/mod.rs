@@ -204,7 +204,7 @@ mod tests {
             (&b""[..], "it is empty"),
             (b" \n\n", "it is empty"),
             (b"** a\n$ b\n! c\n", "line 1 is `** a`"),
-            (b"<!DOCTYPE html>\n<p>", "it starts as a page of the web"),
+            (b"<!DOCTYPE html>\n<p>", "it starts as an HTML page"),
             (b"\n\n  hello world, this is a letter\n", "line 3 is `hello world, this is a letter`"),
             (b"*KEYWORD\n*NODE\n", "it starts as an LS-DYNA deck"),
             (b"$ comment\n*KEYWORD\n*NODE\n", "it starts as an LS-DYNA deck"),

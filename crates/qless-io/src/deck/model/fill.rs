@@ -1,5 +1,6 @@
-//! How readers fill a model.
+//! Methods with which readers fill a model.
 
+use super::names::RunNames;
 use super::storage::OriginRun;
 use super::{Dof, Model, Origin, Warning};
 use crate::deck::CardName;
@@ -24,9 +25,9 @@ impl Model {
     /// Adds an equation. Terms are stored as given, with repeated DOFs and zeros.
     pub(crate) fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
         let i = self.equations();
-        for (turn, (dof, coefficient)) in terms.into_iter().enumerate() {
+        for (position, (dof, coefficient)) in terms.into_iter().enumerate() {
             let next = self.dofs.len() as u32;
-            let column = self.columns.get_or_insert(dof, next, turn);
+            let column = self.columns.get_or_insert(dof, next, position);
             if column == next {
                 self.dofs.push(dof);
             }
@@ -76,23 +77,23 @@ impl Model {
     }
 
     /// Number of the time history of this name.
-    pub(crate) fn course(&mut self, name: &str) -> u32 {
-        let known = self.courses.iter().position(|known| known == name);
+    pub(crate) fn history(&mut self, name: &str) -> u32 {
+        let known = self.histories.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {
-            self.courses.push(name.to_owned());
-            self.courses.len() - 1
+            self.histories.push(name.to_owned());
+            self.histories.len() - 1
         });
         at as u32 + 1
     }
 
     /// Names the nodes of an instance, from `first` on, by their numbers in it.
     pub(crate) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
-        self.names.instance(first, instance, own);
+        self.names.insert(first, RunNames::Instance(instance, own));
     }
 
     /// Names a node.
     pub(crate) fn name_node(&mut self, node: u32, name: String) {
-        self.names.one(node, name);
+        self.names.insert(node, RunNames::One(name));
     }
 
     /// Notes DOFs that a card which is left out may claim.

@@ -11,7 +11,7 @@ use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Cases, CleanError};
-use crate::deck::faults::{EquationFault, faults_of};
+use crate::deck::faults::{EquationFault, FaultKind, faults_of};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
 
 /// Prescribed columns, with the cards that prescribe them.
@@ -100,7 +100,8 @@ impl<'a> KeptEquations<'a> {
     /// taken as zero.
     pub fn analyse(&self, layer: &Layer, rows: &[usize], preferences: Preferences) -> Result<Analysis, CleanError> {
         let dof = |&column: &u32| self.model.dofs[column as usize];
-        let given = |(column, &origin): (&u32, &Origin)| Prescribed { dof: dof(column), value: 0.0, course: 0, origin };
+        let given =
+            |(column, &origin): (&u32, &Origin)| Prescribed { dof: dof(column), value: 0.0, history: 0, origin };
         let mut is_in = vec![false; self.model.equations()];
         rows.iter().for_each(|&i| is_in[i] = true);
         let removed = (0..is_in.len()).filter(|&i| !is_in[i]).map(|i| i as u32).collect();
@@ -149,11 +150,7 @@ fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanEr
 /// Equations whose own slave has a coefficient too small to divide by.
 pub fn vanishing(model: &Model, prescribed: &PrescribedColumns) -> FxHashSet<usize> {
     let faults = faults_of(model, prescribed, &vec![false; model.equations()]);
-    faults
-        .iter()
-        .filter(|fault| matches!(fault, EquationFault::SlaveVanishes { .. }))
-        .map(EquationFault::equation)
-        .collect()
+    faults.iter().filter(|fault| fault.kind == FaultKind::SlaveVanishes).map(|fault| fault.equation).collect()
 }
 
 /// Columns that are not prescribed, ascending, each once.

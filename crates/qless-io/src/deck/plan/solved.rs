@@ -60,8 +60,8 @@ struct SlaveClaims<'a> {
 
 impl<'a> SlaveClaims<'a> {
     fn collect(model: &'a Model) -> Self {
-        let given = model.cases.iter().filter(|_| !model.turned.is_empty()).flat_map(|case| &case.prescribed);
-        let held = given.map(|given| given.dof.node).filter(|node| model.turned.contains(node)).collect();
+        let given = model.cases.iter().filter(|_| !model.nodes_with_axes.is_empty()).flat_map(|case| &case.prescribed);
+        let held = given.map(|given| given.dof.node).filter(|node| model.nodes_with_axes.contains(node)).collect();
         Self { model, held }
     }
 

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use crate::deck::chunks::Chunks;
+use crate::deck::paged_list::PagedList;
 
 /// Things by their number.
 #[derive(Debug)]
 pub struct NumberedSets<T> {
     /// Ascending; nothing where one was taken away, but for the last.
-    row: Chunks<(u32, Option<T>)>,
+    row: PagedList<(u32, Option<T>)>,
     /// How many were taken away in `row`.
     gone: usize,
     /// Those that came after a higher number.
@@ -18,7 +18,7 @@ pub struct NumberedSets<T> {
 
 impl<T> Default for NumberedSets<T> {
     fn default() -> Self {
-        Self { row: Chunks::default(), gone: 0, apart: BTreeMap::new() }
+        Self { row: PagedList::default(), gone: 0, apart: BTreeMap::new() }
     }
 }
 

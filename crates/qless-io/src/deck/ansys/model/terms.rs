@@ -2,12 +2,12 @@
 
 use crate::deck::Dof;
 use crate::deck::ansys::syntax::archive::DofCoefficient;
-use crate::deck::chunks::Chunks;
+use crate::deck::paged_list::PagedList;
 
 /// The row.
 #[derive(Debug, Default)]
 pub struct TermStore {
-    row: Chunks<DofCoefficient>,
+    row: PagedList<DofCoefficient>,
     /// Terms that came when others stood behind the first ones of their equation.
     more: Vec<Vec<DofCoefficient>>,
 }

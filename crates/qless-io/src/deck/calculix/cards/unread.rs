@@ -1,6 +1,6 @@
 //! Cards that constrain but are not read, and the DOFs that they may claim.
 
-use crate::deck::calculix::cards::CardPlace;
+use crate::deck::calculix::cards::RegisteredCard;
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::model::mesh::DeckSurface;
 use crate::deck::calculix::syntax::card::KeywordCard;
@@ -26,7 +26,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     if *keyword == "*CONTACTPAIR" && card.parameter("TIED").is_none() {
         return;
     }
-    let place = CardPlace::register(card, model, name);
+    let place = RegisteredCard::register(card, model, name);
     model.leave_out(card.file, card.line, format!("{name} constrains, but is not understood: left out"));
     // If a name is not defined, no claims are known.
     let nodes = nodes(card, definitions).unwrap_or_default();
@@ -65,7 +65,12 @@ fn nodes(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<u32>, 
 }
 
 /// Notes that a card claims all DOFs of these nodes.
-pub fn claim(place: &CardPlace, model: &mut Model, definitions: &DeckDefinitions, nodes: impl Iterator<Item = u32>) {
+pub fn claim(
+    place: &RegisteredCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+    nodes: impl Iterator<Item = u32>,
+) {
     let of = |node: u32| {
         let last = if definitions.rotates(node) { 6 } else { 3 };
         (1..=last).map(move |component| Dof { node, component })

@@ -21,7 +21,7 @@ use crate::deck::calculix::syntax::{DataPiece, fold_name};
 pub type ScopedName = (Scope, String);
 
 /// An `*ELEMENT` card.
-pub struct ElementCard {
+pub struct ElementDefinition {
     pub scope: Scope,
     pub kind: String,
     pub set: Option<String>,

@@ -25,7 +25,7 @@ pub fn with_slaves_for_ccx(deck: &Deck, plan: &Plan) -> Result<Vec<Written>, Cle
     let mut of_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, equation) in written.iter().enumerate() {
         let node = equation.slave.node;
-        if deck.model.turned.contains(&node) && (1..=3).contains(&equation.slave.component) {
+        if deck.model.nodes_with_axes.contains(&node) && (1..=3).contains(&equation.slave.component) {
             of_node.entry(node).or_default().push(i);
         }
     }
@@ -42,7 +42,7 @@ pub fn with_slaves_for_ccx(deck: &Deck, plan: &Plan) -> Result<Vec<Written>, Cle
 }
 
 fn refused(deck: &Deck, node: u32, why: &str) -> CleanError {
-    let why = format!("its slaves at node {}, which has axes of its own: {why}", deck.model.node_name(node));
+    let why = format!("its slaves at node {}, which has local axes: {why}", deck.model.node_name(node));
     CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
 }
 
@@ -99,9 +99,9 @@ impl TransformedNode<'_> {
                 None => return false,
             }
         }
-        let turned: Vec<[f64; 3]> = rows.iter().map(|row| [0, 1, 2].map(|d| global(row, d))).collect();
-        let own = turned.iter().zip(&taken).all(|(row, &d)| row[d].abs() > ZERO);
-        own && inverse(&turned, &taken).is_some()
+        let global_rows: Vec<[f64; 3]> = rows.iter().map(|row| [0, 1, 2].map(|d| global(row, d))).collect();
+        let own = global_rows.iter().zip(&taken).all(|(row, &d)| row[d].abs() > ZERO);
+        own && inverse(&global_rows, &taken).is_some()
     }
 
     /// Whether these components may be slaves, since no other card claims them.

@@ -34,7 +34,7 @@ fn held(points: &Points, model: &mut Model) -> Vec<Prescribed> {
         let origin = points.place(grid).origin(model);
         given.extend(set.iter().map(|component| Prescribed {
             dof: Dof { node: grid.id, component },
-            course: 0,
+            history: 0,
             value: 0.0,
             origin,
         }));
@@ -63,7 +63,7 @@ fn prescribed(
             continue;
         }
         let dofs = points.dofs(node, support.components).map_err(|fault| place.error(fault.into(), model))?;
-        given.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
+        given.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, history: 0, origin }));
     }
     Ok(given)
 }
