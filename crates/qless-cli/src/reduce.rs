@@ -1,14 +1,13 @@
 //! `qless reduce`: writes `u_s = T u_q + G u_p + g` as files, all or none.
 
-mod blocks;
-
 use std::collections::BTreeSet;
-use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
+use std::{fs, io};
 
 use qless::Reduction;
+use qless::reduction::{FactoredBlock, Parts};
 use qless_io::WriteError;
 use qless_io::write::Output;
 
@@ -19,7 +18,11 @@ use crate::report::{CommandOutcome, Reduced};
 use crate::terminal::Progress;
 
 /// Files of every reduction, without those of factors.
-pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
+const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
+
+/// Files of a part in factor form, such as `block1_L.mtx`: their names after the number of the block.
+const BLOCK_FILES: [&str; 9] =
+    ["L.mtx", "U.mtx", "C_M.mtx", "C_p.mtx", "b.txt", "equations.txt", "slaves.txt", "masters.txt", "prescribed.txt"];
 
 /// Writes the files and prints the report; for conflicting or incomplete equations it only prints the report.
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
@@ -50,7 +53,7 @@ fn write(args: &ReduceArgs, reduction: &Reduction, diagnosis: &Diagnosis) -> Res
     add(&mut output, reduction, diagnosis.system.dof_labels())?;
     for (block, k) in reduction.factored().iter().zip(1..) {
         let parts = block.parts().ok_or_else(|| beyond_range(args, k))?;
-        blocks::write(&mut output, k, block, &parts)?;
+        add_block(&mut output, k, block, &parts)?;
     }
     for name in stale(&args.output, reduction.factored().len())? {
         output.absent(&name)?;
@@ -80,14 +83,43 @@ fn beyond_range(args: &ReduceArgs, number: usize) -> CliFailure {
     ))
 }
 
-/// Files of factors from an earlier run, which would look like new ones.
+/// Adds the files of block `number`.
+fn add_block(output: &mut Output, number: usize, block: &FactoredBlock, parts: &Parts) -> Result<(), WriteError> {
+    let name = |file: &str| format!("block{number}_{file}");
+    output.matrix(&name("L.mtx"), &parts.lower)?;
+    output.matrix(&name("U.mtx"), &parts.upper)?;
+    output.matrix(&name("C_M.mtx"), &parts.of_masters)?;
+    output.matrix(&name("C_p.mtx"), &parts.of_prescribed)?;
+    output.numbers(&name("b.txt"), &parts.rhs)?;
+    output.indices(&name("equations.txt"), &parts.equations)?;
+    output.indices(&name("slaves.txt"), block.slaves())?;
+    output.indices(&name("masters.txt"), block.masters())?;
+    output.indices(&name("prescribed.txt"), block.prescribed())
+}
+
+/// Files in a folder that are named after blocks beyond the first `count`. An earlier run wrote them, and they would look
+/// like new ones.
 fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
-    match blocks::stale(folder, count) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            Err(WriteError::Io { path: folder.to_path_buf(), source: error })
-        }
-        found => Ok(found.unwrap_or_default()),
+    let fail = |source| WriteError::Io { path: folder.to_path_buf(), source };
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeSet::new()),
+        entries => entries.map_err(fail)?,
+    };
+    let mut names = BTreeSet::new();
+    for entry in entries {
+        let entry = entry.map_err(fail)?;
+        let name = entry.file_name().into_string().ok();
+        let name = name.filter(|name| block_number(name).is_some_and(|k| k > count) && !entry.path().is_dir());
+        names.extend(name);
     }
+    Ok(names)
+}
+
+/// Number of the block in a file name.
+fn block_number(name: &str) -> Option<usize> {
+    let (number, file) = name.strip_prefix("block")?.split_once('_')?;
+    let is_plain = number.bytes().all(|digit| digit.is_ascii_digit()) && !number.starts_with('0');
+    number.parse().ok().filter(|_| is_plain && BLOCK_FILES.contains(&file))
 }
 
 /// Refuses an output folder that cannot be written, or whose files would be lost.
@@ -104,4 +136,19 @@ fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
         output.check(&name)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BLOCK_FILES, block_number};
+
+    #[test]
+    fn files_of_blocks_are_known_by_their_names() {
+        assert!(BLOCK_FILES.iter().all(|file| block_number(&format!("block12_{file}")) == Some(12)));
+        for other in
+            ["L.mtx", "block_L.mtx", "block0_L.mtx", "block01_L.mtx", "block+1_L.mtx", "block1_T.mtx", "block1L.mtx"]
+        {
+            assert_eq!(block_number(other), None, "{other}");
+        }
+    }
 }

@@ -12,7 +12,7 @@ use crate::error::read_file;
 use crate::fault::{Quantity, TextFault, quote};
 use crate::file_chunk::{ChunkedFile, FileChunk, LineCount};
 use crate::lines::{TextLine, TextLines};
-use crate::matrix_market::header::{self, FileHead, MarketLayout};
+use crate::matrix_market::header::{self, FileHead};
 use crate::number::whole;
 
 const SIZES: &str = "rows 1";
@@ -69,7 +69,7 @@ impl ChunkedRhs {
     fn parse_head(path: &Path, lines: &mut TextLines, rows: usize, has_head: bool) -> Result<Self, ReadError> {
         let mut head = Self { rows, is_integer: false, before: LineCount::default(), start: 0 };
         if has_head {
-            head.is_integer = header::read(path, lines, MarketLayout::Array)?;
+            head.is_integer = header::read(path, lines, "array")?;
             check_sizes(lines, rows)?;
             head.before.lines = lines.number();
         }

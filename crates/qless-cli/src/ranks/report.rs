@@ -14,7 +14,7 @@ use qless_mpi::{Analysis, Case, Equation, Found};
 
 use crate::args::{ModelArgs, ReportFormat};
 use crate::failure::CliFailure;
-use crate::report::text::dependent_rows::{DependentRow, EquationList};
+use crate::report::text::{DependentRow, EquationList};
 use crate::report::{CommandOutcome, json, text};
 use crate::wording::{EquationFacts, EquationLookup};
 

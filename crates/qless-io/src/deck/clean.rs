@@ -100,11 +100,11 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
     let conflicts =
         |analysis: &Analysis| analysis.dependent().iter().filter(|one| one.kind == Kind::Conflicting).count();
     if joined.rank() != alone.rank() || conflicts(&joined) != conflicts(&alone) {
-        return Err(format!("it demands more: rank {} instead of {}", joined.rank(), alone.rank()));
+        return Err(format!("it constrains more: rank {} instead of {}", joined.rank(), alone.rank()));
     }
     let (before, after) = (analyse(&[(old, a)], &given)?.rank(), analyse(&[(new, b)], &given)?.rank());
     if before != after {
-        return Err(format!("it demands less: rank {after} instead of {before}"));
+        return Err(format!("it constrains less: rank {after} instead of {before}"));
     }
     independent(new, b, after, &both)
 }
@@ -127,7 +127,7 @@ fn same_values(
     b: &LoadCase,
     renamed: &Renamed,
 ) -> Result<BTreeSet<Dof>, String> {
-    let (before, after) = (given_in(old, a), given_in(new, b));
+    let (before, after) = (values_by_dof(old, a), values_by_dof(new, b));
     if let Some(dof) = renamed.values().find(|dof| after.contains_key(dof)) {
         return Err(format!("{dof} is still prescribed under its old name"));
     }
@@ -155,20 +155,11 @@ fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), Strin
     if before == after { Ok(()) } else { Err("loads are no longer where they were".into()) }
 }
 
-/// A prescribed value with the name of its time history, which is empty for the standard one.
-#[derive(PartialEq)]
-struct PrescribedValue {
-    value: f64,
-    history: String,
-}
-
-fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, PrescribedValue> {
+/// Prescribed values with the names of their time histories; the name of the standard one is empty.
+fn values_by_dof(model: &Model, case: &LoadCase) -> BTreeMap<Dof, (f64, String)> {
     let names: Vec<Option<&str>> = model.histories().collect();
-    let history = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
-    case.prescribed
-        .iter()
-        .map(|one| (one.dof, PrescribedValue { value: one.value, history: history(one.history) }))
-        .collect()
+    let name = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
+    case.prescribed.iter().map(|one| (one.dof, (one.value, name(one.history)))).collect()
 }
 
 /// Common columns for the DOFs of two models.

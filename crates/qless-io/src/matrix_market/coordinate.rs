@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Triplets;
-use super::header::{self, FileHead, MarketLayout};
+use super::header::{self, FileHead};
 use crate::ReadError;
 use crate::fault::{Quantity, TextFault, quote};
 use crate::file_chunk::{ChunkedFile, FileChunk, LineCount};
@@ -54,7 +54,7 @@ impl ChunkedMatrix {
     }
 
     fn parse_head(path: &Path, lines: &mut TextLines) -> Result<Self, ReadError> {
-        let is_integer = header::read(path, lines, MarketLayout::Coordinate)?;
+        let is_integer = header::read(path, lines, "coordinate")?;
         let Some(line) = lines.content() else {
             return Err(lines.fault(TextFault::Sizes { expected: SIZES, found: quote(b"") }));
         };

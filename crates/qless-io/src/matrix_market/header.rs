@@ -8,35 +8,22 @@ use crate::fault::{TextFault, quote};
 use crate::file_chunk::ChunkedFile;
 use crate::lines::{TextLine, TextLines};
 
-/// Layout of the entries.
-#[derive(Clone, Copy)]
-pub(crate) enum MarketLayout {
-    /// `row column value`.
-    Coordinate,
-    /// Values only, column by column.
-    Array,
-}
-
 /// Whether a text starts with a Matrix Market header.
 pub(crate) fn is_present(bytes: &[u8]) -> bool {
     TextLines::new(Path::new(""), bytes).not_blank().is_some_and(|line| is_banner(&line))
 }
 
-/// Reads the header of a file with this layout; returns whether it promises integers.
-pub(crate) fn read(path: &Path, lines: &mut TextLines, layout: MarketLayout) -> Result<bool, ReadError> {
+/// Reads the header of a file in this format, `coordinate` or `array`; returns whether it promises integers.
+pub(crate) fn read(path: &Path, lines: &mut TextLines, format: &str) -> Result<bool, ReadError> {
     let Some(line) = lines.not_blank() else {
         return Err(ReadError::malformed(path, None, TextFault::Header { found: quote(b"") }));
     };
     let words: Vec<&[u8]> = line.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect();
-    let (true, &[_, object, format, field, symmetry]) = (is_banner(&line), words.as_slice()) else {
+    let (true, &[_, object, format_found, field, symmetry]) = (is_banner(&line), words.as_slice()) else {
         return Err(line.fault(TextFault::Header { found: line.quote() }));
     };
-    let layout = match layout {
-        MarketLayout::Coordinate => "coordinate",
-        MarketLayout::Array => "array",
-    };
     accept(&line, object, &["matrix"])?;
-    accept(&line, format, &[layout])?;
+    accept(&line, format_found, &[format])?;
     accept(&line, field, &["real", "integer"])?;
     accept(&line, symmetry, &["general"])?;
     Ok(field.eq_ignore_ascii_case(b"integer"))

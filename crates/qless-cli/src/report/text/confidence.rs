@@ -6,8 +6,8 @@ use qless::diagnosis::NearDependent;
 use qless::report::ExactFinding;
 use qless::{Kind, Report, Tolerance};
 
+use super::EquationList;
 use super::combination;
-use super::dependent_rows::EquationList;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, count, rough};
 

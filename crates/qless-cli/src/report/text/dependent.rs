@@ -4,7 +4,7 @@ use qless::{Kind, Report};
 
 use super::COLUMNS;
 use super::combination::{self, CombinationAlone};
-use super::dependent_rows::{DependentRow, EquationList};
+use super::{DependentRow, EquationList};
 use crate::wording::EquationLookup;
 use crate::wording::layout::flow;
 use crate::wording::{label, number};

@@ -5,23 +5,52 @@
 mod combination;
 mod confidence;
 mod dependent;
-pub mod dependent_rows;
 mod next;
 mod summary;
 
-use qless::{Kind, Report};
+use std::path::Path;
+
+use qless::{CertificateTerm, Kind, Report, Tolerance};
 
 use super::CommandOutcome;
+use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
+use crate::wording::EquationLookup;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs, shorten};
 pub use confidence::exact_rank;
-use dependent_rows::{DependentRow, EquationList};
 pub use summary::verdict;
 
 /// Longest line.
 const COLUMNS: usize = 100;
 /// Most lines of a report, unless the sections of a deck need more.
 const LINES: usize = 24;
+
+/// A redundant or conflicting equation.
+#[derive(Clone, Copy)]
+pub struct DependentRow {
+    pub row: usize,
+    pub kind: Kind,
+    pub mismatch: f64,
+    pub relative_mismatch: f64,
+    pub dropped: f64,
+}
+
+/// A model and its dependent equations, which one process or several ranks analysed.
+pub struct EquationList<'a> {
+    pub input: &'a Path,
+    pub deck: Option<&'a DeckInput>,
+    pub tolerance: Tolerance,
+    pub equations: &'a dyn EquationLookup,
+    pub dependent: Vec<DependentRow>,
+    pub because: &'a dyn Fn(usize) -> Vec<CertificateTerm>,
+}
+
+impl From<&qless::Dependent> for DependentRow {
+    fn from(found: &qless::Dependent) -> Self {
+        let &qless::Dependent { row, kind, mismatch, relative_mismatch, dropped, .. } = found;
+        Self { row, kind, mismatch, relative_mismatch, dropped }
+    }
+}
 
 /// The report of one process.
 pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> String {

@@ -5,7 +5,7 @@ use std::path::Path;
 use qless::{Report, Status};
 
 use super::super::CommandOutcome;
-use super::dependent_rows::EquationList;
+use super::EquationList;
 use crate::deck_input::DeckInput;
 use crate::wording::count;
 use crate::wording::layout::{printable, shorten, width};

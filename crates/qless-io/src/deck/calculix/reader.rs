@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 

@@ -147,6 +147,12 @@ impl Model {
         self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
     }
 
+    /// Whether another card claims a DOF, so that it must not become a slave of new equations.
+    pub(crate) fn is_claimed(&self, dof: Dof) -> bool {
+        let is_left_out = || self.left_out_claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
+        self.claimed(dof).is_some() || is_left_out()
+    }
+
     /// Whether the first term of equation `i` is a slave. If the solver enforces it by a multiplier, it has none.
     pub fn has_slave(&self, i: usize) -> bool {
         self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)

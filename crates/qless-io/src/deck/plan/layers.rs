@@ -113,7 +113,7 @@ impl<'a> KeptEquations<'a> {
 
     /// Whether an equation is kept in a layer.
     pub fn holds(&self, i: usize, layer: usize) -> bool {
-        self.layer_of[i].is_some_and(|of| of <= layer)
+        self.layer_of[i].is_some_and(|own| own <= layer)
     }
 
     /// The load cases of a layer.
@@ -125,11 +125,11 @@ impl<'a> KeptEquations<'a> {
     /// differently to faults, but all treat equations without faults alike.
     pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<EquationFault> {
         let count = self.model.equations();
-        let of = |(k, layer): (usize, &Layer)| {
+        let in_layer = |(k, layer): (usize, &Layer)| {
             let left_out: Vec<bool> = (0..count).map(|i| !is_in(i, k)).collect();
             faults_of(self.model, &layer.prescribed, &left_out)
         };
-        self.layers.iter().enumerate().flat_map(of).collect()
+        self.layers.iter().enumerate().flat_map(in_layer).collect()
     }
 }
 

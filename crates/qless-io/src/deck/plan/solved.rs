@@ -68,8 +68,7 @@ impl<'a> SlaveClaims<'a> {
     /// Whether a DOF cannot be a slave.
     fn hold(&self, column: usize) -> bool {
         let dof = self.model.dofs[column];
-        let left_out = || self.model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
-        self.model.claimed(dof).is_some() || self.held.contains(&dof.node) || left_out()
+        self.held.contains(&dof.node) || self.model.is_claimed(dof)
     }
 }
 

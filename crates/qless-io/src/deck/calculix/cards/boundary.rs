@@ -1,9 +1,7 @@
 //! `*BOUNDARY` and `*CLOAD`: `node or set, first component, last component, value`, or a named support.
 
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::folded;
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataFields, FieldFault, component, number};
+use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::syntax::{DataFields, FieldFault, KeywordCard, Scope, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 

@@ -5,10 +5,8 @@
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic, own_rotation};
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::mesh::DeckSurface;
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataLines, float, number};
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
+use crate::deck::calculix::syntax::{DataLines, KeywordCard, Scope, float, number};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};

@@ -6,12 +6,9 @@
 
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, tie};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::model::frames::{around, two_points};
-use crate::deck::calculix::model::mesh::DeckSurface;
-use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::float;
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
+use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};

@@ -12,8 +12,8 @@ pub mod rigid;
 pub mod tie;
 pub mod unread;
 
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::{KeywordCard, Scope};
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};

@@ -14,9 +14,8 @@
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::folded;
-use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;

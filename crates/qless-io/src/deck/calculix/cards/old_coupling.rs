@@ -3,9 +3,8 @@
 use crate::deck::calculix::cards::coupling::{finish, mean, range, translations};
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::float;
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::mean::Group;
 use crate::deck::kinematics::vector::{Vector, scaled};

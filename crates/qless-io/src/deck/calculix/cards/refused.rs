@@ -2,8 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::{DataLine, number};
+use crate::deck::calculix::syntax::{DataLine, KeywordCard, number};
 use crate::deck::{Model, Sources};
 
 /// Most fields of a line.

@@ -1,9 +1,8 @@
 //! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration.
 
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::number;
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::{KeywordCard, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::product;
 use crate::deck::kinematics::row::Poses;

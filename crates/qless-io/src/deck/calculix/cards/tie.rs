@@ -2,11 +2,8 @@
 
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::mesh::DeckSurface;
-use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::float;
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
+use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Model, Problem};

@@ -1,9 +1,8 @@
 //! Cards that constrain but are not read, and the DOFs that they may claim.
 
 use crate::deck::calculix::cards::RegisteredCard;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::mesh::DeckSurface;
-use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
+use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::{Dof, Model, Problem};
 
 /// Keywords without blanks, and their usual spelling.

@@ -10,8 +10,7 @@ use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumb
 use crate::deck::calculix::model::{
     AxesCard, ElementDefinition, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
 };
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataLines, DataPiece, float, number};
+use crate::deck::calculix::syntax::{DataLines, DataPiece, KeywordCard, Scope, float, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::row::Poses;

@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::ScopedName;
-use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::Scope;
 
 /// Shape of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,13 +9,16 @@ pub mod mesh;
 pub mod project;
 pub mod sets;
 
+pub use definitions::DeckDefinitions;
+pub use mesh::DeckSurface;
+pub use project::{FaceGrid, MasterFace};
+
 use std::cell::RefCell;
 use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataPiece, fold_name};
+use crate::deck::calculix::syntax::{DataPiece, KeywordCard, Scope, fold_name};
 
 /// A name within a scope.
 pub type ScopedName = (Scope, String);

@@ -4,8 +4,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::mesh::DeckSurface;
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::fault::quote;
 

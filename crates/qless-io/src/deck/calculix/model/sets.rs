@@ -5,10 +5,8 @@ use std::rc::Rc;
 use rustc_hash::FxHashSet;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::{ParsedSet, SetMembers, SetPart, folded};
-use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{DataLines, fold_name, number};
+use crate::deck::calculix::model::{DeckDefinitions, ParsedSet, SetMembers, SetPart, folded};
+use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
 /// Most members of a set.

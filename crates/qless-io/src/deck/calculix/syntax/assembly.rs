@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope, Visit};
+use crate::deck::calculix::syntax::{KeywordCard, Scope, card::Visit};
 use crate::deck::{DeckError, Problem};
 use crate::fault::quote;
 
