@@ -238,7 +238,7 @@ const BACKENDS: [NamedValue<BackendChoice>; 4] = [
 impl ModelArgs {
     /// The files named on the command line, which no output may replace.
     pub fn inputs(&self) -> Inputs {
-        Inputs::of(case_files(&self.input, self.rhs.as_deref(), self.prescribed.as_deref()))
+        Inputs::new(case_files(&self.input, self.rhs.as_deref(), self.prescribed.as_deref()))
     }
 
     /// The number of threads asked for, but at most as many as run at a time: more would only take memory.

@@ -41,7 +41,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     let text = clean::write(&deck.deck, &plan).map_err(fail)?;
     progress.stage("writing");
     // The output may replace the deck itself, but no file that it includes.
-    let included = Inputs::of(deck.deck.model().files().iter().skip(1));
+    let included = Inputs::new(deck.deck.model().files().iter().skip(1));
     OneFile::at(output, included)?.write(&text)?;
     let restored = if plan.is_empty() { 0 } else { deck.dropped() };
     let outcome = CommandOutcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len(), restored };

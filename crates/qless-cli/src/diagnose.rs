@@ -53,7 +53,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     let read = start.elapsed();
     progress.stage("analysing");
     // The analysis may use the memory that remains.
-    options.memory = memory::left().map_or(options.memory, |left| left.min(options.memory));
+    options.memory = memory::remaining().map_or(options.memory, |left| left.min(options.memory));
     let terms = if matches!(args.format, ReportFormat::Json | ReportFormat::Html) { Report::TERMS } else { 0 };
     let (system, analysis, deck) = input.analyse(&choice, terms, &|system, place| {
         analyse(system, &preferences.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
@@ -126,7 +126,7 @@ impl Diagnosis<'_> {
     /// All files that were read.
     pub fn inputs(&self) -> Inputs {
         match &self.deck {
-            Some(deck) => Inputs::of(deck.deck.model().files()),
+            Some(deck) => Inputs::new(deck.deck.model().files()),
             None => self.args.inputs(),
         }
     }
@@ -135,7 +135,7 @@ impl Diagnosis<'_> {
     pub fn add_exact_rank(&mut self) -> Result<(), CliFailure> {
         let standard = Settings::from(Reading::Typed);
         // Each coefficient takes 24 bytes, for each of two primes.
-        let fill = memory::left().map_or(standard.fill, |bytes| bytes / 48);
+        let fill = memory::remaining().map_or(standard.fill, |bytes| bytes / 48);
         let exact = exact::rank(&self.system, Settings { fill, ..standard }).map_err(|error| {
             let input = self.args.input.display();
             CliFailure::Resource(format!("{input}: {error}; leave out --exact, or allow more with --memory"))

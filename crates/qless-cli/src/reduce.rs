@@ -49,7 +49,7 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
 }
 
 fn write(args: &ReduceArgs, reduction: &Reduction, diagnosis: &Diagnosis) -> Result<(), CliFailure> {
-    let mut output = Output::new(&args.output)?.sparing(diagnosis.inputs());
+    let mut output = Output::new(&args.output)?.protecting(diagnosis.inputs());
     add(&mut output, reduction, diagnosis.system.dof_labels())?;
     for (block, k) in reduction.factored().iter().zip(1..) {
         let parts = block.parts().ok_or_else(|| beyond_range(args, k))?;
@@ -131,7 +131,7 @@ fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
             args.output.display()
         )));
     }
-    let output = Output::new(&args.output)?.sparing(args.model.inputs());
+    let output = Output::new(&args.output)?.protecting(args.model.inputs());
     for name in FILES.map(String::from).into_iter().chain(stale(&args.output, 0)?) {
         output.check(&name)?;
     }

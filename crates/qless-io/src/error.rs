@@ -58,7 +58,7 @@ pub enum ReadError {
     Solver {
         /// The deck.
         path: PathBuf,
-        /// The solver asked for.
+        /// The requested solver.
         solver: Solver,
         /// The deck's format.
         format: Format,

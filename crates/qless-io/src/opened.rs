@@ -46,7 +46,7 @@ pub struct Opened {
 
 impl Opened {
     /// Reads a file (or standard input, for the path `-`), unpacked and decoded if needed. The first cards decide a
-    /// deck's format; if they do not, the solver asked for does, or else the ending.
+    /// deck's format; if they do not, the requested solver does, or else the ending.
     ///
     /// # Errors
     /// [`ReadError::Io`], or [`ReadError::Unknown`] if no reader recognises the content.

@@ -62,7 +62,7 @@ pub fn lift() {
 }
 
 /// Bytes that may still be allocated; `None` without a limit.
-pub fn left() -> Option<usize> {
+pub fn remaining() -> Option<usize> {
     let limit = LIMIT.load(Relaxed);
     (limit != usize::MAX).then(|| limit.saturating_sub(in_use()))
 }

@@ -3,7 +3,7 @@
 //! There are three lines of defence, from early to late:
 //!
 //! 1. **Predicted needs are checked first.** [`limit`] refuses a limit that is too small for the program itself. The memory that remains
-//!    after reading the input ([`left`]) becomes [`qless::Options::memory`]: each factorization compares its predicted size with it, or
+//!    after reading the input ([`remaining`]) becomes [`qless::Options::memory`]: each factorization compares its predicted size with it, or
 //!    checks its size while it fills in, and returns an error with both numbers.
 //! 2. **Every allocation is checked.** Rust allocates through [`Guard`], which enforces `--memory`; the system enforces `ulimit -v`. In
 //!    both cases the caller gets null, and [`refusal`] records the needed and the allowed bytes. Code that can continue
@@ -35,7 +35,7 @@ mod system;
 pub mod threads;
 
 pub use exit_report::on_out_of_memory;
-pub use guard::{Guard, left};
+pub use guard::{Guard, remaining};
 use refusal::Refusal;
 pub use size::{Size, parse};
 

@@ -34,7 +34,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     let mut options = model.options();
     options.preferences.equations = all(ranks, numbers(model.keep.as_ref()))?;
     check_kept(&options, case.rows() as usize, &model.input)?;
-    options.memory = minimum(ranks, memory::left().map_or(options.memory, |left| left.min(options.memory)));
+    options.memory = minimum(ranks, memory::remaining().map_or(options.memory, |left| left.min(options.memory)));
     let analysis = analyse(ranks, case.share(), &options).map_err(|error| from_analysis(error, &model.input))?;
     all(ranks, check_finite(&analysis, &model.input))?;
     progress.stage("explaining");

@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_says_so() {
+    fn damaged_data_are_reported() {
         let whole = packed(TEXT.as_bytes());
         for (bytes, said) in [
             (whole[..whole.len() / 2].to_vec(), "gzip data, which are damaged"),

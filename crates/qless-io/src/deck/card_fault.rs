@@ -1,6 +1,6 @@
-//! Faults that only some cards can have: fields of Nastran cards, and rigid elements that their points do not determine.
+//! Faults that only some cards can have, such as those of Nastran's fields and of rigid elements.
 
-/// What is wrong in a card, beside what can be wrong in any deck, and what to do about it.
+/// A fault that only some cards can have, and its remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CardFault {

@@ -145,8 +145,8 @@ impl CardRun {
         Card { name, line: self.card.line.wrapping_add(k.wrapping_mul(self.lines)), ..self.card }
     }
 
-    /// Takes card `i` into the run if it fits. The second card of a run sets the increments.
-    fn take(&mut self, i: u32, card: &Card) -> bool {
+    /// Adds card `i` to the run if it fits. The second card of a run sets the increments.
+    fn try_extend(&mut self, i: u32, card: &Card) -> bool {
         if self.first + 1 == i {
             self.numbers = self.card.name.distance(&card.name);
             self.lines = card.line.wrapping_sub(self.card.line);
@@ -190,7 +190,7 @@ impl Cards {
     /// Adds a card and returns its number.
     pub(super) fn push(&mut self, name: CardName, file: u32, line: u32) -> u32 {
         let card = Card { name, file, line, is_fixed: false };
-        if !self.runs.last_mut().is_some_and(|run| run.take(self.count, &card)) {
+        if !self.runs.last_mut().is_some_and(|run| run.try_extend(self.count, &card)) {
             self.runs.push(CardRun { first: self.count, card, numbers: 0, lines: 0 });
         }
         self.count += 1;
@@ -206,7 +206,7 @@ impl Cards {
         }
     }
 
-    /// Notes why equations cannot replace card `i`, and how to change that.
+    /// Records why equations cannot replace card `i`, and how to change that.
     pub(super) fn fix_because(&mut self, i: u32, why: &'static str) {
         self.fixed.insert(i, Some(why));
     }

@@ -113,7 +113,7 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
 fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) -> Result<(), String> {
     let count = new.in_force(case).filter(|&i| !both.names_one_dof(new, i)).count();
     if count != rank {
-        return Err(format!("{} of {count} equations still redundant", count - rank));
+        return Err(format!("{} of {count} equations are still redundant", count - rank));
     }
     faults_in(new, case).first().map_or(Ok(()), |fault| Err(fault.describe(new)))
 }
@@ -152,7 +152,7 @@ fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), Strin
     };
     let before = sorted(a.loads.iter().map(|load| load.dof).collect());
     let after = sorted(b.loads.iter().map(|load| *renamed.get(&load.dof).unwrap_or(&load.dof)).collect());
-    if before == after { Ok(()) } else { Err("loads are no longer where they were".into()) }
+    if before == after { Ok(()) } else { Err("the loads act on other DOFs".into()) }
 }
 
 /// Prescribed values with the names of their time histories; the name of the standard one is empty.

@@ -53,9 +53,9 @@ impl Output {
         Ok(output)
     }
 
-    /// Refuses, from now on, files that would replace one of `inputs`.
+    /// Refuses files, added from now on, that would replace one of `inputs`.
     #[must_use]
-    pub fn sparing(self, inputs: Inputs) -> Self {
+    pub fn protecting(self, inputs: Inputs) -> Self {
         Self { inputs, ..self }
     }
 
@@ -64,7 +64,7 @@ impl Output {
     /// # Errors
     /// [`WriteError::IsInput`].
     pub fn check(&self, name: &str) -> Result<(), WriteError> {
-        self.inputs.spare(&self.place(name))
+        self.inputs.check_output(&self.place(name))
     }
 
     /// Adds a file with the text that `write` produces; `name` is a plain file name.

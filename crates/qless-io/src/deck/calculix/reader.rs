@@ -1,4 +1,4 @@
-//! Builds the model from the cards; every step inherits what holds before it.
+//! Builds the model from the cards. Each step inherits the values, loads and removals of earlier steps.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Faults of equations, besides dependence, that stop a solver which eliminates the first DOF of each equation.
+//! Faults of equations, other than dependence, that stop a solver which eliminates the first DOF of each equation.
 
 mod find;
 
@@ -15,11 +15,11 @@ pub struct EquationFault {
     pub equation: usize,
     /// Its slave, or the DOF of a coupled set.
     pub slave: Dof,
-    /// What is wrong.
+    /// The kind of the fault.
     pub kind: FaultKind,
 }
 
-/// What is wrong with an equation.
+/// The kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FaultKind {

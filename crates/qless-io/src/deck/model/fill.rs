@@ -39,7 +39,7 @@ impl Model {
             self.rhs.resize(i, 0.0);
             self.rhs.push(rhs);
         }
-        if !self.runs.last_mut().is_some_and(|run| run.take(i, origin)) {
+        if !self.runs.last_mut().is_some_and(|run| run.try_extend(i, origin)) {
             self.runs.push(OriginRun { first: i as u32, origin, stride: 0, cards: 0 });
         }
     }
@@ -54,12 +54,12 @@ impl Model {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Notes a card that stops the solver.
+    /// Records a card that stops the solver.
     pub(crate) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Notes a card that constrains but was left out.
+    /// Records a card that constrains but is left out.
     pub(crate) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
@@ -71,7 +71,7 @@ impl Model {
         self.claims = claims;
     }
 
-    /// Notes that the solver enforces the equations of a card by multipliers.
+    /// Records that the solver enforces the equations of a card by multipliers.
     pub(crate) fn keep_by_multipliers(&mut self, card: u32) {
         self.without_slaves.insert(card);
     }
@@ -96,7 +96,7 @@ impl Model {
         self.names.insert(node, RunNames::One(name));
     }
 
-    /// Notes DOFs that a card which is left out may claim.
+    /// Records DOFs that a card may claim although it is left out.
     pub(crate) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
         self.left_out_claims.extend(dofs.into_iter().map(|dof| (dof, origin)));
         self.left_out_claims.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));

@@ -71,8 +71,8 @@ impl OriginRun {
         Origin { card: further(card, self.cards), line: further(line, self.stride), lines }
     }
 
-    /// Takes equation `i` into the run if it fits. The second equation of a run sets the strides.
-    pub fn take(&mut self, i: usize, origin: Origin) -> bool {
+    /// Adds equation `i` to the run if it fits. The second equation of a run sets the strides.
+    pub fn try_extend(&mut self, i: usize, origin: Origin) -> bool {
         if self.first + 1 == i as u32 {
             self.stride = origin.line.wrapping_sub(self.origin.line);
             self.cards = origin.card.wrapping_sub(self.origin.card);

@@ -58,14 +58,14 @@ impl<'a> KeptEquations<'a> {
                     && kept.layers[kept.layers.len() - 1].prescribed.len() == prescribed.len()
             };
             if !next.is_some_and(is_same) {
-                kept.add(Layer { last, name: cases[last].name.clone(), prescribed }, &cases[last])?;
+                kept.add_layer(Layer { last, name: cases[last].name.clone(), prescribed }, &cases[last])?;
             }
         }
         Ok(kept)
     }
 
     /// Keeps the equations that a layer needs in addition to those kept already.
-    fn add(&mut self, layer: Layer, case: &LoadCase) -> Result<(), CleanError> {
+    fn add_layer(&mut self, layer: Layer, case: &LoadCase) -> Result<(), CleanError> {
         let rows: Vec<usize> = self.model.in_force(case).collect();
         let vanishing = vanishing(self.model, &layer.prescribed);
         let own = |&i: &usize| self.model.nth(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
@@ -87,7 +87,7 @@ impl<'a> KeptEquations<'a> {
         Ok(())
     }
 
-    /// Notes the combination for a dependent equation, from the last load case in which it holds.
+    /// Records the certificate of a dependent equation, from the last load case in which it holds.
     fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
         let Ok(row) = rows.binary_search(&i) else { return };
         self.because.entry(i).or_insert_with(|| {

@@ -42,7 +42,7 @@ fn solve(
     let preferences = Preferences { slaves: preferred, masters, ..Preferences::default() };
     let analysis = kept.analyse(&kept.layers[layer], rows, preferences)?;
     let before = all.len();
-    add(kept, layer, &analysis, slaves, all)?;
+    add_rows(kept, layer, &analysis, slaves, all)?;
     let chosen: FxHashSet<usize> = analysis.reduction()?.slaves().iter().copied().collect();
     if slaves.iter().any(|slave| !chosen.contains(slave)) || all.len() - before + slaves.len() != chosen.len() {
         return Err(CleanError::Apart { case: kept.layers[layer].name.clone() });
@@ -73,7 +73,7 @@ impl<'a> SlaveClaims<'a> {
 }
 
 /// Adds the rows of slaves that are new in this layer.
-fn add(
+fn add_rows(
     kept: &KeptEquations,
     layer: usize,
     analysis: &Analysis,

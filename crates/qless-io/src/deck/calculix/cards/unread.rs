@@ -70,10 +70,10 @@ pub fn claim(
     definitions: &DeckDefinitions,
     nodes: impl Iterator<Item = u32>,
 ) {
-    let of = |node: u32| {
+    let all_dofs = |node: u32| {
         let last = if definitions.rotates(node) { 6 } else { 3 };
         (1..=last).map(move |component| Dof { node, component })
     };
-    let dofs: Vec<Dof> = nodes.flat_map(of).collect();
+    let dofs: Vec<Dof> = nodes.flat_map(all_dofs).collect();
     model.claim_left_out(dofs, place.origin);
 }

@@ -62,7 +62,7 @@ pub enum SetMembers {
     OfElements(String),
 }
 
-/// What one card adds to a set.
+/// The members that one card adds to a set.
 pub struct SetPart {
     pub scope: Scope,
     /// `INSTANCE=` on the card; replaces the card's own scope.
@@ -71,7 +71,7 @@ pub struct SetPart {
 }
 
 impl SetPart {
-    /// What this card adds to a set.
+    /// The members that this card adds to a set.
     pub fn from_card(card: &KeywordCard, part: SetMembers) -> Self {
         Self { scope: card.scope, instance: card.word("INSTANCE"), part }
     }

@@ -206,9 +206,9 @@ impl ProxyNodes {
     }
 }
 
-/// For each node of which the equation names several components, the first of these masters. Left out are equations
-/// that name the node of their slave again, because ccx then adds up all terms, and nodes with a prescribed value
-/// along their axes, because ccx inserts that as an equation.
+/// The first master of each node with local axes of which the equation names several components. Skips equations that
+/// name the node of their slave again, because ccx then adds up all terms, and nodes with a prescribed value along
+/// their axes, because ccx inserts it as an equation.
 fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item = Dof> + 'a {
     let own = model.as_global(equation.slave);
     let at_local_axes =
