@@ -2,11 +2,10 @@
 
 use std::process::ExitCode;
 
-use clap::Parser;
 use qless_mpi::{Ranks, World};
 
 use super::{Job, all, check};
-use crate::args::{Cli, Command};
+use crate::args::Command;
 use crate::failure::CliFailure;
 use crate::set_up;
 
@@ -15,26 +14,16 @@ impl Job {
     pub fn run(self) -> ExitCode {
         let world = match World::start() {
             Ok(world) if world.size() > 1 => world,
-            Ok(_) => return self.end(&CliFailure::Input(OTHER_MPI.to_owned())),
-            Err(error) => return self.end(&CliFailure::Resource(format!("MPI does not start: {error}"))),
+            Ok(_) => return self.fail(&CliFailure::Input(OTHER_MPI.to_owned())),
+            Err(error) => return self.fail(&CliFailure::Resource(format!("MPI does not start: {error}"))),
         };
-        let ended = match Cli::try_parse() {
-            Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.end(&failure)),
-            Err(error) => {
-                if self.rank == 0 {
-                    // A write error could not be reported anywhere.
-                    let _ = error.print();
-                }
-                ExitCode::from(error.exit_code() as u8)
-            }
+        let code = match self.parse() {
+            Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.fail(&failure)),
+            Err(code) => code,
         };
         // A rank that exits with an error ends the job, so wait until the first rank has written everything.
         world.sum(&mut [0]);
-        ended
-    }
-
-    fn end(self, failure: &CliFailure) -> ExitCode {
-        if self.rank == 0 { failure.tell() } else { failure.code() }
+        code
     }
 }
 

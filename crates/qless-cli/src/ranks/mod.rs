@@ -4,16 +4,19 @@
 mod check;
 #[cfg(feature = "mpi")]
 mod job;
-#[cfg(not(feature = "mpi"))]
-mod refuse;
 #[cfg(feature = "mpi")]
 mod report;
 
+use std::process::ExitCode;
+
+use clap::Parser;
 #[cfg(feature = "mpi")]
 use qless_mpi::{Ranks, Said, agree};
 
+use crate::args::Cli;
 #[cfg(feature = "mpi")]
-use crate::{exit_code, failure::CliFailure};
+use crate::exit_code;
+use crate::failure::CliFailure;
 
 /// One of several processes started by `mpirun`.
 #[derive(Clone, Copy)]
@@ -29,6 +32,39 @@ impl Job {
         let variables = [("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK")];
         let (size, rank) = variables.iter().find_map(|(size, rank)| Some((number(size)?, number(rank)?)))?;
         (size > 1).then_some(Self { rank })
+    }
+
+    /// Parses the command line. Only the first process prints errors, help and version.
+    fn parse(self) -> Result<Cli, ExitCode> {
+        Cli::try_parse().map_err(|error| {
+            if self.rank == 0 {
+                // A write error could not be reported anywhere.
+                let _ = error.print();
+            }
+            ExitCode::from(error.exit_code() as u8)
+        })
+    }
+
+    /// Returns the exit code of a failure; only the first process prints it.
+    fn fail(self, failure: &CliFailure) -> ExitCode {
+        if self.rank == 0 { failure.tell() } else { failure.code() }
+    }
+
+    /// Refuses to run without MPI: all processes would write the same files.
+    #[cfg(not(feature = "mpi"))]
+    pub fn run(self) -> ExitCode {
+        if self.rank > 0 {
+            // `mpirun` ends all processes when one ends with an error: wait until the first has written its message.
+            std::thread::sleep(std::time::Duration::from_millis(500));
+        }
+        match self.parse() {
+            Err(code) => code,
+            Ok(_) => self.fail(&CliFailure::Input(
+                "mpirun has started several processes, and this qless was built without MPI: start only one, or build with \
+                 `cargo build --features mpi` (if a program of an MPI job starts it, unset OMPI_COMM_WORLD_SIZE and PMI_SIZE)"
+                    .to_owned(),
+            )),
+        }
     }
 }
 
