@@ -1,7 +1,5 @@
 //! `--case`: the load cases to analyse.
 
-use std::fmt;
-
 use qless_io::deck::{LoadCase, Model};
 
 /// Most load cases that a message names.
@@ -21,23 +19,12 @@ pub enum LoadCaseChoice {
 /// `--case` does not determine a load case.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ChoiceError {
-    #[error("its {} load cases constrain differently: name one with --case ({list})", list.0.len())]
-    Differ { list: LoadCaseNames },
+    #[error("its {count} load cases constrain differently: name one with --case ({list})")]
+    Differ { count: usize, list: String },
     #[error("--case {name}: there is no such load case; there are {list}")]
-    Unknown { name: String, list: LoadCaseNames },
+    Unknown { name: String, list: String },
     #[error("--case {name}: several load cases match ({list}); give the whole name of one")]
-    Several { name: String, list: LoadCaseNames },
-}
-
-/// Names of load cases.
-#[derive(Debug, PartialEq, Eq)]
-pub struct LoadCaseNames(Vec<String>);
-
-impl fmt::Display for LoadCaseNames {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0[..self.0.len().min(NAMED)].join(", "))?;
-        if self.0.len() > NAMED { write!(f, " and {} more", self.0.len() - NAMED) } else { Ok(()) }
-    }
+    Several { name: String, list: String },
 }
 
 impl LoadCaseChoice {
@@ -56,14 +43,17 @@ impl LoadCaseChoice {
         match self {
             Self::All => Ok((0..cases.len()).collect()),
             Self::Any if cases.iter().all(|case| case.constrains_as(&cases[0])) => Ok(vec![0]),
-            Self::Any => Err(ChoiceError::Differ { list: names(cases.iter()) }),
+            Self::Any => Err(ChoiceError::Differ { count: cases.len(), list: names(cases.iter()) }),
             Self::Named(name) => find(cases, name).map(|index| vec![index]),
         }
     }
 }
 
-fn names<'a>(cases: impl Iterator<Item = &'a LoadCase>) -> LoadCaseNames {
-    LoadCaseNames(cases.map(|case| case.name.clone()).collect())
+/// The first names of load cases, and the number of the others.
+fn names<'a>(cases: impl ExactSizeIterator<Item = &'a LoadCase>) -> String {
+    let more = cases.len().saturating_sub(NAMED);
+    let list = cases.take(NAMED).map(|case| case.name.as_str()).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{list} and {more} more") } else { list }
 }
 
 /// Finds a load case by its whole name, or else by the number at the end of its name.
