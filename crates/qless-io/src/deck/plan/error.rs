@@ -64,7 +64,7 @@ pub enum CleanError {
         /// Why it would have to be replaced.
         why: String,
     },
-    /// The solver stops when it reads the deck, whatever its equations are.
+    /// The solver stops when it reads the deck, regardless of its equations.
     #[error("{place}: {why} (correct this by hand before cleaning the deck)")]
     Refused {
         /// File and line.
