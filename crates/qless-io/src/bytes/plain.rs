@@ -47,7 +47,7 @@ impl From<Damaged> for io::Error {
     }
 }
 
-/// The path without the ending `.gz`; `None` if it has another ending.
+/// The file name of a path without the ending `.gz`; `None` if the path has another ending.
 ///
 /// ```
 /// use std::path::Path;
