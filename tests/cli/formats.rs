@@ -165,7 +165,7 @@ fn a_solver_reads_its_own_format() {
         }
     }
     for (arguments, parts) in [
-        ("check a.inp --solver ansis", ["`ansis` is no solver", "mystran"]),
+        ("check a.inp --solver ansis", ["`ansis` is not a known solver", "mystran"]),
         ("check case --solver ccx", ["case", "--solver and --case need a deck"]),
         ("check case --case 1", ["case", "--solver and --case need a deck"]),
     ] {
