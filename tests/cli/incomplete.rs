@@ -58,7 +58,7 @@ fn every_report_lists_it() {
         place.run("check -q alone.inp").out.starts_with("INCOMPLETE: 1 constraint was left out. No equation was read.")
     );
     let page = place.run("check -q rest.inp --format html").out;
-    assert!(page.contains("\"incomplete\":[\"rest.inp:") && page.contains("INCOMPLETE: 1 thing"));
+    assert!(page.contains("\"incomplete\":[\"rest.inp:") && page.contains("INCOMPLETE: 1 constraint"));
     assert!(
         place.run("check --help").out.contains("4  incomplete") || place.run("--help").out.contains("4  incomplete")
     );
