@@ -1,7 +1,7 @@
 //! Small decks with one fault or none: the faults are found, and `ccx` solves the cleaned decks.
 
 use qless::{Kind, Options, analyse};
-use qless_io::deck::clean::{CleanError, EquationFault, faults};
+use qless_io::deck::clean::{CleanError, FaultKind, faults};
 use qless_io::deck::{self, Deck};
 
 use super::solver::{cleaned, decks, difference, inputs, is_there, solve, stem};
@@ -50,14 +50,14 @@ fn found(deck: &Deck) -> Finding {
     let analysis = analyse(&system, &Options::default()).expect("analysed");
     let of = |kind| analysis.dependent().iter().filter(|dependent| dependent.kind == kind).count();
     let faults = faults(deck.model());
-    let count = |is: fn(&EquationFault) -> bool| faults.iter().filter(|fault| is(fault)).count();
+    let count = |is: fn(FaultKind) -> bool| faults.iter().filter(|fault| is(fault.kind)).count();
     Finding {
         redundant: of(Kind::Redundant),
         conflicting: of(Kind::Conflicting),
         ambiguous: analysis.confidence().ambiguous,
-        prescribed: count(|fault| matches!(fault, EquationFault::SlavePrescribed { .. })),
-        twice: count(|fault| matches!(fault, EquationFault::SlaveTwice { .. })),
-        zero: count(|fault| matches!(fault, EquationFault::SlaveVanishes { .. })),
+        prescribed: count(|kind| matches!(kind, FaultKind::SlavePrescribed { .. })),
+        twice: count(|kind| matches!(kind, FaultKind::SlaveTwice { .. })),
+        zero: count(|kind| kind == FaultKind::SlaveVanishes),
         generated: analysis.generated().len(),
     }
 }

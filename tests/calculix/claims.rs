@@ -1,6 +1,6 @@
 //! Two cards that claim one DOF: the predictions of `clean::findings` for ccx against runs of ccx.
 
-use qless_io::deck::clean::{self, EquationFault, Finding};
+use qless_io::deck::clean::{self, FaultKind, Finding};
 use qless_io::deck::{Deck, Outcome, Solver};
 use qless_scenes::Rng;
 
@@ -33,7 +33,7 @@ fn holds(deck: &Deck, claim: &Claim, step: usize, said: &[Finding]) -> bool {
     let model = deck.model();
     let lies = |line: u32| claim.lines.contains(&line);
     if claim.is_value {
-        let is_it = |f: &Finding| matches!(f.fault, EquationFault::SlavePrescribed { by, .. } if lies(by.line));
+        let is_it = |f: &Finding| matches!(f.fault.kind, FaultKind::SlavePrescribed { by, .. } if lies(by.line));
         let is_last = model.cases()[step].prescribed.iter().any(|given| lies(given.origin.line));
         return claim.from <= step && is_last && !said.iter().any(|f| f.outcome == Outcome::IgnoresSecond && is_it(f));
     }

@@ -109,7 +109,7 @@ fn what_is_nothing_known_says_what_was_seen() {
     for (bytes, part) in [
         (&b""[..], "it is empty"),
         (b"\n \n", "it is empty"),
-        (b"<html><body>*NODE</body></html>", "a page of the web"),
+        (b"<html><body>*NODE</body></html>", "an HTML page"),
         (&noise, "starts with the bytes"),
         (b"Dear all,\nhere is the deck.\n", "line 1 is `Dear all,`"),
         (b"** comments\n** alone\n", "line 1 is `** comments`"),
@@ -165,9 +165,9 @@ fn a_solver_reads_its_own_format() {
         }
     }
     for (arguments, parts) in [
-        ("check a.inp --solver ansis", ["`ansis` is no solver", "mystran"]),
-        ("check case --solver ccx", ["case", "--solver and --case go with a deck"]),
-        ("check case --case 1", ["case", "--solver and --case go with a deck"]),
+        ("check a.inp --solver ansis", ["`ansis` is not a known solver", "mystran"]),
+        ("check case --solver ccx", ["case", "--solver and --case need a deck"]),
+        ("check case --case 1", ["case", "--solver and --case need a deck"]),
     ] {
         let run = place.run(arguments);
         assert!(run.code == 2 && parts.iter().all(|part| run.err.contains(part)), "{arguments}: {}", run.err);

@@ -117,7 +117,7 @@ fn a_run_stays_within_its_memory_or_says_what_it_needs() {
             let what = format!("{name}, {backend}, {mib} MiB");
             let (kib, run) = measured(&place, &format!("--backend {backend} --memory {mib}MiB"));
             counts[usize::from(is_done(&place, &run, &what))] += 1;
-            let refused_at_the_start = run.err.contains("the smallest of runs");
+            let refused_at_the_start = run.err.contains("the smallest run");
             assert!(refused_at_the_start || kib <= (mib << 10) * 11 / 10 + UNSEEN, "{what}: {kib} KiB: {}", run.err);
         }
         assert!(counts.iter().all(|&count| count > 0), "{name}, {backend}: {counts:?}");
@@ -143,7 +143,7 @@ fn a_limit_below_the_program_itself_is_refused_before_it_starts() {
     for memory in ["1", "2MiB", "4096KiB"] {
         // The output folder does not exist, so a run that starts would report that.
         let run = place.run(&format!("check nowhere --memory {memory}"));
-        assert!(run.code == 3 && run.err.contains("the smallest of runs needs"), "{}", run.err);
+        assert!(run.code == 3 && run.err.contains("the smallest run needs"), "{}", run.err);
         assert!(run.err.contains("--memory allows"), "{}", run.err);
     }
     for memory in ["0", "-1", "1.5GiB", "8MB", "much"] {

@@ -119,7 +119,7 @@ fn a_deck_goes_into_a_folder_that_is_there() {
         ("clean deck.inp -o nowhere/x.inp", 3, "there is no such folder; make it first"),
         ("check deck.inp -o nowhere/x.txt", 3, "there is no such folder; make it first"),
         ("clean deck.inp -o -", 2, "a deck is not written to standard output; name a file"),
-        ("check deck.inp -o -", 2, "the report goes to standard output"),
+        ("check deck.inp -o -", 2, "the report is then written to standard output"),
     ] {
         let run = place.run(command);
         assert_eq!((run.code, run.out.as_str()), (code, ""), "{command}: {}", run.err);

@@ -87,7 +87,7 @@ fn words_that_name_nothing_are_named_with_the_nearest() {
     }
     assert!(!place.path("none").exists());
     let run = place.run_words(&["check", "ties.inp", "--keep", "3,,4"]);
-    assert!(run.code == 2 && run.err.contains("`` is no word of a list"), "{}", run.err);
+    assert!(run.code == 2 && run.err.contains("the list has an empty item"), "{}", run.err);
 }
 
 /// A line whose equation a step removes is accepted, but selects nothing.

@@ -203,7 +203,7 @@ fn lists_that_name_nothing_are_refused() {
     place.paper("case", 1.0);
     for (options, said) in [
         ("check case --keep 7", "names equation 7, but there are only 3"),
-        ("check case --keep 0", "`0` is no number from 1"),
+        ("check case --keep 0", "`0`: numbers count from 1"),
         ("check case --keep 9-3", "write 3-9"),
         ("reduce case -o out --avoid-slaves 1 --prefer-slaves 1", "DOF 1 is in --prefer-slaves and in --avoid-slaves"),
     ] {

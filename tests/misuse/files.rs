@@ -56,13 +56,13 @@ fn files_that_would_go_over_an_input() {
     let place = tempfile::tempdir().expect("a folder");
     let input = place.path().join("in.txt");
     std::fs::write(&input, "as it was").expect("written");
-    let inputs = || Inputs::of([&input, &input]);
-    refused("the input", || inputs().spare(&input));
+    let inputs = || Inputs::new([&input, &input]);
+    refused("the input", || inputs().check_output(&input));
     for other in ["", NOWHERE, "/", "\0", "a/../b"] {
-        survives("another", || inputs().spare(Path::new(other))).expect("no input");
-        survives("none", || Inputs::of([other]).spare(&input)).expect("no input");
+        survives("another", || inputs().check_output(Path::new(other))).expect("no input");
+        survives("none", || Inputs::new([other]).check_output(&input)).expect("no input");
     }
-    let mut output = Output::new(place.path()).expect("a folder").sparing(inputs());
+    let mut output = Output::new(place.path()).expect("a folder").protecting(inputs());
     refused("the input", || output.check("in.txt"));
     refused("a file", || output.file("in.txt", |out| out.write_all(b"lost")));
     refused("absent", || output.absent("in.txt"));
@@ -129,8 +129,8 @@ fn what_no_deck_holds() {
         });
         let foreign = LoadCase {
             name: String::new(),
-            prescribed: vec![Prescribed { dof, value: f64::NAN, course: 0, origin: place }],
-            clashes: vec![Prescribed { dof, value: 1.0, course: 0, origin: place }],
+            prescribed: vec![Prescribed { dof, value: f64::NAN, history: 0, origin: place }],
+            clashes: vec![Prescribed { dof, value: 1.0, history: 0, origin: place }],
             loads: vec![Load { dof, origin: place }],
             removed: vec![u32::MAX, 0],
         };

@@ -14,6 +14,7 @@ use crate::deck_input::LoadCaseChoice;
 use crate::failure::say;
 use crate::preferences::{PreferenceLists, WordList, words};
 use crate::scenes::SceneArgs;
+use crate::values::{NamedValue, number, one_of, threads};
 use crate::{exit_code, memory};
 
 /// Finds redundant and conflicting constraint equations `C u = b` in finite-element models, says why, and reduces them.
@@ -70,20 +71,20 @@ impl Command {
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Take the rank in exact arithmetic as well, of the numbers as typed: 0.1 is 1/10, and no tolerance decides. It settles an
-    /// ambiguous rank, if no coefficient was rounded before it was typed; verdict and exit code stay those of the analysis
+    /// Also compute the rank of the numbers as typed in exact arithmetic: 0.1 is 1/10, and no tolerance decides. This settles an
+    /// ambiguous rank if no coefficient was rounded before it was typed; verdict and exit code stay those of the analysis
     #[arg(long)]
     pub exact: bool,
-    /// Load case of a deck: its name (`step 2`) or the number in it, or `all`, of which the worst is shown [default: all]
+    /// Load case of a deck: its name (`step 2`), the number in the name, or `all`, which reports the worst one [default: all]
     #[arg(long, value_name = "CASE")]
     pub case: Option<String>,
-    /// File for the report, whole or not at all [default: standard output]
+    /// File for the report, written completely or not at all [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }
 
 const FACTORS: &str = "\
-Files of a part in factor form, for k = 1, 2, ...; no file has any scaling in it:
+Files of a part in factor form, for k = 1, 2, ...; none of them is scaled:
   block<k>_slaves.txt      columns of C that are slaves, the columns of C_S
   block<k>_masters.txt     columns of C that are masters, the columns of C_M
   block<k>_prescribed.txt  columns of C that are prescribed, the columns of C_p
@@ -95,32 +96,32 @@ Files of a part in factor form, for k = 1, 2, ...; no file has any scaling in it
   C_S = U^T L^T,  u_s = C_S^-1 (b - C_M u_q - C_p u_p): U^T forward, then L^T backward
   T = -C_S^-1 C_M,  T^T f = -C_M^T C_S^-T f: L forward, then U backward
 
-Their rows of T.mtx and G.mtx are empty; those of g.txt are C_S^-1 b. Their largest entry of T is the largest that a
-search found. Files block<k>_* of an earlier run are removed.";
+The rows of these slaves are empty in T.mtx and G.mtx, and C_S^-1 b in g.txt. The largest entry of T is the largest that
+a search found. Files block<k>_* of an earlier run are removed.";
 
 #[derive(Args)]
 #[command(after_long_help = FACTORS)]
 pub struct ReduceArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Folder for T.mtx, G.mtx, g.txt, slaves.txt, masters.txt and prescribed.txt (columns of G), all counted from 1, and
-    /// cols.txt (names of the DOFs) where they have names
+    /// Folder for T.mtx, G.mtx, g.txt, slaves.txt, masters.txt, prescribed.txt (columns of G) and, if the DOFs have names,
+    /// cols.txt; indices count from 1
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Load case of a deck: its name (`step 2`) or the number in it; needed where load cases constrain differently
+    /// Load case of a deck: its name (`step 2`) or the number in the name; required if load cases constrain differently
     #[arg(long, value_name = "CASE")]
     pub case: Option<String>,
-    /// How T is written
-    #[arg(long, value_enum, value_name = "FORM", default_value = "explicit")]
-    pub form: FormName,
-    /// Exchange slaves and masters until no entry of T is larger than this; at least 1
-    #[arg(long, value_name = "X", default_value = "4", value_parser = growth)]
+    /// Form of T
+    #[arg(long, value_parser = one_of(&FORMS), value_name = "FORM", default_value = "explicit")]
+    pub form: Form,
+    /// Exchange slaves and masters until no entry of T exceeds this; at least 1
+    #[arg(long, value_name = "X", default_value_t = Options::default().growth, value_parser = growth)]
     pub growth: f64,
-    /// DOFs preferred as slaves, such as 3,7,10-20 (columns counted from 1); of a deck also 5:3 (node:component), line 41, names of
-    /// node sets; of a folder also labels of cols.txt, in quotes where they have commas
+    /// DOFs preferred as slaves, such as 3,7,10-20 (columns, from 1). For a deck also 5:3 (node:component), line 41, and names of
+    /// node sets; for a folder also labels of cols.txt, in quotes if they contain commas
     #[arg(long, value_name = "LIST", value_parser = words)]
     pub prefer_slaves: Option<WordList>,
-    /// DOFs that must not be slaves (loaded, interface), as far as the equations allow it; as --prefer-slaves
+    /// DOFs that should not be slaves (loaded, interface), if the equations allow it; written as for --prefer-slaves
     #[arg(long, value_name = "LIST", value_parser = words)]
     pub avoid_slaves: Option<WordList>,
 }
@@ -129,61 +130,61 @@ pub struct ReduceArgs {
 pub struct CleanArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// The deck to write, of the same format; it may be the input itself
+    /// Deck to write, in the format of the input; it may be the input itself
     #[arg(short, long, value_name = "DECK")]
     pub output: PathBuf,
 }
 
-/// The model, and how to look at it.
+/// The model, and options of its analysis.
 #[derive(Args)]
-#[expect(clippy::struct_excessive_bools, reason = "each is an option that stands alone")]
+#[expect(clippy::struct_excessive_bools, reason = "the options are independent of each other")]
 pub struct ModelArgs {
-    /// A deck (CalculiX, Abaqus, Nastran, ANSYS: its first cards say which), a matrix C (.mtx), or a folder with C.mtx and, if there are
-    /// any, b.txt, prescribed.txt, rows.txt, cols.txt; gzip and UTF-16 are read, `-` is standard input
+    /// Deck (CalculiX, Abaqus, Nastran or ANSYS; its first cards decide), matrix C (.mtx), or folder with C.mtx and, if needed, b.txt,
+    /// prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is standard input
     pub input: PathBuf,
-    /// Right-hand side b, one number a line [default: b.txt of a folder, else zeros]
+    /// Right-hand side b, one number per line [default: b.txt of a folder, else zeros]
     #[arg(long, value_name = "FILE")]
     pub rhs: Option<PathBuf>,
-    /// Prescribed DOFs, `column value` a line, columns counted from 1 [default: prescribed.txt of a folder, else none]
+    /// Prescribed DOFs, `column value` per line, columns from 1 [default: prescribed.txt of a folder, else none]
     #[arg(long, value_name = "FILE")]
     pub prescribed: Option<PathBuf>,
-    /// What factors the equations that presolve leaves
-    #[arg(long, value_enum, value_name = "NAME", default_value = "faer")]
-    pub backend: BackendName,
-    /// How small is zero, relative to each equation's largest coefficient; between 0 and 1 [default: 1e-10]
+    /// Factorization of the equations that remain after presolve
+    #[arg(long, value_parser = one_of(&BACKENDS), value_name = "NAME", default_value = "faer")]
+    pub backend: BackendChoice,
+    /// Size below which a number counts as zero, relative to the largest coefficient of its equation; between 0 and 1 [default: 1e-10]
     #[arg(long, value_name = "X", value_parser = tolerance)]
     pub tolerance: Option<f64>,
-    /// The paper's rule instead: absolute 1e-5 without scaling (its answer changes with the units)
+    /// Use the paper's tolerance: absolute 1e-5 without scaling (the answer then depends on the units)
     #[arg(long, conflicts_with = "tolerance")]
     pub paper_tolerance: bool,
-    /// Most threads to use; more than the machine runs at a time are not started
+    /// Largest number of threads; never more than the machine runs at a time
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
-    /// Most memory of the whole run, such as 512MiB or 2GiB; without a unit MiB [default: what there is, with 16GiB at most for one
+    /// Memory limit of the whole run, such as 512MiB or 2GiB; MiB without a unit [default: the machine's memory, but 16GiB for one
     /// factorization and 1536MiB for --exact]
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     pub memory: Option<NonZeroUsize>,
-    /// Leave every equation to the backend
+    /// Skip presolve: the backend factors all equations
     #[arg(long)]
     pub no_presolve: bool,
-    /// Leave out the checks of the rank, which can then be wrong without a word
+    /// Skip the checks of the rank: a wrong rank is then not detected
     #[arg(long)]
     pub no_check: bool,
-    /// Equations to keep where others can be called dependent instead, such as 3,7,10-20 (rows counted from 1); of a deck also line 41,
-    /// 5:3 (those that begin with this DOF), names of node sets; of a folder also labels of rows.txt
+    /// Equations to keep if others can be called dependent instead, such as 3,7,10-20 (rows, from 1). For a deck also line 41, 5:3
+    /// (equations that begin with this DOF), and names of node sets; for a folder also labels of rows.txt
     #[arg(long, value_name = "LIST", value_parser = words)]
     pub keep: Option<WordList>,
-    /// Solver of a deck whose behaviour counts: ccx, abaqus, nastran, mystran, optistruct or ansys [default: by the deck's format,
-    /// ccx, nastran or ansys]
+    /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct or ansys [default: ccx, nastran or ansys, by the
+    /// format of the deck]
     #[arg(long, value_name = "NAME")]
     pub solver: Option<Solver>,
-    /// Exit as the equations deserve that were read, though something that constrains was left out; reduce then writes them
+    /// Take the exit code from the equations that were read, even if other constraints were left out; reduce then writes its files
     #[arg(long)]
     pub allow_incomplete: bool,
-    /// Form of the report
+    /// Format of the report
     #[arg(long, value_enum, default_value = "text")]
-    pub format: Format,
-    /// Exit with 1 where equations are redundant too; reduce then writes nothing
+    pub format: ReportFormat,
+    /// Also exit with 1 if equations are redundant; reduce then writes nothing
     #[arg(long, value_enum, value_name = "WHAT")]
     pub deny: Option<Deny>,
     /// No progress display
@@ -192,7 +193,7 @@ pub struct ModelArgs {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Format {
+pub enum ReportFormat {
     /// For people, at most 24 lines
     Text,
     /// Everything, as one JSON object
@@ -203,15 +204,19 @@ pub enum Format {
     Vtu,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub enum FormName {
-    /// All of it as numbers
-    Explicit,
-    /// As sparse factors, for each connected part of the equations that needs elimination and in which no slave is wished for
-    Factored,
-    /// As factors where it would have more than 4096 numbers and more than 4 times those of the equations and of the factors
-    Auto,
-}
+const FORMS: [NamedValue<Form>; 3] = [
+    ("explicit", "All of it as numbers", Form::Explicit),
+    (
+        "factored",
+        "As sparse factors, for each connected part of the equations that needs elimination and has no preferred slaves",
+        Form::Factored,
+    ),
+    (
+        "auto",
+        "As factors where it would have more than 4096 numbers and more than 4 times those of the equations and of the factors",
+        Form::Auto,
+    ),
+];
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Deny {
@@ -219,25 +224,24 @@ pub enum Deny {
     Redundant,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub enum BackendName {
-    /// Pure Rust, on the kernels of faer: QR with column pivoting, multifrontal sparse QR for large blocks
-    Faer,
-    /// Pure Rust: multifrontal sparse QR for every block
-    Sparse,
-    /// SuiteSparseQR, where it is compiled in (see --version)
-    Spqr,
-    /// Block-wise Gauss elimination, for comparison
-    Gauss,
-}
+const BACKENDS: [NamedValue<BackendChoice>; 4] = [
+    (
+        "faer",
+        "Pure Rust, on the kernels of faer: QR with column pivoting, multifrontal sparse QR for large blocks",
+        BackendChoice::Faer,
+    ),
+    ("sparse", "Pure Rust: multifrontal sparse QR for every block", BackendChoice::Sparse),
+    ("spqr", "SuiteSparseQR, if it is compiled in (see --version)", BackendChoice::Spqr),
+    ("gauss", "Block-wise Gauss elimination, for comparison", BackendChoice::Gauss),
+];
 
 impl ModelArgs {
     /// The files named on the command line, which no output may replace.
     pub fn inputs(&self) -> Inputs {
-        Inputs::of(case_files(&self.input, self.rhs.as_deref(), self.prescribed.as_deref()))
+        Inputs::new(case_files(&self.input, self.rhs.as_deref(), self.prescribed.as_deref()))
     }
 
-    /// The number of threads asked for, but not more than run at a time: further ones only take memory.
+    /// The number of threads asked for, but at most as many as run at a time: more would only take memory.
     pub fn threads(&self) -> Option<NonZeroUsize> {
         let most = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MAX);
         if let Some(asked) = self.threads.filter(|&asked| asked > most) {
@@ -248,17 +252,11 @@ impl ModelArgs {
 
     /// The library's settings.
     pub fn options(&self) -> Options {
-        let backend = match self.backend {
-            BackendName::Faer => BackendChoice::Faer,
-            BackendName::Sparse => BackendChoice::Sparse,
-            BackendName::Spqr => BackendChoice::Spqr,
-            BackendName::Gauss => BackendChoice::Gauss,
-        };
         let standard = Options::default();
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
         let (presolve, check) = (!self.no_presolve, !self.no_check);
-        Options { backend, tolerance, presolve, check, ..standard }
+        Options { backend: self.backend, tolerance, presolve, check, ..standard }
     }
 
     /// Equations to keep.
@@ -268,25 +266,17 @@ impl ModelArgs {
 }
 
 impl ReduceArgs {
-    pub fn form(&self) -> Form {
-        match self.form {
-            FormName::Explicit => Form::Explicit,
-            FormName::Factored => Form::Factored,
-            FormName::Auto => Form::Auto,
-        }
-    }
-
     pub fn options(&self) -> Options {
         Options { growth: self.growth, ..self.model.options() }
     }
 
-    /// Equations to keep, and DOFs as slaves or not.
+    /// Equations to keep, and DOFs that should or should not be slaves.
     pub fn preferences(&self) -> PreferenceLists<'_> {
         let (prefer_slaves, avoid_slaves) = (self.prefer_slaves.as_ref(), self.avoid_slaves.as_ref());
         PreferenceLists { prefer_slaves, avoid_slaves, ..self.model.preferences() }
     }
 
-    /// The load case; where they differ it has to be named.
+    /// The load case; the user has to name it if load cases constrain differently.
     pub fn choice(&self) -> LoadCaseChoice {
         LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::Any)
     }
@@ -299,10 +289,6 @@ impl CheckArgs {
     }
 }
 
-fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    text.parse().map_err(|_| "expected a whole number of at least 1".to_owned())
-}
-
 fn tolerance(text: &str) -> Result<f64, String> {
     checked(text, |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..Options::default() })
 }
@@ -311,9 +297,9 @@ fn growth(text: &str) -> Result<f64, String> {
     checked(text, |growth| Options { growth, ..Options::default() })
 }
 
-/// A number that the library accepts in these options.
+/// Parses a number; the library checks it in these options.
 fn checked(text: &str, options: impl Fn(f64) -> Options) -> Result<f64, String> {
-    let number = text.parse().map_err(|_| "not a number; write it as 0.001 or 1e-3".to_owned())?;
+    let number = number(text)?;
     options(number).validate().map_err(|error| error.to_string())?;
     Ok(number)
 }

@@ -1,4 +1,4 @@
-//! `qless bench`: the crate qless-bench measures; this gives it standard output and the progress display.
+//! `qless bench`: runs the measurements of the crate qless-bench with standard output and the progress display.
 
 use std::process::ExitCode;
 

@@ -4,23 +4,25 @@ use std::process::ExitCode;
 
 use qless_io::write::OneFile;
 
-use crate::args::{CheckArgs, Format};
+use crate::args::{CheckArgs, ReportFormat};
 use crate::clean;
 use crate::diagnose::{Question, diagnose};
 use crate::failure::CliFailure;
-use crate::report::Outcome;
+use crate::report::CommandOutcome;
 use crate::terminal::Progress;
 
 /// Prints the report; exit code 0, 1 or 4.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
-    if args.exact && args.model.format == Format::Vtu {
+    if args.exact && args.model.format == ReportFormat::Vtu {
         return Err(CliFailure::Input(
-            "--exact goes with --format text, json or html; a vtu file shows no rank".to_owned(),
+            "--exact needs --format text, json or html; a vtu file shows no rank".to_owned(),
         ));
     }
     if let Some(file) = &args.output {
         if file.as_os_str() == "-" {
-            return Err(CliFailure::Input("-o -: leave it out, and the report goes to standard output".to_owned()));
+            return Err(CliFailure::Input(
+                "-o -: leave it out; the report is then written to standard output".to_owned(),
+            ));
         }
         // Refuse an output that cannot be written before the work begins.
         drop(OneFile::at(file, args.model.inputs())?);
@@ -29,14 +31,14 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     let question =
         Question { options: args.model.options(), preferences: args.model.preferences(), choice: args.choice() };
     let mut diagnosis = diagnose(&args.model, question, &progress)?;
-    diagnosis.take_meaning();
+    diagnosis.add_near_dependence();
     if args.exact {
         progress.stage("exact arithmetic");
-        diagnosis.take_exact_rank()?;
+        diagnosis.add_exact_rank()?;
     }
-    // Only the text report gives this advice, so only it pays for the plan.
-    let obstacle = if args.model.format == Format::Text { clean::obstacle(&diagnosis) } else { None };
-    let outcome = Outcome::Checked(obstacle.as_deref());
+    // The plan takes time, and only the text report shows it.
+    let obstacle = if args.model.format == ReportFormat::Text { clean::obstacle(&diagnosis) } else { None };
+    let outcome = CommandOutcome::Checked(obstacle.as_deref());
     match &args.output {
         None => diagnosis.print(None, &outcome, progress)?,
         Some(file) => {

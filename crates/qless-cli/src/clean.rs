@@ -1,10 +1,11 @@
-//! `qless clean`: the deck with an equivalent, independent set of constraints, whole or not at all.
+//! `qless clean`: writes the deck with an equivalent, independent set of constraints, completely or not at all.
 
 use std::path::Path;
 use std::process::ExitCode;
 
-use qless_io::deck::Format as Language;
+use qless_io::deck::Format;
 use qless_io::deck::clean::{self, CleanError, Plan, Reason};
+use qless_io::without_gz;
 use qless_io::write::{Inputs, OneFile};
 
 use crate::args::CleanArgs;
@@ -12,10 +13,10 @@ use crate::deck_input::LoadCaseChoice;
 use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::exit_code;
 use crate::failure::{CliFailure, say};
-use crate::report::Outcome;
+use crate::report::CommandOutcome;
 use crate::terminal::Progress;
 
-/// Writes the deck and prints the report, or, for conflicting equations, prints the report only.
+/// Writes the deck and prints the report; for conflicting equations it only prints the report.
 pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     let (input, output) = (&args.model.input, &args.output);
     // Refuse before the work begins.
@@ -30,7 +31,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     let Some(deck) = &diagnosis.deck else { return Err(no_deck(input)) };
     check_format(input, deck.deck.format(), output)?;
     if diagnosis.is_refused() {
-        diagnosis.print(None, &Outcome::Refused, progress)?;
+        diagnosis.print(None, &CommandOutcome::Refused, progress)?;
         say(format_args!("error: nothing was written to {}: see the report", output.display()));
         return Ok(ExitCode::from(exit_code::REFUSED));
     }
@@ -39,16 +40,16 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     let plan = clean::plan(&deck.deck, &diagnosis.options).map_err(fail)?;
     let text = clean::write(&deck.deck, &plan).map_err(fail)?;
     progress.stage("writing");
-    // It may be the deck itself, but none that it includes.
-    let included = Inputs::of(deck.deck.model().files().iter().skip(1));
+    // The output may replace the deck itself, but no file that it includes.
+    let included = Inputs::new(deck.deck.model().files().iter().skip(1));
     OneFile::at(output, included)?.write(&text)?;
     let restored = if plan.is_empty() { 0 } else { deck.dropped() };
-    let outcome = Outcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len(), restored };
+    let outcome = CommandOutcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len(), restored };
     diagnosis.print(None, &outcome, progress)?;
     Ok(diagnosis.code())
 }
 
-/// Why a deck that needs it would not be cleaned.
+/// Why `clean` would fail; `None` if it would succeed or the deck needs no cleaning.
 pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
     let deck = diagnosis.deck.as_ref()?;
     if diagnosis.is_refused() || diagnosis.analysis.dependent().is_empty() && !deck.needs_cleaning() {
@@ -58,21 +59,20 @@ pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
     plan.and_then(|plan| clean::write(&deck.deck, &plan)).err().map(|error| error.to_string())
 }
 
-/// Equations that are gone for good.
+/// Number of equations that are removed as redundant.
 fn redundant(plan: &Plan) -> usize {
     plan.removed.iter().filter(|removed| matches!(removed.reason, Reason::Redundant(_))).count()
 }
 
-/// The output has the format of the input, and says so by its ending: that of the input, or one of its format. It is plain text.
-fn check_format(input: &Path, language: Language, output: &Path) -> Result<(), CliFailure> {
-    let is_packed = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
+/// Checks that the output has the ending of the input, or another ending of its format. The output is never packed.
+fn check_format(input: &Path, language: Format, output: &Path) -> Result<(), CliFailure> {
     let is_same = output.extension().is_some() && output.extension() == input.extension();
     let (input, output) = (input.display(), output);
-    if is_packed {
+    if without_gz(output).is_some() {
         let output = output.display();
         return Err(CliFailure::Input(format!("{output}: the output is plain text; leave out the ending .gz")));
     }
-    if Language::from_path(output) != Some(language) && !is_same {
+    if Format::from_path(output) != Some(language) && !is_same {
         let output = output.display();
         return Err(CliFailure::Input(format!(
             "{output}: the output must have the format of {input}, which is a deck of {language}; give it the same ending"

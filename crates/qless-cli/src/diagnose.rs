@@ -1,4 +1,4 @@
-//! Reads and analyses a model: the common part of check, reduce and clean. It returns data; `report` renders them.
+//! Reads and analyses a model, for check, reduce and clean. `report` renders the result.
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
 use qless_io::{FileContent, Opened, read_case};
 
-use crate::args::{Deny, Format, ModelArgs};
+use crate::args::{Deny, ModelArgs, ReportFormat};
 use crate::deck_input::{DeckInput, LoadCaseChoice};
 use crate::failure::CliFailure;
 use crate::preferences::PreferenceLists;
@@ -22,17 +22,17 @@ pub struct Diagnosis<'a> {
     pub options: Options,
     pub system: ConstraintSystem,
     pub analysis: Analysis,
-    /// The deck that the system comes from, if it comes from one.
+    /// The deck of the system, if the input is a deck.
     pub deck: Option<DeckInput>,
-    /// The rank of the numbers as typed, if it was asked for.
+    /// The rank of the numbers as typed, with `--exact`.
     pub exact: Option<ExactRank>,
-    /// The second reading of the input if the rank is in doubt: nearly dependent equations taken as dependent.
-    pub meant: Option<NearDependence>,
+    /// If the rank is ambiguous: the analysis in which nearly dependent equations count as dependent.
+    pub near_dependence: Option<NearDependence>,
     pub start: Instant,
     pub read: Duration,
 }
 
-/// What the analysis shall do: options, preferences, load cases.
+/// Options, preferences and load cases of an analysis.
 pub struct Question<'a> {
     pub options: Options,
     pub preferences: PreferenceLists<'a>,
@@ -44,17 +44,17 @@ pub struct Question<'a> {
 pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress) -> Result<Diagnosis<'a>, CliFailure> {
     let start = Instant::now();
     let Question { mut options, preferences, choice } = question;
-    let refused = |error, system: Option<&ConstraintSystem>| CliFailure::of_analysis(error, &args.input, system);
+    let refused = |error, system: Option<&ConstraintSystem>| CliFailure::from_analysis(error, &args.input, system);
     // Refuse before the work begins.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
-    memory::threads::start(args.threads()).map_err(CliFailure::of_threads)?;
+    memory::threads::start(args.threads()).map_err(CliFailure::from_threads)?;
     progress.stage("reading");
     let input = Input::read(args, &choice)?;
     let read = start.elapsed();
     progress.stage("analysing");
-    // The memory that the model leaves.
-    options.memory = memory::left().map_or(options.memory, |left| left.min(options.memory));
-    let terms = if matches!(args.format, Format::Json | Format::Html) { Report::TERMS } else { 0 };
+    // The analysis may use the memory that remains.
+    options.memory = memory::remaining().map_or(options.memory, |left| left.min(options.memory));
+    let terms = if matches!(args.format, ReportFormat::Json | ReportFormat::Html) { Report::TERMS } else { 0 };
     let (system, analysis, deck) = input.analyse(&choice, terms, &|system, place| {
         analyse(system, &preferences.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
     })?;
@@ -62,14 +62,14 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
         // Rows are numbered as in the deck, even if a load case removes some equations.
         let all = LoadCase::default();
         let model = deck.deck.model();
-        let whole = model.system(&all).map_err(|error| CliFailure::of_deck(&deck.deck, &error))?;
+        let whole = model.system(&all).map_err(|error| CliFailure::from_deck(&deck.deck, &error))?;
         options = preferences.resolve(&options, &whole, Some((&deck.deck, &all)))?;
     }
     // The value overflows if a large right-hand side is divided by a small coefficient.
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
-        return Err(CliFailure::of_overflow(&args.input, dof, &system.dof_label(dof)));
+        return Err(CliFailure::from_overflow(&args.input, dof, &system.dof_label(dof)));
     }
-    Ok(Diagnosis { args, options, system, analysis, deck, exact: None, meant: None, start, read })
+    Ok(Diagnosis { args, options, system, analysis, deck, exact: None, near_dependence: None, start, read })
 }
 
 /// Analyses a system, which may be that of a load case of a deck.
@@ -84,24 +84,24 @@ enum Input {
 impl Input {
     fn read(args: &ModelArgs, choice: &LoadCaseChoice) -> Result<Self, CliFailure> {
         let (input, rhs, prescribed) = (&args.input, args.rhs.as_deref(), args.prescribed.as_deref());
-        let of_decks = args.solver.is_some() || matches!(choice, LoadCaseChoice::Named(_));
-        let no_deck = || CliFailure::Input(format!("{}: --solver and --case go with a deck", input.display()));
+        let needs_deck = args.solver.is_some() || matches!(choice, LoadCaseChoice::Named(_));
+        let no_deck = || CliFailure::Input(format!("{}: --solver and --case need a deck", input.display()));
         if input.is_dir() {
-            return if of_decks { Err(no_deck()) } else { Ok(Self::Case(read_case(input, rhs, prescribed)?)) };
+            return if needs_deck { Err(no_deck()) } else { Ok(Self::Case(read_case(input, rhs, prescribed)?)) };
         }
         let opened = Opened::read(input, args.solver)?;
         match opened.content() {
-            FileContent::Matrix if of_decks => Err(no_deck()),
+            FileContent::Matrix if needs_deck => Err(no_deck()),
             FileContent::Matrix => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
             FileContent::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(CliFailure::Input(format!(
-                "{}: --rhs and --prescribed go with a .mtx file; a deck has its own",
+                "{}: --rhs and --prescribed need a .mtx file; a deck has its own values",
                 input.display()
             ))),
             FileContent::Deck(_) => Ok(Self::Deck(Box::new(opened.into_deck(args.solver)?))),
         }
     }
 
-    /// Analyses the system; of a deck every load case that was chosen, and keeps the worst.
+    /// Analyses the system, or the chosen load cases of a deck; returns the most severe one.
     fn analyse(
         self,
         choice: &LoadCaseChoice,
@@ -126,16 +126,16 @@ impl Diagnosis<'_> {
     /// All files that were read.
     pub fn inputs(&self) -> Inputs {
         match &self.deck {
-            Some(deck) => Inputs::of(deck.deck.model().files()),
+            Some(deck) => Inputs::new(deck.deck.model().files()),
             None => self.args.inputs(),
         }
     }
 
     /// Adds the rank of the numbers as typed, in exact arithmetic.
-    pub fn take_exact_rank(&mut self) -> Result<(), CliFailure> {
+    pub fn add_exact_rank(&mut self) -> Result<(), CliFailure> {
         let standard = Settings::from(Reading::Typed);
-        // Two primes at a time, 24 bytes for a coefficient.
-        let fill = memory::left().map_or(standard.fill, |bytes| bytes / 48);
+        // Each coefficient takes 24 bytes, for each of two primes.
+        let fill = memory::remaining().map_or(standard.fill, |bytes| bytes / 48);
         let exact = exact::rank(&self.system, Settings { fill, ..standard }).map_err(|error| {
             let input = self.args.input.display();
             CliFailure::Resource(format!("{input}: {error}; leave out --exact, or allow more with --memory"))
@@ -144,10 +144,10 @@ impl Diagnosis<'_> {
         Ok(())
     }
 
-    /// If the rank is in doubt and memory allows it: adds the reading in which nearly dependent equations count as dependent.
-    pub fn take_meaning(&mut self) {
+    /// Adds the near-dependence, if the rank is ambiguous and memory allows it.
+    pub fn add_near_dependence(&mut self) {
         if self.analysis.confidence().ambiguous {
-            self.meant = self.analysis.near_dependence().unwrap_or_default();
+            self.near_dependence = self.analysis.near_dependence().unwrap_or_default();
         }
     }
 
@@ -169,6 +169,6 @@ impl Diagnosis<'_> {
 
     /// The exit code.
     pub fn code(&self) -> ExitCode {
-        exit_code::of_diagnosis(self.is_refused(), self.is_incomplete())
+        exit_code::for_diagnosis(self.is_refused(), self.is_incomplete())
     }
 }

@@ -1,12 +1,12 @@
 //! All exit codes of the program.
 //!
-//! Two more are not chosen here: a signal ends the program with 128 plus its number, and clap ends it with 2 on bad usage.
+//! Two more are set elsewhere: a signal ends the program with 128 plus its number, and clap exits with 2 for bad usage.
 
 use std::process::ExitCode;
 
 /// Conflicting equations, or redundant ones with `--deny redundant`.
 pub const REFUSED: u8 = 1;
-/// Bad usage or bad input: the user can correct it.
+/// Bad usage or bad input, which the user can correct.
 pub const INPUT: u8 = 2;
 /// Out of memory, or an output that cannot be written.
 pub const RESOURCE: u8 = 3;
@@ -17,13 +17,13 @@ pub const INCOMPLETE: u8 = 4;
 pub const HELP: &str = "\
 Exit codes:
   0  solvable: independent, or redundant but consistent
-  1  conflicting equations (with --deny redundant: redundant ones too), whatever else is left out
-  2  bad usage or bad input, or input that no reader knows
+  1  conflicting equations (with --deny redundant: redundant ones too), even if constraints were left out
+  2  bad usage, bad input, or input in an unknown format
   3  out of memory, or the output cannot be written
-  4  incomplete: something that constrains was left out, so that the rest may say too little (--allow-incomplete: 0)";
+  4  incomplete: constraints of the deck were left out, so that equations may be missing (with --allow-incomplete: 0)";
 
 /// The exit code of a finished diagnosis: a conflict counts even if something was left out.
-pub fn of_diagnosis(is_refused: bool, is_incomplete: bool) -> ExitCode {
+pub fn for_diagnosis(is_refused: bool, is_incomplete: bool) -> ExitCode {
     match (is_refused, is_incomplete) {
         (true, _) => ExitCode::from(REFUSED),
         (false, true) => ExitCode::from(INCOMPLETE),

@@ -13,11 +13,11 @@ use qless_io::{ReadError, WriteError};
 use crate::wording;
 use crate::{exit_code, memory};
 
-/// Why a command could not be done.
+/// Why a command failed.
 pub enum CliFailure {
     /// The user can correct it.
     Input(String),
-    /// The machine lacks something: memory, threads, disk.
+    /// The machine lacks memory, threads or disk space.
     Resource(String),
 }
 
@@ -38,7 +38,7 @@ impl CliFailure {
     }
 
     /// An error of the analysis; the message names the equation by its label and its row from 1.
-    pub fn of_analysis(error: AnalysisError, input: &Path, system: Option<&ConstraintSystem>) -> Self {
+    pub fn from_analysis(error: AnalysisError, input: &Path, system: Option<&ConstraintSystem>) -> Self {
         match error {
             AnalysisError::Range { row } => Self::Input(format!(
                 "{}: {}: the right-hand side is too large for the coefficients (ratio beyond 1e308); \
@@ -66,62 +66,62 @@ impl CliFailure {
                 "this qless has no backend {backend}: leave out `--backend {backend}`, \
                  or rebuild with `cargo build --features {backend}`"
             )),
-            AnalysisError::Backend(error) => Self::of_backend(&error, input),
+            AnalysisError::Backend(error) => Self::from_backend(&error, input),
             error => Self::Input(format!("{}: {error}", input.display())),
         }
     }
 
     /// An error in a deck, or in the options for it.
-    pub fn of_deck(deck: &Deck, error: &dyn fmt::Display) -> Self {
+    pub fn from_deck(deck: &Deck, error: &dyn fmt::Display) -> Self {
         Self::Input(format!("{}: {error}", deck.model().files()[0].display()))
     }
 
-    fn of_backend(error: &BackendError, input: &Path) -> Self {
+    fn from_backend(error: &BackendError, input: &Path) -> Self {
         let message = format!("{}: {error}", input.display());
         match error {
-            BackendError::OutOfMemory { .. } => Self::of_memory(&message),
+            BackendError::OutOfMemory { .. } => Self::from_memory(&message),
             _ => Self::Resource(message),
         }
     }
 
     /// Threads could not be started.
     #[expect(clippy::needless_pass_by_value, reason = "for map_err")]
-    pub fn of_threads(error: rayon::ThreadPoolBuildError) -> Self {
+    pub fn from_threads(error: rayon::ThreadPoolBuildError) -> Self {
         Self::Resource(format!("no threads can be started: {error}"))
     }
 
-    /// Out of memory; the message says what was needed and what was allowed.
-    pub fn of_memory(message: &str) -> Self {
+    /// Out of memory; adds the needed and the allowed bytes.
+    pub fn from_memory(message: &str) -> Self {
         Self::Resource(format!("{message}: {}", memory::refusal()))
     }
 
     /// The equations cannot be solved for slaves.
-    pub fn of_reduction(error: ReductionError, input: &Path, system: &ConstraintSystem) -> Self {
+    pub fn from_reduction(error: ReductionError, input: &Path, system: &ConstraintSystem) -> Self {
         match error {
-            ReductionError::NotFinite { dof } => Self::of_overflow(input, dof, &system.dof_label(dof)),
+            ReductionError::NotFinite { dof } => Self::from_overflow(input, dof, &system.dof_label(dof)),
             ReductionError::Residual { row, residual } => Self::Input(format!(
-                "{}: {}: the reduced form would leave {residual:.1e} of it where 1e-10 is allowed, so nothing was made; the \
-                 equations are too nearly dependent: see what `qless check` says of them, and leave out what is nearly said twice",
+                "{}: {}: the reduced form would leave a relative residual of {residual:.1e}, but 1e-10 is allowed, so nothing was written; the \
+                 equations are too nearly dependent: see the report of `qless check`, and remove equations that nearly repeat others",
                 input.display(),
                 wording::equation(system, row)
             )),
-            ReductionError::Backend(error) => Self::of_backend(&error, input),
+            ReductionError::Backend(error) => Self::from_backend(&error, input),
             error => Self::Input(format!("{}: {error}", input.display())),
         }
     }
 
     /// A DOF would get a value beyond the range of doubles.
-    pub fn of_overflow(input: &Path, dof: usize, label: &str) -> Self {
+    pub fn from_overflow(input: &Path, dof: usize, label: &str) -> Self {
         let (input, number, label) = (input.display(), dof + 1, wording::label(label));
         Self::Input(format!(
             "{input}: column {number} ({label}): the equations give it a value beyond 1e308; rescale them"
         ))
     }
 
-    /// A file could not be read; `kind` is the system's error, or none if the content is at fault.
-    pub fn of_reading(message: &str, kind: Option<io::ErrorKind>) -> Self {
+    /// A file could not be read; `kind` is the system's error, or `None` if the content is malformed.
+    pub fn from_reading(message: &str, kind: Option<io::ErrorKind>) -> Self {
         let advice = match kind {
-            Some(io::ErrorKind::OutOfMemory) => return Self::of_memory(message),
+            Some(io::ErrorKind::OutOfMemory) => return Self::from_memory(message),
             Some(io::ErrorKind::FileTooLarge) => return Self::Resource(message.to_owned()),
             Some(io::ErrorKind::NotFound) => "; check the name and the folder you are in",
             Some(io::ErrorKind::PermissionDenied) => "; check its permissions",
@@ -132,7 +132,7 @@ impl CliFailure {
     }
 
     /// Standard output could not be written.
-    pub fn of_stdout(error: &io::Error) -> Self {
+    pub fn from_stdout(error: &io::Error) -> Self {
         Self::Resource(format!("the report cannot be written to standard output: {error}"))
     }
 }
@@ -144,7 +144,7 @@ impl From<ReadError> for CliFailure {
             _ if error.is_resource() => Some(io::ErrorKind::FileTooLarge),
             _ => None,
         };
-        Self::of_reading(&error.to_string(), kind)
+        Self::from_reading(&error.to_string(), kind)
     }
 }
 
@@ -153,13 +153,13 @@ impl From<WriteError> for CliFailure {
         let message = format!("{error} (nothing was written)");
         match &error {
             WriteError::IsInput { .. } | WriteError::Linked { .. } => Self::Input(message),
-            WriteError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory => Self::of_memory(&message),
+            WriteError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory => Self::from_memory(&message),
             _ => Self::Resource(message),
         }
     }
 }
 
-/// Writes a line to standard error; an error of that cannot be reported anywhere.
+/// Writes a line to standard error. Ignores errors, which could not be reported anywhere.
 pub fn say(message: fmt::Arguments) {
     let _ = writeln!(io::stderr(), "{message}");
 }

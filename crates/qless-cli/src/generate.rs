@@ -11,16 +11,15 @@ use crate::args::Cli;
 use crate::failure::CliFailure;
 use crate::memory;
 use crate::scenes::SceneArgs;
-use crate::terminal;
-use crate::terminal::Progress;
+use crate::terminal::{self, Progress};
 
-/// Writes the scene to the folder and says what is known about it.
+/// Writes the scene to the folder and prints its sizes and its rank.
 pub fn run(args: &SceneArgs) -> Result<ExitCode, CliFailure> {
     let Some(folder) = &args.output else {
         let missing = "name the folder to write to: -o <DIR>";
         Cli::command().error(ErrorKind::MissingRequiredArgument, missing).exit()
     };
-    memory::threads::start(None).map_err(CliFailure::of_threads)?;
+    memory::threads::start(None).map_err(CliFailure::from_threads)?;
     let progress = Progress::new(args.quiet);
     progress.stage("generating");
     let scene = args.scene.generate().map_err(|error| refused(&error))?;
@@ -35,7 +34,7 @@ fn refused(error: &SceneError) -> CliFailure {
     CliFailure::Input(format!("no such scene: {error}"))
 }
 
-/// Sizes, and what is true of the scene by construction.
+/// Describes the scene: sizes, and the rank that its construction implies.
 fn describe(scene: &Scene) -> String {
     let (system, truth) = (&scene.system, &scene.truth);
     let sizes = format!(

@@ -1,17 +1,18 @@
-//! `qless`: says which constraint equations of a finite-element model are redundant or conflicting, and reduces them.
+//! `qless`: finds redundant and conflicting constraint equations of a finite-element model, and reduces them.
 //!
 //! | module | holds |
 //! | --- | --- |
 //! | [`args`] | the command line |
 //! | [`check`], [`reduce`], [`clean`], [`generate`], [`bench`] | the commands, one each |
-//! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
-//! | [`deck_input`] | the load cases of a deck, what was left out, what its solver refuses or drops |
-//! | [`preferences`] | equations and DOFs that the user lists, by numbers or names |
-//! | [`report`] | the report: text, JSON, HTML, VTU |
-//! | [`wording`] | how equations, DOFs and numbers are written in limited space |
+//! | [`diagnose`] | reads and analyses a model, for check, reduce and clean |
+//! | [`deck_input`] | load cases of a deck, constraints that were left out, reactions of the solver |
+//! | [`preferences`] | lists of equations and DOFs, by numbers or names |
+//! | [`report`] | renders the report: text, JSON, HTML, VTU |
+//! | [`scenes`], [`values`] | options of the test models; parsers of option values |
+//! | [`wording`] | writes equations, DOFs and numbers in limited space |
 //! | [`terminal`] | standard output and the progress display |
-//! | [`signals`] | what `SIGTERM` and its like do |
-//! | [`memory`] | the limit on it, and the end of a run that gets none |
+//! | [`signals`] | reaction to `SIGTERM`, `SIGINT` and `SIGHUP` |
+//! | [`memory`] | memory limit, and the end of a run without memory |
 //! | [`ranks`] | runs under `mpirun` |
 //! | [`failure`] | errors of the commands and their messages |
 //! | [`exit_code`] | all exit codes |
@@ -34,6 +35,7 @@ mod scenes;
 #[cfg(unix)]
 mod signals;
 mod terminal;
+mod values;
 mod wording;
 
 use std::process::ExitCode;
@@ -48,19 +50,19 @@ static GUARD: memory::Guard = memory::Guard;
 
 fn main() -> ExitCode {
     memory::on_out_of_memory(qless_io::write::abandon_unless_at_work);
-    match ranks::Job::of_environment() {
+    match ranks::Job::from_environment() {
         Some(job) => job.run(),
         None => run(&Cli::parse().command).unwrap_or_else(|failure| failure.tell()),
     }
 }
 
-/// Sets limits on memory, and what signals do.
+/// Sets the memory limit and handles signals.
 fn set_up(command: &Command) -> Result<(), CliFailure> {
     if let Some(bytes) = command.memory() {
         memory::limit(bytes).map_err(CliFailure::Resource)?;
     }
     #[cfg(unix)]
-    signals::watch().map_err(|error| CliFailure::of_memory(&format!("signals cannot be waited for: {error}")))?;
+    signals::watch().map_err(|error| CliFailure::from_memory(&format!("cannot wait for signals: {error}")))?;
     Ok(())
 }
 

@@ -1,26 +1,25 @@
 //! The scenes of `qless generate` and their sizes.
 
 mod large;
-mod values;
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
-use qless_scenes::families::{self, Windows};
+use clap::{Args, Subcommand, ValueEnum};
+use qless_scenes::families::{self, Near, Windows};
 use qless_scenes::fssi::{self, Level, Mesh};
-use qless_scenes::paper;
+use qless_scenes::paper::{self, FloorInput};
 use qless_scenes::{Scene, SceneError};
 
+use crate::values::{NamedValue, finite, one_of};
 use large::{Cell, NetScene, Tie};
-use values::{ColumnName, Coupling, Form, finite, level};
 
-/// Which scene, and where to.
+/// The scene, and the folder for it.
 #[derive(Args)]
 #[command(subcommand_value_name = "SCENE", subcommand_help_heading = "Scenes")]
 pub struct SceneArgs {
     #[command(subcommand)]
     pub scene: SceneName,
-    /// Folder for C.mtx, b.txt and what else the scene needs
+    /// Folder for C.mtx, b.txt and the other files of the scene
     #[arg(short, long, value_name = "DIR", global = true)]
     pub output: Option<PathBuf>,
     /// No progress display
@@ -49,8 +48,8 @@ pub enum SceneName {
     #[command(name = "figure-2", alias = "figure2")]
     Figure2 {
         /// How the equations are written
-        #[arg(long, value_enum, default_value = "star")]
-        form: Form,
+        #[arg(long, value_parser = one_of(&FLOORS), default_value = "star")]
+        form: FloorInput,
     },
     /// Paper, Figure 5: equations (12)-(14) with u2 prescribed
     #[command(name = "figure-5", alias = "figure5")]
@@ -146,15 +145,15 @@ pub enum SceneName {
     MortarSurface(Tie),
     /// Rows of hinged bodies with rungs of two bodies between them: a plane mechanism in space
     Linkage(NetScene),
-    /// Triples of rows, the third the sum of the others but for eps
+    /// Triples of rows: the third is the sum of the other two, except for a difference of eps
     Near {
         #[arg(long, default_value_t = 10)]
         triples: usize,
         #[arg(long, default_value_t = 1e-8, allow_negative_numbers = true, value_parser = finite)]
         eps: f64,
-        /// Where it differs
-        #[arg(long, value_enum, default_value = "own")]
-        column: ColumnName,
+        /// DOF in which the third row differs
+        #[arg(long, value_parser = one_of(&NEARS), default_value = "own")]
+        column: Near,
     },
     /// d x d blocks on the edges of a grid
     Gradient {
@@ -186,6 +185,30 @@ pub enum SceneName {
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
+}
+
+const FLOORS: [NamedValue<FloorInput>; 3] = [
+    ("star", "All with u1", FloorInput::Star),
+    ("chain", "Each with the one before", FloorInput::Chain),
+    ("accepted", "All with u4", FloorInput::Accepted),
+];
+
+const NEARS: [NamedValue<Near>; 2] =
+    [("own", "In a DOF of two of the three rows", Near::Own), ("shared", "In a DOF of all three rows", Near::Shared)];
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Coupling {
+    /// Each node to the face beside it; 12 redundant equations per layer
+    Tie,
+    /// Mortar integrals; the numerical rank is ambiguous
+    Mortar,
+}
+
+/// Parses `110` or `110%`.
+fn level(text: &str) -> Result<Level, String> {
+    let percent = text.trim_end_matches('%').parse().ok();
+    let level = Level::ALL.into_iter().find(|level| Some(level.percent()) == percent);
+    level.ok_or_else(|| "the levels are 50, 60, 70, 80, 90, 100 and 110".to_owned())
 }
 
 #[derive(Args)]
@@ -225,7 +248,7 @@ impl SceneName {
             Self::Fssi(ref args) => args.generate(),
             Self::Equations { rhs } => paper::equations_12_to_14(rhs),
             Self::Figure1 { h } => paper::figure_1(h),
-            Self::Figure2 { form } => paper::figure_2(form.into()),
+            Self::Figure2 { form } => paper::figure_2(form),
             Self::Figure5 { u2 } => paper::figure_5(u2),
             Self::Figure6 { u4 } => paper::figure_6(u4),
             Self::Figure8 => paper::figure_8(),
@@ -244,7 +267,7 @@ impl SceneName {
             Self::PeriodicCell(ref args) => args.generate(),
             Self::MortarSurface(ref args) => args.generate(),
             Self::Linkage(ref args) => args.generate(),
-            Self::Near { triples, eps, column } => families::near(triples, eps, column.into()),
+            Self::Near { triples, eps, column } => families::near(triples, eps, column),
             Self::Gradient { ref extent, d, seed } => families::gradient(extent.sides(), d, seed),
             Self::Windows { ref extent, d, window, stride, rows, combos, seed } => {
                 Windows { extent: extent.sides(), d, window, stride, rows, combos }.scene(seed)

@@ -1,6 +1,6 @@
-//! Standard output, buffered and checked, and the progress display on standard error.
+//! Writes to standard output, buffered and checked; displays progress on standard error.
 //!
-//! A full disk is an error, not a panic. A reader that has gone, as `head` does, is no error and changes no exit code.
+//! A full disk is an error, not a panic. A closed pipe, as by `head`, is no error and does not change the exit code.
 
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
@@ -10,20 +10,20 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::failure::CliFailure;
 use crate::memory::threads;
 
-/// Gives `write` standard output, and sees that all of it arrives.
+/// Calls `write` with standard output, and flushes it.
 pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
     match write(&mut out).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliFailure::of_stdout(&error)),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliFailure::from_stdout(&error)),
         _ => Ok(()),
     }
 }
 
-/// A spinner on standard error with the stage and the time; gone when dropped.
+/// A spinner on standard error with the stage and the time; removed when dropped.
 pub struct Progress(ProgressBar);
 
 impl Progress {
-    /// Draws nothing if `quiet`, nor where standard error is no terminal.
+    /// Draws nothing if `quiet` or if standard error is no terminal.
     pub fn new(quiet: bool) -> Self {
         if quiet {
             return Self(ProgressBar::hidden());
@@ -39,7 +39,7 @@ impl Progress {
         Self(bar)
     }
 
-    /// Names the stage that begins.
+    /// Shows the name of a stage.
     pub fn stage(&self, name: &'static str) {
         self.0.set_message(name);
     }

@@ -6,7 +6,7 @@ use qless::{ConstraintSystem, Place, SystemError};
 
 use crate::fault::TextFault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
-use crate::{ReadError, chunk, matrix_market};
+use crate::{ReadError, matrix_market};
 
 /// The files that [`read_case`](crate::read_case) reads, including optional ones that may be missing.
 ///
@@ -106,10 +106,10 @@ impl CaseFiles {
     /// # Errors
     /// Errors of reading the matrix again.
     pub fn sum_not_finite(&self, row: usize, dof: usize, sum: f64) -> Result<Option<ReadError>, ReadError> {
-        let path = self.matrix.clone();
-        Ok(chunk::lines_of(&path, row, dof)?.map(|(first_line, last)| {
+        let path = &self.matrix;
+        Ok(matrix_market::find_entry(path, (row, dof))?.map(|(first_line, last)| {
             let fault = TextFault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
-            ReadError::Malformed { path, line: Some(last), fault }
+            ReadError::malformed(path, Some(last), fault)
         }))
     }
 }

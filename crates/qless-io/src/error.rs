@@ -58,7 +58,7 @@ pub enum ReadError {
     Solver {
         /// The deck.
         path: PathBuf,
-        /// The solver asked for.
+        /// The requested solver.
         solver: Solver,
         /// The deck's format.
         format: Format,
@@ -113,7 +113,7 @@ pub enum WriteError {
     },
     /// A file with several names (hard links).
     #[error(
-        "{}: the file has {names} names (hard links), and a new one would replace it under this name only; name another \
+        "{}: the file has {names} names (hard links), and a new file would replace only this name; name another \
          place, or remove this name first",
         path.display()
     )]
@@ -144,11 +144,13 @@ impl ReadError {
             _ => false,
         }
     }
-}
 
-impl ReadError {
     pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
         |source| Self::Io { path: path.to_path_buf(), source }
+    }
+
+    pub(crate) fn malformed(path: &Path, line: Option<usize>, fault: TextFault) -> Self {
+        Self::Malformed { path: path.to_path_buf(), line, fault }
     }
 }
 
@@ -158,30 +160,7 @@ impl WriteError {
     }
 }
 
-/// A fault and its line, in a file not yet known.
-#[derive(Debug)]
-pub(crate) struct FaultAt {
-    pub line: Option<usize>,
-    pub fault: TextFault,
-}
-
-impl FaultAt {
-    pub fn line(line: usize, fault: TextFault) -> Self {
-        Self { line: Some(line), fault }
-    }
-
-    pub fn whole_file(fault: TextFault) -> Self {
-        Self { line: None, fault }
-    }
-
-    /// The error in this file.
-    pub fn in_file(self, path: &Path) -> ReadError {
-        ReadError::Malformed { path: path.to_path_buf(), line: self.line, fault: self.fault }
-    }
-}
-
-/// Reads and parses a whole file; adds its path to errors.
-pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, FaultAt>) -> Result<T, ReadError> {
-    let bytes = bytes::read(path).map_err(ReadError::io(path))?;
-    parse(&bytes).map_err(|at| at.in_file(path))
+/// Reads a whole file; errors name its path.
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, ReadError> {
+    bytes::read(path).map_err(ReadError::io(path))
 }

@@ -32,6 +32,7 @@ pub mod chunk;
 pub mod deck;
 mod error;
 mod fault;
+mod file_chunk;
 mod lines;
 pub mod matrix_market;
 mod number;
@@ -39,6 +40,7 @@ mod opened;
 pub mod vectors;
 pub mod write;
 
+pub use bytes::without_gz;
 pub use case::case_files;
 pub use error::{ReadError, WriteError};
 pub use fault::{NumberFault, Quantity, TextFault};

@@ -1,10 +1,14 @@
 //! Splits the bytes of a file into numbered lines, and lines into words, without copies.
 
-use crate::error::FaultAt;
-use crate::fault::{TextFault, quote};
+use std::path::Path;
+
+use crate::ReadError;
+use crate::fault::{NumberFault, Quantity, TextFault, quote};
+use crate::number::real;
 
 /// Iterator over the lines of a file. A line ends with LF or CRLF; a byte order mark is skipped.
 pub(crate) struct TextLines<'a> {
+    path: &'a Path,
     rest: &'a [u8],
     number: usize,
 }
@@ -12,18 +16,19 @@ pub(crate) struct TextLines<'a> {
 /// One line, without its line end.
 #[derive(Clone, Copy)]
 pub(crate) struct TextLine<'a> {
+    path: &'a Path,
     pub number: usize,
     pub text: &'a [u8],
 }
 
 impl<'a> TextLines<'a> {
-    pub fn new(bytes: &'a [u8]) -> Self {
-        Self { rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), number: 0 }
+    pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
+        Self { path, rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), number: 0 }
     }
 
     /// Lines that follow `number` other lines of the same file.
-    pub fn after(bytes: &'a [u8], number: usize) -> Self {
-        Self { rest: bytes, number }
+    pub fn after(path: &'a Path, bytes: &'a [u8], number: usize) -> Self {
+        Self { path, rest: bytes, number }
     }
 
     /// The next line; it may be blank.
@@ -35,7 +40,7 @@ impl<'a> TextLines<'a> {
         let text = &self.rest[..end];
         self.rest = self.rest.get(end + 1..).unwrap_or_default();
         self.number += 1;
-        Some(TextLine { number: self.number, text: text.strip_suffix(b"\r").unwrap_or(text) })
+        Some(TextLine { path: self.path, number: self.number, text: text.strip_suffix(b"\r").unwrap_or(text) })
     }
 
     /// The next line that is neither blank nor a `%` or `#` comment.
@@ -46,6 +51,21 @@ impl<'a> TextLines<'a> {
                 return Some(line);
             }
         }
+    }
+
+    /// The next line that is not blank.
+    pub fn not_blank(&mut self) -> Option<TextLine<'a>> {
+        loop {
+            let line = self.any()?;
+            if !line.text.trim_ascii().is_empty() {
+                return Some(line);
+            }
+        }
+    }
+
+    /// An error at the last line read.
+    pub fn fault(&self, fault: TextFault) -> ReadError {
+        ReadError::malformed(self.path, Some(self.number).filter(|&number| number > 0), fault)
     }
 
     /// Bytes not yet read.
@@ -79,13 +99,22 @@ impl<'a> TextLine<'a> {
         quote(self.text.trim_ascii())
     }
 
-    pub fn fault(&self, fault: TextFault) -> FaultAt {
-        FaultAt::line(self.number, fault)
+    pub fn fault(&self, fault: TextFault) -> ReadError {
+        ReadError::malformed(self.path, Some(self.number), fault)
     }
 
-    /// The fault of a line that does not have the form `expected`.
-    pub fn malformed(&self, expected: &'static str) -> FaultAt {
+    /// The error for a line that does not have the form `expected`.
+    pub fn malformed(&self, expected: &'static str) -> ReadError {
         self.fault(TextFault::Entry { expected, found: self.quote() })
+    }
+
+    /// Parses a number; `is_integer` if the header promises integers.
+    pub fn number(&self, word: &[u8], what: Quantity, is_integer: bool) -> Result<f64, ReadError> {
+        let problem = match real(word) {
+            Ok(number) if !is_integer || number.fract() == 0.0 => return Ok(number),
+            other => other.err().unwrap_or(NumberFault::NotAnInteger),
+        };
+        Err(self.fault(TextFault::Number { what, found: quote(word), problem }))
     }
 }
 
@@ -115,7 +144,7 @@ mod tests {
 
     #[test]
     fn lines_are_numbered_and_comments_are_passed_over() {
-        let mut lines = TextLines::new(b"\xef\xbb\xbf% head\r\n\r\n\t1  2\t3 # end\r\n #\n4");
+        let mut lines = TextLines::new(Path::new("x"), b"\xef\xbb\xbf% head\r\n\r\n\t1  2\t3 # end\r\n #\n4");
         let line = lines.content().expect("a line");
         assert_eq!((line.number, line.fields()), (3, Some([&b"1"[..], b"2", b"3"])));
         assert!(line.fields::<2>().is_none() && line.fields::<4>().is_none());

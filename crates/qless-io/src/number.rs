@@ -124,46 +124,17 @@ mod tests {
 
     #[test]
     fn short_numbers_are_the_nearest_floats() {
-        for text in [
-            "0",
-            "-0.0",
-            "1.",
-            ".5",
-            "-.25",
-            "0.1",
-            "123456789.012345",
-            "999999999999999",
-            "0.00000000000001",
-            "1e3",
-            "9007199254740992",
-            "-1.2345678901234E-05",
-            "0.500000000E-01",
-            "3e22",
-            "7.25e+02",
-            "1e-22",
-        ] {
+        let short_ones = "0 -0.0 1. .5 -.25 0.1 123456789.012345 999999999999999 0.00000000000001 1e3 9007199254740992 \
+                          -1.2345678901234E-05 0.500000000E-01 3e22 7.25e+02 1e-22";
+        for text in short_ones.split_whitespace() {
             assert_eq!(short(text.as_bytes()).map(f64::to_bits), text.parse().ok().map(f64::to_bits), "{text}");
         }
         assert_eq!(
             (short(b"1.5D+3"), leading(b"-2.5,UX"), leading(b"3 ")),
             (Some(1500.0), Some((-2.5, 4)), Some((3.0, 1)))
         );
-        for text in [
-            "",
-            "-",
-            ".",
-            "1.2.3",
-            "9007199254740993",
-            "0.30000000000000004",
-            "1e",
-            "1e+",
-            "1e0001",
-            "1e23",
-            "12e-25",
-            "+1",
-            "--1",
-            ".e1",
-        ] {
+        let others = "- . 1.2.3 9007199254740993 0.30000000000000004 1e 1e+ 1e0001 1e23 12e-25 +1 --1 .e1";
+        for text in others.split_whitespace().chain([""]) {
             assert_eq!(short(text.as_bytes()), None, "{text}");
         }
         assert_eq!(leading(b"00000000000000000001"), None);
@@ -186,26 +157,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_finite_number_is_told_apart() {
+    fn texts_that_are_no_finite_number_are_told_apart() {
         use NumberFault::{NotANumber, NotFinite, Overflow, Underflow};
-        for (text, fault) in [
-            ("nan", NotFinite),
-            ("-NaN", NotFinite),
-            ("inf", NotFinite),
-            ("-Infinity", NotFinite),
-            ("1e400", Overflow),
-            ("-1.0D+400", Overflow),
-            ("1e-400", Underflow),
-            ("1.0D-400", Underflow),
-            ("1..0", NotANumber),
-            ("D", NotANumber),
-            ("D5", NotANumber),
-            ("1,5", NotANumber),
-            ("0x10", NotANumber),
-            ("1.#INF", NotANumber),
-            ("one", NotANumber),
+        for (texts, fault) in [
+            ("nan -NaN inf -Infinity", NotFinite),
+            ("1e400 -1.0D+400", Overflow),
+            ("1e-400 1.0D-400", Underflow),
+            ("1..0 D D5 1,5 0x10 1.#INF one", NotANumber),
         ] {
-            assert_eq!(real(text.as_bytes()), Err(fault), "{text}");
+            for text in texts.split(' ') {
+                assert_eq!(real(text.as_bytes()), Err(fault), "{text}");
+            }
         }
         assert_eq!(real(b"\xff"), Err(NotANumber));
     }

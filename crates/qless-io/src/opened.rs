@@ -6,6 +6,7 @@ use qless::ConstraintSystem;
 
 use crate::case::CaseFiles;
 use crate::deck::{self, Deck, Format, Solver, format_of};
+use crate::error::read_file;
 use crate::matrix_market::header;
 use crate::{ReadError, bytes};
 
@@ -33,7 +34,7 @@ pub enum FileContent {
 ///
 /// std::fs::write(&path, "<html>")?;
 /// let error = Opened::read(&path, None).unwrap_err().to_string();
-/// assert!(error.contains("cannot tell what this is: it starts as a page of the web; decks of CalculiX"));
+/// assert!(error.contains("cannot tell what this is: it starts as an HTML page; decks of CalculiX"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
@@ -45,17 +46,17 @@ pub struct Opened {
 
 impl Opened {
     /// Reads a file (or standard input, for the path `-`), unpacked and decoded if needed. The first cards decide a
-    /// deck's format; if they do not, the solver asked for does, or else the ending.
+    /// deck's format; if they do not, the requested solver does, or else the ending.
     ///
     /// # Errors
     /// [`ReadError::Io`], or [`ReadError::Unknown`] if no reader recognises the content.
     pub fn read(path: &Path, solver: Option<Solver>) -> Result<Self, ReadError> {
-        let text = bytes::read(path).map_err(ReadError::io(path))?;
+        let text = read_file(path)?;
         let expected = solver.map(Solver::format).or_else(|| Format::from_path(path));
         let content = match format_of(&text, expected) {
             _ if header::is_present(&text) => FileContent::Matrix,
             Ok(format) => FileContent::Deck(format),
-            // The reader of matrices gives the better message.
+            // The reader of matrices explains the fault better.
             Err(_) if is_matrix(path) => FileContent::Matrix,
             Err(seen) => return Err(ReadError::Unknown { path: path.to_path_buf(), seen }),
         };
@@ -128,7 +129,7 @@ pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> 
         return Opened::read(path, None)?.into_case(rhs, prescribed);
     }
     let files = CaseFiles::in_folder(path)?.with(rhs, prescribed);
-    let matrix = bytes::read(&files.matrix).map_err(ReadError::io(&files.matrix))?;
+    let matrix = read_file(&files.matrix)?;
     files.read_from(matrix)
 }
 
@@ -169,8 +170,7 @@ pub fn read_deck_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadEr
     Opened::read(path, solver)?.into_deck(solver)
 }
 
-/// Whether a path ends as a matrix file does.
+/// Whether a path has the ending of a matrix file.
 fn is_matrix(path: &Path) -> bool {
-    let ends = |path: &Path, ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
-    ends(path, "mtx") || ends(path, "gz") && path.file_stem().is_some_and(|stem| ends(Path::new(stem), "mtx"))
+    bytes::without_gz(path).unwrap_or(path).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mtx"))
 }

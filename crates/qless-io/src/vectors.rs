@@ -3,14 +3,17 @@
 //! Files of numbers may have blank lines and `#` or `%` comments; in a file of labels every line is a label. Columns
 //! count from 1 in the files, DOFs from 0 here.
 
+use std::collections::BTreeMap;
+use std::io::BufRead;
 use std::path::Path;
 
 use crate::ReadError;
-use crate::error::{FaultAt, parse_file};
-use crate::fault::{NumberFault, Quantity, TextFault, quote};
+use crate::error::read_file;
+use crate::fault::{Quantity, TextFault, quote};
+use crate::file_chunk::{ChunkedFile, FileChunk, LineCount};
 use crate::lines::{TextLine, TextLines};
-use crate::matrix_market::header::{self, MarketHeader, MarketLayout};
-use crate::number::{real, whole};
+use crate::matrix_market::header::{self, FileHead};
+use crate::number::whole;
 
 const SIZES: &str = "rows 1";
 const FORM: &str = "column value";
@@ -33,69 +36,96 @@ const FORM: &str = "column value";
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_rhs(path: &Path, rows: usize) -> Result<Vec<f64>, ReadError> {
-    parse_file(path, |bytes| {
-        let mut lines = TextLines::new(bytes);
-        let head = if header::is_present(bytes) { RhsHead::read(&mut lines, rows)? } else { RhsHead::absent(rows) };
-        let numbers = head.numbers(&mut lines, 0)?;
-        head.check_count(numbers.len())?;
-        Ok(numbers)
-    })
+    let text = read_file(path)?;
+    let mut lines = TextLines::new(path, &text);
+    let head = ChunkedRhs::parse_head(path, &mut lines, rows, header::is_present(&text))?;
+    let numbers = head.parse_numbers(&mut lines, 0)?;
+    head.check_count(path, numbers.len())?;
+    Ok(numbers)
 }
 
-/// Head of a file of right-hand sides: nothing, or a Matrix Market header and sizes.
+/// Head of a file of right-hand sides, and the position of its numbers. The head is empty, or a Matrix Market header
+/// with sizes.
 #[derive(Debug)]
-pub(crate) struct RhsHead {
+pub struct ChunkedRhs {
     rows: usize,
-    integer: bool,
+    is_integer: bool,
+    before: LineCount,
+    start: u64,
 }
 
-impl RhsHead {
-    /// Head of a file without header.
-    pub(crate) fn absent(rows: usize) -> Self {
-        Self { rows, integer: false }
+impl ChunkedRhs {
+    /// Reads header and sizes, if there are any; the file must hold `rows` numbers.
+    ///
+    /// # Errors
+    /// [`ReadError::Io`], or [`ReadError::Malformed`] with the line.
+    pub fn open(file: &ChunkedFile, rows: usize) -> Result<Self, ReadError> {
+        let head = FileHead::read(file, true)?;
+        let mut lines = TextLines::new(file.path(), &head.text);
+        let read = Self::parse_head(file.path(), &mut lines, rows, !head.text.is_empty())?;
+        Ok(Self { start: head.end, ..read })
     }
 
-    pub(crate) fn read(lines: &mut TextLines, rows: usize) -> Result<Self, FaultAt> {
-        let header = header::read(lines, MarketLayout::Array)?;
-        check_sizes(lines, &header, rows)?;
-        Ok(Self { rows, integer: header.integer })
+    fn parse_head(path: &Path, lines: &mut TextLines, rows: usize, has_head: bool) -> Result<Self, ReadError> {
+        let mut head = Self { rows, is_integer: false, before: LineCount::default(), start: 0 };
+        if has_head {
+            head.is_integer = header::read(path, lines, "array")?;
+            check_sizes(lines, rows)?;
+            head.before.lines = lines.number();
+        }
+        Ok(head)
     }
 
-    /// Parses the numbers in these lines, which follow `before` others.
-    pub(crate) fn numbers(&self, lines: &mut TextLines, before: usize) -> Result<Vec<f64>, FaultAt> {
+    /// Byte at which the numbers start.
+    pub fn start(&self) -> u64 {
+        self.start
+    }
+
+    /// Lines before the numbers.
+    pub fn before(&self) -> LineCount {
+        self.before
+    }
+
+    /// Parses the numbers in a chunk; `before` counts the lines and numbers before it. The first number belongs to
+    /// row `before.items`, from 0.
+    ///
+    /// # Errors
+    /// [`ReadError::Malformed`] with the line.
+    pub fn numbers(&self, lines: &FileChunk, before: LineCount) -> Result<Vec<f64>, ReadError> {
+        self.parse_numbers(&mut lines.after(before.lines), before.items)
+    }
+
+    fn parse_numbers(&self, lines: &mut TextLines, before: usize) -> Result<Vec<f64>, ReadError> {
         let mut numbers = Vec::new();
         while let Some(line) = lines.content() {
-            numbers.push(number(&line, before + numbers.len() + 1, self.integer)?);
+            let [word] = line.fields().ok_or_else(|| line.malformed("one number"))?;
+            let what = Quantity::RightHandSide { row: before + numbers.len() + 1 };
+            numbers.push(line.number(word, what, self.is_integer)?);
         }
         Ok(numbers)
     }
 
-    /// Checks that there is one number for each row.
-    pub(crate) fn check_count(&self, found: usize) -> Result<(), FaultAt> {
-        if found == self.rows { Ok(()) } else { Err(FaultAt::whole_file(wrong_count(found, self.rows))) }
+    /// Checks that the whole file has one number for each row; `found` is their number.
+    ///
+    /// # Errors
+    /// [`ReadError::Malformed`] if not.
+    pub fn check(&self, file: &ChunkedFile, found: usize) -> Result<(), ReadError> {
+        self.check_count(file.path(), found)
+    }
+
+    fn check_count(&self, path: &Path, found: usize) -> Result<(), ReadError> {
+        if found == self.rows { Ok(()) } else { Err(ReadError::malformed(path, None, wrong_count(found, self.rows))) }
     }
 }
 
-fn check_sizes(lines: &mut TextLines, header: &MarketHeader, rows: usize) -> Result<(), FaultAt> {
+fn check_sizes(lines: &mut TextLines, rows: usize) -> Result<(), ReadError> {
     let Some(line) = lines.content() else {
-        return Err(FaultAt::line(header.line, TextFault::Sizes { expected: SIZES, found: quote(b"") }));
+        return Err(lines.fault(TextFault::Sizes { expected: SIZES, found: quote(b"") }));
     };
     match line.fields().map(|[rows, columns]| (whole(rows), whole(columns))) {
         Some((Some(found), Some(1))) if found == rows => Ok(()),
         Some((Some(found), Some(1))) => Err(line.fault(wrong_count(found, rows))),
         _ => Err(line.fault(TextFault::Sizes { expected: SIZES, found: line.quote() })),
-    }
-}
-
-fn number(line: &TextLine, row: usize, integer: bool) -> Result<f64, FaultAt> {
-    let [word] = line.fields().ok_or_else(|| line.malformed("one number"))?;
-    match real(word) {
-        Ok(number) if !integer || number.fract() == 0.0 => Ok(number),
-        other => Err(line.fault(TextFault::Number {
-            what: Quantity::RightHandSide { row },
-            found: quote(word),
-            problem: other.err().unwrap_or(NumberFault::NotAnInteger),
-        })),
     }
 }
 
@@ -124,7 +154,8 @@ fn wrong_count(found: usize, expected: usize) -> TextFault {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_prescribed(path: &Path, columns: usize) -> Result<Vec<(usize, f64)>, ReadError> {
-    parse_file(path, |bytes| merge_prescribed(prescribed_lines(&mut TextLines::new(bytes), columns)?))
+    let text = read_file(path)?;
+    merge_prescribed(path, parse_prescribed(&mut TextLines::new(path, &text), columns)?)
 }
 
 /// One line of prescribed values.
@@ -138,8 +169,19 @@ pub struct PrescribedLine {
     pub line: usize,
 }
 
-/// Parses lines of prescribed values.
-pub(crate) fn prescribed_lines(lines: &mut TextLines, columns: usize) -> Result<Vec<PrescribedLine>, FaultAt> {
+/// Parses the prescribed values in a chunk for a matrix of `columns` columns; `before` counts the lines before it.
+///
+/// # Errors
+/// [`ReadError::Malformed`] with the line.
+pub fn prescribed_lines(
+    lines: &FileChunk,
+    before: LineCount,
+    columns: usize,
+) -> Result<Vec<PrescribedLine>, ReadError> {
+    parse_prescribed(&mut lines.after(before.lines), columns)
+}
+
+fn parse_prescribed(lines: &mut TextLines, columns: usize) -> Result<Vec<PrescribedLine>, ReadError> {
     let mut prescribed = Vec::new();
     while let Some(line) = lines.content() {
         prescribed.push(prescribed_line(&line, columns)?);
@@ -147,40 +189,32 @@ pub(crate) fn prescribed_lines(lines: &mut TextLines, columns: usize) -> Result<
     Ok(prescribed)
 }
 
-/// Joins prescribed values, in the order of the file, into values by DOF.
-pub(crate) fn merge_prescribed(mut prescribed: Vec<PrescribedLine>) -> Result<Vec<(usize, f64)>, FaultAt> {
-    // The sort is stable, so that the earlier line stays first.
-    prescribed.sort_by_key(|line| line.column);
-    prescribed.windows(2).try_for_each(check_pair)?;
-    prescribed.dedup_by_key(|line| line.column);
-    Ok(prescribed.iter().map(|line| (line.column - 1, line.value)).collect())
-}
-
-fn prescribed_line(line: &TextLine, columns: usize) -> Result<PrescribedLine, FaultAt> {
+fn prescribed_line(line: &TextLine, columns: usize) -> Result<PrescribedLine, ReadError> {
     let [word, value] = line.fields().ok_or_else(|| line.malformed(FORM))?;
     let column = whole(word).ok_or_else(|| line.malformed(FORM))?;
     if column == 0 || column > columns {
         return Err(line.fault(TextFault::OutOfRange { what: "column", found: quote(word), size: columns }));
     }
-    let what = Quantity::Prescribed { column };
-    let number = real(value).map_err(|problem| line.fault(TextFault::Number { what, found: quote(value), problem }))?;
-    Ok(PrescribedLine { column, value: number, line: line.number })
+    let value = line.number(value, Quantity::Prescribed { column }, false)?;
+    Ok(PrescribedLine { column, value, line: line.number })
 }
 
-fn check_pair(pair: &[PrescribedLine]) -> Result<(), FaultAt> {
-    let [first, second] = pair else { return Ok(()) };
-    if first.column != second.column || first.value == second.value {
-        return Ok(());
+/// Joins the prescribed values of all chunks, in the order of the file, into `(DOF, value)`: ascending by DOF,
+/// 0-based.
+///
+/// # Errors
+/// [`ReadError::Malformed`] for one column with two values.
+pub fn merge_prescribed(path: &Path, mut prescribed: Vec<PrescribedLine>) -> Result<Vec<(usize, f64)>, ReadError> {
+    // The sort is stable, so that the earlier line stays first.
+    prescribed.sort_by_key(|line| line.column);
+    let differ = |pair: &&[PrescribedLine]| pair[0].column == pair[1].column && pair[0].value != pair[1].value;
+    if let Some([first, second]) = prescribed.windows(2).find(differ) {
+        let PrescribedLine { column, value, line } = *first;
+        let fault = TextFault::PrescribedTwice { column, first: value, first_line: line, second: second.value };
+        return Err(ReadError::malformed(path, Some(second.line), fault));
     }
-    Err(FaultAt::line(
-        second.line,
-        TextFault::PrescribedTwice {
-            column: first.column,
-            first: first.value,
-            first_line: first.line,
-            second: second.value,
-        },
-    ))
+    prescribed.dedup_by_key(|line| line.column);
+    Ok(prescribed.iter().map(|line| (line.column - 1, line.value)).collect())
 }
 
 /// Reads one label for each of `expected` rows or columns; `each` is "row" or "column".
@@ -203,29 +237,65 @@ fn check_pair(pair: &[PrescribedLine]) -> Result<(), FaultAt> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_labels(path: &Path, expected: usize, each: &'static str) -> Result<Vec<String>, ReadError> {
-    parse_file(path, |bytes| {
-        let mut lines = TextLines::new(bytes);
-        let mut labels = Vec::new();
-        while let Some(line) = lines.any() {
-            labels.push(String::from_utf8_lossy(line.text).into_owned());
-        }
-        let filled = labels.iter().rposition(|label| !label.trim().is_empty()).map_or(0, |last| last + 1);
-        check_label_count(labels.len(), filled, expected, each)?;
-        labels.truncate(expected);
-        Ok(labels)
-    })
+    let text = read_file(path)?;
+    let mut lines = TextLines::new(path, &text);
+    let mut labels = Vec::new();
+    while let Some(line) = lines.any() {
+        labels.push(String::from_utf8_lossy(line.text).into_owned());
+    }
+    let last_filled = labels.iter().rposition(|label| !label.trim().is_empty()).map_or(0, |last| last + 1);
+    check_labels(path, (labels.len(), last_filled), expected, each)?;
+    labels.truncate(expected);
+    Ok(labels)
 }
 
-/// Checks that there is one label for each row or column. `filled` is the last line that is not empty, from 1.
-pub(crate) fn check_label_count(
-    lines: usize,
-    filled: usize,
+/// Checks that a file of labels has one for each of `expected` rows or columns. `lines` is its number of lines,
+/// `last_filled` the last line that is not blank, from 1; `each` is "row" or "column".
+///
+/// # Errors
+/// [`ReadError::Malformed`] if not.
+pub fn check_labels(
+    path: &Path,
+    (lines, last_filled): (usize, usize),
     expected: usize,
     each: &'static str,
-) -> Result<(), FaultAt> {
-    let found = if lines > expected { filled.max(expected) } else { lines };
+) -> Result<(), ReadError> {
+    let found = if lines > expected { last_filled.max(expected) } else { lines };
     if found == expected {
         return Ok(());
     }
-    Err(FaultAt::whole_file(TextFault::Count { what: "labels", found, expected, each }))
+    Err(ReadError::malformed(path, None, TextFault::Count { what: "labels", found, expected, each }))
+}
+
+/// Reads the labels of these rows or columns (0-based, ascending) in one pass over the file. Blank lines give no
+/// label.
+///
+/// # Errors
+/// [`ReadError::Io`].
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("rows.txt");
+/// std::fs::write(&path, "RBE2:130\n\ntie 7, leg 2\n")?;
+/// let labels = qless_io::chunk::find_labels(&path, &[1, 2])?;
+/// assert_eq!(labels.into_iter().collect::<Vec<_>>(), [(2, "tie 7, leg 2".to_owned())]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn find_labels(path: &Path, wanted: &[usize]) -> Result<BTreeMap<usize, String>, ReadError> {
+    let mut reader = ChunkedFile::open(path)?.reader()?;
+    let (mut line, mut number, mut found) = (Vec::new(), 0, BTreeMap::new());
+    for &index in wanted {
+        while number <= index {
+            line.clear();
+            if reader.read_until(b'\n', &mut line).map_err(ReadError::io(path))? == 0 {
+                return Ok(found);
+            }
+            number += 1;
+        }
+        let mut lines =
+            if number == 1 { TextLines::new(path, &line) } else { TextLines::after(path, &line, number - 1) };
+        let label = lines.any().map(|line| String::from_utf8_lossy(line.text).into_owned());
+        found.extend(label.filter(|label| !label.trim().is_empty()).map(|label| (index, label)));
+    }
+    Ok(found)
 }

@@ -1,42 +1,43 @@
-//! The behaviour of a solver if two cards claim one DOF.
+//! Claims of two cards on one DOF, and the reaction of the solver.
 
-use qless_io::deck::clean::{EquationFault, Finding, findings};
+use qless_io::deck::clean::{FaultKind, Finding, findings};
 use qless_io::deck::{Deck, LoadCase, Model, Outcome, Prescribed};
 use serde::Serialize;
 
-/// Pairs of cards, in words, by what becomes of them.
+/// Descriptions of two claims on one DOF, grouped by the reaction of the solver.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Claims {
     /// The solver stops.
     pub refused: Vec<String>,
-    /// The solver drops one of the two without a word.
+    /// The solver drops one of the two claims without a message.
     pub ignored: Vec<IgnoredClaims>,
-    /// The solver may go on, with results that are not to be relied on.
+    /// The solver may continue, but its results are unreliable.
     pub unsound: Vec<String>,
-    /// Both hold.
+    /// Both claims hold.
     pub accepted: Vec<String>,
 }
 
-/// A claim that is dropped without a word.
+/// A claim that the solver drops without a message.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IgnoredClaims {
-    /// The card that has no effect on the DOF.
+    /// The card of the dropped claim.
     pub dropped: String,
     /// The two claims.
     pub claims: String,
 }
 
 impl Claims {
-    /// Those of a load case.
-    pub fn of(deck: &Deck, case: &LoadCase) -> Self {
+    /// The claims in a load case.
+    pub fn new(deck: &Deck, case: &LoadCase) -> Self {
         let (model, solver) = (deck.model(), deck.solver());
         let mut claims = Self::default();
         for finding in findings(model, case, solver) {
             claims.add(finding.outcome, finding.fault.describe(model), |_| dropped(&finding, model));
         }
-        for (first, second) in values(case) {
+        for (first, second) in contradicting_values(case) {
             let place = |given: &Prescribed| model.place(given.origin);
-            let words = format!("{} is prescribed in {}, and otherwise in {}", first.dof, place(first), place(second));
+            let words =
+                format!("{} is prescribed in {}, and with another value in {}", first.dof, place(first), place(second));
             claims.add(solver.prescribed_twice(), words, |is_first| place(if is_first { first } else { second }));
         }
         let stops = model.refusals().iter().map(|refusal| format!("{}: {}", model.place_of(refusal), refusal.text));
@@ -54,15 +55,15 @@ impl Claims {
         }
     }
 
-    /// Adds those of another load case that are not in it yet.
-    pub fn unite(&mut self, other: &Self) {
+    /// Adds the claims of another load case that are not yet included.
+    pub fn merge(&mut self, other: &Self) {
         add(&mut self.refused, &other.refused);
         add(&mut self.ignored, &other.ignored);
         add(&mut self.unsound, &other.unsound);
         add(&mut self.accepted, &other.accepted);
     }
 
-    /// `2 refused, 1 dropped`, of what is not accepted.
+    /// Counts of the claims that are not accepted: `2 refused, 1 dropped`.
     pub fn summary(&self) -> Option<String> {
         let counts =
             [(self.refused.len(), "refused"), (self.ignored.len(), "dropped"), (self.unsound.len(), "unsound")];
@@ -79,7 +80,7 @@ impl IgnoredClaims {
 }
 
 fn add<T: Clone + PartialEq>(all: &mut Vec<T>, more: &[T]) {
-    // Load cases repeat each other mostly whole.
+    // Load cases usually have the same claims.
     if all.is_empty() {
         all.extend_from_slice(more);
     } else if all.as_slice() != more {
@@ -91,15 +92,15 @@ fn add<T: Clone + PartialEq>(all: &mut Vec<T>, more: &[T]) {
 /// The card that a solver drops for a fault.
 fn dropped(finding: &Finding, model: &Model) -> String {
     let equation = |i: usize| model.equation(i).map_or_else(String::new, |equation| model.place(equation.origin));
-    match (finding.dropped(), finding.fault) {
+    match (finding.dropped(), finding.fault.kind) {
         (Some(i), _) => equation(i),
-        (None, EquationFault::SlavePrescribed { by, .. }) => model.place(by),
-        (None, fault) => equation(fault.equation()),
+        (None, FaultKind::SlavePrescribed { by, .. }) => model.place(by),
+        (None, _) => equation(finding.fault.equation),
     }
 }
 
-/// Values of one DOF that contradict each other.
-fn values(case: &LoadCase) -> impl Iterator<Item = (&Prescribed, &Prescribed)> {
+/// Pairs of different prescribed values for one DOF.
+fn contradicting_values(case: &LoadCase) -> impl Iterator<Item = (&Prescribed, &Prescribed)> {
     case.clashes.iter().filter_map(|second| {
         let first = case.prescribed.binary_search_by_key(&second.dof, |given| given.dof).ok()?;
         Some((&case.prescribed[first], second))

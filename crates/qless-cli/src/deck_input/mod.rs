@@ -1,8 +1,8 @@
-//! A deck as input: every load case analysed, what its solver makes of cards that claim one DOF, and what was left out.
+//! A deck as input: analyses the chosen load cases, predicts the reactions of the solver, and lists constraints that were left out.
 
+mod case_result;
 mod choice;
 mod claims;
-mod found;
 mod report;
 mod sections;
 
@@ -11,97 +11,97 @@ use std::collections::BTreeSet;
 use qless::{Analysis, ConstraintSystem};
 use qless_io::deck::{Deck, LoadCase};
 
+use case_result::{CaseAnalysis, CaseResult, analyse_case};
 pub use choice::LoadCaseChoice;
 use claims::Claims;
-use found::{Examined, Found, examine};
 pub use report::DeckReport;
 
 use crate::failure::{CliFailure, say};
 
-/// Warnings shown at most; JSON has all of them.
+/// Most warnings shown; JSON has all of them.
 const SHOWN: usize = 5;
 
-/// A deck, and the load case that the report is about.
+/// A deck and the results of its load cases.
 pub struct DeckInput {
     pub deck: Deck,
-    /// The load case with the worst diagnosis, the first of them; what the solver makes of it breaks ties.
+    /// Index of the load case to report: the first of those with the most severe result.
     pub case: usize,
-    /// The load cases that were looked at, in the deck's order.
+    /// The load cases that were analysed, in the deck's order.
     cases: Vec<DeckLoadCase>,
-    /// The results of load cases that constrain differently.
-    found: Vec<Found>,
+    /// Results; load cases that constrain the same share one.
+    results: Vec<CaseResult>,
 }
 
-/// A load case that was looked at.
+/// A load case that was analysed.
 struct DeckLoadCase {
-    /// Its number in the model, from 0.
+    /// Index in the model.
     number: usize,
-    /// Index of its result, which load cases that constrain the same share.
-    found: usize,
+    /// Index of its result.
+    result: usize,
 }
 
 /// Analyses the system of a load case.
-pub type Run<'a> = &'a dyn Fn(&ConstraintSystem, (&Deck, &LoadCase)) -> Result<Analysis, CliFailure>;
+pub type AnalyseCase<'a> = &'a dyn Fn(&ConstraintSystem, (&Deck, &LoadCase)) -> Result<Analysis, CliFailure>;
 
 impl DeckInput {
-    /// Analyses the load cases that were chosen and keeps the worst; certificates of all of them have at most `terms` terms.
+    /// Analyses the chosen load cases; returns the system and the analysis of the most severe one. All certificates together have at
+    /// most `terms` terms.
     pub fn analyse(
         deck: Deck,
         choice: &LoadCaseChoice,
         terms: usize,
-        run: Run,
+        analyse: AnalyseCase,
     ) -> Result<(ConstraintSystem, Analysis, Self), CliFailure> {
-        let chosen = choice.of(deck.model()).map_err(|error| CliFailure::of_deck(&deck, &error))?;
+        let chosen = choice.select(deck.model()).map_err(|error| CliFailure::from_deck(&deck, &error))?;
         let terms = terms / chosen.len().max(1);
-        let mut worst: Option<(usize, usize, Examined)> = None;
-        let (mut cases, mut found): (Vec<DeckLoadCase>, Vec<Found>) = (Vec::new(), Vec::new());
+        let mut worst: Option<(usize, [usize; 5], CaseAnalysis)> = None;
+        let (mut cases, mut results): (Vec<DeckLoadCase>, Vec<CaseResult>) = (Vec::new(), Vec::new());
         for number in chosen {
             let case = &deck.model().cases()[number];
             let same = cases.iter().find(|known| deck.model().cases()[known.number].constrains_as(case));
-            if let Some(same) = same.map(|known| known.found) {
-                cases.push(DeckLoadCase { number, found: same });
+            if let Some(result) = same.map(|known| known.result) {
+                cases.push(DeckLoadCase { number, result });
                 continue;
             }
-            let examined = examine(&deck, case, run)?;
-            cases.push(DeckLoadCase { number, found: found.len() });
-            found.push(Found::of(&deck, case, &examined, terms));
-            let of = |k: usize| found[k].badness();
-            if worst.as_ref().is_none_or(|(_, before, _)| of(found.len() - 1) > of(*before)) {
-                worst = Some((number, found.len() - 1, examined));
+            let analysed = analyse_case(&deck, case, analyse)?;
+            let result = CaseResult::new(&deck, case, &analysed, terms);
+            if worst.as_ref().is_none_or(|(_, severity, _)| result.severity() > *severity) {
+                worst = Some((number, result.severity(), analysed));
             }
+            cases.push(DeckLoadCase { number, result: results.len() });
+            results.push(result);
         }
-        let Some((case, _, Examined { system, analysis, .. })) = worst else {
-            return Err(CliFailure::of_deck(&deck, &"the deck has no load case"));
+        let Some((case, _, CaseAnalysis { system, analysis, .. })) = worst else {
+            return Err(CliFailure::from_deck(&deck, &"the deck has no load case"));
         };
-        Ok((system, analysis, Self { deck, case, cases, found }))
+        Ok((system, analysis, Self { deck, case, cases, results }))
     }
 
-    /// The result of the load case that the report is about.
-    fn shown(&self) -> &Found {
+    /// The result of the load case to report.
+    fn shown(&self) -> &CaseResult {
         let case = self.cases.iter().find(|case| case.number == self.case);
-        &self.found[case.map_or(0, |case| case.found)]
+        &self.results[case.map_or(0, |case| case.result)]
     }
 
     /// The claims of all load cases.
     pub fn claims(&self) -> Claims {
         let mut claims = Claims::default();
-        self.found.iter().for_each(|found| claims.unite(&found.solver));
+        self.results.iter().for_each(|result| claims.merge(&result.claims));
         claims
     }
 
-    /// Whether the solver stops or goes wrong in any load case.
+    /// Whether the solver stops or computes unreliable results in any load case.
     pub fn needs_cleaning(&self) -> bool {
-        self.found.iter().any(|found| !found.solver.refused.is_empty() || !found.solver.unsound.is_empty())
+        self.results.iter().any(|result| !result.claims.refused.is_empty() || !result.claims.unsound.is_empty())
     }
 
-    /// Claims that the solver drops in any load case; none where it does not run the deck at all.
+    /// Number of claims that the solver drops in any load case; 0 if it does not run the deck at all.
     pub fn dropped(&self) -> usize {
-        if self.found.iter().any(|found| !found.solver.refused.is_empty()) {
+        if self.results.iter().any(|result| !result.claims.refused.is_empty()) {
             return 0;
         }
-        let all: BTreeSet<&str> =
-            self.found.iter().flat_map(|f| &f.solver.ignored).map(|i| i.claims.as_str()).collect();
-        all.len()
+        let dropped = self.results.iter().flat_map(|result| &result.claims.ignored);
+        dropped.map(|ignored| ignored.claims.as_str()).collect::<BTreeSet<&str>>().len()
     }
 
     /// Constraints that were not read, each with its place in the deck.

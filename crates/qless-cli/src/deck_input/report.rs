@@ -1,21 +1,21 @@
-//! The keys of JSON and of the page that only decks have.
+//! The keys that only decks have, in JSON and on the HTML page.
 
 use qless::report::{Counts, DependentEquation};
 use qless::{Analysis, Status};
 use serde::Serialize;
 
-use super::DeckInput;
-use super::claims::Claims;
+use super::claims::{Claims, IgnoredClaims};
+use super::{CaseResult, DeckInput};
 
 /// Keys of the report that only decks have.
 #[derive(Serialize)]
 pub struct DeckReport<'a> {
     solver: SolverReport,
     cases: Vec<CaseReport<'a>>,
-    deck: OfCase,
+    deck: ShownCase,
 }
 
-/// The solver whose behaviour counts, and what it does in any load case.
+/// The solver, and its reactions in any of the load cases.
 #[derive(Serialize)]
 struct SolverReport {
     name: &'static str,
@@ -39,9 +39,9 @@ struct CaseReport<'a> {
     dependent: &'a [DependentEquation],
 }
 
-/// The load case that the report is about; what the solver does is that of all load cases looked at.
+/// The load case to report, with the reactions of the solver in all load cases that were analysed.
 #[derive(Serialize)]
-struct OfCase {
+struct ShownCase {
     load_case: String,
     other_load_cases: Vec<String>,
     solver_refuses: Vec<String>,
@@ -52,48 +52,47 @@ struct OfCase {
 }
 
 impl DeckInput {
-    /// For JSON and the page.
     pub fn report(&self, analysis: &Analysis) -> DeckReport<'_> {
         let claims = self.claims();
         DeckReport {
             cases: (0..self.cases.len()).map(|k| self.case_report(k)).collect(),
-            deck: self.of_case(analysis, &claims),
+            deck: self.shown_case(analysis, &claims),
             solver: SolverReport { name: self.deck.solver().name(), claims },
         }
     }
 
     fn case_report(&self, k: usize) -> CaseReport<'_> {
         let case = &self.cases[k];
-        let found = &self.found[case.found];
+        let result = &self.results[case.result];
         let first =
-            self.cases.iter().find(|other| other.found == case.found).filter(|first| first.number != case.number);
+            self.cases.iter().find(|other| other.result == case.result).filter(|first| first.number != case.number);
         CaseReport {
             name: self.name(case.number),
-            status: found.status,
-            rank: found.rank,
-            counts: found.counts,
+            status: result.status,
+            rank: result.rank,
+            counts: result.counts,
             same_as: first.map(|first| self.name(first.number)),
-            when: found.when.as_deref(),
-            solver: &found.solver,
-            dependent: &found.dependent,
+            when: result.when.as_deref(),
+            solver: &result.claims,
+            dependent: &result.dependent,
         }
     }
 
-    fn of_case(&self, analysis: &Analysis, claims: &Claims) -> OfCase {
+    fn shown_case(&self, analysis: &Analysis, claims: &Claims) -> ShownCase {
         let shown = self.shown();
-        let others = self.found.iter().zip(0..).filter(|(found, _)| !std::ptr::eq(*found, shown));
-        let other = |(found, k)| {
-            let first = self.cases.iter().find(|case| case.found == k).map_or("", |case| self.name(case.number));
-            let counts = found_counts(found);
-            format!("{first}: {counts}")
+        let others = self.results.iter().zip(0..).filter(|(result, _)| !std::ptr::eq(*result, shown));
+        let other = |(result, k): (&CaseResult, usize)| {
+            let first = self.cases.iter().find(|case| case.result == k).map_or("", |case| self.name(case.number));
+            let Counts { independent, redundant, conflicting, .. } = result.counts;
+            format!("{first}: {independent} independent, {redundant} redundant, {conflicting} conflicting")
         };
-        OfCase {
+        ShownCase {
             load_case: self.name(self.case).to_owned(),
             other_load_cases: others.map(other).collect(),
             solver_refuses: claims.refused.clone(),
-            solver_ignores: claims.ignored.iter().map(super::claims::IgnoredClaims::words).collect(),
+            solver_ignores: claims.ignored.iter().map(IgnoredClaims::words).collect(),
             solver_unsound: claims.unsound.clone(),
-            loads_without_effect: self.swallowed(analysis),
+            loads_without_effect: self.loads_on_fixed_dofs(analysis),
             warnings: self.deck.model().warnings().iter().map(|warning| self.place(warning)).collect(),
         }
     }
@@ -102,9 +101,4 @@ impl DeckInput {
     pub(super) fn name(&self, number: usize) -> &str {
         &self.deck.model().cases()[number].name
     }
-}
-
-fn found_counts(found: &super::Found) -> String {
-    let Counts { independent, redundant, conflicting, .. } = found.counts;
-    format!("{independent} independent, {redundant} redundant, {conflicting} conflicting")
 }

@@ -8,30 +8,33 @@ use super::claims::IgnoredClaims;
 use crate::wording::layout::LayoutSection;
 
 impl DeckInput {
-    /// In the order of their weight.
+    /// The most important first.
     pub fn sections(&self, analysis: &Analysis) -> Vec<LayoutSection> {
         let (solver, shown) = (self.deck.solver(), self.shown());
-        let ignored = shown.solver.ignored.iter().map(IgnoredClaims::words).collect();
+        let ignored = shown.claims.ignored.iter().map(IgnoredClaims::words).collect();
         let sections = [
-            LayoutSection::new("Left out, though it constrains:", self.left_out()),
+            LayoutSection::new("Constraints that were left out:", self.left_out()),
             self.table(),
-            LayoutSection::new(format!("{solver} refuses, as they stand:"), shown.solver.refused.clone()),
-            LayoutSection::new(format!("{solver} silently drops, as they stand:"), ignored),
+            LayoutSection::new(format!("{solver} refuses these claims:"), shown.claims.refused.clone()),
+            LayoutSection::new(format!("{solver} drops these claims without a message:"), ignored),
             LayoutSection::new(
-                format!("{solver} may go on with these, but what it computes then is not to be relied on:"),
-                shown.solver.unsound.clone(),
+                format!("{solver} may continue with these, but its results are then unreliable:"),
+                shown.claims.unsound.clone(),
             ),
-            LayoutSection::new("Loads without effect, on DOFs that the equations fix:", self.swallowed(analysis)),
+            LayoutSection::new(
+                "Loads without effect, on DOFs that the equations fix:",
+                self.loads_on_fixed_dofs(analysis),
+            ),
         ];
         sections.into_iter().flatten().collect()
     }
 
-    /// One line for each load case that differs, the worst first.
+    /// One line for each load case that constrains differently, the reported one first.
     fn table(&self) -> Option<LayoutSection> {
         let shown = self.shown();
         let when = shown.when.as_ref().map_or(String::new(), |when| format!(", {when}"));
-        let mut order: Vec<usize> = (0..self.found.len()).collect();
-        order.sort_by_key(|&k| !std::ptr::eq(&raw const self.found[k], shown));
+        let mut order: Vec<usize> = (0..self.results.len()).collect();
+        order.sort_by_key(|&k| !std::ptr::eq(&raw const self.results[k], shown));
         let rows = order.into_iter().map(|k| self.row(k)).collect();
         let name = self.name(self.case);
         match (self.cases.len(), self.deck.model().cases().len()) {
@@ -45,20 +48,20 @@ impl DeckInput {
     /// `step 1 and 4 alike: rank 12, 0 redundant, 0 conflicting; 2 refused`.
     fn row(&self, k: usize) -> String {
         let alike: Vec<&str> =
-            self.cases.iter().filter(|case| case.found == k).map(|case| self.name(case.number)).collect();
+            self.cases.iter().filter(|case| case.result == k).map(|case| self.name(case.number)).collect();
         let names = match alike[..] {
             [] => String::new(),
             [one] => one.to_owned(),
             [one, other] => format!("{one} and {other}"),
             [one, ..] => format!("{one} and {} alike", alike.len() - 1),
         };
-        let found = &self.found[k];
-        let solver = found.solver.summary().map_or(String::new(), |text| format!("; {}: {text}", self.deck.solver()));
-        format!("{names}: {}{solver}", found.summary())
+        let result = &self.results[k];
+        let solver = result.claims.summary().map_or(String::new(), |text| format!("; {}: {text}", self.deck.solver()));
+        format!("{names}: {}{solver}", result.summary())
     }
 
     /// Loads on DOFs that the equations fix.
-    pub(super) fn swallowed(&self, analysis: &Analysis) -> Vec<String> {
+    pub(super) fn loads_on_fixed_dofs(&self, analysis: &Analysis) -> Vec<String> {
         let model = self.deck.model();
         let is_fixed = |dof: Dof| {
             let column = model.column(dof).map(|j| j as usize);

@@ -1,7 +1,7 @@
-//! The end of a run that got no memory and cannot go on.
+//! Ends the program when an allocation fails and the code cannot continue.
 //!
-//! `handle_alloc_error` aborts, and the signal comes on the thread that failed, outside of the allocator and of its locks: so
-//! the handler may do what ordinary code may. It allocates nothing; what removes files has [`super::reserve`].
+//! `handle_alloc_error` aborts. The signal handler runs on the thread that failed, outside the allocator and its locks, so that it may
+//! do what ordinary code may. It allocates nothing; the removal of files may use the [`reserve`](super::reserve).
 
 use std::cell::Cell;
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use std::time::Duration;
 use super::{guard, refusal, system};
 use crate::exit_code;
 
-/// Below this much address space each thread's own heap would take what the model needs.
+/// With less address space than this, all threads share one heap: a heap for each thread would leave too little for the model.
 const SCARCE: usize = 2 << 30;
 
 static CLEAN: OnceLock<fn()> = OnceLock::new();
@@ -22,10 +22,10 @@ thread_local! {
     static ENDING_HERE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// At the start: from now on a run that cannot go on without memory says so, calls `clean`, and exits with 3.
+/// Call this first. If memory then runs out, the program writes an error, calls `clean`, and exits with 3.
 ///
-/// `clean` removes what must not stay behind. It must not wait for what the thread that failed may hold. What it allocates comes from
-/// the [`reserve`](super::reserve) if need be, if it counts as [`qless_io::write::is_at_work`].
+/// `clean` removes temporary files. It must not wait for locks that the failed thread may hold. Its allocations may come from the
+/// [`reserve`](super::reserve) while [`qless_io::write::is_at_work`].
 pub fn on_out_of_memory(clean: fn()) {
     if system::address_space_allowed().is_some_and(|bytes| bytes < SCARCE) {
         system::share_heap();
@@ -34,7 +34,7 @@ pub fn on_out_of_memory(clean: fn()) {
     system::on_abort(end_of_abort);
     let other = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        // Some libraries panic where they get no memory.
+        // Some libraries panic if an allocation fails.
         if refusal::is_here() {
             end();
         }
@@ -48,17 +48,17 @@ extern "C" fn end_of_abort(_: libc::c_int) {
     if refusal::is_here() {
         end();
     }
-    // Something else went wrong.
-    system::abort_as_ever();
+    // Not an allocation: abort as usual.
+    system::restore_abort();
 }
 
 fn end() -> ! {
     if ENDING_HERE.replace(true) {
-        // Not even the reserve was enough.
+        // The reserve was too small.
         system::exit(i32::from(exit_code::RESOURCE));
     }
     while ENDING.swap(true, SeqCst) {
-        // Another thread is at it.
+        // Another thread is ending the program.
         std::thread::sleep(Duration::from_secs(1));
     }
     let mut line = OneLine { text: [0; 512], length: 0 };

@@ -1,15 +1,18 @@
-//! `held + wanted <= limit`, asked at every allocation.
+//! An allocator that refuses an allocation unless `held + wanted <= limit`.
 //!
-//! Held is the larger of two numbers. The bytes handed out foresee pages that are not yet touched; spare room that stays untouched
-//! for long is not counted. The resident pages hold what is not ours to count: C's memory, code, stacks, and what was freed but not
-//! given back. Reading them takes microseconds, so they are read again after each 64th of the limit that is handed out.
+//! `held` is the larger of two numbers:
 //!
-//! Blocks that begin on a page are counted by their resident pages alone. Nobody asks for that but who manages pages: faer's
-//! products take twice the cache for each thread, 64 MiB on a server, and touch as much as they copy of their factors.
+//! - The allocated bytes. They include pages that are not touched yet, but not those that remain untouched for long.
+//! - The resident pages. They include memory that this allocator does not see: C's allocations, code, stacks, and freed memory that
+//!   was not returned to the system. Reading their number takes microseconds, so it is read once for each 64th of the limit that is
+//!   allocated.
 //!
-//! Threads count for themselves and add to the common count after each 64 KiB, so that no number is everybody's.
+//! Page-aligned blocks count by their resident pages only. The matrix products of faer allocate such blocks: twice the cache for each
+//! thread, 64 MiB on a server, but they touch only the part into which they copy their factors.
+//!
+//! Each thread counts its own bytes and adds them to the shared count after 64 KiB, so that threads do not contend for it.
 
-#![allow(unsafe_code, reason = "an allocator is an unsafe trait; all its work is the system's")]
+#![allow(unsafe_code, reason = "`GlobalAlloc` is an unsafe trait; the system's allocator does the work")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -18,63 +21,63 @@ use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering::Relaxed};
 use super::refusal::{By, Refusal};
 use super::{reserve, system};
 
-/// The system's allocator within the limit.
+/// The system's allocator with a limit.
 pub struct Guard;
 
-/// Bytes that a thread counts for itself.
+/// Bytes that a thread counts before it adds them to the shared count.
 const BATCH: usize = 64 << 10;
 
-/// From this alignment on a block is counted by what is touched of it.
+/// Blocks of at least this alignment count by their resident pages.
 const PAGE: usize = 4096;
 
 static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
-/// Resident when the limit was set.
+/// Resident bytes when the limit was set.
 static BASE: AtomicUsize = AtomicUsize::new(0);
-/// Handed out since then and not freed.
+/// Bytes allocated since then and not freed.
 static LIVE: AtomicIsize = AtomicIsize::new(0);
-/// Handed out since the resident pages were read.
+/// Bytes allocated since the resident pages were last read.
 static SINCE: AtomicUsize = AtomicUsize::new(0);
-/// Bytes handed out that were not resident, the last times that these were read.
+/// Allocated bytes that were not resident, at the last 8 readings.
 static UNTOUCHED: [AtomicUsize; 8] = [const { AtomicUsize::new(0) }; 8];
-/// How often that was.
-static LOOKS: AtomicUsize = AtomicUsize::new(0);
-/// The least of them.
+/// Number of readings.
+static READINGS: AtomicUsize = AtomicUsize::new(0);
+/// The smallest of `UNTOUCHED`.
 static IDLE: AtomicUsize = AtomicUsize::new(0);
 
 thread_local! {
-    /// Handed out less freed, and handed out, that this thread has not yet added to the counts.
+    /// Bytes that this thread has not yet added to the shared counts: allocated minus freed, and allocated.
     static OWN: Cell<(isize, usize)> = const { Cell::new((0, 0)) };
 }
 
-/// Begins to count, and refuses what would be more than this.
+/// Starts to count and sets the limit.
 pub fn limit(bytes: usize) {
     BASE.store(system::resident(), Relaxed);
     LIVE.store(0, Relaxed);
     LIMIT.store(bytes, Relaxed);
 }
 
-/// Refuses nothing any more.
+/// Removes the limit.
 pub fn lift() {
     LIMIT.store(usize::MAX, Relaxed);
 }
 
-/// Bytes that may still be allocated; none without a limit.
-pub fn left() -> Option<usize> {
+/// Bytes that may still be allocated; `None` without a limit.
+pub fn remaining() -> Option<usize> {
     let limit = LIMIT.load(Relaxed);
-    (limit != usize::MAX).then(|| limit.saturating_sub(look()))
+    (limit != usize::MAX).then(|| limit.saturating_sub(in_use()))
 }
 
-/// Bytes in use, with those handed out that may soon be touched.
+/// Allocated bytes, without those that remain untouched.
 fn held() -> usize {
-    handed_out().saturating_sub(IDLE.load(Relaxed))
+    allocated().saturating_sub(IDLE.load(Relaxed))
 }
 
-fn handed_out() -> usize {
+fn allocated() -> usize {
     BASE.load(Relaxed).saturating_add_signed(LIVE.load(Relaxed))
 }
 
-/// Books `bytes`; false if there is no room for them.
-fn book(bytes: usize) -> bool {
+/// Counts `bytes`; false if they exceed the limit.
+fn reserve_bytes(bytes: usize) -> bool {
     let limit = LIMIT.load(Relaxed);
     if limit == usize::MAX {
         return true;
@@ -86,14 +89,14 @@ fn book(bytes: usize) -> bool {
         return true;
     }
     OWN.set((0, 0));
-    // Without these bytes, which nobody has touched.
+    // The new bytes are added below: they are not resident yet.
     LIVE.fetch_add(net - bytes as isize, Relaxed);
-    if is_time_to_look(handed, limit) || held().saturating_add(bytes) > limit {
-        let fits = || look().saturating_add(bytes) <= limit;
+    if update_idle(handed, limit) || held().saturating_add(bytes) > limit {
+        let fits = || in_use().saturating_add(bytes) <= limit;
         if !fits() {
             system::give_back();
             if !fits() {
-                Refusal { wanted: bytes, held: look(), allowed: limit, by: By::Option }.keep();
+                Refusal { wanted: bytes, held: in_use(), allowed: limit, by: By::Option }.keep();
                 return false;
             }
         }
@@ -102,25 +105,24 @@ fn book(bytes: usize) -> bool {
     true
 }
 
-/// Whether much was handed out since the last look.
-fn is_time_to_look(handed: usize, limit: usize) -> bool {
-    let is_time = SINCE.fetch_add(handed, Relaxed) + handed >= limit / 64;
-    if is_time {
+/// Reads the resident pages again if a 64th of the limit was allocated since the last reading; returns whether it did.
+fn update_idle(handed: usize, limit: usize) -> bool {
+    let is_due = SINCE.fetch_add(handed, Relaxed) + handed >= limit / 64;
+    if is_due {
         SINCE.store(0, Relaxed);
-        // What was not touched at any of the last looks.
-        let place = LOOKS.fetch_add(1, Relaxed) % UNTOUCHED.len();
-        UNTOUCHED[place].store(handed_out().saturating_sub(system::resident()), Relaxed);
+        let place = READINGS.fetch_add(1, Relaxed) % UNTOUCHED.len();
+        UNTOUCHED[place].store(allocated().saturating_sub(system::resident()), Relaxed);
         IDLE.store(UNTOUCHED.iter().map(|bytes| bytes.load(Relaxed)).min().unwrap_or(0), Relaxed);
     }
-    is_time
+    is_due
 }
 
-/// Bytes in use by either count.
-fn look() -> usize {
+/// Bytes in use: the larger count.
+fn in_use() -> usize {
     held().max(system::resident())
 }
 
-fn give(bytes: usize) {
+fn release_bytes(bytes: usize) {
     if LIMIT.load(Relaxed) == usize::MAX {
         return;
     }
@@ -134,52 +136,53 @@ fn give(bytes: usize) {
     }
 }
 
-/// How many bytes of a block of this alignment are counted when they are handed out.
+/// Bytes of a block that count when it is allocated; 0 if it is page-aligned.
 fn counted(bytes: usize, layout: Layout) -> usize {
     if layout.align() < PAGE { bytes } else { 0 }
 }
 
-/// Null if there is no room for `bytes` or the system has none; the numbers are kept.
-fn ask(bytes: usize, layout: Layout, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
+/// Calls `allocate`. Returns null, and records the refusal, if the limit or the system refuses `bytes`.
+fn allocate_within_limit(bytes: usize, layout: Layout, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
     #[cfg(feature = "faults")]
     if super::faults::fails() {
         Refusal::of_system(bytes).keep();
         return std::ptr::null_mut();
     }
     let counted = counted(bytes, layout);
-    if !book(counted) {
+    if !reserve_bytes(counted) {
         return std::ptr::null_mut();
     }
     let block = allocate();
     if block.is_null() {
-        give(counted);
+        release_bytes(counted);
         Refusal::of_system(bytes).keep();
     }
     block
 }
 
-/// `block`, or one of the reserve where there is none for what must not be cut off.
+/// Returns `block`; if it is null while files are being put in place, a block of the reserve.
 fn or_reserve(block: *mut u8, layout: Layout) -> *mut u8 {
     if block.is_null() && qless_io::write::is_at_work() { reserve::take(layout) } else { block }
 }
 
-// SAFETY: every block comes from and goes back to the system's allocator as it was asked for, or is of the reserve; counting allocates nothing.
+// SAFETY: every block comes from the system's allocator and returns to it with the same layout, or belongs to the reserve. Counting
+// does not allocate.
 unsafe impl GlobalAlloc for Guard {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: passed on as it came.
-        or_reserve(ask(layout.size(), layout, || unsafe { System.alloc(layout) }), layout)
+        // SAFETY: the caller's promises are passed on.
+        or_reserve(allocate_within_limit(layout.size(), layout, || unsafe { System.alloc(layout) }), layout)
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: passed on as it came.
-        or_reserve(ask(layout.size(), layout, || unsafe { System.alloc_zeroed(layout) }), layout)
+        // SAFETY: the caller's promises are passed on.
+        or_reserve(allocate_within_limit(layout.size(), layout, || unsafe { System.alloc_zeroed(layout) }), layout)
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
         if !reserve::owns(block) {
-            // SAFETY: passed on as it came.
+            // SAFETY: the caller's promises are passed on.
             unsafe { System.dealloc(block, layout) };
-            give(counted(layout.size(), layout));
+            release_bytes(counted(layout.size(), layout));
         }
     }
 
@@ -188,14 +191,14 @@ unsafe impl GlobalAlloc for Guard {
             std::ptr::null_mut()
         } else {
             let more = size.saturating_sub(layout.size());
-            // SAFETY: passed on as it came.
-            ask(more, layout, || unsafe { System.realloc(block, layout, size) })
+            // SAFETY: the caller's promises are passed on.
+            allocate_within_limit(more, layout, || unsafe { System.realloc(block, layout, size) })
         };
         if !moved.is_null() {
-            give(counted(layout.size().saturating_sub(size), layout));
+            release_bytes(counted(layout.size().saturating_sub(size), layout));
             return moved;
         }
-        // SAFETY: the size is one that a layout may have, by the caller's promise; old and new block are two, and each is as long as is copied.
+        // SAFETY: the caller promises that a layout may have this size. The two blocks do not overlap, and both are long enough.
         unsafe {
             let wanted = Layout::from_size_align_unchecked(size, layout.align());
             let moved = if reserve::owns(block) { self.alloc(wanted) } else { or_reserve(moved, wanted) };

@@ -1,29 +1,28 @@
-//! The memory of a run: one limit for all of it, and an end in order where there is no more.
+//! Limits the memory of a run, and ends it cleanly if memory runs out.
 //!
-//! Three lines of defence, from early to late:
+//! There are three lines of defence, from early to late:
 //!
-//! 1. **What can be foreseen is refused before it is tried.** A limit that the program itself does not fit in is refused at the start
-//!    ([`limit`]). What the input leaves of it ([`left`]) goes to the library as [`qless::Options::memory`]: each factorization compares
-//!    what it will allocate with that, or counts as it fills in, and refuses with an error that has both numbers.
-//! 2. **Every allocation asks.** All of Rust's memory comes through [`Guard`]. With `--memory` it refuses what would go beyond the
-//!    limit: the larger of the bytes handed out and of the resident pages, which also hold what C allocates, code and stacks. The
-//!    system refuses beyond `ulimit -v`. Either way the caller gets null and [`refusal`] keeps both numbers. Code that can go
-//!    on (`try_reserve`) returns an error, and [`crate::failure`] adds the numbers.
-//! 3. **What cannot go on ends in order.** Code that cannot go on calls `handle_alloc_error`, which aborts; [`exit_report`] takes that signal,
-//!    says what was needed and what was allowed, removes staged files, and exits with 3. Nothing unwinds.
+//! 1. **Predicted needs are checked first.** [`limit`] refuses a limit that is too small for the program itself. The memory that remains
+//!    after reading the input ([`remaining`]) becomes [`qless::Options::memory`]: each factorization compares its predicted size with it, or
+//!    checks its size while it fills in, and returns an error with both numbers.
+//! 2. **Every allocation is checked.** Rust allocates through [`Guard`], which enforces `--memory`; the system enforces `ulimit -v`. In
+//!    both cases the caller gets null, and [`refusal`] records the needed and the allowed bytes. Code that can continue
+//!    (`try_reserve`) returns an error, and [`crate::failure`] adds the numbers.
+//! 3. **Code that cannot continue ends the program.** It calls `handle_alloc_error`, which aborts. [`exit_report`] handles the signal:
+//!    it writes the needed and the allowed bytes, removes staged files, and exits with 3. Nothing unwinds.
 //!
 //! | module | holds |
 //! | --- | --- |
 //! | [`guard`] | the allocator: counts and refuses |
 //! | [`refusal`] | the numbers of a refusal, in words |
-//! | [`reserve`] | memory for what must not be cut off |
-//! | [`exit_report`] | the end of a run that cannot go on |
-//! | [`threads`] | as many threads as there is address space for |
-//! | [`size`] | `8MiB` and how sizes are written |
-//! | [`system`] | what the operating system tells and is told |
+//! | [`reserve`] | memory for operations that must complete |
+//! | [`exit_report`] | the end of a run that cannot continue |
+//! | [`threads`] | as many threads as the address space allows |
+//! | [`size`] | parses and writes sizes, such as `8MiB` |
+//! | [`system`] | calls of the operating system |
 //! | `faults` | allocations that fail on purpose, for tests |
 //!
-//! The counts cost nothing without `--memory`: [`Guard`] then looks at one number that no thread changes.
+//! Without `--memory` the counts cost nothing: [`Guard`] then reads one number that no thread changes.
 
 mod exit_report;
 #[cfg(feature = "faults")]
@@ -36,34 +35,29 @@ mod system;
 pub mod threads;
 
 pub use exit_report::on_out_of_memory;
-pub use guard::Guard;
+pub use guard::{Guard, remaining};
 use refusal::Refusal;
 pub use size::{Size, parse};
 
-/// Bytes that the smallest of runs takes after its start: code that is first used then, stacks, buffers of files.
+/// Bytes that the smallest run needs after its start: code pages, stacks, file buffers.
 const SMALLEST_RUN: usize = 4 << 20;
 
-/// Bounds the memory of the whole run.
+/// Limits the memory of the whole run.
 ///
 /// # Errors
-/// What is needed and what is allowed, if the program itself does not fit.
+/// The needed and the allowed bytes, if the program itself needs more.
 pub fn limit(bytes: usize) -> Result<(), String> {
     system::give_back_early();
     let needed = system::resident() + SMALLEST_RUN;
     if needed > bytes {
         let (needed, bytes) = (Size(needed), Size(bytes));
-        return Err(format!("the smallest of runs needs {needed} and --memory allows {bytes}: allow more"));
+        return Err(format!("the smallest run needs {needed} and --memory allows {bytes}: allow more"));
     }
     guard::limit(bytes);
     Ok(())
 }
 
-/// Bytes that may still be allocated; none without a limit.
-pub fn left() -> Option<usize> {
-    guard::left()
-}
-
-/// The largest refusal in this process; where it was not ours, what the system says now.
+/// The largest refusal in this process; if none was recorded, the system's current numbers.
 pub fn refusal() -> Refusal {
     refusal::largest().unwrap_or_else(|| Refusal::of_system(0))
 }

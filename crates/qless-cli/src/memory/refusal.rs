@@ -1,4 +1,4 @@
-//! The largest refused allocation: what was needed and what was allowed.
+//! The largest refused allocation: needed and allowed bytes.
 
 use std::cell::Cell;
 use std::fmt;
@@ -14,16 +14,16 @@ pub enum By {
     Option,
     /// `ulimit -v`, which counts address space.
     AddressSpace,
-    /// The system; what it has is not known to be a limit of ours.
+    /// The system, without a known limit.
     System,
 }
 
 /// One refusal, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refusal {
-    /// Asked for.
+    /// Bytes requested.
     pub wanted: usize,
-    /// In use then.
+    /// Bytes in use at that time.
     pub held: usize,
     pub allowed: usize,
     pub by: By,
@@ -35,14 +35,14 @@ thread_local! {
     static HERE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// The refusal in this process with the largest need, if there was one.
+/// The refusal with the largest need in this process, if any.
 pub fn largest() -> Option<Refusal> {
     let [wanted, held, allowed, by] = [0, 1, 2, 3].map(|k| KEPT[k].load(Relaxed));
     let by = [By::Option, By::AddressSpace, By::System][by.min(2)];
     (wanted > 0).then_some(Refusal { wanted, held, allowed, by })
 }
 
-/// Whether one was on this thread.
+/// Whether an allocation of this thread was refused.
 pub fn is_here() -> bool {
     HERE.get()
 }
@@ -55,7 +55,7 @@ impl Refusal {
         }
     }
 
-    /// Remembers it, unless more was needed before: by what failed, while what follows is the printing of its backtrace. Allocates nothing.
+    /// Records the refusal, unless an earlier one needed more: later ones may come from printing its backtrace. Does not allocate.
     pub fn keep(self) {
         HERE.set(true);
         if largest().is_some_and(|kept| kept.needed() > self.needed()) {
@@ -64,9 +64,7 @@ impl Refusal {
         let numbers = [self.wanted, self.held, self.allowed, self.by as usize];
         KEPT.iter().zip(numbers).for_each(|(kept, number)| kept.store(number, Relaxed));
     }
-}
 
-impl Refusal {
     fn needed(self) -> usize {
         self.held.saturating_add(self.wanted)
     }
@@ -74,14 +72,14 @@ impl Refusal {
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        // Nothing here allocates.
+        // Must not allocate.
         let (needed, allowed) = (Size(self.needed()), Size(self.allowed));
         write!(f, "at least {needed}")?;
         if self.by == By::AddressSpace {
             write!(f, " of address space")?;
         }
         match self.wanted {
-            // By a library that does not tell.
+            // A library did not report the size.
             0 => write!(f, " and more")?,
             wanted => write!(f, " ({} of them at once)", Size(wanted))?,
         }

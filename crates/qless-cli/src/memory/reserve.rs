@@ -1,6 +1,6 @@
-//! Memory for what must not be cut off where there is no more: files that are being put in place, and the end of the run.
+//! Memory for operations that must complete although memory has run out: putting files in place, and ending the program.
 //!
-//! Each byte is handed out once. It is for paths and lists of names, and only where the system or the limit has refused.
+//! Each byte is used once. It serves for paths and lists of names, and only after the system or the limit refused.
 
 #![allow(unsafe_code, reason = "memory that an allocator hands out")]
 
@@ -16,13 +16,13 @@ const ALIGN: usize = 16;
 #[repr(align(16))]
 struct Room(UnsafeCell<[u8; SIZE]>);
 
-// SAFETY: disjoint parts are handed out, each to one owner, and the whole is never referenced.
+// SAFETY: each owner gets its own disjoint part, and nothing references the whole.
 unsafe impl Sync for Room {}
 
 static ROOM: Room = Room(UnsafeCell::new([0; SIZE]));
 static USED: AtomicUsize = AtomicUsize::new(0);
 
-/// Zeroed bytes; null if there are not so many left.
+/// Zeroed bytes; null if too few remain.
 pub fn take(layout: Layout) -> *mut u8 {
     let start = |used: usize| used.next_multiple_of(layout.align().max(1));
     let end = |used| start(used).checked_add(layout.size()).filter(|&end| end <= SIZE && layout.align() <= ALIGN);
@@ -32,7 +32,7 @@ pub fn take(layout: Layout) -> *mut u8 {
     }
 }
 
-/// Whether a block is from here.
+/// Whether a block belongs to the reserve.
 pub fn owns(block: *const u8) -> bool {
     let start = ROOM.0.get() as usize;
     (start..start + SIZE).contains(&(block as usize))

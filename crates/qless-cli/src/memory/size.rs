@@ -1,4 +1,4 @@
-//! Sizes of memory: as typed, and as written.
+//! Parses and writes sizes of memory.
 
 use std::fmt;
 use std::num::NonZeroUsize;
@@ -13,10 +13,10 @@ impl fmt::Display for Size {
     }
 }
 
-/// Bytes of `512`, `512MiB` or `2GiB`.
+/// Parses `512`, `512MiB` or `2GiB`.
 ///
 /// # Errors
-/// What was expected.
+/// The expected form.
 pub fn parse(text: &str) -> Result<NonZeroUsize, String> {
     let (number, unit) = match text.find(|c: char| !c.is_ascii_digit()) {
         Some(at) => text.split_at(at),
@@ -32,7 +32,7 @@ pub fn parse(text: &str) -> Result<NonZeroUsize, String> {
     bytes.and_then(NonZeroUsize::new).ok_or_else(|| EXPECTED.to_owned())
 }
 
-const EXPECTED: &str = "expected a whole number of at least 1, of MiB or with its unit: 512, 512MiB, 2GiB";
+const EXPECTED: &str = "expected a whole number of at least 1, in MiB or with a unit: 512, 512MiB, 2GiB";
 
 #[cfg(test)]
 mod tests {

@@ -5,12 +5,12 @@
 use std::fs::File;
 use std::io::Read;
 
-/// Bytes of resident pages; 0 where the system does not tell.
+/// Bytes of resident pages; 0 if unknown.
 pub fn resident() -> usize {
     pages(1) * page()
 }
 
-/// Bytes of address space; 0 where the system does not tell.
+/// Bytes of address space; 0 if unknown.
 pub fn address_space() -> usize {
     pages(0) * page()
 }
@@ -23,15 +23,15 @@ fn pages(place: usize) -> usize {
     text.split_ascii_whitespace().nth(place).and_then(|number| number.parse().ok()).unwrap_or(0)
 }
 
-/// Bytes of address space that `ulimit -v` allows; none where it allows all.
+/// Bytes of address space that `ulimit -v` allows; `None` without a limit.
 pub fn address_space_allowed() -> Option<usize> {
     let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
-    // SAFETY: the struct is ours and as the call wants it.
+    // SAFETY: the call writes to a struct of the right type.
     let got = unsafe { libc::getrlimit(libc::RLIMIT_AS, &raw mut limit) };
     (got == 0 && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur as usize)
 }
 
-/// Bytes of memory that the machine has.
+/// Bytes of memory of the machine.
 pub fn physical() -> usize {
     system_number(libc::_SC_PHYS_PAGES) * page()
 }
@@ -41,18 +41,18 @@ fn page() -> usize {
 }
 
 fn system_number(name: libc::c_int) -> usize {
-    // SAFETY: reads a number.
+    // SAFETY: only reads a number.
     usize::try_from(unsafe { libc::sysconf(name) }).unwrap_or(0)
 }
 
-/// Bytes from which on blocks are pages of their own.
+/// Blocks of at least this size get their own pages.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const OWN_PAGES: libc::c_int = 256 << 10;
 
 /// Makes the allocator return freed memory to the system at once: a run with a limit counts resident pages.
 pub fn give_back_early() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: sets numbers of the allocator.
+    // SAFETY: only sets parameters of the allocator.
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, OWN_PAGES);
         libc::mallopt(libc::M_TRIM_THRESHOLD, OWN_PAGES);
@@ -62,13 +62,13 @@ pub fn give_back_early() {
 /// Makes all threads share one heap: each further heap takes 64 MiB of address space even if it is empty.
 pub fn share_heap() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: sets a number of the allocator.
+    // SAFETY: only sets a parameter of the allocator.
     unsafe {
         libc::mallopt(libc::M_ARENA_MAX, 1);
     }
 }
 
-/// Gives back what is free within the heap.
+/// Returns free memory of the heap to the system.
 pub fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: may be called at any time from any thread.
@@ -80,7 +80,7 @@ pub fn give_back() {
 /// Writes to standard error even if it is locked; errors are ignored.
 pub fn tell(mut text: &[u8]) {
     while !text.is_empty() {
-        // SAFETY: the bytes are there; what is written is theirs.
+        // SAFETY: pointer and length are those of a slice.
         let written = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
         match usize::try_from(written) {
             Ok(written) => text = &text[written.min(text.len())..],
@@ -93,18 +93,18 @@ pub fn tell(mut text: &[u8]) {
 
 /// Ends the process now.
 pub fn exit(code: i32) -> ! {
-    // SAFETY: runs no code of ours any more.
+    // SAFETY: no further code of the program runs.
     unsafe { libc::_exit(code) }
 }
 
-/// Calls `handle` when the process aborts; if it returns, the process ends as it would have.
+/// Calls `handle` when the process aborts; if it returns, the process aborts as usual.
 pub fn on_abort(handle: extern "C" fn(libc::c_int)) {
-    // SAFETY: the handler is a function of this type; nobody else sets one for this signal.
+    // SAFETY: the handler has the right type, and no other code sets one for this signal.
     unsafe { libc::signal(libc::SIGABRT, handle as *const () as libc::sighandler_t) };
 }
 
-/// Aborts end the process at once again.
-pub fn abort_as_ever() {
+/// Removes the handler of [`on_abort`].
+pub fn restore_abort() {
     // SAFETY: as above.
     unsafe { libc::signal(libc::SIGABRT, libc::SIG_DFL) };
 }

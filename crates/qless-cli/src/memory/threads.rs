@@ -1,4 +1,4 @@
-//! As many threads as were asked for, or as there is address space for.
+//! Starts as many threads as the user asks for and the address space allows.
 
 use std::num::NonZeroUsize;
 use std::sync::mpsc::{Sender, channel};
@@ -11,14 +11,14 @@ use super::system;
 /// Bytes of a thread's stack.
 const STACK: usize = 2 << 20;
 
-/// Stacks may take this part of the address space.
+/// Stacks may take this fraction of the address space: one eighth.
 const STACKS: usize = 8;
 
-/// Makes the program's pool: of `wanted` threads, by default one for each core; fewer where the system gives no more, and at least the one
-/// that there is.
+/// Creates the global thread pool with `wanted` threads, by default one for each core. It has fewer threads if the system does not
+/// start as many, but at least the current one.
 ///
 /// # Errors
-/// If there is a pool already.
+/// The pool exists already.
 pub fn start(wanted: Option<NonZeroUsize>) -> Result<(), ThreadPoolBuildError> {
     let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let count = wanted.map_or_else(cores, NonZeroUsize::get);
@@ -37,19 +37,19 @@ pub fn is_one_more_possible() -> bool {
     possible(1) == 1
 }
 
-/// How many of `count` threads can be started at once. Their stacks wait for the threads that come after them.
+/// How many of `count` threads can be started at once. The system keeps their stacks for the threads of the pool.
 fn possible(count: usize) -> usize {
     let started: Vec<(JoinHandle<()>, Sender<()>)> = (0..count).map_while(|_| waiting().ok()).collect();
     let count = started.len();
     for (thread, end) in started {
         drop(end);
-        // It did nothing but wait.
+        // The thread only waited and cannot have failed.
         let _ = thread.join();
     }
     count
 }
 
-/// A thread that ends when the sender is gone.
+/// A thread that ends when the sender is dropped.
 fn waiting() -> std::io::Result<(JoinHandle<()>, Sender<()>)> {
     let (end, wait) = channel::<()>();
     let thread = Builder::new().spawn(move || {

@@ -1,12 +1,12 @@
-//! Lists of equations and DOFs, as `--keep`, `--avoid-slaves` and `--prefer-slaves` take them.
+//! Lists of equations and DOFs for `--keep`, `--avoid-slaves` and `--prefer-slaves`.
 //!
 //! | word | equations | DOFs |
 //! | --- | --- | --- |
 //! | `7`, `10-20` | rows from 1 | columns from 1 |
-//! | a label | of that label | of that label |
-//! | `line 41`, `part.inc:41` | that stand there | of the equations, values and loads there |
-//! | `5:3` | whose first DOF that is | component 3 of node 5 |
-//! | a set | whose first DOF is of a node in it | of its nodes, as far as equations hold them |
+//! | a label | with this label | with this label |
+//! | `line 41`, `part.inc:41` | on this line | of the equations, prescribed values and loads on this line |
+//! | `5:3` | that begin with this DOF | component 3 of node 5 |
+//! | a node set | that begin with a DOF of its nodes | of its nodes, if they occur in equations |
 
 mod resolve;
 mod word;
@@ -34,7 +34,7 @@ impl PreferenceLists<'_> {
         self.keep.is_none() && self.prefer_slaves.is_none() && self.avoid_slaves.is_none()
     }
 
-    /// The options with what is meant in this system, which may be that of a deck's load case.
+    /// The options with the lists resolved in this system, which may belong to a load case of a deck.
     pub fn resolve(
         &self,
         options: &Options,

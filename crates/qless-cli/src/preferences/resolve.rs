@@ -1,4 +1,4 @@
-//! From words to rows and columns.
+//! Resolves the words of a list to rows and columns.
 
 use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
@@ -14,7 +14,7 @@ use crate::wording::label;
 pub struct NameIndex<'a> {
     system: &'a ConstraintSystem,
     deck: Option<(&'a Deck, &'a LoadCase)>,
-    /// Rows and columns by their labels in small letters, where somebody asks for them.
+    /// Rows and columns by their labels in lower case, built on demand.
     rows: OnceCell<LabelIndex>,
     columns: OnceCell<LabelIndex>,
 }
@@ -34,7 +34,7 @@ pub enum WordError {
     #[error("{option}: `{word}` is {}{}", unknown(*.is_deck), did_you_mean(nearest.as_deref()))]
     Unknown { option: &'static str, word: String, is_deck: bool, nearest: Option<String> },
     #[error(
-        "{option}: nothing that could be meant stands at `{word}`{}",
+        "{option}: no constraint is on `{word}`{}",
         nearest.map_or(String::new(), |line| format!("; the nearest line with a constraint is {line}"))
     )]
     Line { option: &'static str, word: String, nearest: Option<u32> },
@@ -42,7 +42,7 @@ pub enum WordError {
 
 fn unknown(is_deck: bool) -> &'static str {
     if is_deck {
-        "no label, node set or node:component of the equations, nor a line such as `line 41`"
+        "no label, node set or node:component of the equations, and no line such as `line 41`"
     } else {
         "no label"
     }
@@ -83,11 +83,11 @@ impl<'a> NameIndex<'a> {
         };
         let Some((deck, case)) = self.deck else { return Err(unknown()) };
         if let Some(line) = ListedDeckLine::parse(word) {
-            let nowhere = |nearest| WordError::Line { option, word: word.to_owned(), nearest };
-            return at_line(deck.model(), case, &line, wanted).map_err(nowhere);
+            let not_found = |nearest| WordError::Line { option, word: word.to_owned(), nearest };
+            return at_line(deck.model(), case, &line, wanted).map_err(not_found);
         }
         match dof(word) {
-            // A DOF that no equation begins with, but some hold, is known.
+            // A DOF that occurs in an equation is known, even if no equation begins with it.
             Some(dof) if deck.model().column(dof).is_none() => Err(unknown()),
             Some(dof) => Ok(matching(deck.model(), case, &|other| other == dof, wanted)),
             None => {
@@ -121,39 +121,39 @@ impl<'a> NameIndex<'a> {
     }
 }
 
-/// The equations or DOFs of a line of the deck; the error has the nearest line with a constraint.
+/// The equations or DOFs on a line of the deck; the error is the nearest line with a constraint.
 fn at_line(model: &Model, case: &LoadCase, line: &ListedDeckLine, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
-    let is_there = |origin: Origin| line.is_in(model, origin);
-    let equations = rows(model, case).filter(|(_, origin, _)| is_there(*origin));
-    let clashes = (model.in_force(case).count()..).zip(&case.clashes).filter(|(_, clash)| is_there(clash.origin));
+    let is_on_line = |origin: Origin| line.is_in(model, origin);
+    let equations = rows(model, case).filter(|(_, origin, _)| is_on_line(*origin));
+    let clashes = (model.in_force(case).count()..).zip(&case.clashes).filter(|(_, clash)| is_on_line(clash.origin));
     let found: Vec<usize> = match wanted {
         Wanted::Equations => equations.map(|(row, ..)| row).chain(clashes.map(|(row, _)| row)).collect(),
         Wanted::Dofs => {
-            let given = case.prescribed.iter().filter(|given| is_there(given.origin)).map(|given| given.dof);
-            let loaded = case.loads.iter().filter(|load| is_there(load.origin)).map(|load| load.dof);
+            let given = case.prescribed.iter().filter(|given| is_on_line(given.origin)).map(|given| given.dof);
+            let loaded = case.loads.iter().filter(|load| is_on_line(load.origin)).map(|load| load.dof);
             let columns = given.chain(loaded).filter_map(|dof| model.column(dof));
             let of_equations = equations.flat_map(|(_, _, columns)| columns.iter().copied());
             of_equations.chain(columns).map(|j| j as usize).collect()
         }
     };
-    // Equations that are not in force in this load case are known all the same.
+    // Equations that are not in force in this load case are known too.
     let is_known =
-        !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| is_there(e.origin));
+        !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| is_on_line(e.origin));
     if is_known { Ok(found) } else { Err(nearest_line(model, line)) }
 }
 
-/// Equations that begin with such a DOF, or the columns of such DOFs.
-fn matching(model: &Model, case: &LoadCase, is_meant: &dyn Fn(Dof) -> bool, wanted: Wanted) -> Vec<usize> {
+/// Equations that begin with a matching DOF, or the columns of matching DOFs.
+fn matching(model: &Model, case: &LoadCase, matches: &dyn Fn(Dof) -> bool, wanted: Wanted) -> Vec<usize> {
     match wanted {
-        Wanted::Dofs => (0..).zip(model.dofs()).filter(|(_, dof)| is_meant(**dof)).map(|(j, _)| j).collect(),
+        Wanted::Dofs => (0..).zip(model.dofs()).filter(|(_, dof)| matches(**dof)).map(|(j, _)| j).collect(),
         Wanted::Equations => rows(model, case)
-            .filter(|(_, _, columns)| columns.first().is_some_and(|&j| is_meant(model.dofs()[j as usize])))
+            .filter(|(_, _, columns)| columns.first().is_some_and(|&j| matches(model.dofs()[j as usize])))
             .map(|(row, ..)| row)
             .collect(),
     }
 }
 
-/// Rows of a load case that are equations, with their origins and columns.
+/// Rows of the equations in force in a load case, with their origins and columns.
 fn rows<'a>(model: &'a Model, case: &LoadCase) -> impl Iterator<Item = (usize, Origin, &'a [u32])> {
     let equations = model.in_force(case).filter_map(|i| model.equation(i));
     (0..).zip(equations).map(|(row, equation)| (row, equation.origin, equation.columns))
@@ -165,13 +165,13 @@ fn nearest_line(model: &Model, line: &ListedDeckLine) -> Option<u32> {
     lines.min_by_key(|found| found.abs_diff(line.line))
 }
 
-/// Most names that are compared for a suggestion: the message is not worth more time.
+/// Most names that are compared for a suggestion, to bound the time.
 const COMPARED: usize = 200_000;
-/// Less alike than this is no help.
+/// Smallest similarity of a suggestion.
 const ALIKE: f64 = 0.5;
 
-/// The name most like `word`, in any case.
-pub fn nearest(word: &str, known: impl Iterator<Item = String>) -> Option<String> {
+/// The name that is most similar to `word`, ignoring case.
+fn nearest(word: &str, known: impl Iterator<Item = String>) -> Option<String> {
     let word = word.to_lowercase();
     let alike = |name: String| (normalized_damerau_levenshtein(&word, &name.to_lowercase()), name);
     let best = known.take(COMPARED).map(alike).max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -186,7 +186,7 @@ fn dof(word: &str) -> Option<Dof> {
 
 /// `line 41`, or `part.inc:41` of an included file.
 struct ListedDeckLine {
-    /// The name of an included file; none for the main one.
+    /// Name of an included file; `None` for the main file.
     file: Option<String>,
     line: u32,
 }

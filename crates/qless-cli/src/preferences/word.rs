@@ -1,29 +1,29 @@
-//! The words of a list: `3,7,10-20,5:3,line 41,TOP,"tie A, x"`.
+//! Parses the words of a list: `3,7,10-20,5:3,line 41,TOP,"tie A, x"`.
 
 use std::ops::Range;
 
-/// A list as the user typed it.
+/// A list as typed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WordList(pub Vec<ListWord>);
 
 /// One word of a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ListWord {
-    /// Numbers counted from 0.
+    /// Indices, from 0.
     Numbers(Range<usize>),
-    /// A name that has to be looked up.
+    /// A name to look up.
     Name(String),
 }
 
-/// A list with more numbers than this is a slip of the keyboard.
+/// Most numbers in a list; more are a typing error.
 const MOST: usize = 10_000_000;
 
-/// Reads a list; quotes keep commas in a word, and make a name of a number.
+/// Parses a list. A quoted word may contain commas, and is always a name.
 pub fn words(text: &str) -> Result<WordList, String> {
     let mut all = Vec::new();
     let mut count = 0_usize;
-    for (part, is_quoted) in parts(text)? {
-        let word = if is_quoted { ListWord::Name(part) } else { word(&part)? };
+    for (piece, is_quoted) in split(text)? {
+        let word = if is_quoted { ListWord::Name(piece) } else { word(&piece)? };
         if let ListWord::Numbers(range) = &word {
             count = count.saturating_add(range.len());
             if count > MOST {
@@ -35,34 +35,34 @@ pub fn words(text: &str) -> Result<WordList, String> {
     Ok(WordList(all))
 }
 
-/// Between commas outside quotes, and whether in quotes.
-fn parts(text: &str) -> Result<Vec<(String, bool)>, String> {
-    let mut parts = vec![(String::new(), false)];
+/// Splits at commas outside quotes; also returns whether each piece is quoted.
+fn split(text: &str) -> Result<Vec<(String, bool)>, String> {
+    let mut pieces = vec![(String::new(), false)];
     let mut is_open = false;
     for c in text.chars() {
-        let last = parts.last_mut().expect("starts with one part");
+        let last = pieces.last_mut().expect("starts with one piece");
         match c {
             '"' => (is_open, last.1) = (!is_open, true),
-            ',' if !is_open => parts.push((String::new(), false)),
+            ',' if !is_open => pieces.push((String::new(), false)),
             _ => last.0.push(c),
         }
     }
     if is_open {
         return Err("a quote is open at the end of the list; close it".to_owned());
     }
-    Ok(parts.into_iter().map(|(part, is_quoted)| (part.trim().to_owned(), is_quoted)).collect())
+    Ok(pieces.into_iter().map(|(piece, is_quoted)| (piece.trim().to_owned(), is_quoted)).collect())
 }
 
-fn word(part: &str) -> Result<ListWord, String> {
-    let (first, last) = part.split_once('-').unwrap_or((part, part));
+fn word(text: &str) -> Result<ListWord, String> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
     match (number(first), number(last)) {
-        (Some(0), _) | (_, Some(0)) => Err(format!("`{part}` is no number from 1")),
-        (Some(first), Some(last)) if last < first => Err(format!("`{part}` runs backwards; write {last}-{first}")),
+        (Some(0), _) | (_, Some(0)) => Err(format!("`{text}`: numbers count from 1")),
+        (Some(first), Some(last)) if last < first => Err(format!("`{text}` runs backwards; write {last}-{first}")),
         (Some(first), Some(last)) => Ok(ListWord::Numbers(first - 1..last)),
-        _ if part.is_empty() => {
-            Err("`` is no word of a list; write one such as 3,7,10-20 or 5:3,line 41,TOP".to_owned())
+        _ if text.is_empty() => {
+            Err("the list has an empty item; write a list such as 3,7,10-20 or 5:3,line 41,TOP".to_owned())
         }
-        _ => Ok(ListWord::Name(part.to_owned())),
+        _ => Ok(ListWord::Name(text.to_owned())),
     }
 }
 
@@ -85,11 +85,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_list_is_named() {
+    fn malformed_lists_are_refused() {
         for (text, part) in [
-            ("", "``"),
+            ("", "empty item"),
             ("0", "`0`"),
-            ("3,,4", "``"),
+            ("3,,4", "empty item"),
             ("9-3", "write 3-9"),
             ("1-99999999", "longer"),
             ("\"a", "close it"),

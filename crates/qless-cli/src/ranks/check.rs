@@ -1,4 +1,4 @@
-//! `qless check` on several ranks: each reads its part, all analyse, the first one reports.
+//! `qless check` on several ranks: each rank reads a share of the equations, all analyse them, and the first one reports.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -6,26 +6,26 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use qless::{AnalysisError, OptionError, Options, Report};
-use qless_io::deck::Format as Language;
+use qless_io::deck::Format;
 use qless_io::write::OneFile;
 use qless_mpi::{Analysis, CaseError, Error, Ranks, analyse, read_case};
 
 use super::all;
 use super::report::Findings;
-use crate::args::{CheckArgs, Deny, Format};
+use crate::args::{CheckArgs, Deny, ReportFormat};
 use crate::failure::CliFailure;
 use crate::preferences::{ListWord, WordList};
 use crate::terminal::Progress;
 use crate::{exit_code, memory, terminal};
 
-/// Collective; the exit code is the same on all ranks.
+/// Runs the command; collective, with the same exit code on all ranks.
 pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     let start = Instant::now();
     let (model, is_first) = (&args.model, ranks.rank() == 0);
     all(ranks, check(args, is_first))?;
     let progress = Progress::new(model.quiet || !is_first);
-    // Each rank has a core of its own, if there are as many.
-    all(ranks, memory::threads::start(model.threads().or(Some(NonZeroUsize::MIN))).map_err(CliFailure::of_threads))?;
+    // By default one thread for each rank, since there is a core for each.
+    all(ranks, memory::threads::start(model.threads().or(Some(NonZeroUsize::MIN))).map_err(CliFailure::from_threads))?;
     progress.stage("reading");
     let (rhs, prescribed) = (model.rhs.as_deref(), model.prescribed.as_deref());
     let case = read_case(ranks, &model.input, rhs, prescribed).map_err(of_case)?;
@@ -33,10 +33,10 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     progress.stage("analysing");
     let mut options = model.options();
     options.preferences.equations = all(ranks, numbers(model.keep.as_ref()))?;
-    kept(&options, case.rows() as usize, &model.input)?;
-    options.memory = least(ranks, memory::left().map_or(options.memory, |left| left.min(options.memory)));
-    let analysis = analyse(ranks, case.share(), &options).map_err(|error| of_analysis(error, &model.input))?;
-    all(ranks, finite(&analysis, &model.input))?;
+    check_kept(&options, case.rows() as usize, &model.input)?;
+    options.memory = minimum(ranks, memory::remaining().map_or(options.memory, |left| left.min(options.memory)));
+    let analysis = analyse(ranks, case.share(), &options).map_err(|error| from_analysis(error, &model.input))?;
+    all(ranks, check_finite(&analysis, &model.input))?;
     progress.stage("explaining");
     let found = case.gather(ranks, &analysis, Report::TERMS);
     let written = if is_first {
@@ -51,7 +51,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     all(ranks, written)?;
     let counts = analysis.counts();
     let denied = model.deny == Some(Deny::Redundant) && counts.redundant > 0;
-    Ok(exit_code::of_diagnosis(counts.conflicting > 0 || denied, false))
+    Ok(exit_code::for_diagnosis(counts.conflicting > 0 || denied, false))
 }
 
 /// Refuses options that need one process, and an output that cannot be written.
@@ -63,17 +63,17 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
             "--exact runs in one process only: leave it out, or leave out mpirun".to_owned(),
         ));
     }
-    if !matches!(model.format, Format::Text | Format::Json) {
+    if !matches!(model.format, ReportFormat::Text | ReportFormat::Json) {
         return Err(CliFailure::Input(
             "several ranks report with --format text or json; for others leave out mpirun".to_owned(),
         ));
     }
     if model.solver.is_some() || args.case.is_some() {
         return Err(CliFailure::Input(
-            "--solver and --case go with a deck, which one process reads: leave out mpirun".to_owned(),
+            "--solver and --case need a deck, which only one process can read: leave out mpirun".to_owned(),
         ));
     }
-    if model.input.as_os_str() == "-" || Language::from_path(&model.input).is_some() && !model.input.is_dir() {
+    if model.input.as_os_str() == "-" || Format::from_path(&model.input).is_some() && !model.input.is_dir() {
         return Err(CliFailure::Input(format!(
             "{input}: several ranks read Matrix Market only: name a .mtx file or a folder with a C.mtx, or leave out mpirun"
         )));
@@ -82,7 +82,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
         .options()
         .backend
         .get(usize::MAX)
-        .map_err(|error| CliFailure::of_analysis(error.into(), &model.input, None))?;
+        .map_err(|error| CliFailure::from_analysis(error.into(), &model.input, None))?;
     if let Some(file) = args.output.as_ref().filter(|_| is_first) {
         // Refuse an output that cannot be written before the work begins.
         drop(OneFile::at(file, model.inputs())?);
@@ -97,8 +97,8 @@ fn write(args: &CheckArgs, bytes: &[u8]) -> Result<(), CliFailure> {
     }
 }
 
-/// The same limit for all.
-fn least(ranks: &dyn Ranks, bytes: usize) -> usize {
+/// The smallest value of all ranks; collective.
+fn minimum(ranks: &dyn Ranks, bytes: usize) -> usize {
     let mut most = [u64::MAX - bytes as u64];
     ranks.max(&mut most);
     (u64::MAX - most[0]) as usize
@@ -106,20 +106,20 @@ fn least(ranks: &dyn Ranks, bytes: usize) -> usize {
 
 fn of_case(error: CaseError) -> CliFailure {
     match error {
-        CaseError::File { message, kind, .. } => CliFailure::of_reading(&message, kind),
+        CaseError::File { message, kind, .. } => CliFailure::from_reading(&message, kind),
         error => CliFailure::Input(error.to_string()),
     }
 }
 
-fn of_analysis(error: Error, input: &Path) -> CliFailure {
+fn from_analysis(error: Error, input: &Path) -> CliFailure {
     match error {
-        Error::Option(error) => CliFailure::of_analysis(error.into(), input, None),
+        Error::Option(error) => CliFailure::from_analysis(error.into(), input, None),
         Error::TooLarge { .. } => CliFailure::Resource(format!("{}: {error}", input.display())),
         error => CliFailure::Input(format!("{}: {error}", input.display())),
     }
 }
 
-/// Equations to keep, as row numbers from 0: no rank knows all labels.
+/// Indices of the equations to keep. Names are refused, since no rank knows all labels.
 fn numbers(words: Option<&WordList>) -> Result<Vec<usize>, CliFailure> {
     let number = |word: &ListWord| match word {
         ListWord::Numbers(range) => Ok(range.clone()),
@@ -131,20 +131,20 @@ fn numbers(words: Option<&WordList>) -> Result<Vec<usize>, CliFailure> {
     Ok(ranges.into_iter().flatten().collect())
 }
 
-/// Refuses numbers of equations to keep beyond the last equation.
-fn kept(options: &Options, count: usize, input: &Path) -> Result<(), CliFailure> {
+/// Refuses indices beyond the last equation.
+fn check_kept(options: &Options, count: usize, input: &Path) -> Result<(), CliFailure> {
     match options.preferences.equations.iter().find(|&&row| row >= count) {
         Some(&found) => {
             let error = OptionError::Preference { what: "equation", found, count };
-            Err(CliFailure::of_analysis(AnalysisError::Option(error), input, None))
+            Err(CliFailure::from_analysis(AnalysisError::Option(error), input, None))
         }
         None => Ok(()),
     }
 }
 
-fn finite(analysis: &Analysis, input: &Path) -> Result<(), CliFailure> {
+fn check_finite(analysis: &Analysis, input: &Path) -> Result<(), CliFailure> {
     match analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
-        Some(&(dof, _)) => Err(CliFailure::of_overflow(input, dof as usize, &format!("DOF {}", dof + 1))),
+        Some(&(dof, _)) => Err(CliFailure::from_overflow(input, dof as usize, &format!("DOF {}", dof + 1))),
         None => Ok(()),
     }
 }

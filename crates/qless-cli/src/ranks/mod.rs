@@ -1,46 +1,82 @@
-//! Runs under `mpirun`: the ranks check one model together, and the first of them reports.
+//! Runs under `mpirun`: the ranks check one model together, and the first one reports.
 
 #[cfg(feature = "mpi")]
 mod check;
 #[cfg(feature = "mpi")]
 mod job;
-#[cfg(not(feature = "mpi"))]
-mod refuse;
 #[cfg(feature = "mpi")]
 mod report;
 
+use std::process::ExitCode;
+
+use clap::Parser;
 #[cfg(feature = "mpi")]
 use qless_mpi::{CodedError, Ranks, agree};
 
+use crate::args::Cli;
 #[cfg(feature = "mpi")]
-use crate::{exit_code, failure::CliFailure};
+use crate::exit_code;
+use crate::failure::CliFailure;
 
-/// Several processes that `mpirun` has started.
+/// One of several processes started by `mpirun`.
 #[derive(Clone, Copy)]
 pub struct Job {
-    /// The number of this process.
+    /// Number of this process.
     rank: usize,
 }
 
 impl Job {
-    /// Reads the environment variables that OpenMPI and MPICH set; none if there is only one process.
-    pub fn of_environment() -> Option<Self> {
+    /// Reads the environment variables of OpenMPI and MPICH; `None` if there is only one process.
+    pub fn from_environment() -> Option<Self> {
         let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
-        let told = [("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK")];
-        let (size, rank) = told.iter().find_map(|(size, rank)| Some((number(size)?, number(rank)?)))?;
+        let variables = [("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK")];
+        let (size, rank) = variables.iter().find_map(|(size, rank)| Some((number(size)?, number(rank)?)))?;
         (size > 1).then_some(Self { rank })
+    }
+
+    /// Parses the command line. Only the first process prints errors, help and version.
+    fn parse(self) -> Result<Cli, ExitCode> {
+        Cli::try_parse().map_err(|error| {
+            if self.rank == 0 {
+                // A write error could not be reported anywhere.
+                let _ = error.print();
+            }
+            ExitCode::from(error.exit_code() as u8)
+        })
+    }
+
+    /// Returns the exit code of a failure; only the first process prints it.
+    fn fail(self, failure: &CliFailure) -> ExitCode {
+        if self.rank == 0 { failure.tell() } else { failure.code() }
+    }
+
+    /// Refuses to run without MPI: all processes would write the same files.
+    #[cfg(not(feature = "mpi"))]
+    pub fn run(self) -> ExitCode {
+        if self.rank > 0 {
+            // `mpirun` ends all processes when one ends with an error: wait until the first has written its message.
+            std::thread::sleep(std::time::Duration::from_millis(500));
+        }
+        match self.parse() {
+            Err(code) => code,
+            Ok(_) => self.fail(&CliFailure::Input(
+                "mpirun has started several processes, and this qless was built without MPI: start only one, or build with \
+                 `cargo build --features mpi` (if a program of an MPI job starts it, unset OMPI_COMM_WORLD_SIZE and PMI_SIZE)"
+                    .to_owned(),
+            )),
+        }
     }
 }
 
-/// The result of this rank, or the failure of the first rank that has one; collective.
+/// The result of this rank, or the failure of the first rank that failed; collective.
 #[cfg(feature = "mpi")]
 fn all<T>(ranks: &dyn Ranks, own: Result<T, CliFailure>) -> Result<T, CliFailure> {
-    let said = own.map_err(|failure| match failure {
+    let message = own.map_err(|failure| match failure {
         CliFailure::Input(text) => CodedError { code: exit_code::INPUT.into(), text },
         CliFailure::Resource(text) => CodedError { code: exit_code::RESOURCE.into(), text },
     });
-    agree(ranks, said).map_err(|said| match said.code {
-        code if code == u64::from(exit_code::INPUT) => CliFailure::Input(said.text),
-        _ => CliFailure::Resource(said.text),
+    agree(ranks, message).map_err(|message| match message.code {
+        code if code == u64::from(exit_code::INPUT) => CliFailure::Input(message.text),
+        _ => CliFailure::Resource(message.text),
     })
 }

@@ -12,10 +12,10 @@ use qless::{CertificateTerm, Options, Report};
 use qless_io::chunk::find_labels;
 use qless_mpi::{Analysis, Case, Equation, GatheredFindings};
 
-use crate::args::{Format, ModelArgs};
+use crate::args::{ModelArgs, ReportFormat};
 use crate::failure::CliFailure;
-use crate::report::text::dependent_rows::{DependentRow, EquationList};
-use crate::report::{Outcome, json, text};
+use crate::report::text::{DependentRow, EquationList};
+use crate::report::{CommandOutcome, json, text};
 use crate::wording::{EquationFacts, EquationLookup};
 
 /// The findings of all ranks.
@@ -28,12 +28,12 @@ pub struct Findings<'a> {
 }
 
 /// Labels and facts of the equations in the report.
-struct Known<'a> {
+struct RankEquations<'a> {
     found: &'a GatheredFindings,
     labels: BTreeMap<usize, String>,
 }
 
-impl EquationLookup for Known<'_> {
+impl EquationLookup for RankEquations<'_> {
     fn label(&self, row: usize) -> String {
         self.labels.get(&row).cloned().unwrap_or_else(|| format!("row {}", row + 1))
     }
@@ -46,20 +46,20 @@ impl EquationLookup for Known<'_> {
 }
 
 impl Findings<'_> {
-    /// The report in the form that was asked for; `times` are the start of the run and the time of reading.
+    /// The report in the requested format; `times` are the start of the run and the duration of reading.
     pub fn render(&self, model: &ModelArgs, times: (Instant, Duration)) -> Result<Vec<u8>, CliFailure> {
         let rows: Vec<usize> = self.found.facts.keys().map(|&row| row as usize).collect();
-        let known = Known { found: self.found, labels: labels(self.case.files().rows.as_deref(), &rows)? };
+        let known = RankEquations { found: self.found, labels: labels(self.case.files().rows.as_deref(), &rows)? };
         let report = self.report(&known)?.with_timings(times.1, Duration::ZERO, times.0.elapsed());
-        if model.format == Format::Text {
+        if model.format == ReportFormat::Text {
             return Ok(self.text(&known, &report, &model.input).into_bytes());
         }
         let mut bytes = Vec::new();
-        json::write(&mut bytes, &report, None).map_err(|error| CliFailure::of_stdout(&error))?;
+        json::write(&mut bytes, &report, None).map_err(|error| CliFailure::from_stdout(&error))?;
         Ok(bytes)
     }
 
-    fn text(&self, known: &Known, report: &Report, input: &Path) -> String {
+    fn text(&self, known: &RankEquations, report: &Report, input: &Path) -> String {
         let because = |row: usize| {
             self.equation(row).and_then(|equation| equation.because.as_ref()).map_or_else(Vec::new, |b| terms(b))
         };
@@ -79,7 +79,7 @@ impl Findings<'_> {
             dependent,
             because: &because,
         };
-        text::whole(&list, report, &Outcome::Checked(None), &[], Vec::new())
+        text::whole(&list, report, &CommandOutcome::Checked(None), &[], Vec::new())
     }
 
     fn equation(&self, row: usize) -> Option<&Equation> {
@@ -87,7 +87,7 @@ impl Findings<'_> {
         place.ok().map(|place| &self.found.dependent[place])
     }
 
-    fn report(&self, known: &Known) -> Result<Report, CliFailure> {
+    fn report(&self, known: &RankEquations) -> Result<Report, CliFailure> {
         let (case, counts) = (self.case, self.analysis.counts());
         let sizes = [case.rows(), case.dofs(), case.coefficients(), case.prescribed()].map(|count| count as usize);
         let input = InputSizes::new(sizes[0], sizes[1], sizes[2], sizes[3]);
@@ -107,7 +107,7 @@ impl Findings<'_> {
         Ok(BackendUsed::new(backend.name(), rayon::current_num_threads(), backend.version()))
     }
 
-    /// Their certificates are not computed across ranks.
+    /// The generated boundary conditions. Their certificates are not computed across ranks.
     fn generated(&self) -> Result<Vec<GeneratedCondition>, CliFailure> {
         let dofs: Vec<usize> = self.found.generated.iter().map(|&(dof, _)| dof as usize).collect();
         let mut labels = labels(self.case.files().columns.as_deref(), &dofs)?;
@@ -128,7 +128,7 @@ fn terms(because: &[qless_mpi::DistributedCertificateTerm]) -> Vec<CertificateTe
     because.iter().map(|term| CertificateTerm { row: term.equation as usize, coefficient: term.coefficient }).collect()
 }
 
-fn dependent(equation: &Equation, known: &Known) -> DependentEquation {
+fn dependent(equation: &Equation, known: &RankEquations) -> DependentEquation {
     let row = equation.number as usize;
     let term = |term: CertificateTerm| Term::new(term.row + 1, known.label(term.row), term.coefficient);
     let certificate = match &equation.because {

@@ -1,4 +1,4 @@
-//! JSON with one line for each key of the object and one for each element of its lists, so that line-based tools can read it.
+//! Writes JSON with one line for each key of the object and for each element of its lists, for line-based tools.
 
 use std::io::{self, Write};
 
@@ -10,17 +10,17 @@ use crate::deck_input::DeckReport;
 
 /// A report, and the keys that only decks have.
 #[derive(Serialize)]
-struct Whole<'a> {
+struct JsonReport<'a> {
     #[serde(flatten)]
     report: &'a Report,
     #[serde(flatten)]
     deck: Option<DeckReport<'a>>,
 }
 
-/// The report and a line break.
+/// Writes the report and a line break.
 pub fn write(out: &mut dyn Write, report: &Report, deck: Option<DeckReport>) -> io::Result<()> {
-    let whole = Whole { report, deck };
-    whole.serialize(&mut Serializer::with_formatter(&mut *out, JsonLines { depth: 0 }))?;
+    let report = JsonReport { report, deck };
+    report.serialize(&mut Serializer::with_formatter(&mut *out, JsonLines { depth: 0 }))?;
     writeln!(out)
 }
 

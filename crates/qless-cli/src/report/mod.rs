@@ -1,4 +1,4 @@
-//! The report on a diagnosis: as text, JSON, a page for browsers, or nodes for ParaView.
+//! Renders a diagnosis as text, JSON, an HTML page, or nodes for ParaView.
 
 mod html;
 pub mod json;
@@ -10,17 +10,17 @@ use std::time::Duration;
 
 use qless::{ArgumentError, Form, Reduction, Report};
 
-use crate::args::Format;
+use crate::args::ReportFormat;
 use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
 use crate::failure::CliFailure;
 use crate::terminal::{self, Progress};
 
-/// The action of the command after the diagnosis.
-pub enum Outcome<'a> {
-    /// None: it was `check`. Holds the reason if `clean` could not write a deck.
+/// What the command did after the diagnosis.
+pub enum CommandOutcome<'a> {
+    /// `check` did nothing. Holds the reason if `clean` could not write a deck.
     Checked(Option<&'a str>),
-    /// `reduce` wrote nothing because of what was found.
+    /// `reduce` or `clean` wrote nothing because of the diagnosis.
     Refused,
     /// `reduce` wrote its files to this folder.
     Written(&'a Path),
@@ -28,11 +28,11 @@ pub enum Outcome<'a> {
     Cleaned {
         /// The deck.
         output: &'a Path,
-        /// Equations taken out because they are redundant.
+        /// Number of equations removed because they are redundant.
         removed: usize,
-        /// Equations that took the place of others.
+        /// Number of new equations.
         written: usize,
-        /// Claims that the solver dropped and that now hold.
+        /// Number of claims that the solver dropped and that now hold.
         restored: usize,
     },
 }
@@ -47,31 +47,36 @@ pub struct Reduced<'a> {
 
 impl Diagnosis<'_> {
     /// Prints the report.
-    pub fn print(&self, reduced: Option<Reduced>, outcome: &Outcome, progress: Progress) -> Result<(), CliFailure> {
+    pub fn print(
+        &self,
+        reduced: Option<Reduced>,
+        outcome: &CommandOutcome,
+        progress: Progress,
+    ) -> Result<(), CliFailure> {
         progress.stage("explaining");
         let bytes = self.render(reduced, outcome)?;
         drop(progress);
-        if self.args.format == Format::Text {
+        if self.args.format == ReportFormat::Text {
             self.deck.iter().for_each(DeckInput::warn);
         }
         terminal::write(|out| out.write_all(&bytes))
     }
 
-    /// The report in the form that was asked for.
-    pub fn render(&self, reduced: Option<Reduced>, outcome: &Outcome) -> Result<Vec<u8>, CliFailure> {
-        let terms = if self.args.format == Format::Text { 0 } else { Report::TERMS };
+    /// The report in the requested format.
+    pub fn render(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
+        let terms = if self.args.format == ReportFormat::Text { 0 } else { Report::TERMS };
         let misfit = |error| CliFailure::Resource(format!("the report cannot be made: {error}"));
         let report = self.report(reduced, terms).map_err(misfit)?;
         match self.args.format {
-            Format::Text => Ok(text::render(self, &report, outcome).into_bytes()),
-            Format::Json => {
+            ReportFormat::Text => Ok(text::render(self, &report, outcome).into_bytes()),
+            ReportFormat::Json => {
                 let mut bytes = Vec::new();
                 let deck = self.deck.as_ref().map(|deck| deck.report(&self.analysis));
-                json::write(&mut bytes, &report, deck).map_err(|error| CliFailure::of_stdout(&error))?;
+                json::write(&mut bytes, &report, deck).map_err(|error| CliFailure::from_stdout(&error))?;
                 Ok(bytes)
             }
-            Format::Vtu => vtu::render(self, reduced.map(|reduced| reduced.reduction)),
-            Format::Html => html::render(self, &report)
+            ReportFormat::Vtu => vtu::render(self, reduced.map(|reduced| reduced.reduction)),
+            ReportFormat::Html => html::render(self, &report)
                 .map(String::into_bytes)
                 .map_err(|error| CliFailure::Resource(format!("the page cannot be made: {error}"))),
         }
@@ -85,8 +90,8 @@ impl Diagnosis<'_> {
         if let Some(exact) = &self.exact {
             report = report.with_exact(&self.analysis, exact)?;
         }
-        if let Some(meant) = &self.meant {
-            report = report.with_near_dependence(&self.analysis, meant, terms)?;
+        if let Some(near) = &self.near_dependence {
+            report = report.with_near_dependence(&self.analysis, near, terms)?;
         }
         let (report, time) = match reduced {
             Some(Reduced { reduction, form, time }) => {

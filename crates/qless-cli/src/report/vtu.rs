@@ -1,7 +1,7 @@
-//! The nodes of a deck's equations for ParaView: VTK's unstructured grid in XML, a vertex for each node.
+//! The nodes of a deck's equations for ParaView: an unstructured grid of VTK in XML, with a vertex for each node.
 //!
-//! Point data, numbers of DOFs or equations of the node: `slaves`, `masters`, `prescribed`, `redundant`, `conflicting`; and the
-//! deck's number of the `node`.
+//! Point data: the number of the `node`, and the numbers of its `slaves`, `masters` and `prescribed` DOFs and of its `redundant` and
+//! `conflicting` equations.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,17 +15,17 @@ use vtkio::model::{
 use crate::diagnose::Diagnosis;
 use crate::failure::CliFailure;
 
-/// The counts at each node, in this order.
+/// Names of the counts at a node.
 const COUNTS: [&str; 5] = ["slaves", "masters", "prescribed", "redundant", "conflicting"];
 
 type VtuCounts = [i32; COUNTS.len()];
 
-/// The file, with the slaves of `reduction` if there is one, else of the analysis' own reduction.
+/// Renders the file with the slaves of `reduction`, or of a new one.
 pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Vec<u8>, CliFailure> {
     let input = diagnosis.args.input.display();
     let Some(deck) = &diagnosis.deck else {
         return Err(CliFailure::Input(format!(
-            "{input}: --format vtu shows nodes, which a matrix does not have; give a deck"
+            "{input}: --format vtu shows nodes, which a matrix does not have; name a deck"
         )));
     };
     let positions = deck.deck.positions();
@@ -34,7 +34,7 @@ pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Ve
         counts.into_iter().filter_map(|(node, counts)| Some((node, *positions.get(&node)?, counts))).collect();
     if shown.is_empty() {
         return Err(CliFailure::Input(format!(
-            "{input}: the deck says for no node of its equations where it is; add the cards of the nodes"
+            "{input}: the deck has no position for any node of its equations; add the cards of the nodes"
         )));
     }
     let mut bytes = Vec::new();
@@ -43,7 +43,7 @@ pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Ve
     Ok(bytes)
 }
 
-/// The counts of each node that is in an equation.
+/// Counts of each node that occurs in an equation.
 fn counts(
     diagnosis: &Diagnosis,
     reduction: Option<&Reduction>,
@@ -51,7 +51,7 @@ fn counts(
 ) -> Result<BTreeMap<u32, VtuCounts>, CliFailure> {
     let system = &diagnosis.system;
     let input = &diagnosis.args.input;
-    let refused = |error| CliFailure::of_reduction(error, input, system);
+    let refused = |error| CliFailure::from_reduction(error, input, system);
     let reduction = match reduction {
         Some(reduction) => Cow::Borrowed(reduction),
         None => Cow::Owned(diagnosis.analysis.reduction().map_err(refused)?),

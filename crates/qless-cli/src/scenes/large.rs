@@ -1,12 +1,25 @@
 //! Options of the scenes of one large block: surfaces, cells and mechanisms.
 
 use clap::Args;
-use qless_scenes::families::{Linkage, MortarSurface, PeriodicCell};
+use qless_scenes::families::{Edges, Faces, Linkage, MortarSurface, PeriodicCell, Surface};
 use qless_scenes::{Scene, SceneError};
 
-use super::values::{Edging, FaceKind, ShapeName};
+use crate::values::{NamedValue, one_of};
 
-#[derive(Args, Debug)]
+const FACES: [NamedValue<Faces>; 2] =
+    [("quads", "Bilinear, of hexahedra", Faces::Quads), ("triangles", "Linear, of tetrahedra", Faces::Triangles)];
+
+const EDGES: [NamedValue<Edges>; 2] =
+    [("matching", "Nodes at the same places", Edges::Matching), ("own", "Each edge has its own nodes", Edges::Own)];
+
+const SURFACES: [NamedValue<Surface>; 4] = [
+    ("plane", "Flat", Surface::Plane),
+    ("cylinder", "106 degrees of a cylinder", Surface::Cylinder),
+    ("sphere", "Part of a sphere", Surface::Sphere),
+    ("waves", "Hills and valleys", Surface::Waves),
+];
+
+#[derive(Args)]
 pub struct Cell {
     /// Elements per side of the near faces
     #[arg(long, default_value_t = 10)]
@@ -15,21 +28,21 @@ pub struct Cell {
     #[arg(long, default_value_t = 12)]
     far: usize,
     /// Faces of the near side
-    #[arg(long, value_enum, default_value = "quads")]
-    faces: FaceKind,
+    #[arg(long, value_parser = one_of(&FACES), default_value = "quads")]
+    faces: Faces,
     /// Whether parallel edges match; if not, how many equations are redundant is not known beforehand
-    #[arg(long, value_enum, default_value = "matching")]
-    edges: Edging,
+    #[arg(long, value_parser = one_of(&EDGES), default_value = "matching")]
+    edges: Edges,
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct Tie {
-    /// What both meshes approximate
-    #[arg(long, value_enum, default_value = "sphere")]
-    surface: ShapeName,
-    /// About this many equations, on as many cells each way and two thirds of them on the master side
+    /// Surface that both meshes approximate
+    #[arg(long, value_parser = one_of(&SURFACES), default_value = "sphere")]
+    surface: Surface,
+    /// Approximate number of equations; the master side has two thirds as many cells each way as the slave side
     #[arg(long, value_name = "N", default_value_t = 3000)]
     equations: usize,
     /// Cells of the slave side each way, instead of --equations
@@ -39,11 +52,11 @@ pub struct Tie {
     #[arg(long, value_name = "N", num_args = 2, value_names = ["S", "T"])]
     master: Option<Vec<usize>>,
     /// Faces of the slave side
-    #[arg(long, value_enum, default_value = "quads")]
-    slave_faces: FaceKind,
+    #[arg(long, value_parser = one_of(&FACES), default_value = "quads")]
+    slave_faces: Faces,
     /// Faces of the master side
-    #[arg(long, value_enum, default_value = "triangles")]
-    master_faces: FaceKind,
+    #[arg(long, value_parser = one_of(&FACES), default_value = "triangles")]
+    master_faces: Faces,
     /// Redundant equations, each the sum of two others
     #[arg(long, default_value_t = 0)]
     sums: usize,
@@ -51,9 +64,9 @@ pub struct Tie {
     seed: u64,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args)]
 pub struct NetScene {
-    /// A square net of at most so many bodies
+    /// Largest number of bodies of a square net
     #[arg(long, default_value_t = 1000)]
     bodies: usize,
     /// Rows of bodies, instead of --bodies
@@ -65,7 +78,7 @@ pub struct NetScene {
     /// Bodies from one rung to the next
     #[arg(long, default_value_t = 1)]
     pitch: usize,
-    /// Bodies are about so long: 1 in metres, 1000 in millimetres
+    /// Approximate length of a body: 1 in metres, 1000 in millimetres
     #[arg(long, default_value_t = 1)]
     length: usize,
     /// Ball joints in rungs that close a loop, by the seed
@@ -80,7 +93,7 @@ impl Cell {
     /// [`SceneError`] for sizes that make no scene.
     pub fn generate(&self) -> Result<Scene, SceneError> {
         let Self { near, far, faces, edges, seed } = *self;
-        PeriodicCell { near, far, near_faces: faces.into(), edges: edges.into() }.scene(seed)
+        PeriodicCell { near, far, near_faces: faces, edges }.scene(seed)
     }
 }
 
@@ -88,11 +101,11 @@ impl Tie {
     /// # Errors
     /// [`SceneError`] for sizes that make no scene.
     pub fn generate(&self) -> Result<Scene, SceneError> {
-        let about = MortarSurface::with_equations(self.surface.into(), self.equations);
+        let about = MortarSurface::with_equations(self.surface, self.equations);
         let slave = pair(self.slave.as_deref()).unwrap_or(about.slave);
         let master = pair(self.master.as_deref()).unwrap_or(slave.map(|n| n.div_ceil(3) * 2));
-        let (slave_faces, master_faces) = (self.slave_faces.into(), self.master_faces.into());
-        MortarSurface { slave, master, slave_faces, master_faces, sums: self.sums, ..about }.scene(self.seed)
+        let &Self { slave_faces, master_faces, sums, seed, .. } = self;
+        MortarSurface { slave, master, slave_faces, master_faces, sums, ..about }.scene(seed)
     }
 }
 

@@ -1,8 +1,8 @@
-//! Text in limited space: shortened names, pieces that fill lines, and sections with a heading and items.
+//! Lays out text in limited space: shortens names, fills lines, and shows sections with a heading and items.
 //!
 //! A character beyond Latin, Greek and Cyrillic counts as two columns.
 
-/// Columns that a text takes.
+/// Width of a text in columns.
 pub fn width(text: &str) -> usize {
     text.chars().map(columns).sum()
 }
@@ -11,7 +11,7 @@ fn columns(c: char) -> usize {
     if c < '\u{1100}' { 1 } else { 2 }
 }
 
-/// At most `most` columns: the middle is left out, since names differ at their ends.
+/// Shortens a text to `most` columns. Leaves out the middle, since names differ at their ends.
 pub fn shorten(text: &str, most: usize) -> String {
     if width(text) <= most {
         return text.to_owned();
@@ -31,15 +31,15 @@ fn take(text: impl Iterator<Item = char>, most: usize) -> String {
     text.take_while(fits).collect()
 }
 
-/// Control characters could move the cursor: each becomes a question mark.
+/// Replaces control characters, which could move the cursor, by question marks.
 pub fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
 }
 
-/// Fills at most `lines` lines of at most `most` columns with pieces, and counts those that fit.
+/// Fills at most `lines` lines of at most `most` columns with pieces, and counts the pieces that fit.
 ///
-/// The first line starts with `first`, the others with `indent`. `reserve` columns of the last line are kept for
-/// what the caller says about the rest, unless nothing is left out.
+/// The first line starts with `first`, the others with `indent`. If not all pieces fit, `reserve` columns of the last line stay
+/// free.
 pub fn flow(first: &str, indent: &str, pieces: &[String], (lines, most): (usize, usize), reserve: usize) -> Flow {
     let whole = fill(first, indent, pieces, (lines, most), 0);
     if whole.used == pieces.len() { whole } else { fill(first, indent, pieces, (lines, most), reserve) }
@@ -63,21 +63,21 @@ fn fill(first: &str, indent: &str, pieces: &[String], (lines, most): (usize, usi
     flow
 }
 
-/// Lines, and how many pieces are in them.
+/// Lines, and the number of pieces in them.
 pub struct Flow {
     pub lines: Vec<String>,
     pub used: usize,
 }
 
 impl Flow {
-    /// Adds to the last line.
+    /// Adds a text to the last line.
     pub fn finish(mut self, tail: &str) -> Vec<String> {
         self.lines.last_mut().expect("starts with one line").push_str(tail);
         self.lines
     }
 }
 
-/// Items shown at most; JSON has all of them.
+/// Most items shown; JSON has all of them.
 const ITEMS_SHOWN: usize = 4;
 
 /// A heading with items, for findings other than equations.
@@ -87,18 +87,18 @@ pub struct LayoutSection {
 }
 
 impl LayoutSection {
-    /// None if there are no items.
+    /// `None` if there are no items.
     pub fn new(heading: impl Into<String>, items: Vec<String>) -> Option<Self> {
         let heading = heading.into();
         (!items.is_empty()).then_some(Self { heading, items })
     }
 
-    /// Lines wanted.
+    /// Number of lines wanted.
     fn wanted(&self) -> usize {
         1 + self.items.len().min(ITEMS_SHOWN + 1)
     }
 
-    /// At most so many lines, at least one.
+    /// The section in at most `most` lines, but at least one.
     fn lines(&self, most: usize) -> Vec<String> {
         let all = self.items.len();
         if most <= 1 {
@@ -121,13 +121,13 @@ pub fn section_needs(sections: &[LayoutSection]) -> (usize, usize) {
     (sections.len(), sections.iter().map(LayoutSection::wanted).sum())
 }
 
-/// The sections in at most `most` lines, but at least one each. If not all fit, the first sections get more lines.
+/// The sections in at most `most` lines, but at least one line each. The first sections get more lines.
 pub fn section_lines(sections: &[LayoutSection], most: usize) -> Vec<String> {
     let mut spare = most.saturating_sub(sections.len());
     let mut lines = Vec::new();
     for section in sections {
         let more = spare.min(section.wanted() - 1);
-        // A heading with the count says as much as a heading followed by "and 7".
+        // One line more would hold only "and 7", but the heading already has the count.
         let more = if more == 1 && section.items.len() > 1 { 0 } else { more };
         spare -= more;
         lines.extend(section.lines(1 + more));

@@ -1,4 +1,4 @@
-//! How the program writes equations, DOFs and numbers: by their row from 1 and their label, in limited space.
+//! Writes equations, DOFs and numbers in limited space.
 
 pub mod layout;
 
@@ -6,23 +6,23 @@ use qless::ConstraintSystem;
 
 use layout::{printable, shorten};
 
-/// Facts about single equations; rows count from 0.
+/// Labels and facts of equations, by index.
 pub trait EquationLookup {
-    /// `row 5` if it has no name.
+    /// The label, or `row 5`.
     fn label(&self, row: usize) -> String;
 
     fn facts(&self, row: usize) -> EquationFacts;
 }
 
-/// Sizes of one equation.
+/// Facts about one equation.
 #[derive(Clone, Copy)]
 pub struct EquationFacts {
     pub rhs: f64,
-    /// The magnitude of its largest coefficient.
+    /// Largest magnitude of its coefficients.
     pub largest: f64,
-    /// DOFs in it.
+    /// Number of its DOFs.
     pub dofs: usize,
-    /// Those of them that are prescribed.
+    /// Number of its prescribed DOFs.
     pub prescribed: usize,
 }
 
@@ -47,17 +47,17 @@ fn is_prescribed(system: &ConstraintSystem, dof: usize) -> bool {
     system.prescribed().binary_search_by_key(&dof, |&(j, _)| j).is_ok()
 }
 
-/// Columns of a label at most.
+/// Most columns of a label.
 const LABEL: usize = 30;
 
 /// `row 14 "tie B/C, y"`, or `row 14` without a label.
 pub fn equation(equations: &dyn EquationLookup, row: usize) -> String {
     let number = format!("row {}", row + 1);
-    let label = equations.label(row);
-    if label == number { number } else { format!("{number} \"{}\"", shorten(&printable(&label), LABEL)) }
+    let text = equations.label(row);
+    if text == number { number } else { format!("{number} \"{}\"", label(&text)) }
 }
 
-/// A label that is printable and not too long.
+/// A label without control characters, shortened.
 pub fn label(text: &str) -> String {
     shorten(&printable(text), LABEL)
 }
@@ -80,7 +80,7 @@ pub fn number(x: f64) -> String {
     }
 }
 
-/// Two digits, for sizes that matter by their magnitude only.
+/// Two significant digits, for magnitudes.
 pub fn rough(x: f64) -> String {
     if x == 0.0 {
         return "0".to_owned();

@@ -12,6 +12,8 @@ use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
+pub use plain::without_gz;
+
 /// Most bytes read from a source without a size.
 const STREAM: usize = 1 << 28;
 /// Most bytes of a line in a source without a size.
@@ -33,14 +35,14 @@ impl fmt::Display for TooMuch {
         match self {
             Self::Stream { read } => write!(
                 out,
-                "it continues after {read} bytes, but at most {STREAM} are read from a source without a size; save it as a file and name that"
+                "it continues after {read} bytes, but at most {STREAM} are read from a source without a size; save it as a file and name that file"
             ),
             Self::Line { read } => {
                 write!(out, "no line ends within {read} bytes, but a line may have at most {LINE}; name a text file")
             }
             Self::Unpacked { packed, most } => write!(
                 out,
-                "its {packed} packed bytes unpack to more than the limit of {most}; unpack it and name that file"
+                "its {packed} packed bytes unpack to more than the limit of {most}; unpack it and name the unpacked file"
             ),
             Self::Memory { size } => {
                 write!(out, "its {size} bytes do not fit into the free memory; free some or split the file")
@@ -121,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_never_ends_is_left() {
+    fn endless_sources_are_refused() {
         let error = read(Path::new("/dev/zero")).expect_err("no end");
         assert!(
             is_too_much(&error)

@@ -5,6 +5,7 @@
 
 use std::fmt;
 use std::io::{self, ErrorKind, Read};
+use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
@@ -44,6 +45,16 @@ impl From<Damaged> for io::Error {
     fn from(error: Damaged) -> Self {
         Self::new(ErrorKind::InvalidData, error)
     }
+}
+
+/// The file name of a path without the ending `.gz`; `None` if the path has another ending.
+///
+/// ```
+/// use std::path::Path;
+/// assert_eq!(qless_io::without_gz(Path::new("C.mtx.gz")), Some(Path::new("C.mtx")));
+/// ```
+pub fn without_gz(path: &Path) -> Option<&Path> {
+    path.extension().filter(|ending| ending.eq_ignore_ascii_case("gz")).and(path.file_stem()).map(Path::new)
 }
 
 /// Plain text of a file.
@@ -150,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_says_so() {
+    fn damaged_data_are_reported() {
         let whole = packed(TEXT.as_bytes());
         for (bytes, said) in [
             (whole[..whole.len() / 2].to_vec(), "gzip data, which are damaged"),

@@ -1,13 +1,11 @@
-//! Faults that only some cards can have: fields of Nastran cards, and rigid elements that their points do not determine.
+//! Faults that only some cards can have, such as those of Nastran's fields and of rigid elements.
 
-/// What is wrong in a card, beside what can be wrong in any deck, and what to do about it.
+/// A fault that only some cards can have, and its remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CardFault {
     /// A line in free field has data beyond the field of its continuation mark.
-    #[error(
-        "{found} stands after the {count} data fields of the line and the place of a mark; go on in a continuation line"
-    )]
+    #[error("{found} follows the {count} data fields and the continuation field of the line; use a continuation line")]
     TooManyFields {
         /// Data fields a line has.
         count: usize,
@@ -23,31 +21,33 @@ pub enum CardFault {
         component: u8,
     },
     /// A grid point is given no component.
-    #[error("{node} is a grid point, of which a component has to be given; write digits from 1 to 6")]
+    #[error("{node} is a grid point and needs a component; write digits from 1 to 6")]
     NoComponent {
         /// The grid point.
         node: u32,
     },
     /// The line that should continue a card is missing.
-    #[error("the card goes on as `+{expected}`, but no line left begins with that; add the line or remove the mark")]
+    #[error(
+        "the card continues at `+{expected}`, but no remaining line begins with it; add the line or remove the mark"
+    )]
     NoContinuation {
         /// The continuation name in the card.
         expected: Box<str>,
     },
     /// No card names this continuation line.
-    #[error("the line goes on with a card as `+{found}`, but no card names it; put it right after its card")]
+    #[error("the line continues a card at `+{found}`, but no card names it; put the line right after its card")]
     Orphan {
         /// The continuation name at the start of the line.
         found: Box<str>,
     },
     /// The solver does not find this continuation line.
-    #[error("MYSTRAN drops this continuation in silence, as it is not the line after its card; put it there")]
+    #[error("MYSTRAN silently ignores this continuation, because it does not follow its card directly; move it there")]
     ContinuationDropped,
     /// A line has data beyond its last field, which the solver does not read.
-    #[error("MYSTRAN drops what stands after the 8 data fields of a line in silence; go on in a continuation line")]
+    #[error("MYSTRAN silently ignores everything after the 8 data fields of a line; use a continuation line")]
     FieldsDropped,
     /// Two elements have the same number.
-    #[error("element {id} is that of {other} already; give it another number")]
+    #[error("element {id} is already defined in {other}; give it another number")]
     ElementTwice {
         /// The element number.
         id: u32,
@@ -63,7 +63,7 @@ pub enum CardFault {
         b: u32,
     },
     /// One object has two different definitions.
-    #[error("{what} {id} is defined otherwise in {other}; keep one of the two")]
+    #[error("{what} {id} has another definition in {other}; keep one of the two")]
     DefinedTwice {
         /// "grid point", "coordinate system", "GRDSET".
         what: &'static str,

@@ -1,5 +1,5 @@
-//! The cards of a deck and their names. Cards that count up evenly, such as `CE 1`, `CE 2`, ..., are stored as one
-//! run.
+//! The cards of a deck and their names. Cards with evenly increasing numbers, such as `CE 1`, `CE 2`, ..., are stored as
+//! one run.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -38,16 +38,6 @@ impl CardName {
         match self.0 {
             NameParts::Numbered(word, number) => Self(NameParts::Numbered(word, number.wrapping_add(more))),
             _ => self.clone(),
-        }
-    }
-
-    /// Whether the other name is this one with its number increased by `more`.
-    pub(super) fn is_counted(&self, more: u32, other: &Self) -> bool {
-        match (&self.0, &other.0) {
-            (NameParts::Numbered(word, number), NameParts::Numbered(other, count)) => {
-                number.wrapping_add(more) == *count && word == other
-            }
-            _ => self.counted(more) == *other,
         }
     }
 
@@ -139,8 +129,7 @@ pub struct Cards {
     fixed: BTreeMap<u32, Option<&'static str>>,
 }
 
-/// A run of cards: card `first + k` has a number higher by `k numbers` than `card`, and starts `k lines` lines further
-/// on.
+/// A run of cards: the number of card `first + k` is higher by `k numbers` than that of `card`, and its line by `k lines`.
 #[derive(Clone, Debug)]
 struct CardRun {
     first: u32,
@@ -156,17 +145,13 @@ impl CardRun {
         Card { name, line: self.card.line.wrapping_add(k.wrapping_mul(self.lines)), ..self.card }
     }
 
-    /// Takes card `i` into the run if it fits. The second card of a run sets the increments.
-    fn take(&mut self, i: u32, card: &Card) -> bool {
+    /// Adds card `i` to the run if it fits. The second card of a run sets the increments.
+    fn try_extend(&mut self, i: u32, card: &Card) -> bool {
         if self.first + 1 == i {
             self.numbers = self.card.name.distance(&card.name);
             self.lines = card.line.wrapping_sub(self.card.line);
         }
-        let k = i - self.first;
-        let line = self.card.line.wrapping_add(k.wrapping_mul(self.lines));
-        line == card.line
-            && self.card.file == card.file
-            && self.card.name.is_counted(k.wrapping_mul(self.numbers), &card.name)
+        self.at(i) == *card
     }
 }
 
@@ -205,7 +190,7 @@ impl Cards {
     /// Adds a card and returns its number.
     pub(super) fn push(&mut self, name: CardName, file: u32, line: u32) -> u32 {
         let card = Card { name, file, line, is_fixed: false };
-        if !self.runs.last_mut().is_some_and(|run| run.take(self.count, &card)) {
+        if !self.runs.last_mut().is_some_and(|run| run.try_extend(self.count, &card)) {
             self.runs.push(CardRun { first: self.count, card, numbers: 0, lines: 0 });
         }
         self.count += 1;
@@ -221,7 +206,7 @@ impl Cards {
         }
     }
 
-    /// Notes why equations cannot replace card `i`, and how to change that.
+    /// Records why equations cannot replace card `i`, and how to change that.
     pub(super) fn fix_because(&mut self, i: u32, why: &'static str) {
         self.fixed.insert(i, Some(why));
     }
@@ -237,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cards_are_kept_as_they_come() {
+    fn cards_are_stored_in_order() {
         let numbered = |word, number| CardName::numbered(word, number);
         let added = [
             (numbered("CE", 1), 0, 2),

@@ -23,7 +23,7 @@ use rustc_hash::FxHashMap;
 use super::plan::conflicts;
 use super::{Deck, Dof, Format, LoadCase, Model, ansys, calculix, nastran, parse};
 
-pub use super::faults::{EquationFault, faults, faults_in};
+pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
 pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
 pub(super) use super::plan::{Edits, Renamed};
 pub use super::solver::{Finding, findings};
@@ -67,7 +67,7 @@ fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> 
             return Err(CleanError::Conflicting { case: a.name.clone() });
         }
         let unproven = |what: String| CleanError::Unproven { case: a.name.clone(), what };
-        let b = partner(old, k, &new).ok_or_else(|| unproven("it is no load case any more".into()))?;
+        let b = partner(old, k, &new).ok_or_else(|| unproven("the cleaned deck has no such load case".into()))?;
         same(old, a, &new, b, renamed).map_err(unproven)?;
     }
     Ok(())
@@ -100,11 +100,11 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
     let conflicts =
         |analysis: &Analysis| analysis.dependent().iter().filter(|one| one.kind == Kind::Conflicting).count();
     if joined.rank() != alone.rank() || conflicts(&joined) != conflicts(&alone) {
-        return Err(format!("it demands more: rank {} instead of {}", joined.rank(), alone.rank()));
+        return Err(format!("it constrains more: rank {} instead of {}", joined.rank(), alone.rank()));
     }
     let (before, after) = (analyse(&[(old, a)], &given)?.rank(), analyse(&[(new, b)], &given)?.rank());
     if before != after {
-        return Err(format!("it demands less: rank {after} instead of {before}"));
+        return Err(format!("it constrains less: rank {after} instead of {before}"));
     }
     independent(new, b, after, &both)
 }
@@ -113,7 +113,7 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
 fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) -> Result<(), String> {
     let count = new.in_force(case).filter(|&i| !both.names_one_dof(new, i)).count();
     if count != rank {
-        return Err(format!("{} of {count} equations still redundant", count - rank));
+        return Err(format!("{} of {count} equations are still redundant", count - rank));
     }
     faults_in(new, case).first().map_or(Ok(()), |fault| Err(fault.describe(new)))
 }
@@ -127,7 +127,7 @@ fn same_values(
     b: &LoadCase,
     renamed: &Renamed,
 ) -> Result<BTreeSet<Dof>, String> {
-    let (before, after) = (given_in(old, a), given_in(new, b));
+    let (before, after) = (values_by_dof(old, a), values_by_dof(new, b));
     if let Some(dof) = renamed.values().find(|dof| after.contains_key(dof)) {
         return Err(format!("{dof} is still prescribed under its old name"));
     }
@@ -152,23 +152,14 @@ fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), Strin
     };
     let before = sorted(a.loads.iter().map(|load| load.dof).collect());
     let after = sorted(b.loads.iter().map(|load| *renamed.get(&load.dof).unwrap_or(&load.dof)).collect());
-    if before == after { Ok(()) } else { Err("loads are no longer where they were".into()) }
+    if before == after { Ok(()) } else { Err("the loads act on other DOFs".into()) }
 }
 
-/// A prescribed value with the name of its time history, which is empty for the standard one.
-#[derive(PartialEq)]
-struct PrescribedValue {
-    value: f64,
-    course: String,
-}
-
-fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, PrescribedValue> {
-    let names: Vec<Option<&str>> = model.courses().collect();
-    let course = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
-    case.prescribed
-        .iter()
-        .map(|one| (one.dof, PrescribedValue { value: one.value, course: course(one.course) }))
-        .collect()
+/// Prescribed values with the names of their time histories; the name of the standard one is empty.
+fn values_by_dof(model: &Model, case: &LoadCase) -> BTreeMap<Dof, (f64, String)> {
+    let names: Vec<Option<&str>> = model.histories().collect();
+    let name = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
+    case.prescribed.iter().map(|one| (one.dof, (one.value, name(one.history)))).collect()
 }
 
 /// Common columns for the DOFs of two models.

@@ -26,7 +26,7 @@ pub struct DeckError {
     pub problem: Problem,
 }
 
-/// What can be wrong in a deck.
+/// A fault in a deck.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::str::FromStr;
 
+use crate::bytes::without_gz;
+
 /// The format of a deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -20,12 +22,11 @@ impl Format {
 
     /// The format for the ending of a path, without `.gz`.
     pub fn from_path(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        match ending.as_str() {
+        let path = without_gz(path).unwrap_or(path);
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "inp" => Some(Self::Calculix),
             "cdb" => Some(Self::Ansys),
             "bdf" | "dat" | "nas" | "fem" => Some(Self::Nastran),
-            "gz" => Self::from_path(Path::new(path.file_stem()?)),
             _ => None,
         }
     }
@@ -61,7 +62,7 @@ pub enum Solver {
 
 /// The name of no known [`Solver`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no solver that is known here; take one of ccx, abaqus, nastran, mystran, optistruct, ansys")]
+#[error("`{0}` is not a known solver; use one of ccx, abaqus, nastran, mystran, optistruct, ansys")]
 pub struct UnknownSolver(String);
 
 impl Solver {

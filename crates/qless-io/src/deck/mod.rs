@@ -5,14 +5,14 @@
 //! | --- | --- |
 //! | `format`, `error` | formats and solvers; errors in decks |
 //! | `source`, `detect` | a deck and its included files; detection of the format |
-//! | `cards`, `model` | constraints of a deck, whatever its format |
+//! | `cards`, `model` | constraints of a deck of any format |
 //! | `kinematics` | equations of rigid bodies and weighted means |
 //! | `faults`, `solver` | faults of equations; the reactions of solvers |
 //! | `plan` | changes that make the equations independent |
 //! | `calculix`, `nastran`, `ansys` | readers and writers of `.inp`; `.bdf`, `.dat`, `.nas`, `.fem`; `.cdb` |
 //! | [`clean`] | writes a cleaned deck, and proves that it constrains the same |
 //!
-//! The first cards of a deck decide its format; if they do not, the solver asked for does, or else the ending. Text
+//! The first cards of a deck decide its format; if they do not, the requested solver does, or else the ending. Text
 //! may be packed by gzip, or be UTF-16 with a byte order mark. Lines may end in LF, CRLF or CR. The path `-` is
 //! standard input.
 //!
@@ -24,7 +24,6 @@ mod ansys;
 mod calculix;
 mod card_fault;
 mod cards;
-mod chunks;
 pub mod clean;
 mod detect;
 mod error;
@@ -33,6 +32,7 @@ mod format;
 mod kinematics;
 mod model;
 mod nastran;
+mod paged_list;
 mod plan;
 mod solver;
 mod source;

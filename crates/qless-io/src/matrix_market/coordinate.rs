@@ -1,11 +1,14 @@
 //! Parses `row column value` lines into triplets, in one pass over the bytes.
 
+use std::path::Path;
+
 use super::Triplets;
-use super::header::{self, MarketLayout};
-use crate::error::FaultAt;
-use crate::fault::{NumberFault, Quantity, TextFault, quote};
+use super::header::{self, FileHead};
+use crate::ReadError;
+use crate::fault::{Quantity, TextFault, quote};
+use crate::file_chunk::{ChunkedFile, FileChunk, LineCount};
 use crate::lines::{TextLine, TextLines};
-use crate::number::{real, whole};
+use crate::number::whole;
 
 const ENTRY: &str = "row column value";
 const SIZES: &str = "rows columns entries";
@@ -16,84 +19,142 @@ const SHORTEST_ENTRY: usize = 6;
 /// Most empty rows or columns. Larger sizes are typing errors, and cost memory.
 const MOST_EMPTY: usize = 10_000_000;
 
-/// Header and sizes of a matrix file.
+/// Bytes read at a time to find an entry.
+const SEARCHED: u64 = 1 << 24;
+
+/// Header and sizes of a matrix file, and the position of its entries.
 #[derive(Debug)]
-pub(crate) struct MatrixHead {
-    pub rows: usize,
-    pub columns: usize,
-    pub entries: usize,
+pub struct ChunkedMatrix {
+    rows: usize,
+    columns: usize,
+    entries: usize,
+    is_integer: bool,
     /// Line of the sizes.
-    line: usize,
-    integer: bool,
+    sizes_line: usize,
+    start: u64,
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Triplets, FaultAt> {
-    let mut lines = TextLines::new(bytes);
-    let head = MatrixHead::read(&mut lines)?;
-    let entries = head.entries(&mut lines, 0)?;
-    head.check_count(entries.len())?;
+pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<Triplets, ReadError> {
+    let mut lines = TextLines::new(path, text);
+    let head = ChunkedMatrix::parse_head(path, &mut lines)?;
+    let entries = head.parse_entries(&mut lines, 0)?;
+    head.check_count(path, entries.len())?;
     Ok(Triplets { rows: head.rows, columns: head.columns, entries })
 }
 
-impl MatrixHead {
-    pub(crate) fn read(lines: &mut TextLines) -> Result<Self, FaultAt> {
-        let integer = header::read(lines, MarketLayout::Coordinate)?.integer;
-        sizes(lines, integer)
+impl ChunkedMatrix {
+    /// Reads header and sizes.
+    ///
+    /// # Errors
+    /// [`ReadError::Io`], or [`ReadError::Malformed`] with the line.
+    pub fn open(file: &ChunkedFile) -> Result<Self, ReadError> {
+        let head = FileHead::read(file, false)?;
+        let read = Self::parse_head(file.path(), &mut TextLines::new(file.path(), &head.text))?;
+        Ok(Self { start: head.end, ..read })
     }
 
-    /// The entries in these lines, which follow `before` others.
-    pub(crate) fn entries(&self, lines: &mut TextLines, before: usize) -> Result<Vec<(usize, usize, f64)>, FaultAt> {
+    fn parse_head(path: &Path, lines: &mut TextLines) -> Result<Self, ReadError> {
+        let is_integer = header::read(path, lines, "coordinate")?;
+        let Some(line) = lines.content() else {
+            return Err(lines.fault(TextFault::Sizes { expected: SIZES, found: quote(b"") }));
+        };
+        let malformed = || line.fault(TextFault::Sizes { expected: SIZES, found: line.quote() });
+        let [rows, columns, entries] = line.fields().ok_or_else(malformed)?;
+        let entries = whole(entries).ok_or_else(malformed)?;
+        let size = |what, word| size(&line, what, word, entries)?.ok_or_else(malformed);
+        let (rows, columns) = (size("rows", rows)?, size("columns", columns)?);
+        if columns == 0 {
+            return Err(line.fault(TextFault::NoColumns { rows }));
+        }
+        Ok(Self { rows, columns, entries, is_integer, sizes_line: line.number, start: 0 })
+    }
+
+    /// Number of rows m.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns n.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Byte at which the entries start.
+    pub fn start(&self) -> u64 {
+        self.start
+    }
+
+    /// Lines before the entries.
+    pub fn before(&self) -> LineCount {
+        LineCount { lines: self.sizes_line, items: 0 }
+    }
+
+    /// Parses the entries in a chunk; `before` counts the lines and entries before it. Indices are 0-based.
+    ///
+    /// # Errors
+    /// [`ReadError::Malformed`] with the line.
+    pub fn entries(&self, lines: &FileChunk, before: LineCount) -> Result<Vec<(usize, usize, f64)>, ReadError> {
+        self.parse_entries(&mut lines.after(before.lines), before.items)
+    }
+
+    fn parse_entries(&self, lines: &mut TextLines, before: usize) -> Result<Vec<(usize, usize, f64)>, ReadError> {
         let room = self.entries.saturating_sub(before).min((lines.unread_bytes() + 1) / SHORTEST_ENTRY);
         let mut entries = Vec::with_capacity(room);
         while let Some(line) = lines.content() {
             if before + entries.len() >= self.entries {
                 return Err(line.fault(TextFault::TooMany { promised: self.entries }));
             }
-            entries.push(entry(&line, self)?);
+            entries.push(self.entry(&line)?);
         }
         Ok(entries)
     }
 
-    /// First and last of these lines with an entry of this row and column.
-    pub(crate) fn lines_of(
-        &self,
-        lines: &mut TextLines,
-        place: (usize, usize),
-    ) -> Result<Option<(usize, usize)>, FaultAt> {
-        let mut found = None;
+    /// Checks that the whole file has all promised entries; `found` is their number.
+    ///
+    /// # Errors
+    /// [`ReadError::Malformed`] if entries are missing.
+    pub fn check(&self, file: &ChunkedFile, found: usize) -> Result<(), ReadError> {
+        self.check_count(file.path(), found)
+    }
+
+    fn check_count(&self, path: &Path, found: usize) -> Result<(), ReadError> {
+        let (promised, line) = (self.entries, Some(self.sizes_line));
+        if found < promised {
+            return Err(ReadError::malformed(path, line, TextFault::TooFew { promised, found }));
+        }
+        Ok(())
+    }
+
+    fn entry(&self, line: &TextLine) -> Result<(usize, usize, f64), ReadError> {
+        let [row, column, value] = line.fields().ok_or_else(|| line.malformed(ENTRY))?;
+        let row = index(line, "row", row, self.rows)?;
+        let column = index(line, "column", column, self.columns)?;
+        let what = Quantity::Coefficient { row: row + 1, column: column + 1 };
+        Ok((row, column, line.number(value, what, self.is_integer)?))
+    }
+}
+
+/// First and last line with an entry of this 0-based row and column.
+pub(crate) fn find_entry(path: &Path, place: (usize, usize)) -> Result<Option<(usize, usize)>, ReadError> {
+    let file = ChunkedFile::open(path)?;
+    let matrix = ChunkedMatrix::open(&file)?;
+    let (mut before, mut start, mut found) = (matrix.sizes_line, matrix.start, None);
+    while start < file.len() {
+        let chunk = file.lines(start..start.saturating_add(SEARCHED))?;
+        let mut lines = chunk.after(before);
         while let Some(line) = lines.content() {
-            let (row, column, _) = entry(&line, self)?;
+            let (row, column, _) = matrix.entry(&line)?;
             if (row, column) == place {
                 found = Some((found.map_or(line.number, |(first, _)| first), line.number));
             }
         }
-        Ok(found)
+        (before, start) = (lines.number().max(before), start.saturating_add(SEARCHED));
     }
-
-    /// Checks that all promised entries were found.
-    pub(crate) fn check_count(&self, found: usize) -> Result<(), FaultAt> {
-        let promised = self.entries;
-        if found < promised { Err(FaultAt::line(self.line, TextFault::TooFew { promised, found })) } else { Ok(()) }
-    }
-}
-
-fn sizes(lines: &mut TextLines, integer: bool) -> Result<MatrixHead, FaultAt> {
-    let Some(line) = lines.content() else {
-        return Err(FaultAt::line(lines.number(), TextFault::Sizes { expected: SIZES, found: quote(b"") }));
-    };
-    let malformed = || line.fault(TextFault::Sizes { expected: SIZES, found: line.quote() });
-    let [rows, columns, entries] = line.fields().ok_or_else(malformed)?;
-    let entries = whole(entries).ok_or_else(malformed)?;
-    let size = |what, word| size(&line, what, word, entries)?.ok_or_else(malformed);
-    let (rows, columns) = (size("rows", rows)?, size("columns", columns)?);
-    if columns == 0 {
-        return Err(line.fault(TextFault::NoColumns { rows }));
-    }
-    Ok(MatrixHead { rows, columns, entries, line: line.number, integer })
+    Ok(found)
 }
 
 /// Parses a number of rows or columns; `None` if the word is no number. The library reserves the largest index.
-fn size(line: &TextLine, what: &'static str, word: &[u8], entries: usize) -> Result<Option<usize>, FaultAt> {
+fn size(line: &TextLine, what: &'static str, word: &[u8], entries: usize) -> Result<Option<usize>, ReadError> {
     match whole(word) {
         Some(size) if size >= u32::MAX as usize => {
             Err(line.fault(TextFault::SizeTooLarge { what, found: quote(word) }))
@@ -105,22 +166,8 @@ fn size(line: &TextLine, what: &'static str, word: &[u8], entries: usize) -> Res
     }
 }
 
-fn entry(line: &TextLine, head: &MatrixHead) -> Result<(usize, usize, f64), FaultAt> {
-    let [row, column, value] = line.fields().ok_or_else(|| line.malformed(ENTRY))?;
-    let row = index(line, "row", row, head.rows)?;
-    let column = index(line, "column", column, head.columns)?;
-    match real(value) {
-        Ok(number) if !head.integer || number.fract() == 0.0 => Ok((row, column, number)),
-        other => Err(line.fault(TextFault::Number {
-            what: Quantity::Coefficient { row: row + 1, column: column + 1 },
-            found: quote(value),
-            problem: other.err().unwrap_or(NumberFault::NotAnInteger),
-        })),
-    }
-}
-
 /// Converts a 1-based index of the file to a 0-based one.
-fn index(line: &TextLine, what: &'static str, word: &[u8], size: usize) -> Result<usize, FaultAt> {
+fn index(line: &TextLine, what: &'static str, word: &[u8], size: usize) -> Result<usize, ReadError> {
     let index = whole(word).ok_or_else(|| line.malformed(ENTRY))?;
     if index == 0 || index > size {
         return Err(line.fault(TextFault::OutOfRange { what, found: quote(word), size }));

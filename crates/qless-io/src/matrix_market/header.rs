@@ -1,65 +1,75 @@
 //! The header `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`: variants that are read, and advice for the others.
 
-use crate::error::FaultAt;
+use std::io::BufRead;
+use std::path::Path;
+
+use crate::ReadError;
 use crate::fault::{TextFault, quote};
+use crate::file_chunk::ChunkedFile;
 use crate::lines::{TextLine, TextLines};
-
-/// Layout of the entries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MarketLayout {
-    /// `row column value`.
-    Coordinate,
-    /// Values only, column by column.
-    Array,
-}
-
-/// Content of a supported header.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct MarketHeader {
-    pub integer: bool,
-    pub line: usize,
-}
 
 /// Whether a text starts with a Matrix Market header.
 pub(crate) fn is_present(bytes: &[u8]) -> bool {
-    first_line(&mut TextLines::new(bytes)).is_some_and(|line| is_banner(&line))
+    TextLines::new(Path::new(""), bytes).not_blank().is_some_and(|line| is_banner(&line))
 }
 
-/// Reads the header of a `layout` file.
-pub(crate) fn read(lines: &mut TextLines, layout: MarketLayout) -> Result<MarketHeader, FaultAt> {
-    let Some(line) = first_line(lines) else {
-        return Err(FaultAt::whole_file(TextFault::Header { found: quote(b"") }));
+/// Reads the header of a file in this format, `coordinate` or `array`; returns whether it promises integers.
+pub(crate) fn read(path: &Path, lines: &mut TextLines, format: &str) -> Result<bool, ReadError> {
+    let Some(line) = lines.not_blank() else {
+        return Err(ReadError::malformed(path, None, TextFault::Header { found: quote(b"") }));
     };
     let words: Vec<&[u8]> = line.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect();
-    let &[_, object, format, field, symmetry] = words.as_slice() else {
+    let (true, &[_, object, format_found, field, symmetry]) = (is_banner(&line), words.as_slice()) else {
         return Err(line.fault(TextFault::Header { found: line.quote() }));
     };
-    if !is_banner(&line) {
-        return Err(line.fault(TextFault::Header { found: line.quote() }));
-    }
     accept(&line, object, &["matrix"])?;
-    let format_read = if layout == MarketLayout::Coordinate { "coordinate" } else { "array" };
-    accept(&line, format, &[format_read])?;
+    accept(&line, format_found, &[format])?;
     accept(&line, field, &["real", "integer"])?;
     accept(&line, symmetry, &["general"])?;
-    Ok(MarketHeader { integer: field.eq_ignore_ascii_case(b"integer"), line: line.number })
+    Ok(field.eq_ignore_ascii_case(b"integer"))
 }
 
-fn first_line<'a>(lines: &mut TextLines<'a>) -> Option<TextLine<'a>> {
-    loop {
-        let line = lines.any()?;
-        if !line.text.trim_ascii().is_empty() {
-            return Some(line);
+/// Header and sizes of a file. Comments are replaced by blank lines, which keep the line numbers and take no memory.
+#[derive(Default)]
+pub(crate) struct FileHead {
+    pub text: Vec<u8>,
+    /// Bytes of the head in the file.
+    pub end: u64,
+}
+
+impl FileHead {
+    /// Reads the head. Returns an empty one if the first line that is not blank is no header and `is_optional`.
+    pub fn read(file: &ChunkedFile, is_optional: bool) -> Result<Self, ReadError> {
+        let mut reader = file.reader()?;
+        let mut head = Self::default();
+        let (mut line, mut found) = (Vec::new(), 0);
+        while found < 2 {
+            line.clear();
+            if reader.read_until(b'\n', &mut line).map_err(ReadError::io(file.path()))? == 0 {
+                break;
+            }
+            let mut lines = TextLines::new(file.path(), &line);
+            let is_first = found == 0;
+            head.end += line.len() as u64;
+            match if is_first { lines.not_blank() } else { lines.content() } {
+                None => head.text.push(b'\n'),
+                Some(text) if is_first && is_optional && !is_banner(&text) => return Ok(Self::default()),
+                Some(_) => {
+                    found += 1;
+                    head.text.extend_from_slice(&line);
+                }
+            }
         }
+        Ok(if is_optional && found == 0 { Self::default() } else { head })
     }
 }
 
-pub(crate) fn is_banner(line: &TextLine) -> bool {
+fn is_banner(line: &TextLine) -> bool {
     let word = line.text.trim_ascii().split(u8::is_ascii_whitespace).next().unwrap_or_default();
     [&b"%%MatrixMarket"[..], b"%MatrixMarket"].iter().any(|banner| word.eq_ignore_ascii_case(banner))
 }
 
-fn accept(line: &TextLine, word: &[u8], known: &[&str]) -> Result<(), FaultAt> {
+fn accept(line: &TextLine, word: &[u8], known: &[&str]) -> Result<(), ReadError> {
     if known.iter().any(|known| word.eq_ignore_ascii_case(known.as_bytes())) {
         return Ok(());
     }

@@ -23,8 +23,9 @@ pub(crate) mod header;
 use std::path::Path;
 
 use crate::ReadError;
-use crate::error::parse_file;
-pub(crate) use coordinate::MatrixHead;
+use crate::error::read_file;
+pub use coordinate::ChunkedMatrix;
+pub(crate) use coordinate::{find_entry, parse};
 
 /// An m x n matrix, as listed in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,10 +57,5 @@ pub struct Triplets {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read(path: &Path) -> Result<Triplets, ReadError> {
-    parse_file(path, coordinate::parse)
-}
-
-/// Parses the text of a matrix file.
-pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<Triplets, ReadError> {
-    coordinate::parse(text).map_err(|at| at.in_file(path))
+    parse(path, &read_file(path)?)
 }

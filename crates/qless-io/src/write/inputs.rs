@@ -18,18 +18,18 @@ use crate::WriteError;
 /// # let place = tempfile::tempdir()?;
 /// let deck = place.path().join("tie.inp");
 /// std::fs::write(&deck, "*NODE\n")?;
-/// let inputs = Inputs::of([&deck]);
-/// let error = inputs.spare(&place.path().join("./tie.inp")).unwrap_err().to_string();
+/// let inputs = Inputs::new([&deck]);
+/// let error = inputs.check_output(&place.path().join("./tie.inp")).unwrap_err().to_string();
 /// assert!(error.ends_with("tie.inp: is part of the input, which would be overwritten; name another place"));
-/// assert!(inputs.spare(&place.path().join("report.txt")).is_ok());
+/// assert!(inputs.check_output(&place.path().join("report.txt")).is_ok());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Inputs(Vec<FileIdentity>);
 
 impl Inputs {
-    /// Notes these files.
-    pub fn of(paths: impl IntoIterator<Item: AsRef<Path>>) -> Self {
+    /// Records these files.
+    pub fn new(paths: impl IntoIterator<Item: AsRef<Path>>) -> Self {
         Self(paths.into_iter().filter_map(|path| FileIdentity::from_path(path.as_ref())).collect())
     }
 
@@ -37,7 +37,7 @@ impl Inputs {
     ///
     /// # Errors
     /// [`WriteError::IsInput`].
-    pub fn spare(&self, output: &Path) -> Result<(), WriteError> {
+    pub fn check_output(&self, output: &Path) -> Result<(), WriteError> {
         match FileIdentity::from_path(output) {
             Some(identity) if self.0.contains(&identity) => Err(WriteError::IsInput { path: output.to_path_buf() }),
             _ => Ok(()),
@@ -47,14 +47,14 @@ impl Inputs {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum FileIdentity {
-    There(FileId),
+    Existing(FileId),
     Absent { folder: FileId, name: OsString },
 }
 
 impl FileIdentity {
     fn from_path(path: &Path) -> Option<Self> {
         if let Some(node) = node(path) {
-            return Some(Self::There(node));
+            return Some(Self::Existing(node));
         }
         let folder = path.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
         Some(Self::Absent { folder: node(folder?)?, name: path.file_name()?.to_owned() })

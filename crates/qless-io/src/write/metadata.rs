@@ -40,8 +40,8 @@ pub(super) fn check_names(_: &Path) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Gives `new` the mode, owner and group of `old`, as far as permitted. If the group cannot be kept, its rights go to
-/// nobody else.
+/// Gives `new` the mode, owner and group of `old`, as far as permitted. If the group cannot be kept, the new
+/// group has only rights that all others have too.
 #[cfg(unix)]
 pub(super) fn keep(old: &Path, new: &Path) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};

@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_move_that_fails_puts_back_what_stood_there() {
+    fn a_failed_move_restores_the_old_files() {
         let place = tempfile::tempdir().expect("a temporary folder");
         let (folder, stage) = (place.path().join("folder"), place.path().join("stage"));
         for path in [&folder, &stage.join(NEW)] {

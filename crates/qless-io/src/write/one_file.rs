@@ -17,7 +17,7 @@ use crate::WriteError;
 /// OneFile::at(&path, Inputs::default())?.write(b"*NODE\n")?;
 /// assert_eq!(std::fs::read(&path)?, b"*NODE\n");
 ///
-/// let error = OneFile::at(&path, Inputs::of([&path])).unwrap_err().to_string();
+/// let error = OneFile::at(&path, Inputs::new([&path])).unwrap_err().to_string();
 /// assert!(error.contains("clean.inp: is part of the input"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -37,7 +37,7 @@ impl OneFile {
     /// [`WriteError`]: the file is an input or has several names, its folder is missing, or nothing can be written
     /// there.
     pub fn at(path: &Path, inputs: Inputs) -> Result<Self, WriteError> {
-        inputs.spare(path)?;
+        inputs.check_output(path)?;
         let path = follow(path).map_err(WriteError::io(path))?;
         let (Some(folder), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
             return Err(WriteError::NotAFile { path });
@@ -47,7 +47,7 @@ impl OneFile {
             return Err(WriteError::io(folder)(missing));
         }
         check_names(&path)?;
-        Ok(Self { output: Output::new(folder)?.sparing(inputs), name: name.to_owned() })
+        Ok(Self { output: Output::new(folder)?.protecting(inputs), name: name.to_owned() })
     }
 
     /// Writes the file.

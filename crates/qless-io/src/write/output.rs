@@ -53,9 +53,9 @@ impl Output {
         Ok(output)
     }
 
-    /// Refuses, from now on, files that would replace one of `inputs`.
+    /// Refuses files, added from now on, that would replace one of `inputs`.
     #[must_use]
-    pub fn sparing(self, inputs: Inputs) -> Self {
+    pub fn protecting(self, inputs: Inputs) -> Self {
         Self { inputs, ..self }
     }
 
@@ -64,7 +64,7 @@ impl Output {
     /// # Errors
     /// [`WriteError::IsInput`].
     pub fn check(&self, name: &str) -> Result<(), WriteError> {
-        self.inputs.spare(&self.place(name))
+        self.inputs.check_output(&self.place(name))
     }
 
     /// Adds a file with the text that `write` produces; `name` is a plain file name.
@@ -91,7 +91,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn numbers(&mut self, name: &str, numbers: &[f64]) -> Result<(), WriteError> {
-        self.file(name, |out| write_numbers(out, numbers))
+        self.file(name, |out| numbers.iter().try_for_each(|number| writeln!(out, "{number:?}")))
     }
 
     /// Adds 0-based indices, one a line, as 1-based ones.
@@ -99,10 +99,10 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn indices(&mut self, name: &str, indices: &[usize]) -> Result<(), WriteError> {
-        self.file(name, |out| write_indices(out, indices))
+        self.file(name, |out| indices.iter().try_for_each(|index| writeln!(out, "{}", *index as u128 + 1)))
     }
 
-    /// Removes a file of this name, left from an earlier case.
+    /// Removes a file of this name, which an earlier run may have written.
     ///
     /// # Errors
     /// [`WriteError::IsInput`].
@@ -121,7 +121,7 @@ impl Output {
             let label = labels[index].clone();
             return Err(WriteError::LabelLineBreak { path: self.place(name), index: index + 1, label });
         }
-        self.file(name, |out| write_labels(out, labels))
+        self.file(name, |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))
     }
 
     /// Puts the files in their place.
@@ -159,7 +159,7 @@ fn fill(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
     out.into_inner()?.sync_all()
 }
 
-/// The longest existing part of `folder`, and the rest.
+/// Splits `folder` into its longest existing part and the rest.
 fn split(folder: &Path) -> Result<(PathBuf, PathBuf), WriteError> {
     for base in folder.ancestors() {
         let existing = if base.as_os_str().is_empty() { Path::new(".") } else { base };
@@ -193,19 +193,7 @@ fn write_matrix(out: &mut dyn Write, matrix: &Csr) -> io::Result<()> {
     Ok(())
 }
 
-fn write_numbers(out: &mut dyn Write, numbers: &[f64]) -> io::Result<()> {
-    numbers.iter().try_for_each(|number| writeln!(out, "{number:?}"))
-}
-
-fn write_indices(out: &mut dyn Write, indices: &[usize]) -> io::Result<()> {
-    indices.iter().try_for_each(|index| writeln!(out, "{}", *index as u128 + 1))
-}
-
 pub(super) fn write_prescribed(out: &mut dyn Write, prescribed: &[(usize, f64)]) -> io::Result<()> {
     writeln!(out, "# column(1-based) value")?;
     prescribed.iter().try_for_each(|(dof, value)| writeln!(out, "{} {value:?}", dof + 1))
-}
-
-fn write_labels(out: &mut dyn Write, labels: &[String]) -> io::Result<()> {
-    labels.iter().try_for_each(|label| writeln!(out, "{label}"))
 }

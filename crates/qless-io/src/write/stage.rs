@@ -1,4 +1,4 @@
-//! Temporary folders ("stages"), removed at every end of the program except `SIGKILL`.
+//! Temporary folders ("stages"), which are removed whenever the program ends, except by `SIGKILL`.
 //!
 //! New files are written to a hidden folder `.qless-XXXXXX`, which is removed when dropped. A global list holds all
 //! stages, so that [`abandon`] can remove them when a signal ends the program. A thread that creates files or puts
@@ -118,7 +118,7 @@ pub(super) struct Stage {
 impl Stage {
     pub fn new(folder: &Path, _lock: &WriteLock) -> io::Result<Self> {
         let mut known = known();
-        // Reserves first: a folder that is not in the list could stay behind.
+        // Reserves memory first: a folder that is not in the list would not be removed.
         known.reserve(1);
         let path = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder)?.keep();
         known.push(path.clone());
@@ -130,8 +130,8 @@ impl Stage {
         &self.path
     }
 
-    /// Leaves the folder in place.
-    pub fn leave(self) {
+    /// Keeps the folder.
+    pub fn keep(self) {
         forget(&self.path);
         std::mem::forget(self);
     }
@@ -159,15 +159,15 @@ pub(super) fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if is_stage(&entry.file_name()) && entry.file_type().is_ok_and(|kind| kind.is_dir()) {
             let path = entry.path();
-            if is_left(&path).unwrap_or(false) {
+            if is_abandoned(&path).unwrap_or(false) {
                 let _ = fs::remove_dir_all(path);
             }
         }
     }
 }
 
-/// Whether a stage has no owner and holds only copies and new files. Old files are left to the user.
-fn is_left(stage: &Path) -> io::Result<bool> {
+/// Whether a stage has no owner and holds only copies and new files. Stages with old files stay for the user.
+fn is_abandoned(stage: &Path) -> io::Result<bool> {
     if fs::metadata(stage)?.modified()?.elapsed().is_ok_and(|age| age > SETTLED) {
         for entry in fs::read_dir(stage)? {
             let entry = entry?;
@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_killed_program_left_is_removed_and_nothing_else() {
+    fn only_stages_of_killed_programs_are_removed() {
         let place = tempfile::tempdir().expect("a temporary folder");
         let living = Stage::new(place.path(), &WriteLock::take()).expect("a stage");
         let names = [".qless-killed", ".qless-before", ".qless-young", ".qless-amid", ".qless-notes"]

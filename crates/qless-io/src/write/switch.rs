@@ -24,8 +24,8 @@ use super::moves::{self, FolderChange};
 use super::stage::{self, NEW, NOTE, SECOND, Stage, WriteLock};
 use crate::WriteError;
 
-const WORDS: &str = "qless was killed while it put files in place. `folder` is the output folder that it changed; the one that stands \
-                    in its place has all files, and links that lead here. Move the folders in it back before you remove it.\n";
+const NOTE_TEXT: &str = "qless was killed while it replaced files. `folder` is the original output folder. The folder that is now in its \
+                         place has all files, and links to the folders in here: move these back before you remove this one.\n";
 
 /// Changes `folder`, which holds `stage`. Returns `None`, without a change, if folders cannot be exchanged.
 pub(super) fn replace(
@@ -37,13 +37,13 @@ pub(super) fn replace(
     let folder = &folder.canonicalize().ok()?;
     let aside = Stage::new(folder.parent()?, lock).ok()?;
     let second = &aside.path().join(SECOND);
-    fs::write(aside.path().join(NOTE), WORDS).ok()?;
+    fs::write(aside.path().join(NOTE), NOTE_TEXT).ok()?;
     make(second, folder, stage, change).ok()?;
     exchange(folder, second).ok()?;
     let hidden = second.join(stage.path().file_name().unwrap_or_default());
     let done = moves::replace(second, &hidden, change);
     if let Err(error) = exchange(folder, second) {
-        aside.leave();
+        aside.keep();
         return Some(Err(WriteError::io(folder)(error)));
     }
     take_late(second, folder, change);
@@ -103,7 +103,7 @@ mod tests {
 
     /// State after a kill between the two exchanges.
     #[test]
-    fn amid_the_switch_the_folder_has_the_new_files_and_all_others() {
+    fn between_the_exchanges_the_folder_has_the_new_files_and_all_others() {
         let place = tempfile::tempdir().expect("a temporary folder");
         let folder = place.path().canonicalize().expect("a path").join("out");
         fs::create_dir_all(folder.join("deep/er")).expect("created");
@@ -126,7 +126,7 @@ mod tests {
         make(&second, &folder, &stage, &change).expect("made");
         if exchange(&folder, &second).is_err() {
             // Fallback on a file system without exchange of folders.
-            assert!(replace(&folder, &stage, &change, &lock).is_none(), "nothing is done, and nobody told otherwise");
+            assert!(replace(&folder, &stage, &change, &lock).is_none(), "no change, and no success reported");
             moves::replace(&folder, stage.path(), &change).expect("moved");
             assert_eq!(all(&folder), expected);
             return;

@@ -48,18 +48,18 @@ fn conflicts_are_those_of_one_step() {
 fn tables_are_courses() {
     let deck =
         deck("*DIM,RAMP,TABLE,2,,,TIME\nRAMP(1,0)=0,1\nD,1,UX,%RAMP%\nD,2,UX,%other%\nD,3,UX,%ramp%\nD,4,UX,2\n");
-    let courses: Vec<Option<&str>> = deck.model().courses().collect();
-    assert_eq!(courses, [None, Some("RAMP"), Some("OTHER")]);
+    let histories: Vec<Option<&str>> = deck.model().histories().collect();
+    assert_eq!(histories, [None, Some("RAMP"), Some("OTHER")]);
     let given = &deck.model().cases()[0].prescribed;
-    assert_eq!(given.iter().map(|given| given.course).collect::<Vec<_>>(), [1, 2, 1, 0]);
+    assert_eq!(given.iter().map(|given| given.history).collect::<Vec<_>>(), [1, 2, 1, 0]);
     assert_eq!(prescribed(&deck, 0), ["1:1 1", "2:1 1", "3:1 1", "4:1 2"]);
     let number = crate::parse::deck("A=3\nD,1,UX,%A%\n");
-    assert_eq!((prescribed(&number, 0), number.model().courses().count()), (vec!["1:1 3".to_owned()], 1));
+    assert_eq!((prescribed(&number, 0), number.model().histories().count()), (vec!["1:1 3".to_owned()], 1));
 }
 
 #[test]
 fn decks_whose_equations_change_are_not_cleaned() {
     let before = deck("CE,1,0,1,UX,1,2,UX,1\nSOLVE\nCE,2,0,1,UX,2,2,UX,2\nSOLVE\n");
     let error = clean::plan(&before, &qless::Options::default()).expect_err("which load step?").to_string();
-    assert!(error.starts_with("load step 1 has other equations than those before it"), "{error}");
+    assert!(error.starts_with("load step 1 has other equations than earlier load cases"), "{error}");
 }

@@ -77,9 +77,8 @@ fn a_rigid_body_has_sets_that_are_pinned_or_tied() {
 fn ccx_passes_over_what_it_does_not_know_of_a_rigid_body() {
     for (parameter, shown) in [("TIE NSET=TOP", "TIE NSET"), ("ANALYTICAL SURFACE=STOP", "ANALYTICAL SURFACE")] {
         let model = brick(Ccx, &format!("*RIGID BODY, REF NODE=9, {parameter}\n"));
-        let expected = format!(
-            "*RIGID BODY with {shown}: ccx does not know it and passes over the card, so that nothing is rigid"
-        );
+        let expected =
+            format!("*RIGID BODY with {shown}: ccx does not know it and ignores the card, so that nothing is rigid");
         assert_eq!((model.equations(), warnings(&model)), (0, expected));
     }
     assert_eq!(brick(Ccx, "*RIGID BODY, REF NODE=9, PIN NSET=TOP\n").equations(), 12);

@@ -69,7 +69,7 @@ fn a_bound_of_a_distance_holds_once_it_is_reached() {
         |most: &str| brick(Ccx, &format!("*NODE\n20,{most},0.,0.\n*BOUNDARY\n20,1\n*MPC\nDIST,5,5,5,6,6,6,20\n"));
     let free = deck("1.5");
     assert_eq!((free.equations(), free.left_out().count()), (0, 0));
-    assert!(warnings(&free).contains("*MPC DIST holds only once"));
+    assert!(warnings(&free).contains("*MPC DIST is inactive while"));
     assert_eq!(equations(&deck("1.")), ["1 5:1 -1 6:1 0.5 20:1"]);
 }
 

@@ -44,11 +44,11 @@ pub fn equations(model: &Model) -> Vec<String> {
 
 /// Prescribed values as `1:3=0`, with the time history if it has a name.
 pub fn prescribed(model: &Model, case: &LoadCase) -> Vec<String> {
-    let courses: Vec<_> = model.courses().collect();
-    let course = |at: u32| courses[at as usize].map(|name| format!(" {name}")).unwrap_or_default();
+    let histories: Vec<_> = model.histories().collect();
+    let history = |at: u32| histories[at as usize].map(|name| format!(" {name}")).unwrap_or_default();
     case.prescribed
         .iter()
-        .map(|given| format!("{}={}{}", model.dof_name(given.dof), given.value, course(given.course)))
+        .map(|given| format!("{}={}{}", model.dof_name(given.dof), given.value, history(given.history)))
         .collect()
 }
 

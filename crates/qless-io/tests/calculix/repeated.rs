@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use qless_io::deck::Solver::Ccx;
-use qless_io::deck::clean::{self, EquationFault};
+use qless_io::deck::clean::{self, FaultKind};
 
 use super::ccx::{deck, is_there, solve};
 use super::from_text::parsed;
@@ -105,7 +105,7 @@ fn ccx_is_wrong_where_we_say_so_and_right_after_clean() {
         let found = solve(&own).expect("solved");
         let read = parsed(Ccx, &own).expect("read");
         let faults = clean::faults(read.model());
-        let is_said = faults.iter().any(|fault| matches!(fault, EquationFault::MasterTwice { .. }));
+        let is_said = faults.iter().any(|fault| matches!(fault.kind, FaultKind::MasterTwice { .. }));
         let is_wrong = far(&expected[0], &found[0]) > 1e-6;
         assert_eq!(is_said, is_wrong, "{own}\n{faults:?}\n{expected:?}\n{found:?}");
         wrong[usize::from(is_turned)] += usize::from(is_wrong);

@@ -49,10 +49,10 @@ fn pieces_go_on_in_pieces() {
 #[test]
 fn what_does_not_come_is_said() {
     let refused = |cards: &str| refused(&format!("GRID,1\nGRID,2\n{cards}"));
-    let expected = "place/deck.bdf:3: RBE2 9: the card goes on as `+A`, but no line left begins with that; add the line or remove the mark";
+    let expected = "place/deck.bdf:3: RBE2 9: the card continues at `+A`, but no remaining line begins with it; add the line or remove the mark";
     assert_eq!(refused("RBE2,9,1,3,2,+A\n"), expected);
     assert_eq!(refused("RBE2,9,1,3,2,+A\n+A,2\nRBE2,8,1,1,2,+A\n").replace(":5: RBE2 8", ":3: RBE2 9"), expected);
-    let orphan = "place/deck.bdf:4: continuation: the line goes on with a card as `+B`, but no card names it; put it right after its card";
+    let orphan = "place/deck.bdf:4: continuation: the line continues a card at `+B`, but no card names it; put the line right after its card";
     assert_eq!(refused("RBE2,9,1,3,2,+A\n+B,2\n+A,2\n"), orphan);
     // A card of one line has remarks in its last field.
     assert_eq!(refused("SPC     1       1       3       0.                                      +REM\n"), "accepted");
@@ -83,7 +83,7 @@ fn solvers_differ() {
     assert_eq!(read(Solver::Optistruct, misnamed), Ok(2));
     assert!(read(Solver::Nastran, misnamed).is_err() && read(Solver::Mystran, misnamed).is_err());
     let apart = "RBE2,9,1,3,2,+A\nGRID,4\n+A,3\n";
-    let dropped = "d.bdf:6: RBE2 9: MYSTRAN drops this continuation in silence, as it is not the line after its card; put it there";
+    let dropped = "d.bdf:6: RBE2 9: MYSTRAN silently ignores this continuation, because it does not follow its card directly; move it there";
     assert_eq!((read(Solver::Nastran, apart), read(Solver::Mystran, apart)), (Ok(2), Err(dropped.to_owned())));
     assert_eq!(read(Solver::Mystran, "RBE2,9,1,3,2,+A\n"), Ok(1));
     assert!(read(Solver::Nastran, "RBE2,9,1,3,2,+A\n").is_err());
@@ -91,7 +91,7 @@ fn solvers_differ() {
     assert_eq!(read(Solver::Nastran, long), Ok(6));
     assert!(
         read(Solver::Mystran, long)
-            .is_err_and(|error| error.contains("d.bdf:4: RBE2 9: MYSTRAN drops what stands after"))
+            .is_err_and(|error| error.contains("d.bdf:4: RBE2 9: MYSTRAN silently ignores everything after"))
     );
 }
 

@@ -85,13 +85,10 @@ fn cards_are_named() {
             "MPC,5,9,2,1.",
             "place/deck.bdf:5: MPC 5: 9 is a scalar point, which has no component 2; write 0 or leave the field blank",
         ),
-        (
-            "MPC,5,1,,1.",
-            "place/deck.bdf:5: MPC 5: 1 is a grid point, of which a component has to be given; write digits from 1 to 6",
-        ),
+        ("MPC,5,1,,1.", "place/deck.bdf:5: MPC 5: 1 is a grid point and needs a component; write digits from 1 to 6"),
         (
             "GRID,1,,5.",
-            "place/deck.bdf:5: GRID 1: grid point 1 is defined otherwise in deck.bdf:1; keep one of the two",
+            "place/deck.bdf:5: GRID 1: grid point 1 has another definition in deck.bdf:1; keep one of the two",
         ),
         (
             "CORD2R,4,4,,,,,,1.\n,1.",
@@ -114,11 +111,11 @@ fn cards_are_named() {
 fn lines_are_named() {
     assert_eq!(
         message("RBE2,7,1,3,2,3,2,3,2,,5"),
-        "place/deck.bdf:5: RBE2: `5` stands after the 8 data fields of the line and the place of a mark; go on in a continuation line"
+        "place/deck.bdf:5: RBE2: `5` follows the 8 data fields and the continuation field of the line; use a continuation line"
     );
     assert_eq!(
         message("RBE2    7       1       3       2       3                               +A\n+B      2"),
-        "place/deck.bdf:5: RBE2 7: the card goes on as `+A`, but no line left begins with that; add the line or remove the mark"
+        "place/deck.bdf:5: RBE2 7: the card continues at `+A`, but no remaining line begins with it; add the line or remove the mark"
     );
     assert_eq!(
         refused("CEND\nSPC = ALL\nBEGIN BULK\n"),
@@ -193,7 +190,7 @@ fn copies_say_what_they_copy() {
 
 #[test]
 fn elements_have_numbers_of_their_own() {
-    let expected = "place/deck.bdf:6: RBAR 7, field 2: element 7 is that of line 5 already; give it another number";
+    let expected = "place/deck.bdf:6: RBAR 7, field 2: element 7 is already defined in line 5; give it another number";
     assert_eq!(message("RBE2,7,1,3,2\nRBAR,7,1,3"), expected);
 }
 

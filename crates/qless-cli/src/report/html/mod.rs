@@ -1,4 +1,4 @@
-//! The report as one page that needs nothing else: the template with the report and a picture of the system as JSON in it.
+//! The report as one self-contained HTML page: a template with the report and a picture of the system as JSON.
 
 mod picture;
 
@@ -12,9 +12,9 @@ use picture::Picture;
 
 const PAGE: &str = include_str!("page.html");
 
-/// The data of the page.
+/// Data of the page.
 #[derive(Serialize)]
-struct Data<'a> {
+struct PageData<'a> {
     name: String,
     verdict: String,
     version: &'static str,
@@ -28,21 +28,21 @@ struct Data<'a> {
 /// The page.
 pub fn render(diagnosis: &Diagnosis, report: &Report) -> Result<String, serde_json::Error> {
     let input = &diagnosis.args.input;
-    let data = Data {
+    let data = PageData {
         name: input.file_name().unwrap_or(input.as_os_str()).to_string_lossy().into_owned(),
         verdict: text::verdict(report, diagnosis.deck.is_some()),
         version: env!("CARGO_PKG_VERSION"),
         report,
         exact: text::exact_rank(diagnosis, report),
         deck: diagnosis.deck.as_ref().map(|deck| deck.report(&diagnosis.analysis)),
-        picture: Picture::of(diagnosis),
+        picture: Picture::new(diagnosis),
     };
     Ok(PAGE.replacen("__DATA__", &in_script(&serde_json::to_string(&data)?), 1))
 }
 
 /// Escapes JSON for a script element, so that no label ends the script or opens a comment.
 fn in_script(json: &str) -> String {
-    // JSON has these characters in strings only.
+    // In JSON, these characters occur in strings only.
     [('<', "\\u003c"), ('>', "\\u003e"), ('&', "\\u0026"), ('\u{2028}', "\\u2028"), ('\u{2029}', "\\u2029")]
         .into_iter()
         .fold(json.to_owned(), |json, (found, escaped)| json.replace(found, escaped))

@@ -1,4 +1,4 @@
-//! The picture of the page: the pattern of C, the sizes of the blocks, and the nodes of the equations.
+//! Pictures of the page: the sparsity pattern of C, the sizes of the parts, and the nodes of the equations.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,21 +8,21 @@ use serde::Serialize;
 
 use crate::diagnose::Diagnosis;
 
-/// Cells of the pattern along each side, at most.
+/// Most cells of the pattern along each side.
 const CELLS: usize = 160;
-/// Nodes drawn at most.
+/// Most nodes drawn.
 const NODES: usize = 5000;
-/// Equations whose nodes are listed at most.
+/// Most equations whose nodes are listed.
 const ROWS: usize = 5000;
 
 #[derive(Serialize)]
 pub struct Picture {
     spy: Spy,
-    /// Sizes of blocks, ascending, and how many have each.
+    /// Sizes of parts, ascending, and how many parts have each size.
     blocks: Vec<(usize, usize)>,
-    /// Nodes of the deck and where they are.
+    /// Nodes of the deck with their positions.
     nodes: Vec<(u32, f64, f64, f64)>,
-    /// Dependent equations and those that explain them: row from 1, and nodes.
+    /// Nodes of dependent equations and of those in their certificates, by row from 1.
     rows: Vec<(usize, Vec<u32>)>,
 }
 
@@ -34,7 +34,7 @@ struct Spy {
 }
 
 impl Picture {
-    pub fn of(diagnosis: &Diagnosis) -> Self {
+    pub fn new(diagnosis: &Diagnosis) -> Self {
         let (nodes, rows) = nodes(diagnosis);
         Self { spy: spy(diagnosis), blocks: blocks(&diagnosis.system), nodes, rows }
     }
@@ -60,7 +60,7 @@ fn spy(diagnosis: &Diagnosis) -> Spy {
     Spy { cells, dots: worst.into_iter().map(|((i, j), kind)| (i, j, kind)).collect() }
 }
 
-/// Sizes of the connected components of equations over free DOFs, and how many components have each size.
+/// Sizes of the parts, and how many parts have each size.
 fn blocks(system: &ConstraintSystem) -> Vec<(usize, usize)> {
     let mut sets = DisjointSets::new(system.equations());
     let mut first = vec![None; system.dofs()];
@@ -79,7 +79,7 @@ fn blocks(system: &ConstraintSystem) -> Vec<(usize, usize)> {
 
 type Nodes = (Vec<(u32, f64, f64, f64)>, Vec<(usize, Vec<u32>)>);
 
-/// Nodes of the deck that equations hold, those of dependent ones first.
+/// Nodes of the equations, those of dependent equations first.
 fn nodes(diagnosis: &Diagnosis) -> Nodes {
     let Some(deck) = &diagnosis.deck else { return (Vec::new(), Vec::new()) };
     let node = |j: usize| deck.deck.model().dofs().get(j).map(|dof| dof.node);

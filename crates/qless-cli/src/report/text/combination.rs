@@ -1,4 +1,4 @@
-//! `row 14 = 1 * row 3 - 2 * row 9`: why an equation is dependent.
+//! Certificates as text: `row 14 = 1 * row 3 - 2 * row 9`.
 
 use qless::CertificateTerm;
 
@@ -8,33 +8,33 @@ use crate::wording::layout::{Flow, flow};
 use crate::wording::number;
 use crate::wording::{EquationFacts, EquationLookup};
 
-/// Columns of `+ ... and 1000000 more` at most.
+/// Columns reserved for `+ ... and 1000000 more`.
 const TAIL: usize = 26;
 
 /// The equation and its certificate in one or two lines.
 pub fn lines(equations: &dyn EquationLookup, row: usize, because: &[CertificateTerm]) -> Vec<String> {
     let head = format!("  {}", wording::equation(equations, row));
     if because.is_empty() {
-        return vec![format!("{head} {}", CombinationAlone::of(equations, row).one())];
+        return vec![format!("{head} {}", CombinationAlone::classify(equations, row).one())];
     }
     let flowed = fill(equations, &head, because);
     if flowed.used == because.len() {
         return flowed.lines;
     }
-    // If not all terms fit, show the largest instead of the first.
+    // Not all terms fit: show the largest.
     let flowed = fill(equations, &head, &largest(equations, because));
     let more = because.len() - flowed.used;
     flowed.finish(&format!(" + ... and {more} more"))
 }
 
 fn fill(equations: &dyn EquationLookup, head: &str, because: &[CertificateTerm]) -> Flow {
-    // Two lines cannot hold more than this, even of the shortest terms.
+    // Two lines never hold more terms.
     let shown = because.iter().take(20).enumerate();
     let pieces: Vec<String> = shown.map(|(k, term)| piece(equations, term, k == 0)).collect();
     flow(head, "      ", &pieces, (2, COLUMNS), TAIL)
 }
 
-/// The terms in descending order of their contribution; terms of the same size by row.
+/// The terms in descending order of their size; terms of the same size in their order.
 fn largest(equations: &dyn EquationLookup, because: &[CertificateTerm]) -> Vec<CertificateTerm> {
     let size = |term: &CertificateTerm| term.coefficient.abs() * equations.facts(term.row).largest;
     let mut terms: Vec<_> = because.iter().map(|term| (size(term), *term)).collect();
@@ -53,19 +53,19 @@ fn piece(equations: &dyn EquationLookup, term: &CertificateTerm, is_first: bool)
     format!(" {sign} {} * {equation}", number(term.coefficient.abs()))
 }
 
-/// Why an equation is dependent without any other equation.
+/// Whether an equation is dependent without any other equation, and why.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum CombinationAlone {
     /// It has no coefficients.
     Empty,
     /// All of its DOFs are prescribed.
     Prescribed,
-    /// It has free DOFs, so it is dependent only through others.
+    /// It has free DOFs, and depends on other equations.
     No,
 }
 
 impl CombinationAlone {
-    pub fn of(equations: &dyn EquationLookup, row: usize) -> Self {
+    pub fn classify(equations: &dyn EquationLookup, row: usize) -> Self {
         let EquationFacts { dofs, prescribed, .. } = equations.facts(row);
         match dofs {
             0 => Self::Empty,
@@ -74,12 +74,12 @@ impl CombinationAlone {
         }
     }
 
-    /// The predicate for one equation of this sort.
+    /// The predicate for one such equation.
     pub fn one(self) -> &'static str {
-        if self == Self::Empty { "has no coefficients" } else { "holds no free DOF: all are prescribed" }
+        if self == Self::Empty { "has no coefficients" } else { "has no free DOF: all are prescribed" }
     }
 
-    /// The name of several equations of this sort.
+    /// The name of several such equations.
     pub fn several(self) -> &'static str {
         if self == Self::Empty { "rows without coefficients" } else { "rows whose DOFs are all prescribed" }
     }

@@ -1,4 +1,4 @@
-//! How sure the rank is, and what to do if it is in doubt.
+//! Confidence in the rank, and advice if the rank is ambiguous.
 
 use std::cmp::Ordering;
 
@@ -6,15 +6,15 @@ use qless::diagnosis::NearDependent;
 use qless::report::ExactFinding;
 use qless::{Kind, Report, Tolerance};
 
+use super::EquationList;
 use super::combination;
-use super::dependent_rows::EquationList;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, count, rough};
 
 /// Relative sizes below this are doubtful.
 const NEAR: f64 = 3e-6;
 
-/// One line, and if the rank is ambiguous up to two more with advice.
+/// The line of the rank; if it is ambiguous, up to two lines of advice follow.
 pub fn rank(list: &EquationList, report: &Report) -> Vec<String> {
     let (kept, dropped) = (report.confidence.sigma_kept, report.confidence.sigma_dropped);
     let sizes = format!("relative sizes down to {} kept, {} dropped", rough(kept), dropped_text(report, dropped));
@@ -38,7 +38,7 @@ fn dropped_text(report: &Report, dropped: f64) -> String {
     }
 }
 
-/// The two weightiest reasons for doubt, each with the tolerance that would decide otherwise.
+/// At most two reasons for doubt, each with the tolerance that would decide otherwise.
 fn advice(list: &EquationList, kept: f64, dropped: f64) -> Vec<String> {
     let reasons = [nearly_dependent(kept), remainder(list, dropped), small_mismatch(list)];
     let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();
@@ -57,7 +57,7 @@ fn nearly_dependent(kept: f64) -> Option<String> {
 fn remainder(list: &EquationList, dropped: f64) -> Option<String> {
     let equation = list.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
     let name = wording::equation(list.equations, equation.row);
-    // A tolerance below this would take rounding for independence.
+    // With a smaller tolerance, rounding errors would make equations independent.
     let advice = if dropped > 1e-13 {
         format!("If that is meant: --tolerance {}", rough(dropped / 10.0))
     } else {
@@ -77,16 +77,16 @@ fn small_mismatch(list: &EquationList) -> Option<String> {
     Some(format!("  {name} is off by {size} of its parts only. If that is {meant}: --tolerance {tolerance}"))
 }
 
-/// If there is a second reading of the input: both ranks, and the equation that is closest to dependent.
-pub fn second_reading(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
-    let Some(meant) = &diagnosis.meant else { return Vec::new() };
-    let digits = count(meant.digits() as usize, "digit");
+/// With near-dependence: both ranks, and the equation that is closest to dependent.
+pub fn near_dependence(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
+    let Some(near) = &diagnosis.near_dependence else { return Vec::new() };
+    let digits = count(near.digits() as usize, "digit");
     let mut lines = vec![
         format!("As typed the rank is {}; if equations that agree to {digits} are meant as the same,", report.rank),
-        format!("it is {}: {} would then repeat others.", meant.rank, count(meant.equations.len(), "equation")),
+        format!("it is {}: {} would then repeat others.", near.rank, count(near.equations.len(), "equation")),
     ];
     let best = |a: &&NearDependent, b: &&NearDependent| (a.digits, b.row).cmp(&(b.digits, a.row));
-    if let Some(NearDependent { row, digits, because, .. }) = meant.equations.iter().max_by(best) {
+    if let Some(NearDependent { row, digits, because, .. }) = near.equations.iter().max_by(best) {
         let agree = format!(" to {} of each coefficient", count(*digits as usize, "digit"));
         let mut combination = combination::lines(&diagnosis.system, *row, because);
         combination.truncate(1);
@@ -97,7 +97,7 @@ pub fn second_reading(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     lines
 }
 
-/// The result of `--exact`: one line if it agrees with the analysis and nothing is in doubt, else up to four.
+/// The result of `--exact`: one line if it agrees with the analysis and the rank is not ambiguous, otherwise up to four.
 pub fn exact_rank(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let Some(exact) = &report.exact_rank else { return Vec::new() };
     let mut lines = vec![rank_line(report, exact)];
@@ -136,7 +136,7 @@ fn meaning(report: &Report, exact: &ExactFinding) -> Option<String> {
     }
 }
 
-/// A line if only one of the two finds a solution.
+/// A line if only one of the two analyses finds a solution.
 fn solution(report: &Report, exact: &ExactFinding) -> Option<String> {
     let text = match (exact.solvable, report.counts.conflicting == 0) {
         (true, false) => "As typed the equations have a solution: no conflict is exact.",
@@ -146,7 +146,7 @@ fn solution(report: &Report, exact: &ExactFinding) -> Option<String> {
     Some(text.to_owned())
 }
 
-/// The part of the model in which the two differ.
+/// The part in which the two analyses differ.
 fn place(diagnosis: &Diagnosis, exact: &ExactFinding) -> Option<String> {
     let first = exact.differences.first()?;
     let name = wording::equation(&diagnosis.system, first.row - 1);
@@ -158,7 +158,7 @@ fn place(diagnosis: &Diagnosis, exact: &ExactFinding) -> Option<String> {
     })
 }
 
-/// A line about coefficients that are no more than rounding, if there are any.
+/// A line about coefficients of the size of rounding errors, if any.
 pub fn ignored_coefficients(diagnosis: &Diagnosis, report: &Report) -> Option<String> {
     let first = report.ignored_coefficients.first()?;
     let equation = wording::equation(&diagnosis.system, first.row - 1);

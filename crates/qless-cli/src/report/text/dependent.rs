@@ -1,22 +1,22 @@
-//! Which equations are dependent, and why: as many as fit, the others by their rows.
+//! Dependent equations with their certificates, as many as fit; the others by their row numbers.
 
 use qless::{Kind, Report};
 
 use super::COLUMNS;
 use super::combination::{self, CombinationAlone};
-use super::dependent_rows::{DependentRow, EquationList};
+use super::{DependentRow, EquationList};
 use crate::wording::EquationLookup;
 use crate::wording::layout::flow;
 use crate::wording::{label, number};
 
-/// The equations of one kind in at most `most` lines; only their certificates are computed.
+/// The equations of one kind in at most `most` lines. Computes only the certificates that are shown.
 pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
     let of_kind: Vec<_> = list.dependent.iter().filter(|dependent| dependent.kind == kind).collect();
     if of_kind.is_empty() {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
-    // Many equations `0 = 0` would hide the others.
+    // Many equations without free DOFs would hide the others.
     let of_kind = if kind == Kind::Redundant { group(list, of_kind, &mut lines) } else { of_kind };
     for (k, dependent) in of_kind.iter().enumerate() {
         let entry = entry(list, dependent);
@@ -30,19 +30,18 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
     lines
 }
 
-/// Puts equations that are dependent without others into one line for each sort, unless there is only one.
+/// Collects equations that are dependent without others into one line for each reason, if there are several; returns the others.
 fn group<'a>(list: &EquationList, of_kind: Vec<&'a DependentRow>, lines: &mut Vec<String>) -> Vec<&'a DependentRow> {
-    let mut left = of_kind;
-    for sort in [CombinationAlone::Empty, CombinationAlone::Prescribed] {
-        let is_of_sort = |d: &&DependentRow| CombinationAlone::of(list.equations, d.row) == sort;
-        let (of_sort, others): (Vec<_>, Vec<_>) = left.iter().copied().partition(is_of_sort);
-        if of_sort.len() > 1 {
-            let what = format!("  {}:", sort.several());
-            lines.push(rows(&what, &of_sort));
-            left = others;
+    let mut remaining = of_kind;
+    for reason in [CombinationAlone::Empty, CombinationAlone::Prescribed] {
+        let has_reason = |d: &&DependentRow| CombinationAlone::classify(list.equations, d.row) == reason;
+        let (alike, others): (Vec<_>, Vec<_>) = remaining.iter().copied().partition(has_reason);
+        if alike.len() > 1 {
+            lines.push(rows(&format!("  {}:", reason.several()), &alike));
+            remaining = others;
         }
     }
-    left
+    remaining
 }
 
 fn heading(kind: Kind) -> &'static str {
@@ -83,7 +82,7 @@ fn rest(dependent: &[&DependentRow], shown: usize) -> String {
     rows(&format!("  and {count}{more} (why: --format json): row{plural}"), dependent)
 }
 
-/// `first 12, 15, 19-22, ...` in one line; JSON has all of them.
+/// `first 12, 15, 19-22, ...` in one line.
 fn rows(first: &str, dependent: &[&DependentRow]) -> String {
     const TAIL: &str = ", ...";
     let rows: Vec<usize> = dependent.iter().map(|d| d.row + 1).collect();
@@ -94,7 +93,7 @@ fn rows(first: &str, dependent: &[&DependentRow]) -> String {
     if left_out { line.trim_end_matches(',').to_owned() + TAIL } else { line }
 }
 
-/// ` 3,`, ` 5-9,`, the last without a comma; no more than a line can hold.
+/// Runs of rows, ` 3,` or ` 5-9,`, the last one without a comma; at most as many as fit into a line.
 fn ranges(rows: &[usize]) -> Vec<String> {
     let mut pieces = Vec::new();
     let mut rest = rows;
@@ -110,7 +109,7 @@ fn ranges(rows: &[usize]) -> Vec<String> {
     pieces
 }
 
-/// Free DOFs that the equations fix, `u3 = 0.5`: a heading and one line, or nothing.
+/// Fixed DOFs, `u3 = 0.5`: a heading and one line, or nothing.
 pub fn generated_conditions(report: &Report) -> Vec<String> {
     let all = &report.generated_boundary_conditions;
     if all.is_empty() {

@@ -1,30 +1,59 @@
-//! The report for people: what is wrong, why, how sure that is, and what to do; at most 24 lines of [`COLUMNS`].
+//! The report as text of at most 24 lines: verdict, dependent equations with certificates, confidence, advice.
 //!
-//! The verdict comes first, in words. Items that do not fit are counted; `--format json` has all of them.
+//! Items that do not fit are counted; `--format json` has all of them.
 
 mod combination;
 mod confidence;
 mod dependent;
-pub mod dependent_rows;
 mod next;
 mod summary;
 
-use qless::{Kind, Report};
+use std::path::Path;
 
-use super::Outcome;
+use qless::{CertificateTerm, Kind, Report, Tolerance};
+
+use super::CommandOutcome;
+use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
+use crate::wording::EquationLookup;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs, shorten};
 pub use confidence::exact_rank;
-use dependent_rows::{DependentRow, EquationList};
 pub use summary::verdict;
 
 /// Longest line.
 const COLUMNS: usize = 100;
-/// Most lines of a report, unless sections of a deck need more.
+/// Most lines of a report, unless the sections of a deck need more.
 const LINES: usize = 24;
 
-/// The report, ending in a line break.
-pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> String {
+/// A redundant or conflicting equation.
+#[derive(Clone, Copy)]
+pub struct DependentRow {
+    pub row: usize,
+    pub kind: Kind,
+    pub mismatch: f64,
+    pub relative_mismatch: f64,
+    pub dropped: f64,
+}
+
+/// A model and its dependent equations, which one process or several ranks analysed.
+pub struct EquationList<'a> {
+    pub input: &'a Path,
+    pub deck: Option<&'a DeckInput>,
+    pub tolerance: Tolerance,
+    pub equations: &'a dyn EquationLookup,
+    pub dependent: Vec<DependentRow>,
+    pub because: &'a dyn Fn(usize) -> Vec<CertificateTerm>,
+}
+
+impl From<&qless::Dependent> for DependentRow {
+    fn from(found: &qless::Dependent) -> Self {
+        let &qless::Dependent { row, kind, mismatch, relative_mismatch, dropped, .. } = found;
+        Self { row, kind, mismatch, relative_mismatch, dropped }
+    }
+}
+
+/// The report of one process.
+pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> String {
     let because = |row| diagnosis.analysis.because(row).unwrap_or_default();
     let list = EquationList {
         input: &diagnosis.args.input,
@@ -35,17 +64,17 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
         because: &because,
     };
     let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
-    let mut doubts = confidence::second_reading(diagnosis, report);
+    let mut doubts = confidence::near_dependence(diagnosis, report);
     doubts.extend(exact_rank(diagnosis, report));
     doubts.extend(confidence::ignored_coefficients(diagnosis, report));
     whole(&list, report, outcome, &sections, doubts)
 }
 
-/// The report with sections of a deck and lines of doubt, which only some analyses have.
+/// The report with sections of a deck and lines about doubts, which may be empty.
 pub fn whole(
     list: &EquationList,
     report: &Report,
-    outcome: &Outcome,
+    outcome: &CommandOutcome,
     sections: &[LayoutSection],
     doubts: Vec<String>,
 ) -> String {
@@ -70,8 +99,8 @@ fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
     lines
 }
 
-/// The last lines: how sure the rank is, how it was found, and what to do.
-fn rest(list: &EquationList, report: &Report, outcome: &Outcome, doubts: Vec<String>) -> Vec<String> {
+/// The last lines: confidence, backend, time and advice.
+fn rest(list: &EquationList, report: &Report, outcome: &CommandOutcome, doubts: Vec<String>) -> Vec<String> {
     let mut lines = Vec::new();
     if report.input.rows > 0 {
         lines.extend(confidence::rank(list, report));

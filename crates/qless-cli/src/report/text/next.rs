@@ -1,26 +1,26 @@
-//! What was written, and what to do next.
+//! The last lines of the text report: output files and advice.
 
 use std::path::Path;
 
 use qless::{Report, Status};
 
-use super::super::Outcome;
-use super::dependent_rows::EquationList;
+use super::super::CommandOutcome;
+use super::EquationList;
 use crate::deck_input::DeckInput;
 use crate::wording::count;
 use crate::wording::layout::{printable, shorten, width};
 use crate::wording::{number, rough};
 
 /// One or two lines.
-pub fn lines(list: &EquationList, report: &Report, outcome: &Outcome) -> Vec<String> {
+pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> Vec<String> {
     match outcome {
-        Outcome::Written(folder) => written(report, folder),
-        Outcome::Cleaned { output, removed, written, restored } => {
+        CommandOutcome::Written(folder) => written(report, folder),
+        CommandOutcome::Cleaned { output, removed, written, restored } => {
             let changes = (*restored > 0).then(|| changed(list, *restored));
             std::iter::once(cleaned(output, *removed, *written)).chain(changes).collect()
         }
-        Outcome::Checked(obstacle) => vec![advice(list, report, *obstacle)],
-        Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(list, report, None)],
+        CommandOutcome::Checked(obstacle) => vec![advice(list, report, *obstacle)],
+        CommandOutcome::Refused => vec!["Nothing was written.".to_owned(), advice(list, report, None)],
     }
 }
 
@@ -53,7 +53,7 @@ fn cleaned(output: &Path, removed: usize, written: usize) -> String {
     }
 }
 
-/// A warning that results change: claims that the solver dropped in the original deck now hold.
+/// A warning that results change, because claims that the solver dropped now hold.
 fn changed(list: &EquationList, restored: usize) -> String {
     let solver = list.deck.map_or_else(String::new, |deck| deck.deck.solver().to_string());
     format!(
@@ -65,9 +65,9 @@ fn changed(list: &EquationList, restored: usize) -> String {
 
 fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> String {
     let input = quoted(list.input);
-    let mend = |what: &str| match obstacle {
+    let clean = |what: &str| match obstacle {
         None => format!("Next: `qless clean {input} -o DECK` writes a deck {what}."),
-        Some(why) => format!("Next: mend it by hand, which `qless clean` cannot do here: {}", shorten(why, 150)),
+        Some(why) => format!("Next: correct the deck by hand, because `qless clean` cannot: {}", shorten(why, 150)),
     };
     let claims = list.deck.map(DeckInput::claims);
     let is_refused = claims.as_ref().is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
@@ -77,7 +77,7 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
             "Next: correct each conflicting equation, or one in its combination, or remove it.".to_owned()
         }
         Status::Incomplete => {
-            "Next: write what was left out as equations, or judge by what was read (--allow-incomplete).".to_owned()
+            "Next: write what was left out as equations, or ignore it (--allow-incomplete).".to_owned()
         }
         _ if report.input.rows == 0 && list.deck.is_some() => "Next: nothing to mend.".to_owned(),
         _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
@@ -87,12 +87,12 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
         _ if is_dropped && !is_refused => {
             "Next: decide which of the claims are meant: what is dropped has no effect on the result.".to_owned()
         }
-        Status::Redundant if list.deck.is_some() => mend("without redundant equations"),
+        Status::Redundant if list.deck.is_some() => clean("without redundant equations"),
         Status::Redundant => {
             let them = if report.counts.redundant == 1 { "it" } else { "them" };
             format!("Next: remove {them}, or run `qless reduce {input} -o DIR`, which leaves {them} out.")
         }
-        _ if is_refused => mend("that the solver takes"),
+        _ if is_refused => clean("that the solver takes"),
         _ => format!("Next: nothing to mend. `qless reduce {input} -o DIR` writes the reduced form."),
     }
 }

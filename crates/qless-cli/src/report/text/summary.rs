@@ -1,20 +1,19 @@
-//! The lines about the whole model: the verdict, the input, who did the work in what time, blocks in factor form, and preferences
-//! that are not met.
+//! Lines about the whole model: verdict, input, presolve, backend, time, factored blocks, and unmet preferences.
 
 use qless::report::FactoredSizes;
 use qless::{Form, Report};
 
 use crate::wording::count;
 
-/// `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`, and first of all what was left out.
+/// `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`, after the number of constraints left out.
 pub fn verdict(report: &Report, is_deck: bool) -> String {
     let left_out = report.incomplete.len();
     if left_out == 0 {
         return of_equations(report, is_deck);
     }
-    let constrain = if left_out == 1 { "thing that constrains was" } else { "things that constrain were" };
+    let constraints = if left_out == 1 { "constraint was" } else { "constraints were" };
     let rest = if report.input.rows == 0 { "No equation was read.".to_owned() } else { of_equations(report, is_deck) };
-    format!("INCOMPLETE: {left_out} {constrain} left out. {rest}")
+    format!("INCOMPLETE: {left_out} {constraints} left out. {rest}")
 }
 
 fn of_equations(report: &Report, is_deck: bool) -> String {
@@ -85,7 +84,7 @@ fn of_ranks(report: &Report) -> String {
     format!("Analysed by {ranks}, each with presolve and {}.", report.backend.name)
 }
 
-/// `Backend: SuiteSparseQR 2.1.0, SuiteSparse 5.12.0, task tree on oneTBB 2021.8.`, where the name does not say it all.
+/// `Backend: SuiteSparseQR 2.1.0, SuiteSparse 5.12.0, task tree on oneTBB 2021.8.`, if the version has details.
 pub fn backend(report: &Report) -> Option<String> {
     let has_core = report.presolve.is_some_and(|presolve| presolve.core_rows > 0);
     let says_more = has_core && report.backend.version.contains(',');
@@ -105,7 +104,7 @@ pub fn time(report: &Report) -> String {
     format!("Time: {total:.2} s (reading {read:.2}, analysis {analysis:.2}{reduction}) on {who}.")
 }
 
-/// Blocks shown at most; `--format json` has all of them.
+/// Most blocks shown; `--format json` has all of them.
 const BLOCKS_SHOWN: usize = 2;
 
 /// At most three lines about blocks in factor form; none if T is explicit.
@@ -142,7 +141,7 @@ fn block_line(number: usize, block: &FactoredSizes) -> String {
 /// A line for each kind of preference with exceptions.
 pub fn unmet_preferences(report: &Report) -> Vec<String> {
     let unmet = &report.unmet_preferences;
-    let said = [
+    let kinds = [
         (
             &unmet.equations,
             "equation",
@@ -162,7 +161,7 @@ pub fn unmet_preferences(report: &Report) -> Vec<String> {
             "are no slaves: prescribed, in no equation, or with more growth only",
         ),
     ];
-    let lines = said.iter().filter(|(numbers, ..)| !numbers.is_empty());
+    let lines = kinds.iter().filter(|(numbers, ..)| !numbers.is_empty());
     lines
         .map(|(numbers, what, one, many)| unmet_line(numbers, what, if numbers.len() == 1 { one } else { many }))
         .collect()

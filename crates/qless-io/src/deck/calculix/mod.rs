@@ -10,7 +10,7 @@
 //! | `cards` | equations and prescribed values of each card that constrains |
 //! | `write` | the cleaned deck |
 //!
-//! `reader` reads the cards in order and keeps what each step inherits.
+//! `reader` reads the cards in order, and passes values, loads and removals from step to step.
 
 mod cards;
 mod model;

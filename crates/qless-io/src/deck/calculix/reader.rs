@@ -1,12 +1,12 @@
-//! Builds the model from the cards; every step inherits what holds before it.
+//! Builds the model from the cards. Each step inherits the values, loads and removals of earlier steps.
 
 use std::collections::BTreeMap;
 
 use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
@@ -149,7 +149,7 @@ impl CalculixReader {
         for given in boundary::read(card, &mut self.model, &self.definitions)? {
             match self.prescribed.get(&given.dof) {
                 Some((before, step)) if *step == self.steps => {
-                    let differs = (before.value, before.course) != (given.value, given.course);
+                    let differs = (before.value, before.history) != (given.value, given.history);
                     if differs && !is_from_elsewhere(card) {
                         self.clashes.push(given);
                     }
@@ -161,7 +161,7 @@ impl CalculixReader {
             }
         }
         if is_from_elsewhere(card) {
-            let text = "*BOUNDARY: the values are not in the deck; they are taken as 0, so contradictions among them are not seen";
+            let text = "*BOUNDARY: the values are not in the deck; they are taken as 0, so contradictions among them are not detected";
             self.model.warn(card.file, card.line, text);
         }
         Ok(())
@@ -171,7 +171,7 @@ impl CalculixReader {
     fn forget(&mut self, card: &KeywordCard, is_first: bool) {
         if self.solver == Solver::Ccx && !is_first {
             let text =
-                "*BOUNDARY, OP=NEW is not the first of its step: ccx passes over OP=NEW, so that earlier values stay";
+                "*BOUNDARY, OP=NEW is not the first of its step: ccx ignores OP=NEW, so that earlier values remain";
             self.model.warn(card.file, card.line, text);
             return;
         }
@@ -239,7 +239,7 @@ impl CalculixReader {
         self.warn_of_forces();
         self.warn_of_rotations();
         if self.solver == Solver::Ccx {
-            self.model.turned = self.definitions.turned().collect();
+            self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;
         }
         self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
@@ -255,7 +255,7 @@ impl CalculixReader {
             if let Some(given) = given.find(|given| given.dof.node == node) {
                 let (place, node) = (self.model.place(given.origin), self.model.node_name(node));
                 let text = format!(
-                    "*DISTRIBUTING only distributes forces in ccx: what {place} prescribes at its reference {node} has no effect on the surface"
+                    "*DISTRIBUTING only distributes forces in ccx: the value that {place} prescribes at its reference {node} does not move the surface"
                 );
                 self.model.warn(file, line, text);
             }
@@ -282,7 +282,7 @@ impl CalculixReader {
             let name = self.model.dof_name(dof);
             let text = match body.rotation_node() {
                 Some(node) => format!(
-                    "{name} has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of that, node {node}"
+                    "{name} has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of node {node}"
                 ),
                 None => {
                     format!("{name} has no effect: no card can name the rotation of a *RIGID BODY without ROT NODE")

@@ -21,7 +21,7 @@ enum Evidence {
     Certain,
 }
 
-/// The format of a text. `expected` comes from the file's ending or from the solver asked for.
+/// The format of a text. `expected` is the format of the file's ending or of the requested solver.
 ///
 /// # Errors
 /// [`UnrecognizedText`] if no card of any format comes first.
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_expected_breaks_ties_and_no_more() {
+    fn the_expected_format_only_breaks_ties() {
         // RBE3 is a card of Nastran and a command of APDL.
         let both = b"RBE3,1,ALL,2\n";
         for format in [Format::Nastran, Format::Ansys] {
@@ -199,12 +199,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_nothing_known_is_told_by_what_it_is() {
+    fn unknown_texts_are_described() {
         for (text, message) in [
             (&b""[..], "it is empty"),
             (b" \n\n", "it is empty"),
             (b"** a\n$ b\n! c\n", "line 1 is `** a`"),
-            (b"<!DOCTYPE html>\n<p>", "it starts as a page of the web"),
+            (b"<!DOCTYPE html>\n<p>", "it starts as an HTML page"),
             (b"\n\n  hello world, this is a letter\n", "line 3 is `hello world, this is a letter`"),
             (b"*KEYWORD\n*NODE\n", "it starts as an LS-DYNA deck"),
             (b"$ comment\n*KEYWORD\n*NODE\n", "it starts as an LS-DYNA deck"),

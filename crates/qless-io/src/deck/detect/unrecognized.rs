@@ -15,7 +15,7 @@ const SHOWN: usize = 8;
 pub enum UnrecognizedText {
     /// Nothing, or blanks.
     Nothing,
-    /// A known file type, such as "a page of the web".
+    /// A known file type, such as "an HTML page".
     Known(&'static str),
     /// First bytes of a file that is no text.
     Bytes(Vec<u8>),
@@ -40,8 +40,8 @@ const STARTS: [(&[u8], &str); 15] = [
     (b"\x89HDF", "an HDF5 file"),
     (b"\x89PNG", "a picture"),
     (b"\x7fELF", "a program"),
-    (b"<!DOCTYPE html", "a page of the web"),
-    (b"<html", "a page of the web"),
+    (b"<!DOCTYPE html", "an HTML page"),
+    (b"<html", "an HTML page"),
     (b"<?xml", "an XML file"),
     (b"#RADIOSS", "a Radioss deck"),
     (b"$MeshFormat", "a mesh of Gmsh"),

@@ -3,7 +3,7 @@
 use qless::{Options, SystemBuilder, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::EquationFault;
+use super::{EquationFault, FaultKind};
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
 /// A slave's coefficient relative to the largest one: below this, rounding errors grow by the inverse factor.
@@ -41,7 +41,7 @@ pub fn faults_in(model: &Model, case: &LoadCase) -> Vec<EquationFault> {
     faults_of(model, &model.prescribed_in([case]), &left_out)
 }
 
-/// The faults of the equations that are not left out. `prescribed` gives the card for each prescribed column.
+/// The faults of the equations that are not left out. `prescribed` maps each prescribed column to its card.
 pub fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let kept = || (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
     let mut slave_of: FxHashMap<u32, usize> = FxHashMap::default();
@@ -50,6 +50,7 @@ pub fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &
         let equation = model.nth(i);
         let Some(&column) = equation.columns.first() else { continue };
         let slave = model.dofs[column as usize];
+        let mut add = |kind| faults.push(EquationFault { equation: i, slave, kind });
         let same = |&(j, _): &(&u32, &f64)| *j == column;
         let own: f64 = equation.columns.iter().zip(equation.coefficients).filter(same).map(|(_, a)| a).sum();
         let terms = equation.columns.iter().zip(equation.coefficients);
@@ -57,16 +58,16 @@ pub fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &
         let free = terms.filter(|(j, _)| !prescribed.contains_key(j) && alike(**j));
         let largest = free.fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
         if own == 0.0 || own.abs() <= SMALL * largest {
-            faults.push(EquationFault::SlaveVanishes { equation: i, slave });
+            add(FaultKind::SlaveVanishes);
         }
         if let Some(&by) = prescribed.get(&column) {
-            faults.push(EquationFault::SlavePrescribed { equation: i, slave, by, since: since(model, slave) });
+            add(FaultKind::SlavePrescribed { by, since: since(model, slave) });
         }
         if let Some(by) = model.claimed(slave) {
-            faults.push(EquationFault::SlaveClaimed { equation: i, slave, by });
+            add(FaultKind::SlaveClaimed { by });
         }
         match slave_of.get(&column) {
-            Some(&first) => faults.push(EquationFault::SlaveTwice { equation: i, slave, first }),
+            Some(&first) => add(FaultKind::SlaveTwice { first }),
             None => drop(slave_of.insert(column, i)),
         }
     }
@@ -121,7 +122,7 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
         return Vec::new();
     }
     let slave = |i: usize| model.dofs[model.nth(i).columns[0] as usize];
-    circle.into_iter().map(|i| EquationFault::Circle { equation: i, slave: slave(i) }).collect()
+    circle.into_iter().map(|i| EquationFault { equation: i, slave: slave(i), kind: FaultKind::Circle }).collect()
 }
 
 /// Whether the equations surely determine their slaves: the square matrix of the slaves' coefficients has full rank.
@@ -153,19 +154,15 @@ fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: 
     for (equation, card) in coupled_equations(model, left_out) {
         let [slave, first] = model.nth(equation).columns[..] else { continue };
         for (column, is_first) in [(slave, false), (first, true)] {
-            let dof = model.dofs[column as usize];
+            let fault = |kind| EquationFault { equation, slave: model.dofs[column as usize], kind };
             let member = CoupledDof { equation, card, is_first };
             let before = *known.entry(column).or_insert(member);
             let is_new = before.equation == equation || before.card != card;
             if is_first && is_new {
-                faults.extend(prescribed.get(&column).map(|&by| EquationFault::CoupledPrescribed {
-                    equation,
-                    slave: dof,
-                    by,
-                }));
+                faults.extend(prescribed.get(&column).map(|&by| fault(FaultKind::CoupledPrescribed { by })));
             }
             if before.card != card && (is_first || before.is_first) {
-                faults.push(EquationFault::CoupledTwice { equation, slave: dof, first: before.equation });
+                faults.push(fault(FaultKind::CoupledTwice { first: before.equation }));
                 known.insert(column, member);
             }
         }
@@ -211,7 +208,7 @@ fn repeated_faults(
         }
         let mut seen = FxHashSet::default();
         let master = masters.into_iter().find(|dof| !seen.insert(model.as_global(*dof)))?;
-        Some(EquationFault::MasterTwice { equation: i, slave, master })
+        Some(EquationFault { equation: i, slave, kind: FaultKind::MasterTwice { master } })
     };
     kept.filter(is_equation).filter_map(fault).collect()
 }

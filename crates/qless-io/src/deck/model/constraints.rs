@@ -46,8 +46,8 @@ pub struct Prescribed {
     pub dof: Dof,
     /// Value at the end of the load case. At time `t` it is multiplied by the time history.
     pub value: f64,
-    /// Time history: index into [`Model::courses`](super::Model::courses).
-    pub course: u32,
+    /// Time history: index into [`Model::histories`](super::Model::histories).
+    pub history: u32,
     /// Origin of the value.
     pub origin: Origin,
 }
@@ -104,5 +104,5 @@ pub(crate) struct DeckTraits {
     /// Whether a step is geometrically nonlinear.
     pub(crate) is_nonlinear: bool,
     /// Whether a kinematic coupling has its own axes.
-    pub(crate) has_turned_couplings: bool,
+    pub(crate) has_oriented_couplings: bool,
 }

@@ -1,5 +1,6 @@
-//! How readers fill a model.
+//! Methods with which readers fill a model.
 
+use super::names::RunNames;
 use super::storage::OriginRun;
 use super::{Dof, Model, Origin, Warning};
 use crate::deck::CardName;
@@ -24,9 +25,9 @@ impl Model {
     /// Adds an equation. Terms are stored as given, with repeated DOFs and zeros.
     pub(crate) fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
         let i = self.equations();
-        for (turn, (dof, coefficient)) in terms.into_iter().enumerate() {
+        for (position, (dof, coefficient)) in terms.into_iter().enumerate() {
             let next = self.dofs.len() as u32;
-            let column = self.columns.get_or_insert(dof, next, turn);
+            let column = self.columns.get_or_insert(dof, next, position);
             if column == next {
                 self.dofs.push(dof);
             }
@@ -38,7 +39,7 @@ impl Model {
             self.rhs.resize(i, 0.0);
             self.rhs.push(rhs);
         }
-        if !self.runs.last_mut().is_some_and(|run| run.take(i, origin)) {
+        if !self.runs.last_mut().is_some_and(|run| run.try_extend(i, origin)) {
             self.runs.push(OriginRun { first: i as u32, origin, stride: 0, cards: 0 });
         }
     }
@@ -53,12 +54,12 @@ impl Model {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Notes a card that stops the solver.
+    /// Records a card that stops the solver.
     pub(crate) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Notes a card that constrains but was left out.
+    /// Records a card that constrains but is left out.
     pub(crate) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
@@ -70,32 +71,32 @@ impl Model {
         self.claims = claims;
     }
 
-    /// Notes that the solver enforces the equations of a card by multipliers.
+    /// Records that the solver enforces the equations of a card by multipliers.
     pub(crate) fn keep_by_multipliers(&mut self, card: u32) {
         self.without_slaves.insert(card);
     }
 
     /// Number of the time history of this name.
-    pub(crate) fn course(&mut self, name: &str) -> u32 {
-        let known = self.courses.iter().position(|known| known == name);
+    pub(crate) fn history(&mut self, name: &str) -> u32 {
+        let known = self.histories.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {
-            self.courses.push(name.to_owned());
-            self.courses.len() - 1
+            self.histories.push(name.to_owned());
+            self.histories.len() - 1
         });
         at as u32 + 1
     }
 
     /// Names the nodes of an instance, from `first` on, by their numbers in it.
     pub(crate) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
-        self.names.instance(first, instance, own);
+        self.names.insert(first, RunNames::Instance(instance, own));
     }
 
     /// Names a node.
     pub(crate) fn name_node(&mut self, node: u32, name: String) {
-        self.names.one(node, name);
+        self.names.insert(node, RunNames::One(name));
     }
 
-    /// Notes DOFs that a card which is left out may claim.
+    /// Records DOFs that a card may claim although it is left out.
     pub(crate) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
         self.left_out_claims.extend(dofs.into_iter().map(|dof| (dof, origin)));
         self.left_out_claims.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));

@@ -32,7 +32,7 @@ pub struct Model {
     /// Whether load cases are independent, so that none inherits from earlier ones.
     pub(crate) has_separate_cases: bool,
     /// Names of the time histories after the first.
-    courses: Vec<String>,
+    histories: Vec<String>,
     names: NodeNames,
     /// DOFs that cards left out may claim, ascending.
     left_out_claims: Vec<(Dof, Origin)>,
@@ -40,7 +40,7 @@ pub struct Model {
     claims: Vec<(Dof, Origin)>,
     /// Nodes with local axes. If one of their DOFs is prescribed, the slaves that ccx chooses there cannot be
     /// predicted.
-    pub(crate) turned: BTreeSet<u32>,
+    pub(crate) nodes_with_axes: BTreeSet<u32>,
     /// Whether the solver may fail to add up terms of an equation with the same DOF.
     pub(crate) keeps_repeated_terms: bool,
     /// Cards whose equations the solver enforces by multipliers, without slaves.
@@ -92,7 +92,7 @@ impl Model {
     /// let path = place.path().join("late.inp");
     /// std::fs::write(&path, "*STEP\n*EQUATION\n2\n1,1,1.,2,1,-1.\n*END STEP\n")?;
     /// let deck = qless_io::deck::read(&path)?;
-    /// assert!(deck.model().refusals()[0].text.starts_with("ccx stops: *EQUATION stands after a step begins"));
+    /// assert!(deck.model().refusals()[0].text.starts_with("ccx stops: *EQUATION follows the start of a step"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn refusals(&self) -> &[Warning] {
@@ -101,8 +101,8 @@ impl Model {
 
     /// Names of the time histories of prescribed values. The first one is the solver's standard history, without a
     /// name; the others are amplitudes.
-    pub fn courses(&self) -> impl Iterator<Item = Option<&str>> {
-        std::iter::once(None).chain(self.courses.iter().map(|name| Some(name.as_str())))
+    pub fn histories(&self) -> impl Iterator<Item = Option<&str>> {
+        std::iter::once(None).chain(self.histories.iter().map(|name| Some(name.as_str())))
     }
 
     /// Constraints that were left out. If there are any, results for the others may not hold for the whole deck.
@@ -147,6 +147,12 @@ impl Model {
         self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
     }
 
+    /// Whether another card claims a DOF, so that it must not become a slave of new equations.
+    pub(crate) fn is_claimed(&self, dof: Dof) -> bool {
+        let is_left_out = || self.left_out_claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
+        self.claimed(dof).is_some() || is_left_out()
+    }
+
     /// Whether the first term of equation `i` is a slave. If the solver enforces it by a multiplier, it has none.
     pub fn has_slave(&self, i: usize) -> bool {
         self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
@@ -178,7 +184,7 @@ impl Model {
     /// The DOF itself; or, for a translation of a node with local axes, component 0, which stands for all three global
     /// translations.
     pub(crate) fn as_global(&self, dof: Dof) -> Dof {
-        let is_turned = (1..=3).contains(&dof.component) && self.turned.contains(&dof.node);
-        if is_turned { Dof { component: 0, ..dof } } else { dof }
+        let has_axes = (1..=3).contains(&dof.component) && self.nodes_with_axes.contains(&dof.node);
+        if has_axes { Dof { component: 0, ..dof } } else { dof }
     }
 }

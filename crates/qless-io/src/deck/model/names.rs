@@ -91,7 +91,7 @@ struct NameRun {
 }
 
 #[derive(Clone, Debug)]
-enum RunNames {
+pub(super) enum RunNames {
     /// An instance, and the numbers of its nodes within it.
     Instance(String, Vec<u32>),
     /// Name of a single node.
@@ -99,19 +99,10 @@ enum RunNames {
 }
 
 impl NodeNames {
-    /// Names the nodes of an instance, from `first` on.
-    pub fn instance(&mut self, first: u32, instance: String, own: Vec<u32>) {
-        self.insert(NameRun { first, names: RunNames::Instance(instance, own) });
-    }
-
-    /// Names a node.
-    pub fn one(&mut self, node: u32, name: String) {
-        self.insert(NameRun { first: node, names: RunNames::One(name) });
-    }
-
-    fn insert(&mut self, run: NameRun) {
-        let at = self.runs.partition_point(|known| known.first <= run.first);
-        self.runs.insert(at, run);
+    /// Names a node, or the nodes of an instance, from `first` on.
+    pub fn insert(&mut self, first: u32, names: RunNames) {
+        let at = self.runs.partition_point(|known| known.first <= first);
+        self.runs.insert(at, NameRun { first, names });
     }
 
     /// Name of a node, if it has one.
@@ -137,10 +128,10 @@ mod tests {
     #[test]
     fn names_are_found_by_number() {
         let mut names = NodeNames::default();
-        names.one(30, "reference".into());
-        names.instance(10, "I-1".into(), vec![1, 5]);
-        names.instance(12, "I-2".into(), vec![]);
-        names.instance(12, "I-3".into(), vec![7]);
+        names.insert(30, RunNames::One("reference".into()));
+        names.insert(10, RunNames::Instance("I-1".into(), vec![1, 5]));
+        names.insert(12, RunNames::Instance("I-2".into(), vec![]));
+        names.insert(12, RunNames::Instance("I-3".into(), vec![7]));
         let found = [9, 10, 11, 12, 13, 30, 31].map(|node| names.get(node));
         let expected = [None, Some("I-1.1"), Some("I-1.5"), Some("I-3.7"), None, Some("reference"), None];
         assert_eq!(found, expected.map(|name| name.map(str::to_owned)));

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::constraints::{Dof, Origin};
-use crate::deck::chunks::Chunks;
+use crate::deck::paged_list::PagedList;
 
 /// Consecutive nodes in a page.
 const PAGE: u32 = 16;
@@ -13,7 +13,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColumnMap {
     pages: FxHashMap<(u32, u8), u32>,
-    entries: Chunks<[u32; PAGE as usize]>,
+    entries: PagedList<[u32; PAGE as usize]>,
     /// Pages used last, by position in the equation and by component: the next equation often uses the same ones.
     last: [Option<((u32, u8), u32)>; 16],
 }
@@ -26,10 +26,10 @@ impl ColumnMap {
         (column != NONE).then_some(column)
     }
 
-    /// The column of a DOF; assigns `next` to a new DOF.
-    pub fn get_or_insert(&mut self, dof: Dof, next: u32, turn: usize) -> u32 {
+    /// The column of a DOF; assigns `next` to a new DOF. `position` is that of its term in the equation.
+    pub fn get_or_insert(&mut self, dof: Dof, next: u32, position: usize) -> u32 {
         let key = key(dof);
-        let slot = turn % 4 * 4 + usize::from(dof.component % 4);
+        let slot = position % 4 * 4 + usize::from(dof.component % 4);
         let page = match self.last[slot] {
             Some((last, page)) if last == key => page,
             _ => {
@@ -71,8 +71,8 @@ impl OriginRun {
         Origin { card: further(card, self.cards), line: further(line, self.stride), lines }
     }
 
-    /// Takes equation `i` into the run if it fits. The second equation of a run sets the strides.
-    pub fn take(&mut self, i: usize, origin: Origin) -> bool {
+    /// Adds equation `i` to the run if it fits. The second equation of a run sets the strides.
+    pub fn try_extend(&mut self, i: usize, origin: Origin) -> bool {
         if self.first + 1 == i as u32 {
             self.stride = origin.line.wrapping_sub(self.origin.line);
             self.cards = origin.card.wrapping_sub(self.origin.card);

@@ -19,14 +19,14 @@ impl Model {
         self.system_with(case, true, |given| given.value)
     }
 
-    /// Time histories of the nonzero prescribed values of a load case, as indices into [`Model::courses`], ascending.
-    /// If there are several, [`Model::system_of_course`] of each must be consistent, and so must [`Model::system`].
-    pub fn courses_of(&self, case: &LoadCase) -> Vec<u32> {
+    /// Time histories of the nonzero prescribed values of a load case, as indices into [`Model::histories`], ascending.
+    /// If there are several, [`Model::system_of_history`] of each must be consistent, and so must [`Model::system`].
+    pub fn histories_of(&self, case: &LoadCase) -> Vec<u32> {
         let moved = case.prescribed.iter().chain(&case.clashes).filter(|given| given.value != 0.0);
-        let mut courses: Vec<u32> = moved.map(|given| given.course).collect();
-        courses.sort_unstable();
-        courses.dedup();
-        courses
+        let mut histories: Vec<u32> = moved.map(|given| given.history).collect();
+        histories.sort_unstable();
+        histories.dedup();
+        histories
     }
 
     /// [`Model::system`] with the values of one time history alone. All other values are zero. The right-hand sides of
@@ -34,9 +34,9 @@ impl Model {
     ///
     /// # Errors
     /// As [`Model::system`].
-    pub fn system_of_course(&self, case: &LoadCase, course: u32) -> Result<ConstraintSystem, SystemError> {
-        let has_rhs = self.courses_of(case).first().is_none_or(|&first| first == course);
-        self.system_with(case, has_rhs, |given| if given.course == course { given.value } else { 0.0 })
+    pub fn system_of_history(&self, case: &LoadCase, history: u32) -> Result<ConstraintSystem, SystemError> {
+        let has_rhs = self.histories_of(case).first().is_none_or(|&first| first == history);
+        self.system_with(case, has_rhs, |given| if given.history == history { given.value } else { 0.0 })
     }
 
     fn system_with(
@@ -100,7 +100,7 @@ mod tests {
         let origin = Origin { card, line: 1, lines: 1 };
         let dof = |node| Dof { node, component: 1 };
         model.push([(dof(1), 1.0), (dof(2), -1.0)], 0.0, origin);
-        let given = |(node, (value, course))| Prescribed { dof: dof(node), value, course, origin };
+        let given = |(node, (value, history))| Prescribed { dof: dof(node), value, history, origin };
         let prescribed = [1, 2].into_iter().zip(values).map(given).collect();
         (model, LoadCase { name: "step 1".into(), prescribed, ..LoadCase::default() })
     }
@@ -113,21 +113,21 @@ mod tests {
     fn values_that_agree_at_the_end_conflict_on_the_way_there() {
         let (model, case) = two_ends([(1.0, 0), (1.0, 1)]);
         assert_eq!(kind(&model.system(&case).expect("a system")), Kind::Redundant);
-        assert_eq!(model.courses_of(&case), [0, 1]);
-        for course in [0, 1] {
-            assert_eq!(kind(&model.system_of_course(&case, course).expect("a system")), Kind::Conflicting);
+        assert_eq!(model.histories_of(&case), [0, 1]);
+        for history in [0, 1] {
+            assert_eq!(kind(&model.system_of_history(&case, history).expect("a system")), Kind::Conflicting);
         }
     }
 
     #[test]
-    fn one_course_is_no_other_system() {
+    fn a_single_history_gives_the_same_system() {
         for values in [[(1.0, 1), (1.0, 1)], [(2.0, 0), (2.0, 0)], [(1.0, 0), (0.0, 1)]] {
             let (model, case) = two_ends(values);
-            let [course] = model.courses_of(&case)[..] else { panic!("one course") };
+            let [history] = model.histories_of(&case)[..] else { panic!("one history") };
             let whole = model.system(&case).expect("a system");
-            assert_eq!(model.system_of_course(&case, course).expect("a system"), whole);
+            assert_eq!(model.system_of_history(&case, history).expect("a system"), whole);
         }
         let (model, case) = two_ends([(0.0, 0), (0.0, 1)]);
-        assert!(model.courses_of(&case).is_empty());
+        assert!(model.histories_of(&case).is_empty());
     }
 }

@@ -25,7 +25,7 @@ impl Edits {
             if !result.is_empty() && !result.ends_with(b"\n") {
                 result.extend_from_slice(if crlf { b"\r\n" } else { b"\n" });
             }
-            add(&mut result, &new, crlf);
+            append(&mut result, &new, crlf);
             at = skip(text, start, count);
             line = line.max(first) + count;
         }
@@ -44,7 +44,7 @@ fn skip(text: &[u8], at: usize, lines: u32) -> usize {
 }
 
 /// Appends text whose lines end in `\n`.
-fn add(result: &mut Vec<u8>, text: &[u8], crlf: bool) {
+fn append(result: &mut Vec<u8>, text: &[u8], crlf: bool) {
     for &byte in text {
         if byte == b'\n' && crlf {
             result.push(b'\r');

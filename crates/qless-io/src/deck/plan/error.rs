@@ -32,7 +32,7 @@ pub enum CleanError {
     /// Equations return in a later load case or hold in some load cases only, which the format cannot express for new
     /// equations.
     #[error(
-        "{case} has other equations than those before it, which new equations cannot express; make a deck for each load case"
+        "{case} has other equations than earlier load cases, which the format cannot express for new equations; make a deck for each load case"
     )]
     Apart {
         /// The load case.
@@ -55,15 +55,17 @@ pub enum CleanError {
         what: String,
     },
     /// A card that equations cannot replace has a fault.
-    #[error("{place} cannot be replaced by equations: {why}; change it or the equations that meet it by hand")]
+    #[error(
+        "{place} cannot be replaced by equations: {why}; change it, or the equations that share DOFs with it, by hand"
+    )]
     Fixed {
         /// File, line and card.
         place: String,
         /// Why it would have to be replaced.
         why: String,
     },
-    /// The solver stops when it reads the deck, whatever its equations are.
-    #[error("{place}: {why} (by hand, before the deck is cleaned)")]
+    /// The solver stops when it reads the deck, regardless of its equations.
+    #[error("{place}: {why} (correct this by hand before cleaning the deck)")]
     Refused {
         /// File and line.
         place: String,

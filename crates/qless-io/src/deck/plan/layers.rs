@@ -11,7 +11,7 @@ use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Cases, CleanError};
-use crate::deck::faults::{EquationFault, faults_of};
+use crate::deck::faults::{EquationFault, FaultKind, faults_of};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
 
 /// Prescribed columns, with the cards that prescribe them.
@@ -58,14 +58,14 @@ impl<'a> KeptEquations<'a> {
                     && kept.layers[kept.layers.len() - 1].prescribed.len() == prescribed.len()
             };
             if !next.is_some_and(is_same) {
-                kept.add(Layer { last, name: cases[last].name.clone(), prescribed }, &cases[last])?;
+                kept.add_layer(Layer { last, name: cases[last].name.clone(), prescribed }, &cases[last])?;
             }
         }
         Ok(kept)
     }
 
     /// Keeps the equations that a layer needs in addition to those kept already.
-    fn add(&mut self, layer: Layer, case: &LoadCase) -> Result<(), CleanError> {
+    fn add_layer(&mut self, layer: Layer, case: &LoadCase) -> Result<(), CleanError> {
         let rows: Vec<usize> = self.model.in_force(case).collect();
         let vanishing = vanishing(self.model, &layer.prescribed);
         let own = |&i: &usize| self.model.nth(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
@@ -87,7 +87,7 @@ impl<'a> KeptEquations<'a> {
         Ok(())
     }
 
-    /// Notes the combination for a dependent equation, from the last load case in which it holds.
+    /// Records the certificate of a dependent equation, from the last load case in which it holds.
     fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
         let Ok(row) = rows.binary_search(&i) else { return };
         self.because.entry(i).or_insert_with(|| {
@@ -100,7 +100,8 @@ impl<'a> KeptEquations<'a> {
     /// taken as zero.
     pub fn analyse(&self, layer: &Layer, rows: &[usize], preferences: Preferences) -> Result<Analysis, CleanError> {
         let dof = |&column: &u32| self.model.dofs[column as usize];
-        let given = |(column, &origin): (&u32, &Origin)| Prescribed { dof: dof(column), value: 0.0, course: 0, origin };
+        let given =
+            |(column, &origin): (&u32, &Origin)| Prescribed { dof: dof(column), value: 0.0, history: 0, origin };
         let mut is_in = vec![false; self.model.equations()];
         rows.iter().for_each(|&i| is_in[i] = true);
         let removed = (0..is_in.len()).filter(|&i| !is_in[i]).map(|i| i as u32).collect();
@@ -112,7 +113,7 @@ impl<'a> KeptEquations<'a> {
 
     /// Whether an equation is kept in a layer.
     pub fn holds(&self, i: usize, layer: usize) -> bool {
-        self.layer_of[i].is_some_and(|of| of <= layer)
+        self.layer_of[i].is_some_and(|own| own <= layer)
     }
 
     /// The load cases of a layer.
@@ -124,11 +125,11 @@ impl<'a> KeptEquations<'a> {
     /// differently to faults, but all treat equations without faults alike.
     pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<EquationFault> {
         let count = self.model.equations();
-        let of = |(k, layer): (usize, &Layer)| {
+        let in_layer = |(k, layer): (usize, &Layer)| {
             let left_out: Vec<bool> = (0..count).map(|i| !is_in(i, k)).collect();
             faults_of(self.model, &layer.prescribed, &left_out)
         };
-        self.layers.iter().enumerate().flat_map(of).collect()
+        self.layers.iter().enumerate().flat_map(in_layer).collect()
     }
 }
 
@@ -149,11 +150,7 @@ fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanEr
 /// Equations whose own slave has a coefficient too small to divide by.
 pub fn vanishing(model: &Model, prescribed: &PrescribedColumns) -> FxHashSet<usize> {
     let faults = faults_of(model, prescribed, &vec![false; model.equations()]);
-    faults
-        .iter()
-        .filter(|fault| matches!(fault, EquationFault::SlaveVanishes { .. }))
-        .map(EquationFault::equation)
-        .collect()
+    faults.iter().filter(|fault| fault.kind == FaultKind::SlaveVanishes).map(|fault| fault.equation).collect()
 }
 
 /// Columns that are not prescribed, ascending, each once.

@@ -169,8 +169,8 @@ fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError>
     let Some(first) = fixed.min_by_key(|removed| weight(&removed.reason)) else { return Ok(()) };
     let fault = match &first.reason {
         Reason::Fault(fault) => fault.describe(model),
-        Reason::Redundant(_) => "it repeats what other such cards say".to_owned(),
-        Reason::Connected => "an equation that shares DOFs with it has to be".to_owned(),
+        Reason::Redundant(_) => "it is redundant with other such cards".to_owned(),
+        Reason::Connected => "an equation that shares DOFs with it must be replaced".to_owned(),
     };
     let why = match model.cards.why_fixed(card(first)) {
         Some(why) => format!("{fault}; {why}"),

@@ -42,7 +42,7 @@ fn solve(
     let preferences = Preferences { slaves: preferred, masters, ..Preferences::default() };
     let analysis = kept.analyse(&kept.layers[layer], rows, preferences)?;
     let before = all.len();
-    add(kept, layer, &analysis, slaves, all)?;
+    add_rows(kept, layer, &analysis, slaves, all)?;
     let chosen: FxHashSet<usize> = analysis.reduction()?.slaves().iter().copied().collect();
     if slaves.iter().any(|slave| !chosen.contains(slave)) || all.len() - before + slaves.len() != chosen.len() {
         return Err(CleanError::Apart { case: kept.layers[layer].name.clone() });
@@ -60,21 +60,20 @@ struct SlaveClaims<'a> {
 
 impl<'a> SlaveClaims<'a> {
     fn collect(model: &'a Model) -> Self {
-        let given = model.cases.iter().filter(|_| !model.turned.is_empty()).flat_map(|case| &case.prescribed);
-        let held = given.map(|given| given.dof.node).filter(|node| model.turned.contains(node)).collect();
+        let given = model.cases.iter().filter(|_| !model.nodes_with_axes.is_empty()).flat_map(|case| &case.prescribed);
+        let held = given.map(|given| given.dof.node).filter(|node| model.nodes_with_axes.contains(node)).collect();
         Self { model, held }
     }
 
     /// Whether a DOF cannot be a slave.
     fn hold(&self, column: usize) -> bool {
         let dof = self.model.dofs[column];
-        let left_out = || self.model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
-        self.model.claimed(dof).is_some() || self.held.contains(&dof.node) || left_out()
+        self.held.contains(&dof.node) || self.model.is_claimed(dof)
     }
 }
 
 /// Adds the rows of slaves that are new in this layer.
-fn add(
+fn add_rows(
     kept: &KeptEquations,
     layer: usize,
     analysis: &Analysis,

@@ -42,17 +42,17 @@ impl KeptEquations<'_> {
         let count = self.model.equations();
         let before = self.faults(|i, k| self.end[i] >= Some(self.layers[k].last));
         let fault_of: FxHashMap<usize, EquationFault> =
-            before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
+            before.iter().rev().map(|fault| (fault.equation, *fault)).collect();
         // The first cases prescribe the fewest DOFs, so that the parts are largest there.
         let first = &self.layers[self.layers.len() - 1].prescribed;
         let part_of = parts(self.model, |j| first.contains_key(&j));
         let mut is_rewritten = vec![false; part_of.iter().max().map_or(0, |last| last + 1)];
         let after = self.faults(|i, k| self.holds(i, k));
-        after.iter().for_each(|fault| is_rewritten[part_of[fault.equation()]] = true);
-        self.torn().for_each(|i| is_rewritten[part_of[i]] = true);
-        let goes = |i: &usize| self.end[*i].is_some() && self.layer_of[*i].is_none() || is_rewritten[part_of[*i]];
-        let removed = (0..count).filter(goes).map(|i| Removed { equation: i, reason: self.reason(i, &fault_of) });
-        let (removed, stays) = (removed.collect(), |i: &usize| !goes(i));
+        after.iter().for_each(|fault| is_rewritten[part_of[fault.equation]] = true);
+        self.split_lines().for_each(|i| is_rewritten[part_of[i]] = true);
+        let is_removed = |i: &usize| self.end[*i].is_some() && self.layer_of[*i].is_none() || is_rewritten[part_of[*i]];
+        let removed = (0..count).filter(is_removed).map(|i| Removed { equation: i, reason: self.reason(i, &fault_of) });
+        let (removed, stays) = (removed.collect(), |i: &usize| !is_removed(i));
         let ended = (0..count).filter(stays).filter_map(|i| {
             let last = self.layers[self.layer_of[i]?].last;
             (Some(last) < self.end[i]).then_some(Ended { equation: i, last })
@@ -69,17 +69,17 @@ impl KeptEquations<'_> {
         }
     }
 
-    /// Equations that share their lines with others that are kept for another time.
-    fn torn(&self) -> impl Iterator<Item = usize> + '_ {
+    /// Equations that share lines of the deck with equations that are kept for other load cases.
+    fn split_lines(&self) -> impl Iterator<Item = usize> + '_ {
         let mut kept: FxHashMap<(u32, u32), Option<usize>> = FxHashMap::default();
         let text = |i: usize| text_of(self.model, self.model.nth(i).origin);
-        let mut torn = FxHashSet::default();
+        let mut split = FxHashSet::default();
         for i in 0..self.model.equations() {
             if *kept.entry(text(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
-                torn.insert(text(i));
+                split.insert(text(i));
             }
         }
-        (0..self.model.equations()).filter(move |&i| torn.contains(&text(i)))
+        (0..self.model.equations()).filter(move |&i| split.contains(&text(i)))
     }
 }
 
@@ -105,10 +105,10 @@ fn check_cases(kept: &KeptEquations, cases: &[LoadCase]) -> Result<(), CleanErro
 /// Whether a load case has no solution. If its values follow several time histories, each of these must have a
 /// solution of its own.
 pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bool, CleanError> {
-    let courses = model.courses_of(case);
+    let histories = model.histories_of(case);
     let mut systems = vec![model.system(case)?];
-    for &course in courses.iter().filter(|_| courses.len() > 1) {
-        systems.push(model.system_of_course(case, course)?);
+    for &history in histories.iter().filter(|_| histories.len() > 1) {
+        systems.push(model.system_of_history(case, history)?);
     }
     for system in systems {
         let analysis = analyse(&system, options)?;

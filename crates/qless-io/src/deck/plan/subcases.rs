@@ -16,7 +16,7 @@ use crate::deck::{Deck, LoadCase, Model};
 /// One plan for all subcases, or else one for each group.
 pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     match common_plan(deck, options, LateRemoval::Impossible) {
-        Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => each(deck, options),
+        Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => plan_groups(deck, options),
         plan => plan,
     }
 }
@@ -34,11 +34,11 @@ fn groups(model: &Model) -> Vec<Vec<usize>> {
     groups
 }
 
-fn each(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
+fn plan_groups(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     let model = &deck.model;
     let groups = groups(model);
     let plans =
-        groups.iter().map(|group| of_group(deck, &model.cases[group[0]], options)).collect::<Result<Vec<_>, _>>()?;
+        groups.iter().map(|group| plan_group(deck, &model.cases[group[0]], options)).collect::<Result<Vec<_>, _>>()?;
     let mut reasons: BTreeMap<usize, Reason> = BTreeMap::new();
     for removed in plans.iter().flat_map(|plan| &plan.removed) {
         reasons.entry(removed.equation).or_insert_with(|| removed.reason.clone());
@@ -53,22 +53,23 @@ fn each(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
         let gone: FxHashSet<usize> = plan.removed.iter().map(|removed| removed.equation).collect();
         let stays = model.in_force(case).filter(|i| reasons.contains_key(i) && !gone.contains(i));
         let solved = plan.written.into_iter();
-        written
-            .extend(stays.map(|i| as_it_is(model, i)).chain(solved).map(|one| Written { cases: cases.clone(), ..one }));
+        written.extend(
+            stays.map(|i| normalised(model, i)).chain(solved).map(|one| Written { cases: cases.clone(), ..one }),
+        );
     }
     let removed = reasons.into_iter().map(|(equation, reason)| Removed { equation, reason }).collect();
     Ok(Plan { removed, written, ended: Vec::new() })
 }
 
 /// The plan for one load case alone; does not touch equations outside it.
-fn of_group(deck: &Deck, case: &LoadCase, options: &Options) -> Result<Plan, CleanError> {
+fn plan_group(deck: &Deck, case: &LoadCase, options: &Options) -> Result<Plan, CleanError> {
     let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
     plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());
     Ok(plan)
 }
 
 /// An equation, divided by the coefficient of its slave.
-fn as_it_is(model: &Model, i: usize) -> Written {
+fn normalised(model: &Model, i: usize) -> Written {
     let equation = model.nth(i);
     let own = equation.coefficients.first().copied().unwrap_or(1.0);
     let term = |(&j, &a): (&u32, &f64)| (model.dofs[j as usize], a / own);

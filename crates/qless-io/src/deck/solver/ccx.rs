@@ -10,7 +10,7 @@ use super::{CardKind, Outcome};
 use crate::deck::{Dof, LoadCase, Model};
 
 /// Order in which ccx treats cards, regardless of their place in the deck.
-fn turn(kind: CardKind) -> u8 {
+fn rank_of(kind: CardKind) -> u8 {
     match kind {
         CardKind::Kinematic => 0,
         CardKind::Tie => 2,
@@ -20,19 +20,22 @@ fn turn(kind: CardKind) -> u8 {
 
 /// Two cards with the same slave, in the order of the deck.
 pub fn twice(first: CardKind, second: CardKind) -> Outcome {
-    let (late, dropped) =
-        if turn(second) < turn(first) { (first, Outcome::IgnoresFirst) } else { (second, Outcome::IgnoresSecond) };
+    let (late, dropped) = if rank_of(second) < rank_of(first) {
+        (first, Outcome::IgnoresFirst)
+    } else {
+        (second, Outcome::IgnoresSecond)
+    };
     match late {
         CardKind::Tie | CardKind::Kinematic | CardKind::RigidBody | CardKind::Mpc | CardKind::Sector => dropped,
         _ => Outcome::Refused,
     }
 }
 
-/// A prescribed slave: from the first step on or only later, and then compared again or not.
-pub fn prescribed(kind: CardKind, is_later: bool, is_looked_at: bool) -> Outcome {
+/// A slave that is prescribed in the first step, or only in a later step, in which ccx may compare slaves again.
+pub fn prescribed(kind: CardKind, is_later: bool, is_compared: bool) -> Outcome {
     match (kind, is_later) {
         (CardKind::Tie, false) => Outcome::IgnoresFirst,
-        (_, true) if !is_looked_at => Outcome::IgnoresSecond,
+        (_, true) if !is_compared => Outcome::IgnoresSecond,
         _ => Outcome::Refused,
     }
 }
@@ -40,12 +43,12 @@ pub fn prescribed(kind: CardKind, is_later: bool, is_looked_at: bool) -> Outcome
 /// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave. It
 /// does so in every step of a deck with `*TRANSFORM`, where `*EQUATION, REMOVE` removes equations, and in nonlinear
 /// steps with linked equations of which one is nonlinear.
-pub fn looks_again(
+pub fn compares_again(
     model: &Model,
     equation: usize,
     slave: Dof,
     since: usize,
-    hangs_together: impl FnOnce() -> bool,
+    has_nonlinear_chain: impl FnOnce() -> bool,
 ) -> bool {
     let holds = |case: &LoadCase| {
         case.prescribed.binary_search_by_key(&slave, |given| given.dof).is_ok()
@@ -53,7 +56,7 @@ pub fn looks_again(
     };
     let mut steps = model.cases.windows(2).skip(since.saturating_sub(1));
     let removes = steps.any(|pair| pair[0].removed != pair[1].removed && holds(&pair[1]));
-    removes || model.traits.has_local_axes || hangs_together()
+    removes || model.traits.has_local_axes || has_nonlinear_chain()
 }
 
 /// Whether a master of some equation in force is the slave of another one, and one of the two is nonlinear.
@@ -62,7 +65,7 @@ pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
         return false;
     }
     // Couplings with their own axes become equations to new nodes, which are slaves.
-    if model.traits.has_turned_couplings {
+    if model.traits.has_oriented_couplings {
         return true;
     }
     let kind = |i: usize| CardKind::from_name(&model.cards.nth(model.nth(i).origin.card).name);
@@ -117,7 +120,7 @@ pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
     rotations
 }
 
-/// ccx takes coefficients below this for zero.
+/// Coefficients below this count as zero in ccx.
 const ZERO: f64 = 1e-10;
 /// Most insertions; beyond that, the result is unknown.
 const MOST_INSERTIONS: usize = 200_000;

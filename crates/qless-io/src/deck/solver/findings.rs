@@ -4,7 +4,7 @@
 use rustc_hash::FxHashMap;
 
 use super::{Outcome, Profile, ccx};
-use crate::deck::faults::{EquationFault, faults_of};
+use crate::deck::faults::{EquationFault, FaultKind, faults_of};
 use crate::deck::{Dof, LoadCase, Model, Origin, Solver};
 
 /// A fault, and the solver's reaction.
@@ -25,28 +25,29 @@ impl Finding {
     /// The solver's reaction, as a verb with its object.
     fn reaction(&self, model: &Model) -> String {
         let equation = |i: usize| model.equation(i).map_or_else(String::new, |e| model.place(e.origin));
-        match (self.outcome, self.fault) {
+        match (self.outcome, self.fault.kind) {
             (Outcome::Refused, _) => "stops".into(),
-            (Outcome::Accepted, _) => "takes both".into(),
-            (Outcome::Unsound, _) => "may go on, but its results are not to be relied on".into(),
-            (Outcome::IgnoresFirst, EquationFault::SlaveTwice { first, .. }) => {
+            (Outcome::Accepted, _) => "accepts both".into(),
+            (Outcome::Unsound, _) => "may continue, but its results are unreliable".into(),
+            (Outcome::IgnoresFirst, FaultKind::SlaveTwice { first }) => {
                 format!("drops this equation of {} in every step", equation(first))
             }
-            (Outcome::IgnoresSecond, EquationFault::SlavePrescribed { by, .. }) => {
+            (Outcome::IgnoresSecond, FaultKind::SlavePrescribed { by, .. }) => {
                 format!("drops the value of {}", model.place(by))
             }
-            (Outcome::IgnoresFirst | Outcome::IgnoresSecond, fault) => {
-                format!("drops this equation of {} in every step", equation(fault.equation()))
+            (Outcome::IgnoresFirst | Outcome::IgnoresSecond, _) => {
+                format!("drops this equation of {} in every step", equation(self.fault.equation))
             }
         }
     }
 
     /// The equation that the solver drops, if it drops one.
     pub fn dropped(&self) -> Option<usize> {
-        match (self.outcome, self.fault) {
-            (Outcome::IgnoresFirst, EquationFault::SlaveTwice { first, .. }) => Some(first),
-            (Outcome::IgnoresFirst, fault) => Some(fault.equation()),
-            (Outcome::IgnoresSecond, EquationFault::SlaveTwice { equation, .. }) => Some(equation),
+        match (self.outcome, self.fault.kind) {
+            (Outcome::IgnoresFirst, FaultKind::SlaveTwice { first }) => Some(first),
+            (Outcome::IgnoresFirst, _) | (Outcome::IgnoresSecond, FaultKind::SlaveTwice { .. }) => {
+                Some(self.fault.equation)
+            }
             _ => None,
         }
     }
@@ -77,7 +78,7 @@ pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> 
     search.drop_prescribed();
     search.drop_shared();
     search.add_remaining();
-    search.findings.sort_by_key(|finding| finding.fault.equation());
+    search.findings.sort_by_key(|finding| finding.fault.equation);
     search.findings
 }
 
@@ -93,7 +94,7 @@ struct FaultSearch<'a> {
 impl<'a> FaultSearch<'a> {
     fn new(model: &'a Model, case: &'a LoadCase, solver: Solver) -> Self {
         Self {
-            profile: Profile::of_case(solver, model, case),
+            profile: Profile::for_case(solver, model, case),
             prescribed: model.prescribed_in([case]),
             at_start: model.prescribed_in(model.cases.first()),
             findings: Vec::new(),
@@ -125,13 +126,13 @@ impl<'a> FaultSearch<'a> {
     fn drop_prescribed(&mut self) {
         for (equation, column) in self.slaves() {
             if let Some(&by) = self.at_start.get(&column) {
-                self.drop_for(EquationFault::SlavePrescribed { equation, slave: self.dof(column), by, since: 0 });
+                let kind = FaultKind::SlavePrescribed { by, since: 0 };
+                self.drop_for(EquationFault { equation, slave: self.dof(column), kind });
             }
         }
     }
 
-    /// Drops equations with the slave of another equation. Each is compared with the one that remains of those before
-    /// it.
+    /// Drops equations whose slave another equation has. Each is compared with the remaining one of those before it.
     fn drop_shared(&mut self) {
         let mut holders: FxHashMap<u32, usize> = FxHashMap::default();
         for (equation, column) in self.slaves() {
@@ -140,7 +141,7 @@ impl<'a> FaultSearch<'a> {
                 continue;
             };
             let slave = self.dof(column);
-            if self.drop_for(EquationFault::SlaveTwice { equation, slave, first }) == Some(first) {
+            if self.drop_for(EquationFault { equation, slave, kind: FaultKind::SlaveTwice { first } }) == Some(first) {
                 holders.insert(column, equation);
             }
         }
@@ -153,12 +154,13 @@ impl<'a> FaultSearch<'a> {
             let rotations: FxHashMap<Dof, usize> = ccx::rotations(self.profile.model).into_iter().collect();
             let taken = |(equation, column): (usize, u32)| {
                 let slave = self.dof(column);
-                rotations.get(&slave).map(|&first| EquationFault::SlaveTwice { equation, slave, first })
+                let fault = |&first| EquationFault { equation, slave, kind: FaultKind::SlaveTwice { first } };
+                rotations.get(&slave).map(fault)
             };
             faults.extend(self.slaves().into_iter().filter_map(taken));
         }
-        let is_circle = |fault: &&EquationFault| matches!(fault, EquationFault::Circle { .. });
-        let circle: Vec<usize> = faults.iter().filter(is_circle).map(EquationFault::equation).collect();
+        let is_circle = |fault: &&EquationFault| fault.kind == FaultKind::Circle;
+        let circle: Vec<usize> = faults.iter().filter(is_circle).map(|fault| fault.equation).collect();
         // Slaves of a circle depend on each other, so that one reaction holds for all of them.
         let round = (!circle.is_empty()).then(|| self.profile.circle(&circle));
         for fault in faults {

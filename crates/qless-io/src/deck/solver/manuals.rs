@@ -1,4 +1,4 @@
-//! Solvers whose behaviour is taken from their manuals; of these only MYSTRAN has been run.
+//! Behaviour of solvers according to their manuals. Of these, only MYSTRAN was also run.
 //!
 //! | solver | source | rule |
 //! | --- | --- | --- |
@@ -38,11 +38,6 @@ pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
     }
 }
 
-/// MSC and Simcenter Nastran, and MYSTRAN.
-pub fn nastran_exclusive() -> Outcome {
-    Outcome::Refused
-}
-
 /// OptiStruct, by the kinds of cards concerned.
 pub fn optistruct(kinds: &[CardKind]) -> Outcome {
     if kinds.contains(&CardKind::RigidElement) { Outcome::Accepted } else { Outcome::Refused }
@@ -78,8 +73,8 @@ impl ColumnUses {
     }
 }
 
-/// The outcome for these equations, which have a fault.
+/// The outcome for equations with a fault.
 pub fn ansys_outcome(model: &Model, uses: &ColumnUses, equations: &[(usize, CardKind)]) -> Outcome {
-    let finds = |&(i, kind): &(usize, CardKind)| kind != CardKind::CoupledSet && uses.has_own(model, i);
-    if equations.iter().all(finds) { Outcome::Accepted } else { Outcome::Refused }
+    let is_solvable = |&(i, kind): &(usize, CardKind)| kind != CardKind::CoupledSet && uses.has_own(model, i);
+    if equations.iter().all(is_solvable) { Outcome::Accepted } else { Outcome::Refused }
 }

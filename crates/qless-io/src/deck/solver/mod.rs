@@ -9,10 +9,10 @@ use std::cell::OnceCell;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::faults::EquationFault;
-use super::{LoadCase, Model, Solver};
+use super::faults::{EquationFault, FaultKind};
+use super::{Dof, LoadCase, Model, Solver};
 pub use findings::{Finding, findings};
-use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, nastran_exclusive, optistruct};
+use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, optistruct};
 pub(super) use outcome::CardKind;
 pub use outcome::Outcome;
 
@@ -67,7 +67,7 @@ impl<'a> Profile<'a> {
     }
 
     /// Profile for one load case, without its removed equations.
-    pub fn of_case(solver: Solver, model: &'a Model, case: &'a LoadCase) -> Self {
+    pub fn for_case(solver: Solver, model: &'a Model, case: &'a LoadCase) -> Self {
         let mut profile = Self { cases: std::slice::from_ref(case), ..Self::new(solver, model) };
         case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
         profile
@@ -75,20 +75,21 @@ impl<'a> Profile<'a> {
 
     /// The outcome of a fault.
     pub fn outcome(&self, fault: &EquationFault) -> Outcome {
-        match *fault {
-            EquationFault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
-            EquationFault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
-            EquationFault::SlaveVanishes { equation, .. } => self.vanishes(equation),
+        let EquationFault { equation, slave, kind } = *fault;
+        match kind {
+            FaultKind::SlavePrescribed { since, .. } => self.prescribed(equation, slave, since),
+            FaultKind::SlaveTwice { first } => self.twice(first, equation),
+            FaultKind::SlaveVanishes => self.vanishes(equation),
             // These faults are fatal: coupled sets occur only in ANSYS decks, and sets of DOFs that exclude each other
             // only in Nastran decks.
-            EquationFault::CoupledTwice { .. }
-            | EquationFault::CoupledPrescribed { .. }
-            | EquationFault::SlaveClaimed { .. } => Outcome::Refused,
-            EquationFault::MasterTwice { .. } => match self.solver {
+            FaultKind::CoupledTwice { .. } | FaultKind::CoupledPrescribed { .. } | FaultKind::SlaveClaimed { .. } => {
+                Outcome::Refused
+            }
+            FaultKind::MasterTwice { .. } => match self.solver {
                 Solver::Ccx => Outcome::Unsound,
                 _ => Outcome::Accepted,
             },
-            EquationFault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
+            FaultKind::Circle => self.circle(&connected(self.model, equation)),
         }
     }
 
@@ -106,16 +107,16 @@ impl<'a> Profile<'a> {
         CardKind::from_name(&self.model.cards.nth(self.model.nth(equation).origin.card).name)
     }
 
-    fn prescribed(&self, fault: &EquationFault, equation: usize, since: usize) -> Outcome {
+    fn prescribed(&self, equation: usize, slave: Dof, since: usize) -> Outcome {
         let kind = self.kind(equation);
         match self.solver {
             Solver::Ccx => {
                 let chain = || *self.chain.get_or_init(|| ccx::nonlinear_chain(self.model, &self.left_out));
-                let is_looked_at = since > 0 && ccx::looks_again(self.model, equation, fault.slave(), since, chain);
-                ccx::prescribed(kind, since > 0, is_looked_at)
+                let is_compared = since > 0 && ccx::compares_again(self.model, equation, slave, since, chain);
+                ccx::prescribed(kind, since > 0, is_compared)
             }
             Solver::Abaqus => abaqus_prescribed(kind),
-            Solver::Nastran | Solver::Mystran => nastran_exclusive(),
+            Solver::Nastran | Solver::Mystran => Outcome::Refused,
             Solver::Optistruct => optistruct(&[kind]),
             Solver::Ansys => self.ansys(&[equation]),
         }
@@ -126,7 +127,7 @@ impl<'a> Profile<'a> {
         match self.solver {
             Solver::Ccx => ccx::twice(kinds[0], kinds[1]),
             Solver::Abaqus => abaqus_twice(kinds[0], kinds[1]),
-            Solver::Nastran | Solver::Mystran => nastran_exclusive(),
+            Solver::Nastran | Solver::Mystran => Outcome::Refused,
             Solver::Optistruct => optistruct(&kinds),
             Solver::Ansys => self.ansys(&[first, second]),
         }

@@ -82,7 +82,7 @@ pub fn cases(
     replay.lives = lives;
     for event in events {
         let course = match &event.action {
-            EventAction::Prescribe(_, Some(table)) => model.course(table),
+            EventAction::Prescribe(_, Some(table)) => model.history(table),
             _ => 0,
         };
         replay.event(event, course).map_err(|problem| (event.origin, problem))?;
@@ -194,7 +194,7 @@ impl<'a> EventReplay<'a> {
         let dofs = components.iter().map(|&component| Dof { node, component });
         match event.action {
             EventAction::Prescribe(value, _) => {
-                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, course, origin })));
+                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, history: course, origin })));
             }
             EventAction::Load => self.loads.extend(dofs.map(|dof| (dof, Load { dof, origin }))),
             EventAction::Release => remove(&mut self.prescribed, event, node, components),

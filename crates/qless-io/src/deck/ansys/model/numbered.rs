@@ -5,13 +5,13 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use crate::deck::chunks::Chunks;
+use crate::deck::paged_list::PagedList;
 
 /// Equations or coupled sets by number.
 #[derive(Debug)]
 pub struct NumberedSets<T> {
     /// In ascending order; `None` for a removed one. The last one is never removed.
-    list: Chunks<(u32, Option<T>)>,
+    list: PagedList<(u32, Option<T>)>,
     /// Number of `None` in `list`.
     removed: usize,
     /// Those that were inserted after a higher number.
@@ -20,7 +20,7 @@ pub struct NumberedSets<T> {
 
 impl<T> Default for NumberedSets<T> {
     fn default() -> Self {
-        Self { list: Chunks::default(), removed: 0, late: BTreeMap::new() }
+        Self { list: PagedList::default(), removed: 0, late: BTreeMap::new() }
     }
 }
 

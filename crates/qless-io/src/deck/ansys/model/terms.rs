@@ -3,12 +3,12 @@
 
 use crate::deck::Dof;
 use crate::deck::ansys::syntax::archive::DofCoefficient;
-use crate::deck::chunks::Chunks;
+use crate::deck::paged_list::PagedList;
 
 /// The terms of all equations.
 #[derive(Debug, Default)]
 pub struct TermStore {
-    list: Chunks<DofCoefficient>,
+    list: PagedList<DofCoefficient>,
     /// Terms of equations that continue after another equation has begun.
     more: Vec<Vec<DofCoefficient>>,
 }

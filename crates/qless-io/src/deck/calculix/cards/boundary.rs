@@ -1,9 +1,7 @@
 //! `*BOUNDARY` and `*CLOAD`: `node or set, first component, last component, value`, or a named support.
 
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::folded;
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataFields, FieldFault, component, number};
+use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::syntax::{DataFields, FieldFault, KeywordCard, Scope, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 
@@ -26,7 +24,7 @@ pub fn read(
     definitions: &DeckDefinitions,
 ) -> Result<Vec<Prescribed>, DeckError> {
     let number = model.card("*BOUNDARY", card.file, card.line);
-    let course = course(card, model, definitions)
+    let history = history(card, model, definitions)
         .map_err(|problem| model.error(Origin { card: number, line: card.line, lines: 1 }, None, problem))?;
     let mut prescribed = Vec::new();
     for line in card.lines() {
@@ -36,21 +34,21 @@ pub fn read(
         let dofs = range(card.scope, &mut fields, definitions).map_err(fail)?;
         let value = fields.real().map_err(fail)?.unwrap_or(0.0);
         // A value of zero is the same in every time history.
-        let course = if value == 0.0 { 0 } else { course };
-        prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course, origin }));
+        let history = if value == 0.0 { 0 } else { history };
+        prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, history, origin }));
     }
     Ok(prescribed)
 }
 
 /// Time history of a card's values: the step's default, or a named amplitude, possibly delayed.
-fn course(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<u32, Problem> {
+fn history(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<u32, Problem> {
     let Some(amplitude) = card.word("AMPLITUDE") else { return Ok(0) };
     if !definitions.amplitudes.contains(&amplitude) {
         return Err(Problem::Undefined { what: "amplitude", name: amplitude });
     }
     Ok(match card.parameter("TIMEDELAY") {
-        Some(delay) => model.course(&format!("{amplitude} {delay} later")),
-        None => model.course(&amplitude),
+        Some(delay) => model.history(&format!("{amplitude} {delay} later")),
+        None => model.history(&amplitude),
     })
 }
 

@@ -4,11 +4,9 @@
 //! ccx, the card only distributes forces: the motion of the reference does not move the surface.
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic, own_rotation};
-use crate::deck::calculix::cards::{CardEquation, CardPlace, refused};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::mesh::DeckSurface;
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataLines, float, number};
+use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused};
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
+use crate::deck::calculix::syntax::{DataLines, KeywordCard, Scope, float, number};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{MeanElement, WeightedNodes};
@@ -84,7 +82,7 @@ impl CouplingCard {
         let named = self.orientation.as_deref().map(|name| definitions.orientation(self.scope, name)).transpose()?;
         // Without ORIENTATION, ccx couples along the global axes, even at nodes with local axes.
         let local = named.or((solver == Solver::Ccx).then_some(Frame::BASIC));
-        let reference = BodyReference::turning(self.reference(definitions)?);
+        let reference = BodyReference::with_rotations(self.reference(definitions)?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())
     }
@@ -115,7 +113,7 @@ pub fn read(
     solver: Solver,
 ) -> Result<bool, DeckError> {
     let is_kinematic = card.is("*KINEMATIC");
-    let place = CardPlace::register(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
+    let place = RegisteredCard::register(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
     let rows = match (is_kinematic, solver) {
         (true, _) => coupling.kinematic(card, definitions, solver),
         (false, Solver::Ccx) => coupling.reference(definitions).map(|_| Vec::new()),
@@ -127,7 +125,7 @@ pub fn read(
     }
     let before = model.equations();
     if is_kinematic {
-        model.traits.has_turned_couplings |= coupling.orientation.is_some();
+        model.traits.has_oriented_couplings |= coupling.orientation.is_some();
         place.push(model, rows)?;
     } else {
         finish(card, &place, model, rows)?;
@@ -135,7 +133,7 @@ pub fn read(
     let constrains = model.equations() > before;
     if is_kinematic && constrains {
         // Making the rows has already checked that the reference exists.
-        let reference = BodyReference::turning(coupling.reference(definitions).unwrap_or_default());
+        let reference = BodyReference::with_rotations(coupling.reference(definitions).unwrap_or_default());
         own_rotation(&place, reference, model, definitions);
         linearised(card, &place, model);
     }
@@ -149,7 +147,7 @@ pub fn read(
 /// replace the card.
 pub fn finish(
     card: &KeywordCard,
-    place: &CardPlace,
+    place: &RegisteredCard,
     model: &mut Model,
     rows: Result<Vec<CardEquation>, Problem>,
 ) -> Result<(), DeckError> {
@@ -162,7 +160,7 @@ pub fn finish(
     Ok(())
 }
 
-fn linearised(card: &KeywordCard, place: &CardPlace, model: &mut Model) {
+fn linearised(card: &KeywordCard, place: &RegisteredCard, model: &mut Model) {
     let name = model.cards.nth(place.origin.card).name;
     model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
 }

@@ -5,13 +5,10 @@
 //! point of the master's faces.
 
 use crate::deck::calculix::cards::unread::claim;
-use crate::deck::calculix::cards::{CardEquation, CardPlace, tie};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::cards::{CardEquation, RegisteredCard, tie};
 use crate::deck::calculix::model::frames::{around, two_points};
-use crate::deck::calculix::model::mesh::DeckSurface;
-use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::float;
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
+use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
@@ -30,7 +27,7 @@ pub fn read(
     model: &mut Model,
     definitions: &DeckDefinitions,
 ) -> Result<(), DeckError> {
-    let place = CardPlace::register(card, model, "*CYCLIC SYMMETRY MODEL");
+    let place = RegisteredCard::register(card, model, "*CYCLIC SYMMETRY MODEL");
     place.fix(model);
     let sector = Sector::new(card, tie, definitions);
     let sector = sector.map_err(|problem| place.fail(model, problem))?;
@@ -74,9 +71,7 @@ impl<'a> Sector<'a> {
         let slaves = DeckSurface::find(definitions, tie.scope, &slave)?.all_nodes();
         let master = DeckSurface::find(definitions, tie.scope, &master)?;
         let masters = master.all_nodes();
-        let is_line = master.is_line;
-        let face = |nodes| MasterFace::new(nodes, is_line, definitions);
-        let faces = master.faces.into_iter().map(face).collect::<Result<Vec<_>, _>>()?;
+        let faces = MasterFace::all(master, definitions)?;
         let given = tie.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
         let tolerance = given.map_or_else(|| size(definitions, &slaves).map(|size| TOLERANCE * size), Ok)?;
         let angle = std::f64::consts::TAU / count;
@@ -127,15 +122,14 @@ impl<'a> Sector<'a> {
 
     /// The point of the master's faces nearest to the slave, rotated by one sector in either direction.
     fn projected(&self, grid: &FaceGrid, x: Vector) -> Option<Vec<(u32, f64)>> {
-        let typical = self.faces.iter().map(MasterFace::size).sum::<f64>() / self.faces.len().max(1) as f64;
-        let near = [self.angle, -self.angle].map(|angle| grid.nearest(&self.faces, self.turned(x, angle)));
+        let near = [self.angle, -self.angle].map(|angle| grid.nearest(&self.faces, self.rotated(x, angle)));
         let near = near.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))?;
-        let is_there = near.distance <= self.tolerance.max(tie::TOLERANCE * typical);
+        let is_near = near.distance <= self.tolerance.max(tie::TOLERANCE * MasterFace::mean_size(&self.faces));
         let nodes = self.faces[near.face].nodes.iter().copied();
-        is_there.then(|| nodes.zip(near.weights).filter(|(_, weight)| *weight != 0.0).collect())
+        is_near.then(|| nodes.zip(near.weights).filter(|(_, weight)| *weight != 0.0).collect())
     }
 
-    fn turned(&self, x: Vector, angle: f64) -> Vector {
+    fn rotated(&self, x: Vector, angle: f64) -> Vector {
         let [radial, tangential, _] = self.axis.axes_at(x);
         let [r, z] = self.meridian(x);
         let axial = scaled(self.axis.axes[2], z);

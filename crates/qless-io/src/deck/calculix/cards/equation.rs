@@ -3,9 +3,8 @@
 use std::rc::Rc;
 
 use crate::deck::calculix::cards::boundary::range;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataFields, DataLine, FieldFault, component, float, number};
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::{DataFields, DataLine, FieldFault, KeywordCard, Scope, component, float, number};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 

@@ -1,5 +1,5 @@
-//! Cards that constrain, as equations and prescribed values. This file holds what they share: their location in the
-//! deck, and equations between displacements along any direction.
+//! Cards that constrain, as equations and prescribed values. This file has the common parts: cards that are registered
+//! in the model, and equations between displacements along any direction.
 
 pub mod boundary;
 pub mod coupling;
@@ -12,8 +12,8 @@ pub mod rigid;
 pub mod tie;
 pub mod unread;
 
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::{KeywordCard, Scope};
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
@@ -31,6 +31,16 @@ impl CardEquation {
     /// `sum g_k . u_k = rhs` over nodes k, in the local axes of each. The slave is the component of the first node
     /// with the largest coefficient.
     pub fn along(definitions: &DeckDefinitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
+        Self::along_with(definitions, gradients, &[], rhs)
+    }
+
+    /// [`CardEquation::along`] with other terms, which are never the slave.
+    pub fn along_with(
+        definitions: &DeckDefinitions,
+        gradients: &[(u32, Vector)],
+        others: &[(Dof, f64)],
+        rhs: f64,
+    ) -> Result<Self, Problem> {
         let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
         for &(node, gradient) in gradients {
             let axes = definitions.pose(node)?.axes;
@@ -46,10 +56,10 @@ impl CardEquation {
         let Some(slave) = slave.filter(|_| largest > 0.0) else {
             return Err(Problem::Degenerate { what: format!("node {first} is not constrained by its geometry") });
         };
-        terms.swap(0, slave);
-        let scale = terms[0].1;
-        terms.iter_mut().for_each(|(_, a)| *a /= scale);
-        Ok(Self { terms, rhs: rhs / scale })
+        let mut equation = Self { terms, rhs };
+        equation.terms.extend(others.iter().filter(|(_, a)| *a != 0.0));
+        equation.lead(slave);
+        Ok(equation)
     }
 
     /// The same equation with another slave, if its coefficient is no smaller.
@@ -90,18 +100,18 @@ impl CardEquation {
     }
 }
 
-/// A card that is turned into equations.
-pub struct CardPlace {
+/// A card in the model, to which equations are added.
+pub struct RegisteredCard {
     pub origin: Origin,
 }
 
-impl CardPlace {
+impl RegisteredCard {
     /// Adds the card to the model, under its name in the deck.
     pub fn register(card: &KeywordCard, model: &mut Model, name: &'static str) -> Self {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);
-        // All instances share the text of their part, so that it cannot change for one of them.
+        // All instances share the text of their part, which cannot change for one of them.
         model.cards.fix(number, card.scope != Scope::DECK);
         Self { origin: Origin { card: number, line: card.line, lines } }
     }

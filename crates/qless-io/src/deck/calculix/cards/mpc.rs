@@ -13,18 +13,16 @@
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
 use crate::deck::calculix::cards::unread::claim;
-use crate::deck::calculix::cards::{CardEquation, CardPlace};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::folded;
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::kinematics::body::Poses;
+use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
+use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
 /// Adds the equations of a card.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
-    let place = CardPlace::register(card, model, "*MPC");
+    let place = RegisteredCard::register(card, model, "*MPC");
     let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
     for (kind, nodes) in lists {
         let rows = match kind.as_str() {
@@ -50,7 +48,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
         let before = model.equations();
         place.push(model, rows)?;
         if model.equations() == before && kind == "DIST" {
-            let text = "*MPC DIST holds only once the nodes are as far apart as it allows: no equation until then";
+            let text = "*MPC DIST is inactive while the nodes are closer than its bound: no equation";
             model.warn(card.file, card.line, text);
         } else if !matches!(kind.as_str(), "PIN" | "TIE") {
             // The solver treats these types as nonlinear.
@@ -146,7 +144,7 @@ fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEqua
 fn beam(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEquation>, Problem> {
     let (a, b) = pair(nodes)?;
     if definitions.rotates(a) && definitions.rotates(b) {
-        let reference = BodyReference::turning(b);
+        let reference = BodyReference::with_rotations(b);
         return kinematic(definitions, reference, std::iter::once(a), &[1, 2, 3, 4, 5, 6], None);
     }
     Ok(vec![distance(definitions, a, b)?])
@@ -176,23 +174,20 @@ fn mean_rotation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEqu
     let centre = places.iter().fold([0.0; 3], |sum, x| plus(sum, scaled(*x, part)));
     let arms: Vec<Vector> = places.iter().map(|x| minus(*x, centre)).collect();
     let spread = arms.iter().map(|arm| dot(*arm, *arm)).sum::<f64>() * part;
-    let turning = |arm: &Vector| {
+    let rotation = |arm: &Vector| {
         let across = minus(*arm, scaled(axis, dot(*arm, axis)));
         let square = dot(across, across);
         if square > 1e-10 * spread { scaled(cross(axis, across), 1.0 / square) } else { [0.0; 3] }
     };
-    let turns: Vec<Vector> = arms.iter().map(turning).collect();
-    let mean = scaled(turns.iter().fold([0.0; 3], |sum, turn| plus(sum, *turn)), part);
+    let rotations: Vec<Vector> = arms.iter().map(rotation).collect();
+    let mean = scaled(rotations.iter().fold([0.0; 3], |sum, rotation| plus(sum, *rotation)), part);
     let mut gradients: Vec<(u32, Vector)> =
-        nodes.iter().copied().zip(turns.iter().map(|turn| minus(*turn, mean))).collect();
+        nodes.iter().copied().zip(rotations.iter().map(|rotation| minus(*rotation, mean))).collect();
     let size = |gradient: &Vector| dot(*gradient, *gradient);
     let most = (0..gradients.len()).max_by(|&i, &j| size(&gradients[i].1).total_cmp(&size(&gradients[j].1)));
     gradients.swap(0, most.unwrap_or(0));
-    let mut row = CardEquation::along(definitions, &gradients, 0.0)?;
-    let own = usize::from(row.terms[0].0.component) - 1;
-    let scale = dot(definitions.pose(gradients[0].0)?.axes[own], gradients[0].1);
-    row.terms.push((Dof { node: pilot, component: 1 }, -(nodes.len() as f64) / scale));
-    Ok(row)
+    let rotation = (Dof { node: pilot, component: 1 }, -(nodes.len() as f64));
+    CardEquation::along_with(definitions, &gradients, &[rotation], 0.0)
 }
 
 /// Equation of an upper bound on a distance; `None` while the distance is smaller. The first DOF of the last node,
@@ -208,9 +203,6 @@ fn bound(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Option<CardEqua
     }
     let along = scaled(along, 2.0);
     let rhs = most * most - dot(along, along) / 4.0;
-    let mut row = CardEquation::along(definitions, &[(a, along), (b, scaled(along, -1.0))], rhs)?;
-    let own = usize::from(row.terms[0].0.component) - 1;
-    let scale = dot(definitions.pose(a)?.axes[own], along);
-    row.terms.push((Dof { node: c, component: 1 }, -1.0 / scale));
-    Ok(Some(row))
+    let excess = (Dof { node: c, component: 1 }, -1.0);
+    CardEquation::along_with(definitions, &[(a, along), (b, scaled(along, -1.0))], &[excess], rhs).map(Some)
 }

@@ -2,10 +2,9 @@
 
 use crate::deck::calculix::cards::coupling::{finish, mean, range, translations};
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
-use crate::deck::calculix::cards::{CardEquation, CardPlace};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::float;
+use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::mean::WeightedNodes;
 use crate::deck::kinematics::vector::{Vector, scaled};
@@ -19,7 +18,7 @@ pub fn kinematic_coupling(
     definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<(), DeckError> {
-    let place = CardPlace::register(card, model, "*KINEMATIC COUPLING");
+    let place = RegisteredCard::register(card, model, "*KINEMATIC COUPLING");
     if solver == Solver::Ccx {
         let text = "*KINEMATIC COUPLING is no card of ccx; write *COUPLING with *KINEMATIC";
         model.warn(card.file, card.line, text);
@@ -27,7 +26,7 @@ pub fn kinematic_coupling(
     let rows = || {
         let reference = card.parameter("REFNODE").ok_or(Problem::NoParameter { name: "REF NODE" })?;
         let reference = definitions.one_node(card.scope, reference.as_bytes())?;
-        let reference = BodyReference::turning(reference);
+        let reference = BodyReference::with_rotations(reference);
         let mut rows = Vec::new();
         for line in card.lines() {
             let mut fields = line.fields();
@@ -50,7 +49,7 @@ pub fn distributing_coupling(
     definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<(), DeckError> {
-    let place = CardPlace::register(card, model, "*DISTRIBUTING COUPLING");
+    let place = RegisteredCard::register(card, model, "*DISTRIBUTING COUPLING");
     let rows = || {
         let (reference, weights) = weights(card, definitions)?;
         if solver == Solver::Ccx {

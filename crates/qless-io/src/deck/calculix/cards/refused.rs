@@ -2,8 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::{DataLine, number};
+use crate::deck::calculix::syntax::{DataLine, KeywordCard, number};
 use crate::deck::{Model, Sources};
 
 /// Most fields of a line.
@@ -17,7 +16,7 @@ pub fn byte_order_marks(sources: &Sources, model: &mut Model) {
         let Some(rest) = text.strip_prefix(b"\xef\xbb\xbf") else { continue };
         let is_heading = rest.get(..8).is_some_and(|word| word.eq_ignore_ascii_case(b"*HEADING"));
         if rest.starts_with(b"*") && !rest.starts_with(b"**") && !is_heading {
-            let text = "ccx stops: a byte order mark stands before the first card, which it does not know then; save the file without";
+            let text = "ccx stops: it does not recognise the first card after a byte order mark; save the file without the mark";
             model.refuse(number, 1, text);
         }
     }
@@ -26,7 +25,7 @@ pub fn byte_order_marks(sources: &Sources, model: &mut Model) {
 /// Refuses `*EQUATION` after the start of a step, and lines that ccx does not accept; reports each kind once.
 pub fn equation(card: &KeywordCard, is_late: bool, model: &mut Model) {
     if is_late {
-        model.refuse(card.file, card.line, "ccx stops: *EQUATION stands after a step begins; write it before");
+        model.refuse(card.file, card.line, "ccx stops: *EQUATION follows the start of a step; write it before");
     }
     let mut reported = BTreeSet::new();
     for line in card.lines() {
@@ -53,7 +52,7 @@ fn flaw(line: &DataLine) -> Option<&'static str> {
             return Some("a term of *EQUATION has a component that is not defined in ccx");
         }
         if fields.next().is_none() {
-            return Some("a term of *EQUATION has no coefficient; write it, even where it is 0");
+            return Some("a term of *EQUATION has no coefficient; write it, even if it is 0");
         }
     }
     None

@@ -1,13 +1,12 @@
 //! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration.
 
-use crate::deck::calculix::cards::{CardEquation, CardPlace};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::number;
+use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::{KeywordCard, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::body::product;
-use crate::deck::kinematics::vector::{Vector, cross, dot, minus};
+use crate::deck::kinematics::vector::{Vector, cross, minus};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 
 /// Reference of a body: the node whose motion the body follows, and the first of three components for its rotation.
@@ -17,13 +16,13 @@ pub struct BodyReference {
     pub rotation: Dof,
 }
 
-/// Component of the rotation that CalculiX makes for a `*RIGID BODY` without `ROT NODE`. No card can name it, not even
-/// by components 4 to 6.
+/// Component for the rotation of a `*RIGID BODY` without `ROT NODE` in CalculiX. No card can name it, and components 4
+/// to 6 are not the rotation.
 const UNREACHED: u8 = 21;
 
 impl BodyReference {
     /// A reference whose components 4 to 6 are the rotation.
-    pub fn turning(node: u32) -> Self {
+    pub fn with_rotations(node: u32) -> Self {
         Self { node, rotation: Dof { node, component: 4 } }
     }
 
@@ -36,18 +35,10 @@ impl BodyReference {
     ) -> Result<CardEquation, Problem> {
         let reference = definitions.pose(self.node)?;
         let arm = minus(definitions.position(node)?, reference.position);
-        let mut row = CardEquation::along(definitions, &[(node, direction), (self.node, direction.map(|x| -x))], 0.0)?;
-        let pose = definitions.pose(node)?;
-        let own = row.terms[0].0.component;
-        let scale = dot(pose.axes[usize::from(own) - 1], direction);
+        let gradients = [(node, direction), (self.node, direction.map(|x| -x))];
         let moment = cross(arm, direction);
-        for (k, axis) in reference.axes.iter().enumerate() {
-            let value = -product(axis, &moment) / scale;
-            if value != 0.0 {
-                row.terms.push((self.rotation_dof(k), value));
-            }
-        }
-        Ok(row)
+        let rotation = [0, 1, 2].map(|k| (self.rotation_dof(k), -product(&reference.axes[k], &moment)));
+        CardEquation::along_with(definitions, &gradients, &rotation, 0.0)
     }
 
     /// The node whose components 1 to 3 are the rotation, if there is one.
@@ -60,7 +51,7 @@ impl BodyReference {
     }
 
     /// Equation `rotation of a node = rotation of the body` about axis `k`.
-    pub fn turns(&self, node: u32, k: usize) -> CardEquation {
+    pub fn rotates_with(&self, node: u32, k: usize) -> CardEquation {
         let own = Dof { node, component: k as u8 + 4 };
         CardEquation { terms: vec![(own, 1.0), (self.rotation_dof(k), -1.0)], rhs: 0.0 }
     }
@@ -73,7 +64,7 @@ pub fn read(
     definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<Option<BodyReference>, DeckError> {
-    let place = CardPlace::register(card, model, "*RIGID BODY");
+    let place = RegisteredCard::register(card, model, "*RIGID BODY");
     let mut body = RigidBodyCard { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
     let rows = body.rows();
     let RigidBodyCard { warnings, made, used, .. } = body;
@@ -118,8 +109,8 @@ impl RigidBodyCard<'_> {
         self.used = Some(reference);
         let is_own = |node: u32| node == reference.node || node == reference.rotation.node;
         let mut rows = Vec::new();
-        for (node, turns) in nodes.into_iter().filter(|(node, _)| !is_own(*node)) {
-            let components: &[u8] = if turns { &[1, 2, 3, 4, 5, 6] } else { &[1, 2, 3] };
+        for (node, rotates) in nodes.into_iter().filter(|(node, _)| !is_own(*node)) {
+            let components: &[u8] = if rotates { &[1, 2, 3, 4, 5, 6] } else { &[1, 2, 3] };
             rows.extend(kinematic(self.definitions, reference, std::iter::once(node), components, None)?);
         }
         Ok(rows)
@@ -158,13 +149,13 @@ impl RigidBodyCard<'_> {
     /// Nodes of the body, each once and in the order of the card, and whether they rotate with it.
     fn nodes(&mut self) -> Result<Vec<(u32, bool)>, Problem> {
         let mut all: Vec<(u32, bool)> = Vec::new();
-        for (parameter, turns) in self.sets() {
+        for (parameter, rotates) in self.sets() {
             let Some(set) = self.card.parameter(parameter) else { continue };
             let nodes = match parameter {
                 "ELSET" => self.definitions.nodes_of(self.card.scope, set)?,
                 _ => self.definitions.nodes(self.card.scope, set)?.to_vec(),
             };
-            all.extend(nodes.into_iter().map(|node| (node, turns)));
+            all.extend(nodes.into_iter().map(|node| (node, rotates)));
         }
         let mut seen = rustc_hash::FxHashSet::default();
         all.retain(|(node, _)| seen.insert(*node));
@@ -185,7 +176,7 @@ impl RigidBodyCard<'_> {
         for (parameter, shown) in [("TIENSET", "TIE NSET"), ("ANALYTICALSURFACE", "ANALYTICAL SURFACE")] {
             if self.card.parameter(parameter).is_some() {
                 let what = if has_set { "the parameter" } else { "the card, so that nothing is rigid" };
-                self.warnings.push(format!("*RIGID BODY with {shown}: ccx does not know it and passes over {what}"));
+                self.warnings.push(format!("*RIGID BODY with {shown}: ccx does not know it and ignores {what}"));
             }
         }
         known.to_vec()
@@ -194,7 +185,12 @@ impl RigidBodyCard<'_> {
 
 /// Notes a rotation that the solver makes. If it is along the global axes, a new node can have it; otherwise equations
 /// cannot replace the card.
-pub fn own_rotation(place: &CardPlace, reference: BodyReference, model: &mut Model, definitions: &DeckDefinitions) {
+pub fn own_rotation(
+    place: &RegisteredCard,
+    reference: BodyReference,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+) {
     let node = reference.node;
     let is_plain = definitions.pose(node).is_ok_and(|pose| pose.axes == BASIC_AXES);
     if is_plain && !definitions.is_nonlinear && !definitions.rotates(node) {
@@ -227,7 +223,7 @@ pub fn kinematic(
                     slaves.push(row.terms[0].0);
                     rows.push(row);
                 }
-                _ if definitions.rotates(node) => rows.push(reference.turns(node, k - 3)),
+                _ if definitions.rotates(node) => rows.push(reference.rotates_with(node, k - 3)),
                 _ => {}
             }
         }

@@ -1,24 +1,19 @@
 //! `*TIE`: each node of the slave surface moves with the nearest point of the master surface, `u_s = sum N_i(xi) u_i`.
 
 use crate::deck::calculix::cards::unread::claim;
-use crate::deck::calculix::cards::{CardEquation, CardPlace};
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::mesh::DeckSurface;
-use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::float;
-use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
+use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::{DeckError, Dof, Model, Problem};
+use crate::deck::{DeckError, Model, Problem};
 use crate::fault::quote;
-
-use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
 
 /// Default distance within which a node is tied, relative to the typical size of a face.
 pub const TOLERANCE: f64 = 0.025;
 
-/// Distance within which a node counts as lying on a face, relative to the typical size of a face. In many decks,
-/// coordinates have only six or seven digits.
+/// Distance within which a node counts as lying on a face, relative to the typical size of a face. Coordinates of many
+/// decks have only six or seven digits.
 const ON_FACE: f64 = 1e-6;
 const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
 
@@ -30,7 +25,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
             return Ok(());
         }
     }
-    let place = CardPlace::register(card, model, "*TIE");
+    let place = RegisteredCard::register(card, model, "*TIE");
     let tied = tied(card, definitions).map_err(|problem| place.fail(model, problem))?;
     if let Some(first) = tied.apart.first() {
         let text = format!(
@@ -56,7 +51,7 @@ struct Tied {
 
 /// Leaves out a tie of a special kind, with all DOFs that it may claim.
 pub fn leave_out(card: &KeywordCard, kind: &str, model: &mut Model, definitions: &DeckDefinitions) {
-    let place = CardPlace::register(card, model, "*TIE");
+    let place = RegisteredCard::register(card, model, "*TIE");
     let text = format!("*TIE with {kind} constrains, but is not understood: left out");
     model.leave_out(card.file, card.line, text);
     let nodes = sides(card).and_then(|sides| nodes(card, definitions, &sides)).unwrap_or_default();
@@ -86,19 +81,12 @@ fn nodes(card: &KeywordCard, definitions: &DeckDefinitions, sides: &[String; 2])
 fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Problem> {
     let [slave, master] = &sides(card)?;
     let slaves = DeckSurface::find(definitions, card.scope, slave)?.all_nodes();
-    let master_name = master;
-    let master = DeckSurface::find(definitions, card.scope, master)?;
-    if master.faces.is_empty() {
-        let found = quote(master_name.as_bytes());
+    let faces = MasterFace::all(DeckSurface::find(definitions, card.scope, master)?, definitions)?;
+    if faces.is_empty() {
+        let found = quote(master.as_bytes());
         return Err(Problem::Expected { expected: "a master surface of element faces", found });
     }
-    let is_line = master.is_line;
-    let faces = master
-        .faces
-        .into_iter()
-        .map(|nodes| MasterFace::new(nodes, is_line, definitions))
-        .collect::<Result<Vec<_>, _>>()?;
-    let typical = faces.iter().map(MasterFace::size).sum::<f64>() / faces.len() as f64;
+    let typical = MasterFace::mean_size(&faces);
     let given = card.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
     let tolerance = given.unwrap_or(TOLERANCE * typical);
     let grid = FaceGrid::new(&faces, tolerance);
@@ -124,21 +112,10 @@ fn rows(
     masters: &[u32],
     weights: &[f64],
 ) -> Result<Vec<CardEquation>, Problem> {
-    let mut is_plain = definitions.pose(node)?.axes == BASIC_AXES;
-    for &master in masters {
-        is_plain &= definitions.pose(master)?.axes == BASIC_AXES;
-    }
-    let row = |k: usize| {
-        if is_plain {
-            let component = k as u8 + 1;
-            let dof = |node| Dof { node, component };
-            let others = masters.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(&m, w)| (dof(m), -w));
-            return Ok(CardEquation { terms: std::iter::once((dof(node), 1.0)).chain(others).collect(), rhs: 0.0 });
-        }
-        let axis = definitions.pose(node)?.axes[k];
+    let row = |axis: Vector| {
         let others = masters.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(&m, w)| (m, axis.map(|x| -w * x)));
         let gradients: Vec<(u32, Vector)> = std::iter::once((node, axis)).chain(others).collect();
         CardEquation::along(definitions, &gradients, 0.0)
     };
-    (0..3).map(row).collect()
+    definitions.pose(node)?.axes.into_iter().map(row).collect()
 }

@@ -1,9 +1,8 @@
 //! Cards that constrain but are not read, and the DOFs that they may claim.
 
-use crate::deck::calculix::cards::CardPlace;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::mesh::DeckSurface;
-use crate::deck::calculix::syntax::card::KeywordCard;
+use crate::deck::calculix::cards::RegisteredCard;
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
+use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::{Dof, Model, Problem};
 
 /// Keywords without blanks, and their usual spelling.
@@ -26,7 +25,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     if *keyword == "*CONTACTPAIR" && card.parameter("TIED").is_none() {
         return;
     }
-    let place = CardPlace::register(card, model, name);
+    let place = RegisteredCard::register(card, model, name);
     model.leave_out(card.file, card.line, format!("{name} constrains, but is not understood: left out"));
     // If a name is not defined, no claims are known.
     let nodes = nodes(card, definitions).unwrap_or_default();
@@ -65,11 +64,16 @@ fn nodes(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<u32>, 
 }
 
 /// Notes that a card claims all DOFs of these nodes.
-pub fn claim(place: &CardPlace, model: &mut Model, definitions: &DeckDefinitions, nodes: impl Iterator<Item = u32>) {
-    let of = |node: u32| {
+pub fn claim(
+    place: &RegisteredCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+    nodes: impl Iterator<Item = u32>,
+) {
+    let all_dofs = |node: u32| {
         let last = if definitions.rotates(node) { 6 } else { 3 };
         (1..=last).map(move |component| Dof { node, component })
     };
-    let dofs: Vec<Dof> = nodes.flat_map(of).collect();
+    let dofs: Vec<Dof> = nodes.flat_map(all_dofs).collect();
     model.claim_left_out(dofs, place.origin);
 }

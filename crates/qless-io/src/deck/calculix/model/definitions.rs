@@ -8,10 +8,9 @@ use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
 use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumbers};
 use crate::deck::calculix::model::{
-    AxesCard, ElementCard, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
+    AxesCard, ElementDefinition, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
 };
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataLines, DataPiece, float, number};
+use crate::deck::calculix::syntax::{DataLines, DataPiece, KeywordCard, Scope, float, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::body::Poses;
@@ -23,7 +22,7 @@ pub struct DeckDefinitions {
     /// Text of the `*NODE` cards, by scope.
     nodes: Vec<Vec<DataPiece>>,
     pub sets: SetTable,
-    pub blocks: Vec<ElementCard>,
+    pub blocks: Vec<ElementDefinition>,
     pub surfaces: FxHashMap<ScopedName, Vec<SurfaceCard>>,
     /// `*TRANSFORM` cards with their node sets.
     pub transforms: Vec<(String, AxesCard)>,
@@ -80,7 +79,7 @@ impl DeckDefinitions {
                 };
                 self.sets.of_elements.entry(key("ELSET")).or_default().push(SetPart::from_card(card, part));
             }
-            b"*ELEMENT" => self.blocks.push(ElementCard {
+            b"*ELEMENT" => self.blocks.push(ElementDefinition {
                 scope: card.scope,
                 kind: card.word("TYPE").unwrap_or_default(),
                 set: card.word("ELSET"),
@@ -241,7 +240,7 @@ impl DeckDefinitions {
     }
 
     /// Nodes to which `*TRANSFORM` gives local axes. Undefined sets are skipped.
-    pub fn turned(&self) -> impl Iterator<Item = u32> {
+    pub fn nodes_with_axes(&self) -> impl Iterator<Item = u32> {
         let nodes = |(set, axes): &(String, AxesCard)| self.nodes(axes.scope, set).map(|nodes| nodes.to_vec());
         self.transforms.iter().flat_map(move |transform| nodes(transform).unwrap_or_default())
     }

@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::ScopedName;
-use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::Scope;
 
 /// Shape of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,36 +26,28 @@ enum ElementFamily {
     Other,
 }
 
-/// Corners of each face; corners and middle node of each edge. All count from 0.
+/// A solid element: number of corners, corners of each face, and corners of each edge, all from 0. The middle node of
+/// edge k is node `corners + k`.
 struct FaceTable {
+    corners: usize,
     faces: &'static [&'static [usize]],
-    edges: &'static [(usize, usize, usize)],
+    edges: &'static [(usize, usize)],
 }
 
 const HEXAHEDRON: FaceTable = FaceTable {
+    corners: 8,
     faces: &[&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]],
-    edges: &[
-        (0, 1, 8),
-        (1, 2, 9),
-        (2, 3, 10),
-        (3, 0, 11),
-        (4, 5, 12),
-        (5, 6, 13),
-        (6, 7, 14),
-        (7, 4, 15),
-        (0, 4, 16),
-        (1, 5, 17),
-        (2, 6, 18),
-        (3, 7, 19),
-    ],
+    edges: &[(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)],
 };
 const TETRAHEDRON: FaceTable = FaceTable {
+    corners: 4,
     faces: &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
-    edges: &[(0, 1, 4), (1, 2, 5), (2, 0, 6), (0, 3, 7), (1, 3, 8), (2, 3, 9)],
+    edges: &[(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
 };
 const WEDGE: FaceTable = FaceTable {
+    corners: 6,
     faces: &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]],
-    edges: &[(0, 1, 6), (1, 2, 7), (2, 0, 8), (3, 4, 9), (4, 5, 10), (5, 3, 11), (0, 3, 12), (1, 4, 13), (2, 5, 14)],
+    edges: &[(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],
 };
 
 impl ElementShape {
@@ -113,12 +105,11 @@ impl FaceTable {
     fn face(&self, number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
         let corners = *self.faces.get(number.checked_sub(1)?)?;
         let mut face: Vec<u32> = corners.iter().map(|&k| nodes.get(k).copied()).collect::<Option<_>>()?;
-        let quadratic = nodes.len() > self.edges.first()?.2;
-        if quadratic {
+        if nodes.len() > self.corners {
             let next = corners.iter().cycle().skip(1);
             for (&a, &b) in corners.iter().zip(next) {
-                let is_edge = |edge: &&(usize, usize, usize)| (edge.0, edge.1) == (a, b) || (edge.0, edge.1) == (b, a);
-                face.push(*nodes.get(self.edges.iter().find(is_edge)?.2)?);
+                let edge = self.edges.iter().position(|&edge| edge == (a, b) || edge == (b, a))?;
+                face.push(*nodes.get(self.corners + edge)?);
             }
         }
         Some(face)

@@ -6,10 +6,8 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::AxesCard;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{self, DataLines, DataPiece, float};
+use crate::deck::calculix::model::{AxesCard, DeckDefinitions};
+use crate::deck::calculix::syntax::{self, DataLines, DataPiece, Scope, float};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 

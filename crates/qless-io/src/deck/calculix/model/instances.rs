@@ -1,8 +1,7 @@
 //! Instances of Abaqus parts: names, positions, and unique numbers for their nodes.
 
 use crate::deck::Problem;
-use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{DataLines, DataPiece, float};
+use crate::deck::calculix::syntax::{DataLines, DataPiece, Scope, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, unit};
 

@@ -1,11 +1,9 @@
 //! Parses elements and surfaces.
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
-use crate::deck::calculix::model::folded;
-use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{DataLines, fold_name, number};
+use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
 impl DeckDefinitions {

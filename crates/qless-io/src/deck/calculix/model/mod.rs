@@ -9,19 +9,22 @@ pub mod mesh;
 pub mod project;
 pub mod sets;
 
+pub use definitions::DeckDefinitions;
+pub use mesh::DeckSurface;
+pub use project::{FaceGrid, MasterFace};
+
 use std::cell::RefCell;
 use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataPiece, fold_name};
+use crate::deck::calculix::syntax::{DataPiece, KeywordCard, Scope, fold_name};
 
 /// A name within a scope.
 pub type ScopedName = (Scope, String);
 
 /// An `*ELEMENT` card.
-pub struct ElementCard {
+pub struct ElementDefinition {
     pub scope: Scope,
     pub kind: String,
     pub set: Option<String>,
@@ -59,7 +62,7 @@ pub enum SetMembers {
     OfElements(String),
 }
 
-/// What one card adds to a set.
+/// The members that one card adds to a set.
 pub struct SetPart {
     pub scope: Scope,
     /// `INSTANCE=` on the card; replaces the card's own scope.
@@ -68,7 +71,7 @@ pub struct SetPart {
 }
 
 impl SetPart {
-    /// What this card adds to a set.
+    /// The members that this card adds to a set.
     pub fn from_card(card: &KeywordCard, part: SetMembers) -> Self {
         Self { scope: card.scope, instance: card.word("INSTANCE"), part }
     }

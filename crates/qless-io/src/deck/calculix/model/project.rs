@@ -4,7 +4,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::fault::quote;
 
@@ -27,7 +27,17 @@ pub struct NearestPoint {
 }
 
 impl MasterFace {
-    pub fn new(nodes: Vec<u32>, is_line: bool, definitions: &DeckDefinitions) -> Result<Self, Problem> {
+    /// The faces of a surface.
+    pub fn all(surface: DeckSurface, definitions: &DeckDefinitions) -> Result<Vec<Self>, Problem> {
+        surface.faces.into_iter().map(|nodes| Self::new(nodes, surface.is_line, definitions)).collect()
+    }
+
+    /// Mean size of some faces; 0 if there are none.
+    pub fn mean_size(faces: &[Self]) -> f64 {
+        faces.iter().map(Self::size).sum::<f64>() / faces.len().max(1) as f64
+    }
+
+    fn new(nodes: Vec<u32>, is_line: bool, definitions: &DeckDefinitions) -> Result<Self, Problem> {
         let points = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
         let shape = shape::FaceShape::with_nodes(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
             expected: "a master face with 2, 3, 4, 6 or 8 nodes",
@@ -37,7 +47,7 @@ impl MasterFace {
     }
 
     /// Longest side of the bounding box.
-    pub fn size(&self) -> f64 {
+    fn size(&self) -> f64 {
         let (low, high) = self.bounds();
         (0..3).fold(0.0, |size: f64, k| size.max(high[k] - low[k]))
     }

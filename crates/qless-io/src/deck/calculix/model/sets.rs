@@ -5,10 +5,8 @@ use std::rc::Rc;
 use rustc_hash::FxHashSet;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::{ParsedSet, SetMembers, SetPart, folded};
-use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{DataLines, fold_name, number};
+use crate::deck::calculix::model::{DeckDefinitions, ParsedSet, SetMembers, SetPart, folded};
+use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
 /// Most members of a set.
@@ -108,7 +106,7 @@ impl DeckDefinitions {
         self.sets.known.borrow_mut().insert(key.clone(), ParsedSet::InProgress);
         let mut members = named.map(|(_, members)| members.clone()).unwrap_or_default();
         for part in parts.map_or(&[][..], |(_, parts)| parts.as_slice()) {
-            self.add(part, of_elements, &mut members)?;
+            self.add_members(part, of_elements, &mut members)?;
         }
         let mut seen = FxHashSet::default();
         members.retain(|&member| seen.insert(member));
@@ -117,7 +115,7 @@ impl DeckDefinitions {
         Ok(members)
     }
 
-    fn add(&self, set: &SetPart, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
+    fn add_members(&self, set: &SetPart, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
         let scope = match &set.instance {
             // A deck without instances may still name one; ccx ignores it.
             Some(instance) if !self.instances.is_empty() => *self

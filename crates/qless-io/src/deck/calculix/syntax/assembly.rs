@@ -11,11 +11,11 @@ use std::path::PathBuf;
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::calculix::syntax::card::{KeywordCard, Scope, Visit};
+use crate::deck::calculix::syntax::{KeywordCard, Scope, card::Visit};
 use crate::deck::{DeckError, Problem};
 use crate::fault::quote;
 
-/// Why a card could not be passed on.
+/// Why a visit failed.
 pub enum Stop {
     /// The visitor refused the card.
     Refused(DeckError),
@@ -44,7 +44,7 @@ enum Enclosing {
     Instance(Scope),
 }
 
-/// The parts met so far, and what encloses the next card.
+/// The parts read so far, and the block that encloses the next card.
 #[derive(Default)]
 pub struct AssemblyExpansion {
     cards: FxHashMap<String, Vec<KeywordCard>>,
@@ -53,7 +53,7 @@ pub struct AssemblyExpansion {
 }
 
 impl AssemblyExpansion {
-    /// Passes on a card, or the cards that it stands for.
+    /// Visits a card. An `*INSTANCE` is followed by the cards of its part.
     pub fn card(&mut self, card: &KeywordCard, visit: Visit) -> Result<(), Stop> {
         match card.keyword.as_slice() {
             b"*PART" => self.begin_part(card),

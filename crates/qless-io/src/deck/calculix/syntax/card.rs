@@ -3,7 +3,7 @@
 use crate::deck::DeckError;
 use crate::deck::calculix::syntax::{self, DataLines, DataPiece};
 
-/// Owner of names and numbers on a card: 0 is the deck itself, `k` its instance `k`, from 1.
+/// Scope of names and numbers on a card: 0 is the deck itself, k its instance k, from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Scope(pub u32);
 
@@ -12,7 +12,7 @@ impl Scope {
     pub const DECK: Self = Self(0);
 }
 
-/// A card. One value is filled again and again, so that a million cards allocate no more than ten.
+/// A card. One value is reused for all cards of a deck, to save allocations.
 #[derive(Clone, Default)]
 pub struct KeywordCard {
     /// Owner of the names and numbers on the card.

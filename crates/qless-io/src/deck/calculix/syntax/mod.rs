@@ -4,6 +4,8 @@ pub mod assembly;
 pub mod card;
 pub mod walk;
 
+pub use card::{KeywordCard, Scope};
+
 use std::ops::Range;
 use std::sync::Arc;
 

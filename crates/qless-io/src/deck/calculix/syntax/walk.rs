@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use crate::bytes::LINE;
-use crate::deck::calculix::syntax::DataPiece;
 use crate::deck::calculix::syntax::assembly::AssemblyExpansion;
-use crate::deck::calculix::syntax::card::{KeywordCard, Visit};
+use crate::deck::calculix::syntax::{DataPiece, KeywordCard, card::Visit};
 use crate::deck::{DeckError, Problem, Sources};
 
 /// Cards whose data may be in another file.
@@ -20,13 +19,8 @@ pub fn walk(sources: &mut Sources, visit: Visit) -> Result<(), DeckError> {
         parts.card(card, visit).map_err(|stop| stop.at(card, path))
     };
     let mut card = KeywordCard::default();
-    let mut walk = Walk { sources };
-    walk.file(0, 0, &mut card, &mut expand)?;
+    walk_file(sources, (0, 0), &mut card, &mut expand)?;
     finish(&mut card, &mut expand)
-}
-
-struct Walk<'s, 'o> {
-    sources: &'s mut Sources<'o>,
 }
 
 /// Passes on a complete card.
@@ -39,62 +33,47 @@ fn finish(card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
     Ok(())
 }
 
-impl Walk<'_, '_> {
-    /// Reads one file: keyword lines, each with its data.
-    fn file(&mut self, file: usize, depth: usize, card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
-        let text = self.sources.text(file);
-        let mut at = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        let mut line = 1;
-        while at < text.len() {
-            let end = next_keyword(&text, at);
-            if end > at {
-                let lines = memchr::memchr_iter(b'\n', &text[at..end]).count();
-                card.data.push(DataPiece {
-                    file: file as u32,
-                    line: line as u32,
-                    range: at..end,
-                    text: Arc::clone(&text),
-                });
-                (at, line) = (end, line + lines);
-                continue;
-            }
-            let (end, lines) = keyword_end(&text, at);
-            let keyword = &text[at..end];
-            if keyword.len() > LINE {
-                return Err(self.too_long(file, line));
-            }
-            if is_include(keyword) {
-                card_input(keyword).map_or(Ok(()), |name| self.include(&name, (file, line), depth, card, visit))?;
-            } else {
-                finish(card, visit)?;
-                card.begin(keyword, file, line);
-                let name = card.parameter("INPUT").filter(|_| WITH_INPUT.iter().any(|with| card.is(with)));
-                if let Some(name) = name.map(str::to_owned) {
-                    self.include(&name, (file, line), depth, card, visit)?;
-                }
-            }
+/// Visits the cards of one file, which is included at this depth: keyword lines, each with its data. The data of the
+/// last card may continue in the including file.
+fn walk_file(
+    sources: &mut Sources,
+    (file, depth): (usize, usize),
+    card: &mut KeywordCard,
+    visit: Visit,
+) -> Result<(), DeckError> {
+    let text = sources.text(file);
+    let mut at = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+    let mut line = 1;
+    while at < text.len() {
+        let end = next_keyword(&text, at);
+        if end > at {
+            let lines = memchr::memchr_iter(b'\n', &text[at..end]).count();
+            card.data.push(DataPiece { file: file as u32, line: line as u32, range: at..end, text: Arc::clone(&text) });
             (at, line) = (end, line + lines);
+            continue;
         }
-        Ok(())
+        let (end, lines) = keyword_end(&text, at);
+        let keyword = &text[at..end];
+        if keyword.len() > LINE {
+            let problem = Problem::Limit { what: "the length of a line", limit: LINE, advice: "break it" };
+            let path = sources.path(file).to_path_buf();
+            return Err(DeckError { path, line, card: "keyword".into(), field: None, problem });
+        }
+        let included = if is_include(keyword) {
+            card_input(keyword)
+        } else {
+            finish(card, visit)?;
+            card.begin(keyword, file, line);
+            let input = card.parameter("INPUT").filter(|_| WITH_INPUT.iter().any(|with| card.is(with)));
+            input.map(str::to_owned)
+        };
+        if let Some(name) = included {
+            let inner = sources.include(&name, file, line, depth)?;
+            walk_file(sources, (inner, depth + 1), card, visit)?;
+        }
+        (at, line) = (end, line + lines);
     }
-
-    /// Continues in another file; its first lines may be data of the open card.
-    fn include(
-        &mut self,
-        name: &str,
-        (file, line): (usize, usize),
-        depth: usize,
-        card: &mut KeywordCard,
-        visit: Visit,
-    ) -> Result<(), DeckError> {
-        let inner = self.sources.include(name, file, line, depth)?;
-        self.file(inner, depth + 1, card, visit)
-    }
-
-    fn too_long(&self, file: usize, line: usize) -> DeckError {
-        let problem = Problem::Limit { what: "the length of a line", limit: LINE, advice: "break it" };
-        DeckError { path: self.sources.path(file).to_path_buf(), line, card: "keyword".into(), field: None, problem }
-    }
+    Ok(())
 }
 
 /// Start of the next keyword line at or after `from`, which must be the start of a line.

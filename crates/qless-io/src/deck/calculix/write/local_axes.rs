@@ -25,7 +25,7 @@ pub fn with_slaves_for_ccx(deck: &Deck, plan: &Plan) -> Result<Vec<Written>, Cle
     let mut of_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, equation) in written.iter().enumerate() {
         let node = equation.slave.node;
-        if deck.model.turned.contains(&node) && (1..=3).contains(&equation.slave.component) {
+        if deck.model.nodes_with_axes.contains(&node) && (1..=3).contains(&equation.slave.component) {
             of_node.entry(node).or_default().push(i);
         }
     }
@@ -42,7 +42,7 @@ pub fn with_slaves_for_ccx(deck: &Deck, plan: &Plan) -> Result<Vec<Written>, Cle
 }
 
 fn refused(deck: &Deck, node: u32, why: &str) -> CleanError {
-    let why = format!("its slaves at node {}, which has axes of its own: {why}", deck.model.node_name(node));
+    let why = format!("its slaves at node {}, which has local axes: {why}", deck.model.node_name(node));
     CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
 }
 
@@ -54,17 +54,17 @@ struct TransformedNode<'a> {
 }
 
 impl TransformedNode<'_> {
-    /// Keeps the equations if ccx accepts them; otherwise combines them so that it does.
+    /// Combines the equations, if needed, so that ccx accepts them.
     fn choose_slaves(&self, equations: &[usize], written: &mut [Written]) -> Result<(), CleanError> {
         let rows: Vec<[f64; 3]> = equations.iter().map(|&i| self.coefficients(&written[i])).collect();
         let slaves: Vec<usize> = equations.iter().map(|&i| usize::from(written[i].slave.component) - 1).collect();
-        if self.is_taken(&rows, &slaves) {
+        if self.are_accepted(&rows, &slaves) {
             return Ok(());
         }
         let is_one_layer = equations.iter().all(|&i| written[i].cases == written[equations[0]].cases);
         let others = choices(slaves.len()).into_iter().filter(|others| is_one_layer && self.is_free(others));
         let found = others.filter_map(|others| Some((inverse(&rows, &others)?, others)));
-        let fitting = found.filter(|(by, others)| self.is_taken(&product(by, &rows), others));
+        let fitting = found.filter(|(by, others)| self.are_accepted(&product(by, &rows), others));
         let Some((by, others)) = fitting.min_by(|a, b| size(&a.0).total_cmp(&size(&b.0))) else {
             let why = "ccx would take directions in which their equations have no coefficient; remove *TRANSFORM there";
             return Err(refused(self.deck, self.number, why));
@@ -89,7 +89,7 @@ impl TransformedNode<'_> {
     }
 
     /// Whether the directions that ccx chooses determine the slaves, one by one and together.
-    fn is_taken(&self, rows: &[[f64; 3]], slaves: &[usize]) -> bool {
+    fn are_accepted(&self, rows: &[[f64; 3]], slaves: &[usize]) -> bool {
         let global = |row: &[f64; 3], d: usize| (0..3).map(|c| row[c] * self.axes[c][d]).sum::<f64>();
         let mut taken: Vec<usize> = Vec::new();
         for &s in slaves {
@@ -99,19 +99,15 @@ impl TransformedNode<'_> {
                 None => return false,
             }
         }
-        let turned: Vec<[f64; 3]> = rows.iter().map(|row| [0, 1, 2].map(|d| global(row, d))).collect();
-        let own = turned.iter().zip(&taken).all(|(row, &d)| row[d].abs() > ZERO);
-        own && inverse(&turned, &taken).is_some()
+        let global_rows: Vec<[f64; 3]> = rows.iter().map(|row| [0, 1, 2].map(|d| global(row, d))).collect();
+        let own = global_rows.iter().zip(&taken).all(|(row, &d)| row[d].abs() > ZERO);
+        own && inverse(&global_rows, &taken).is_some()
     }
 
     /// Whether these components may be slaves, since no other card claims them.
     fn is_free(&self, components: &[usize]) -> bool {
         let model = &self.deck.model;
-        components.iter().all(|&c| {
-            let dof = Dof { node: self.number, component: c as u8 + 1 };
-            let left_out = model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
-            model.claimed(dof).is_none() && !left_out
-        })
+        components.iter().all(|&c| !model.is_claimed(Dof { node: self.number, component: c as u8 + 1 }))
     }
 }
 

@@ -38,7 +38,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
     let text = writer.file(0)?;
     if writer.ends.is_some_and(|ends| ends.len() != writer.steps) {
         let path = deck.model.files[0].clone();
-        let why = "equations have to be taken back in a step of an included file; put the steps here";
+        let why = "equations end in a step of an included file; move the steps to the main file";
         return Err(CleanError::Place { path, line: 1, why });
     }
     Ok((text, new.rotations.renamed().chain(new.proxies.renamed()).collect()))
@@ -112,11 +112,7 @@ impl CalculixWriter<'_> {
             self.steps += 1;
         } else if word.starts_with(b"*EQUATION,REMOVE") && self.ends.is_some() {
             let data = memchr::memchr_iter(b'\n', data).count() as u32;
-            edits.replace(
-                line,
-                lines + data,
-                b"** qless: what is taken back stands at the start of the step\n".to_vec(),
-            );
+            edits.replace(line, lines + data, b"** qless: the start of the step removes the equations\n".to_vec());
         } else if word.starts_with(b"*COUPLING") {
             // A `*COUPLING` without its second card would be incomplete.
             let next = line + lines + memchr::memchr_iter(b'\n', data).count() as u32;
@@ -136,7 +132,7 @@ impl CalculixWriter<'_> {
             let input = card_input(keyword).and_then(|name| self.included(&name, file));
             if input.is_some() {
                 let path = self.deck.model.files[file as usize].clone();
-                let why = "the equations that must change are in a file named by INPUT=; put them here";
+                let why = "the equations that must change are in a file named by INPUT=; move them to this file";
                 return Err(CleanError::Place { path, line: line as usize, why });
             }
             let is_removed = |k: u32| self.is_removed(file, line + lines + k);

@@ -141,8 +141,8 @@ impl RotationNodes {
             (true, true) => format!("{node},{first}{rest}\n"),
             (true, false) => format!("{node},{first},{last}{rest}\n"),
         };
-        let turned = self.node_of.get(&Dof { node, component: 4 }).copied().unwrap_or(node);
-        Ok(part(node, first, last.min(3)) + &part(turned, first.max(4) - 3, last.max(3) - 3))
+        let rotation = self.node_of.get(&Dof { node, component: 4 }).copied().unwrap_or(node);
+        Ok(part(node, first, last.min(3)) + &part(rotation, first.max(4) - 3, last.max(3) - 3))
     }
 }
 
@@ -161,7 +161,7 @@ impl ProxyNodes {
         if deck.model.has_instances() {
             let name = deck.model.node_name(first.node);
             let why = format!(
-                "equations with several components of {name}, which has axes of its own, need a new node in the assembly"
+                "equations with several components of {name}, which has local axes, need a new node in the assembly"
             );
             return Err(refused(deck, why));
         }
@@ -195,9 +195,7 @@ impl ProxyNodes {
         let text = |(node, proxy): (&u32, &u32)| {
             let [x, y, z] = places.get(node).copied().unwrap_or_default();
             let name = deck.model.node_name(*node);
-            format!(
-                "** qless: node {proxy} stands for node {name}, which has axes of its own\n{proxy},{x:?},{y:?},{z:?}\n"
-            )
+            format!("** qless: node {proxy} stands for node {name}, which has local axes\n{proxy},{x:?},{y:?},{z:?}\n")
         };
         self.node_of.iter().map(text).collect()
     }
@@ -208,16 +206,16 @@ impl ProxyNodes {
     }
 }
 
-/// For each node of which the equation names several components, the first of these masters. Left out are equations
-/// that name the node of their slave again, because ccx then adds up all terms, and nodes with a prescribed value
-/// along their axes, because ccx inserts that as an equation.
+/// The first master of each node with local axes of which the equation names several components. Skips equations that
+/// name the node of their slave again, because ccx then adds up all terms, and nodes with a prescribed value along
+/// their axes, because ccx inserts it as an equation.
 fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item = Dof> + 'a {
     let own = model.as_global(equation.slave);
-    let turned =
+    let at_local_axes =
         || equation.terms.iter().map(|(dof, _)| (model.as_global(*dof), *dof)).filter(|(node, _)| node.component == 0);
     let mut at: BTreeMap<Dof, Vec<Dof>> = BTreeMap::new();
-    if !model.turned.is_empty() {
-        turned().for_each(|(node, dof)| at.entry(node).or_default().push(dof));
+    if !model.nodes_with_axes.is_empty() {
+        at_local_axes().for_each(|(node, dof)| at.entry(node).or_default().push(dof));
     }
     if at.contains_key(&own) {
         at.clear();

@@ -6,9 +6,9 @@ use rustc_hash::FxHashMap;
 
 use super::points::{GridCard, GridDefaults};
 use crate::deck::CardName;
-use crate::deck::chunks::Chunks;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::nastran::syntax::card::CardLocation;
+use crate::deck::paged_list::PagedList;
 
 /// A grid point.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,7 @@ struct SharedGridData {
 /// The grid points of a deck.
 #[derive(Debug, Default)]
 pub struct Grids {
-    all: Chunks<GridPoint>,
+    all: PagedList<GridPoint>,
     shared: Vec<SharedGridData>,
     by_shared: FxHashMap<SharedGridData, u32>,
     /// Shared data of the point added last, and its index.

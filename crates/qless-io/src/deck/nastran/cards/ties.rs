@@ -3,8 +3,8 @@
 use super::elements::NastranElement;
 use super::sets::MpcTerm;
 use crate::deck::CardName;
-use crate::deck::chunks::Chunks;
 use crate::deck::nastran::syntax::card::CardLocation;
+use crate::deck::paged_list::PagedList;
 
 /// A card that couples components.
 #[derive(Clone, Copy, Debug)]
@@ -34,8 +34,8 @@ impl MpcCard {
 /// All `MPC` cards and rigid elements of a deck.
 #[derive(Debug, Default)]
 pub struct Ties {
-    mpcs: Chunks<MpcCard>,
-    terms: Chunks<MpcTerm>,
+    mpcs: PagedList<MpcCard>,
+    terms: PagedList<MpcTerm>,
     /// Elements, each with the number of `MPC` cards before it.
     elements: Vec<(usize, NastranElement, CardLocation)>,
 }

@@ -33,7 +33,7 @@ fn prescribed_by_grids(points: &Points, model: &mut Model) -> Vec<Prescribed> {
     for (grid, set) in points.prescribed() {
         let origin = points.place(grid).origin(model);
         let dofs = set.iter().map(|component| Dof { node: grid.id, component });
-        all.extend(dofs.map(|dof| Prescribed { dof, course: 0, value: 0.0, origin }));
+        all.extend(dofs.map(|dof| Prescribed { dof, history: 0, value: 0.0, origin }));
     }
     all
 }
@@ -60,7 +60,7 @@ fn prescribed(
             continue;
         }
         let dofs = points.dofs(node, support.components).map_err(|fault| place.error(fault.into(), model))?;
-        all.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
+        all.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, history: 0, origin }));
     }
     Ok(all)
 }

@@ -1,9 +1,8 @@
-//! Reads files in chunks, so that several readers can share the work: each takes the lines that start in its range of
+//! Reads files in chunks, so that several readers can share the work: each reads the lines that start in its range of
 //! bytes.
 //!
-//! The lines are parsed by the same code as in [`read_case`](crate::read_case), with the same errors. Before a chunk
-//! is parsed, its reader needs the number of lines in front of it ([`FileChunk::count`]), so that errors name the line
-//! in the file.
+//! [`read_case`](crate::read_case) uses the same parsers, with the same errors. To parse a chunk, a reader needs the
+//! number of lines before it ([`FileChunk::count`]), so that errors name the line in the file.
 //!
 //! ```
 //! use qless_io::chunk::{ChunkedFile, ChunkedMatrix};
@@ -22,11 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod contents;
-mod file;
-
 pub use crate::case::CaseFiles;
-pub use crate::vectors::PrescribedLine;
-pub(crate) use contents::lines_of;
-pub use contents::{ChunkedMatrix, ChunkedRhs, check_labels, find_labels, merge_prescribed, prescribed_lines};
-pub use file::{ChunkedFile, FileChunk, LineCount};
+pub use crate::file_chunk::{ChunkedFile, FileChunk, LineCount};
+pub use crate::matrix_market::ChunkedMatrix;
+pub use crate::vectors::{ChunkedRhs, PrescribedLine, check_labels, find_labels, merge_prescribed, prescribed_lines};

@@ -1,15 +1,15 @@
 //! A file, and chunks of its lines.
 
 use std::fs;
-use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::{Add, Range};
 use std::path::{Path, PathBuf};
 
-use crate::matrix_market::header::is_banner;
-use crate::{ReadError, bytes, lines};
+use crate::lines::TextLines;
+use crate::{ReadError, bytes};
 
-/// Bytes read at a time beyond a range, up to the end of its last line.
-const PIECE: usize = 1 << 16;
+/// Bytes read at a time to find the end of the last line of a range.
+const PIECE: u64 = 1 << 16;
 
 /// A file that is read in chunks.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ impl ChunkedFile {
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let kind = fs::metadata(path).map_err(ReadError::io(path))?;
         if !kind.is_file() && !kind.is_dir() {
-            let problem = "it has no size, so that it cannot be read in parts; save it as a file and name that";
+            let problem = "it has no size, so that it cannot be read in parts; save it as a file and name that file";
             return Err(ReadError::io(path)(io::Error::new(ErrorKind::Unsupported, problem)));
         }
         let mut byte = [0];
@@ -35,7 +35,7 @@ impl ChunkedFile {
     }
 
     /// Size in bytes.
-    #[expect(clippy::len_without_is_empty, reason = "an empty file is as good as any")]
+    #[expect(clippy::len_without_is_empty, reason = "callers treat an empty file as any other")]
     pub fn len(&self) -> u64 {
         self.size
     }
@@ -60,7 +60,7 @@ impl ChunkedFile {
             return Ok(Vec::new());
         }
         let mut file = fs::File::open(&self.path)?;
-        // The byte in front shows whether a line starts at the range.
+        // The byte before the range shows whether a line starts at the range.
         let from = start.saturating_sub(1);
         file.seek(SeekFrom::Start(from))?;
         let mut bytes = bytes::room_for(end - from)?;
@@ -74,7 +74,7 @@ impl ChunkedFile {
         Ok(bytes)
     }
 
-    pub(super) fn reader(&self) -> Result<io::BufReader<fs::File>, ReadError> {
+    pub(crate) fn reader(&self) -> Result<io::BufReader<fs::File>, ReadError> {
         fs::File::open(&self.path).map(io::BufReader::new).map_err(ReadError::io(&self.path))
     }
 }
@@ -82,7 +82,7 @@ impl ChunkedFile {
 fn to_end_of_line(file: &mut fs::File, bytes: &mut Vec<u8>) -> io::Result<()> {
     while bytes.last().is_some_and(|&last| last != b'\n') {
         let before = bytes.len();
-        if file.take(PIECE as u64).read_to_end(bytes)? == 0 {
+        if file.take(PIECE).read_to_end(bytes)? == 0 {
             break;
         }
         if let Some(end) = memchr::memchr(b'\n', &bytes[before..]) {
@@ -139,48 +139,12 @@ impl FileChunk {
         last
     }
 
-    pub(super) fn after(&self, number: usize) -> lines::TextLines<'_> {
-        if self.is_first { lines::TextLines::new(&self.bytes) } else { lines::TextLines::after(&self.bytes, number) }
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-}
-
-/// Header and sizes of a Matrix Market file. Comments are replaced by blank lines: these take no memory and keep the
-/// line numbers.
-pub(super) struct FileHead {
-    pub text: Vec<u8>,
-    /// Size of the head in the file, in bytes.
-    pub end: u64,
-}
-
-/// Reads the head. Returns `None` if the first line that is not blank is no Matrix Market header and `any` is false.
-pub(super) fn read_head(file: &ChunkedFile, any: bool) -> Result<Option<FileHead>, ReadError> {
-    let mut reader = file.reader()?;
-    let mut head = FileHead { text: Vec::new(), end: 0 };
-    let (mut line, mut found) = (Vec::new(), 0);
-    while found < 2 {
-        line.clear();
-        if reader.read_until(b'\n', &mut line).map_err(ReadError::io(file.path()))? == 0 {
-            break;
+    /// The lines, which follow `number` others of the file.
+    pub(crate) fn after(&self, number: usize) -> TextLines<'_> {
+        if self.is_first {
+            TextLines::new(&self.path, &self.bytes)
+        } else {
+            TextLines::after(&self.path, &self.bytes, number)
         }
-        let mut lines = if head.end == 0 { lines::TextLines::new(&line) } else { lines::TextLines::after(&line, 0) };
-        let only = lines.any();
-        head.end += line.len() as u64;
-        let counts = |line: &lines::TextLine| {
-            if found == 0 { !line.text.trim_ascii().is_empty() } else { line.words().next().is_some() }
-        };
-        if !only.as_ref().is_some_and(counts) {
-            head.text.push(b'\n');
-            continue;
-        }
-        if found == 0 && !any && !only.as_ref().is_some_and(is_banner) {
-            return Ok(None);
-        }
-        found += 1;
-        head.text.extend_from_slice(&line);
     }
-    Ok((any || found > 0).then_some(head))
 }
