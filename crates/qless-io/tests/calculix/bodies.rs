@@ -18,7 +18,7 @@ fn a_distributing_coupling_constrains_in_abaqus_and_only_distributes_forces_in_c
 #[test]
 fn a_motion_prescribed_where_ccx_only_distributes_forces_is_said_to_have_no_effect() {
     let cards = format!("{DISTRIBUTING}*BOUNDARY\n9,3,3,.1\n");
-    let expected = "*DISTRIBUTING only distributes forces in ccx: what line 24 *BOUNDARY prescribes at its reference 9 has no effect on the surface";
+    let expected = "*DISTRIBUTING only distributes forces in ccx: the value that line 24 *BOUNDARY prescribes at its reference 9 has no effect on the surface";
     assert_eq!(warnings(&brick(Ccx, &cards)), expected);
     assert!(!warnings(&brick(Abaqus, &cards)).contains("no effect"));
     // Prescribed in a step only; and no warning if another node is prescribed.
@@ -176,8 +176,7 @@ fn values_and_loads_on_the_rotation_of_a_reference_have_no_effect_in_ccx() {
     for cards in ["*BOUNDARY\n9,6,6,.1\n", "*STEP\n*STATIC\n*CLOAD\n9,6,1.\n*END STEP\n"] {
         let without = "9:6 has no effect: no card can name the rotation of a *RIGID BODY without ROT NODE";
         assert!(told(Ccx, "", cards).contains(without), "{cards}");
-        let with =
-            "9:6 has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of that, node 10";
+        let with = "9:6 has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of node 10";
         assert!(told(Ccx, ", ROT NODE=10", cards).contains(with), "{cards}");
         assert!(!told(Abaqus, "", cards).contains("no effect"));
         // The reference is a node of a beam and has its rotations.

@@ -255,7 +255,7 @@ impl CalculixReader {
             if let Some(given) = given.find(|given| given.dof.node == node) {
                 let (place, node) = (self.model.place(given.origin), self.model.node_name(node));
                 let text = format!(
-                    "*DISTRIBUTING only distributes forces in ccx: the value that {place} prescribes at its reference {node} does not move the surface"
+                    "*DISTRIBUTING only distributes forces in ccx: the value that {place} prescribes at its reference {node} has no effect on the surface"
                 );
                 self.model.warn(file, line, text);
             }
