@@ -193,5 +193,5 @@ fn maps_are_sent_and_shared_and_know_conflicts() {
     let error =
         Elimination::new(&builder.build().expect("a system"), &Options::default()).expect_err("a contradiction");
     assert!(matches!(&error, EliminationError::Conflicting { rows, .. } if rows.len() == 1), "{error}");
-    assert!(error.to_string().contains("contradict"), "{error}");
+    assert!(error.to_string().contains("conflict"), "{error}");
 }
