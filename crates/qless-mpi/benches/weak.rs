@@ -15,7 +15,7 @@ use qless_scenes::fssi::{Mesh, tie};
 #[derive(Clone, Copy, Default)]
 struct Work {
     sent: Sent,
-    work: WorkCounts,
+    counts: WorkCounts,
     held: usize,
 }
 
@@ -108,7 +108,7 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering) {
             let ranks = Counted::new(ranks);
             let share = twin.share(&ranks);
             let analysis = analyse(&ranks, &share, &Options::default()).expect("valid");
-            (Work { sent: ranks.sent(), work: analysis.work(), held: share.equations() }, analysis.counts())
+            (Work { sent: ranks.sent(), counts: analysis.work(), held: share.equations() }, analysis.counts())
         });
         let most = |of: &dyn Fn(&Work) -> u64| work.iter().map(|(work, _)| of(work)).max().unwrap_or(0);
         let mean = |of: &dyn Fn(&Work) -> u64| work.iter().map(|(work, _)| of(work)).sum::<u64>() as f64 / size as f64;
@@ -122,11 +122,14 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering) {
             most(&|w| w.sent.bytes) as f64 / 1e6,
             mean(&|w| w.sent.received) / 1e6,
             most(&|w| w.sent.received) as f64 / 1e6,
-            most(&|w| w.work.peeled as u64),
-            most(&|w| w.work.analysed as u64),
-            work[0].0.work.attempts,
+            most(&|w| w.counts.peeled as u64),
+            most(&|w| w.counts.analysed as u64),
+            work[0].0.counts.attempts,
         );
-        assert!(most(&|w| w.work.analysed as u64) as f64 <= 2.0 * mean(&|w| w.held as u64), "the work of a rank grows");
+        assert!(
+            most(&|w| w.counts.analysed as u64) as f64 <= 2.0 * mean(&|w| w.held as u64),
+            "the work of a rank grows"
+        );
         let sent = mean(&|w| w.sent.bytes);
         if size == 4 {
             first = Some(sent);
