@@ -9,7 +9,7 @@ use std::process::{Command, ExitCode};
 const KEPT: &str =
     "glibc.malloc.mmap_threshold=8000000000:glibc.malloc.trim_threshold=32000000000:glibc.malloc.top_pad=3000000000";
 
-/// Starts this program again with [`KEPT`], because glibc reads its settings only at the start, and calls `run` there.
+/// Starts this program again with `GLIBC_TUNABLES` set, because glibc reads its settings only at the start, and calls `run` there.
 pub fn kept(run: fn()) -> ExitCode {
     const NAME: &str = "GLIBC_TUNABLES";
     let arguments: Vec<String> = std::env::args().skip(1).collect();
