@@ -48,14 +48,17 @@ fn every_report_lists_it() {
     let place = place();
     let text = place.run("check -q rest.inp").out;
     for part in [
-        "INCOMPLETE: 1 constraint was left out. The only equation is independent.",
+        "INCOMPLETE: 1 constraint card was left out. The only equation is independent.",
         "Constraints that were left out:\n  rest.inp:",
         "--allow-incomplete",
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
     assert!(
-        place.run("check -q alone.inp").out.starts_with("INCOMPLETE: 1 constraint was left out. No equation was read.")
+        place
+            .run("check -q alone.inp")
+            .out
+            .starts_with("INCOMPLETE: 1 constraint card was left out. No equation was read.")
     );
     let page = place.run("check -q rest.inp --format html").out;
     assert!(page.contains("\"incomplete\":[\"rest.inp:") && page.contains("INCOMPLETE: 1 constraint"));

@@ -75,7 +75,7 @@ fn kill(place: &Place, case: &Case, k: usize) -> usize {
     assert!(run.code < 2, "{}", run.err);
     let folder = place.path(case.output);
     let (old, old_numbers) = (content(&folder), numbers(&folder));
-    // Removes the temporary files of earlier kills, which a run would remove after a minute.
+    // The temporary files that earlier kills left; a run removes them after a minute.
     let before = [hidden(&place.path("")), hidden(&folder)];
     let is_more_above = || !hidden(&place.path("")).is_subset(&before[0]);
     let is_more = || is_more_above() || !hidden(&folder).is_subset(&before[1]);

@@ -141,7 +141,7 @@ fn a_run_is_done_with_a_tenth_more_than_it_takes() {
 fn a_limit_below_the_program_itself_is_refused_before_it_starts() {
     let place = scene("equations");
     for memory in ["1", "2MiB", "4096KiB"] {
-        // The output folder does not exist, so a run that starts would report that.
+        // The input does not exist, so a run that starts would report that.
         let run = place.run(&format!("check nowhere --memory {memory}"));
         assert!(run.code == 3 && run.err.contains("the smallest run needs"), "{}", run.err);
         assert!(run.err.contains("--memory allows"), "{}", run.err);

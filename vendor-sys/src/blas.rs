@@ -13,7 +13,7 @@
 //! When OpenBLAS is loaded, it starts a thread with such a buffer for each core. Without memory for the buffers these threads
 //! never end, and `exit` waits for them. A program (not a library) can prevent this with the feature `serial-blas` of this
 //! crate and the linker option `--export-dynamic-symbol=openblas_num_threads_env` (in the program's `build.rs`,
-//! `cargo::rustc-link-arg-bins`): then OpenBLAS starts with one thread unless `OPENBLAS_NUM_THREADS` is set. Setting
+//! `cargo::rustc-link-arg-bins`): then OpenBLAS starts with one thread unless `OPENBLAS_NUM_THREADS` is set, and starts others only on request. Setting
 //! `OPENBLAS_NUM_THREADS=1` in the environment has the same effect for any program.
 
 use core::ffi::{CStr, c_int, c_void};

@@ -49,7 +49,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     Ok(diagnosis.code())
 }
 
-/// Why `clean` would fail; `None` if it would succeed or the deck needs no cleaning.
+/// Why `clean` could not write a deck that needs it; `None` if it could, or without such a deck, or if the report refuses it already.
 pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
     let deck = diagnosis.deck.as_ref()?;
     if diagnosis.is_refused() || diagnosis.analysis.dependent().is_empty() && !deck.needs_cleaning() {

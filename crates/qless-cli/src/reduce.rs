@@ -31,7 +31,7 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
     let question = Question { options: args.options(), preferences: args.preferences(), choice: args.choice() };
     let diagnosis = diagnose(&args.model, question, &progress)?;
     if diagnosis.is_refused() || diagnosis.is_incomplete() {
-        let way = if diagnosis.is_refused() { "" } else { ", or use --allow-incomplete" };
+        let way = if diagnosis.is_refused() { "" } else { ", or write what was read with --allow-incomplete" };
         diagnosis.print(None, &CommandOutcome::Refused, progress)?;
         say(format_args!("error: nothing was written to {}: see the report{way}", args.output.display()));
         return Ok(diagnosis.code());

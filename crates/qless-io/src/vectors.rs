@@ -70,7 +70,7 @@ impl ChunkedRhs {
         let mut head = Self { rows, is_integer: false, before: LineCount::default(), start: 0 };
         if has_head {
             head.is_integer = header::read(path, lines, "array")?;
-            check_sizes(lines, rows)?;
+            check_sizes(path, lines, rows)?;
             head.before.lines = lines.number();
         }
         Ok(head)
@@ -118,9 +118,10 @@ impl ChunkedRhs {
     }
 }
 
-fn check_sizes(lines: &mut TextLines, rows: usize) -> Result<(), ReadError> {
+fn check_sizes(path: &Path, lines: &mut TextLines, rows: usize) -> Result<(), ReadError> {
+    let header = lines.number();
     let Some(line) = lines.content() else {
-        return Err(lines.fault(TextFault::Sizes { expected: SIZES, found: quote(b"") }));
+        return Err(ReadError::malformed(path, Some(header), TextFault::Sizes { expected: SIZES, found: quote(b"") }));
     };
     match line.fields().map(|[rows, columns]| (whole(rows), whole(columns))) {
         Some((Some(found), Some(1))) if found == rows => Ok(()),

@@ -70,11 +70,11 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::Size`] for more than 2^27 rows or DOFs; [`SceneError::System`] if the scene itself is not valid.
+    /// [`SceneError::System`] if the scene itself is not valid.
     pub fn shuffle(&self, seed: u64) -> Result<(Self, Order), SceneError> {
         let mut rng = Rng::new(seed);
-        let rows = rng.permutation(self.system.equations())?;
-        let dofs = rng.permutation(self.system.dofs())?;
+        let rows = rng.shuffled(self.system.equations());
+        let dofs = rng.shuffled(self.system.dofs());
         let system = rebuild(&self.system, &rows, &dofs, &vec![1.0; rows.len()], &vec![1.0; dofs.len()])?;
         let new = inverse(&dofs);
         let mut truth = self.truth.clone();
@@ -92,8 +92,14 @@ impl Scene {
     /// [`SceneError::System`] for a DOF out of range, prescribed twice, or a value that is not finite.
     pub fn with_prescribed(&self, values: &[(usize, f64)]) -> Result<Self, SceneError> {
         let mut builder = SystemBuilder::new(self.system.dofs());
-        append(&mut builder, &self.system, 0);
-        for &(dof, value) in values {
+        for row in 0..self.system.equations() {
+            builder.labelled_equation(
+                self.system.equation_label(row),
+                self.system.matrix().row(row),
+                self.system.rhs()[row],
+            );
+        }
+        for &(dof, value) in self.system.prescribed().iter().chain(values) {
             builder.prescribe(dof, value);
         }
         builder.dof_labels((0..self.system.dofs()).map(|j| self.system.dof_label(j)).collect());

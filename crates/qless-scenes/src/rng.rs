@@ -60,9 +60,14 @@ impl Rng {
     /// [`SceneError::Size`] for more than 2^27 of them.
     pub fn permutation(&mut self, n: usize) -> Result<Vec<usize>, SceneError> {
         within("n", n, 0, MOST)?;
+        Ok(self.shuffled(n))
+    }
+
+    /// [`Rng::permutation`] without the limit.
+    pub(crate) fn shuffled(&mut self, n: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..n).collect();
         self.shuffle(&mut order);
-        Ok(order)
+        order
     }
 
     /// `count` different numbers of `0..n`, in the order drawn; all of them if `count > n`. O(count^2).

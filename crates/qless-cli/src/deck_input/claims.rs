@@ -4,7 +4,7 @@ use qless_io::deck::clean::{FaultKind, Finding, findings};
 use qless_io::deck::{Deck, LoadCase, Model, Outcome, Prescribed};
 use serde::Serialize;
 
-/// Descriptions of two claims on one DOF, grouped by the reaction of the solver.
+/// Descriptions of claims on one DOF and of other faults, grouped by the reaction of the solver.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Claims {
     /// The solver stops.

@@ -15,7 +15,7 @@ impl DeckInput {
         let sections = [
             LayoutSection::new("Constraints that were left out:", self.left_out()),
             self.table(),
-            LayoutSection::new(format!("{solver} refuses these claims:"), shown.claims.refused.clone()),
+            LayoutSection::new(format!("{solver} refuses the deck for these reasons:"), shown.claims.refused.clone()),
             LayoutSection::new(format!("{solver} drops these claims without a message:"), ignored),
             LayoutSection::new(
                 format!("{solver} may continue with these, but its results are then unreliable:"),

@@ -1,6 +1,6 @@
-//! An allocator that refuses an allocation unless `held + wanted <= limit`.
+//! An allocator that refuses an allocation unless `in_use + wanted <= limit`.
 //!
-//! `held` is the larger of two numbers:
+//! `in_use` is the larger of two numbers:
 //!
 //! - The allocated bytes. They include pages that are not touched yet, but not those that remain untouched for long.
 //! - The resident pages. They include memory that this allocator does not see: C's allocations, code, stacks, and freed memory that
@@ -160,7 +160,7 @@ fn allocate_within_limit(bytes: usize, layout: Layout, allocate: impl FnOnce() -
     block
 }
 
-/// Returns `block`; if it is null while files are being put in place, a block of the reserve.
+/// Returns `block`; if it is null while this thread creates, places or removes files, a block of the reserve.
 fn or_reserve(block: *mut u8, layout: Layout) -> *mut u8 {
     if block.is_null() && qless_io::write::is_at_work() { reserve::take(layout) } else { block }
 }

@@ -34,7 +34,7 @@ pub enum WordError {
     #[error("{option}: `{word}` is {}{}", unknown(*.is_deck), did_you_mean(nearest.as_deref()))]
     Unknown { option: &'static str, word: String, is_deck: bool, nearest: Option<String> },
     #[error(
-        "{option}: no constraint is on `{word}`{}",
+        "{option}: nothing that this list can select is on `{word}`{}",
         nearest.map_or(String::new(), |line| format!("; the nearest line with a constraint is {line}"))
     )]
     Line { option: &'static str, word: String, nearest: Option<u32> },

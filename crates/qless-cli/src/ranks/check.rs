@@ -24,7 +24,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     let (model, is_first) = (&args.model, ranks.rank() == 0);
     all(ranks, check(args, is_first))?;
     let progress = Progress::new(model.quiet || !is_first);
-    // By default one thread for each rank, since there is a core for each.
+    // By default one thread for each rank, since each has a core of its own, if there are as many.
     all(ranks, memory::threads::start(model.threads().or(Some(NonZeroUsize::MIN))).map_err(CliFailure::from_threads))?;
     progress.stage("reading");
     let (rhs, prescribed) = (model.rhs.as_deref(), model.prescribed.as_deref());

@@ -1,6 +1,6 @@
 //! The nodes of a deck's equations for ParaView: an unstructured grid of VTK in XML, with a vertex for each node.
 //!
-//! Point data: the number of the `node`, and the numbers of its `slaves`, `masters` and `prescribed` DOFs and of its `redundant` and
+//! Point data: the number of the `node`, and the counts of its `slaves`, `masters` and `prescribed` DOFs and of its `redundant` and
 //! `conflicting` equations.
 
 use std::borrow::Cow;

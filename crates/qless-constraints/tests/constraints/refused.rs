@@ -89,8 +89,11 @@ fn faults_of_ties() {
         MortarTie { slave, master, multipliers: Multipliers::Dual, tolerance: 1e-9 }
     };
     assert_refused(mortar(vec![at(3, 0.0)]), "slave side: the surface has no faces");
-    assert_refused(mortar(vec![at(3, 0.0), at(4, 2.0)]), "over 1 of the size 2 of slave facet 1, from 1; there is no");
-    assert_refused(mortar(vec![at(3, 0.0), PlanarPoint::new([8, 9], [0.5, 1.0]), at(5, 1.0)]), "facet is 0.79");
+    assert_refused(
+        mortar(vec![at(3, 0.0), at(4, 2.0)]),
+        "over 1 of the size 2 of slave facet 1, from 1; no master facet lies",
+    );
+    assert_refused(mortar(vec![at(3, 0.0), PlanarPoint::new([8, 9], [0.5, 1.0]), at(5, 1.0)]), "tolerance is 0.79");
 }
 
 /// A square of length 1 at a height, from `x`.
@@ -119,11 +122,11 @@ fn faults_of_surface_mortar_ties() {
     let mut dented = whole();
     dented.nodes[2].at = [0.3, 0.3, 0.0];
     assert_refused(tie(whole(), dented, 0.1), "face 1, from 1, is degenerate or folded");
-    assert_refused(tie(whole(), square(0.0, 0.25), 0.1), "the nearest opposite facet is 0.25");
+    assert_refused(tie(whole(), square(0.0, 0.25), 0.1), "beyond the tolerance is 0.25");
     assert_refused(tie(whole(), whole(), f64::NAN), "within the tolerance NaN");
     assert_refused(
         tie(whole(), square(0.25, 0.0), 0.01),
-        "of the size 1 of slave facet 1, from 1; there is no opposite facet",
+        "of the size 1 of slave facet 1, from 1; no master facet lies opposite that part",
     );
     assert_refused(tie(whole(), square(7.0, 0.0), f64::INFINITY), "over 1 of the size 1 of slave facet 1");
     let twice = with(vec![Face::new(Shape::Quad4, [0, 1, 2, 3]), Face::new(Shape::Tri3, [0, 1, 2])]);

@@ -22,7 +22,9 @@ impl Format {
 
     /// The format for the ending of a path, without `.gz`.
     pub fn from_path(path: &Path) -> Option<Self> {
-        let path = without_gz(path).unwrap_or(path);
+        if let Some(path) = without_gz(path) {
+            return Self::from_path(path);
+        }
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "inp" => Some(Self::Calculix),
             "cdb" => Some(Self::Ansys),

@@ -48,7 +48,11 @@ impl FileHead {
             if reader.read_until(b'\n', &mut line).map_err(ReadError::io(file.path()))? == 0 {
                 break;
             }
-            let mut lines = TextLines::new(file.path(), &line);
+            let mut lines = if head.end == 0 {
+                TextLines::new(file.path(), &line)
+            } else {
+                TextLines::after(file.path(), &line, 0)
+            };
             let is_first = found == 0;
             head.end += line.len() as u64;
             match if is_first { lines.not_blank() } else { lines.content() } {

@@ -112,7 +112,10 @@ fn what_is_not_understood_is_named() {
         ("/INPUT,more,inp\n", "1: /INPUT is not followed"),
         ("mymacro,1\n", "1: MYMACRO is not known to this reader"),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
-        ("*IF,A,EQ,1,THEN\nCE,1,0,1,UX,1\n*ENDIF\n", "2: CE is in *IF, *DO or *CREATE"),
+        (
+            "*IF,A,EQ,1,THEN\nCE,1,0,1,UX,1\n*ENDIF\n",
+            "2: CE is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+        ),
         ("NSEL,S,LOC,X,0\nD,ALL,UX\n", "2: D,ALL,UX names the selected nodes"),
         ("D,1,VELX,1\n", "1: D,1,VELX prescribes a velocity or an acceleration: left out"),
         ("D,1,UX,%TAB%\n", "1: D,1,UX takes its value from the table TAB"),
@@ -125,7 +128,10 @@ fn what_is_not_understood_is_named() {
             "ETBLOCK,1,1\n(2i9,19a9)\n        1      174        0        2\n       -1\n",
             "3: contact elements with KEYOPT(2)",
         ),
-        ("CM,ENDS,NODE\nD,ENDS,UX\n", "2: D,ENDS,UX names a component of nodes"),
+        (
+            "CM,ENDS,NODE\nD,ENDS,UX\n",
+            "2: D,ENDS,UX names a component of nodes that this reader does not know: left out",
+        ),
         ("CE,1,0,1,UX,1,2,UX,1,1,UX,1\n", "1: CE 1 names a DOF more than once: its coefficients are added"),
         ("CP,1,ALL,1,2\n", "1: CP couples all DOFs"),
         ("CP,1,UX,ALL\n", "1: CP couples the nodes ALL"),

@@ -66,12 +66,24 @@ fn conditions_choose() {
 #[test]
 fn what_is_not_followed_constrains_perhaps() {
     for (text, expected) in [
-        ("*GET,N,NODE,,NUM,MAX\n*DO,I,1,N\nD,I,UX\n*ENDDO\nD,9,UX\n", "3: D is in *IF, *DO or *CREATE"),
-        ("*DOWHILE,N\nCE,1,0,1,UX,1\n*ENDDO\n", "2: CE is in *IF, *DO or *CREATE"),
-        ("*CREATE,M\nCERIG,1,2\n*END\n", "2: CERIG is in *IF, *DO or *CREATE"),
+        (
+            "*GET,N,NODE,,NUM,MAX\n*DO,I,1,N\nD,I,UX\n*ENDDO\nD,9,UX\n",
+            "3: D is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+        ),
+        (
+            "*DOWHILE,N\nCE,1,0,1,UX,1\n*ENDDO\n",
+            "2: CE is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+        ),
+        (
+            "*CREATE,M\nCERIG,1,2\n*END\n",
+            "2: CERIG is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+        ),
         ("*IF,NX(1),EQ,0,THEN\nA=3\n*ENDIF\nD,A,UX\n", "4: D uses A"),
         ("A=1\n*IF,A,EQ,1,:END\nD,1,UX\n:END\n", "2: *IF jumps to another line"),
-        ("*IF,NX(1),EQ,0,THEN\nSOLVE\n*ENDIF\n", "2: SOLVE is in *IF, *DO or *CREATE"),
+        (
+            "*IF,NX(1),EQ,0,THEN\nSOLVE\n*ENDIF\n",
+            "2: SOLVE is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+        ),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
     ] {
         let found = left_out(text);

@@ -1,4 +1,4 @@
-//! JobCounts the messages and bytes that a rank sends.
+//! Counts the messages and bytes that a rank sends.
 
 use std::cell::Cell;
 
@@ -25,7 +25,7 @@ pub struct Counted<'a, R: Ranks + ?Sized> {
 }
 
 impl<'a, R: Ranks + ?Sized> Counted<'a, R> {
-    /// JobCounts from zero.
+    /// Counts from zero.
     pub fn new(ranks: &'a R) -> Self {
         Self { ranks, sent: Cell::default() }
     }

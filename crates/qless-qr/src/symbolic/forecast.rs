@@ -31,7 +31,7 @@ pub(crate) struct FrontShape {
     pub passed_entries: usize,
     /// Number of reflections and total length of their vectors.
     pub reflections: usize,
-    pub vectors: usize,
+    pub vector_entries: usize,
 }
 
 /// Sizes and work of all fronts.
@@ -147,7 +147,7 @@ fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, 
             if stair > g + 1 {
                 flops += 4.0 * (stair - g) as f64 * (cols - k) as f64;
                 shape.reflections += 1;
-                shape.vectors += stair - g;
+                shape.vector_entries += stair - g;
             }
             g += 1;
             if k < pivots {
@@ -190,8 +190,8 @@ pub(crate) fn out_bytes(shape: &FrontShape, k: usize) -> usize {
 }
 
 /// Memory of the stored reflections of a front.
-pub(crate) fn reflection_bytes(rows: usize, reflections: usize, vectors: usize) -> usize {
-    NUMBER * vectors + (INDEX + 2 * NUMBER) * reflections + INDEX * rows
+pub(crate) fn reflection_bytes(rows: usize, reflections: usize, vector_entries: usize) -> usize {
+    NUMBER * vector_entries + (INDEX + 2 * NUMBER) * reflections + INDEX * rows
 }
 
 /// Memory for the reflections of a front during its elimination.
@@ -203,7 +203,7 @@ impl Forecast {
     /// Additional memory for Q: stored reflections, the largest working memory for them, row numbers of contributions.
     pub fn bytes_of_q(&self, symbolic: &Symbolic) -> usize {
         let kept: usize =
-            self.shapes.iter().map(|shape| reflection_bytes(shape.rows, shape.reflections, shape.vectors)).sum();
+            self.shapes.iter().map(|shape| reflection_bytes(shape.rows, shape.reflections, shape.vector_entries)).sum();
         let room = self.shapes.iter().map(kept_bytes).max().unwrap_or(0);
         let waiting: usize = self.shapes.iter().map(|shape| INDEX * shape.passed_rows).sum();
         kept + room + waiting + INDEX * symbolic.rows
@@ -265,7 +265,7 @@ pub(crate) fn at_worst(symbolic: &Symbolic) -> Vec<FrontShape> {
         let entries = rank * cols - rank * rank.saturating_sub(1) / 2;
         let passed_entries = passed_rows * outer.len() - passed_rows * passed_rows.saturating_sub(1) / 2;
         let passed_cols = if passed_rows == 0 { 0 } else { outer.len() };
-        let (reflections, vectors) = (rows.min(cols), rows * rows.min(cols));
+        let (reflections, vector_entries) = (rows.min(cols), rows * rows.min(cols));
         shapes.push(FrontShape {
             rows,
             cols,
@@ -275,7 +275,7 @@ pub(crate) fn at_worst(symbolic: &Symbolic) -> Vec<FrontShape> {
             passed_cols,
             passed_entries,
             reflections,
-            vectors,
+            vector_entries,
         });
     }
     shapes

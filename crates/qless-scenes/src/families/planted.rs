@@ -48,7 +48,7 @@ impl Planted {
         within("terms", self.terms, 2, 1000)?;
         within("combos", self.combos, usize::from(self.conflict), MOST)?;
         let mut rng = Rng::new(seed);
-        let order = rng.permutation(self.dofs)?;
+        let order = rng.shuffled(self.dofs);
         let mut equations: Vec<PlantedEquation> =
             (0..self.rows).map(|i| self.independent(i, &order, &mut rng)).collect();
         for _ in 0..self.combos {
@@ -58,7 +58,7 @@ impl Planted {
             equations[self.rows + self.combos - 1].1 += 1.0;
         }
         let mut builder = SystemBuilder::new(self.dofs);
-        for k in rng.permutation(equations.len())? {
+        for k in rng.shuffled(equations.len()) {
             let (terms, rhs) = &equations[k];
             let label = match k.checked_sub(self.rows) {
                 None => format!("independent {}", k + 1),

@@ -28,7 +28,7 @@ pub fn typed_twice(n: usize, digits: usize, seed: u64) -> Result<Scene, SceneErr
     within("n", n, 1, MOST / 2)?;
     within("digits", digits, 3, 8)?;
     let mut rng = Rng::new(seed);
-    let place = rng.permutation(2 * n)?;
+    let place = rng.shuffled(2 * n);
     let mut equations = Vec::new();
     for i in 0..n {
         let (row, rhs) = (equation(i, &place, &mut rng), rng.below(7) as f64 - 3.0);

@@ -117,7 +117,7 @@ impl FssiModel {
 
     /// Shuffles the DOF numbers and builds the system.
     pub(super) fn finish(self, seed: u64, truth: Truth) -> Result<Scene, SceneError> {
-        let number = Rng::new(seed).permutation(self.dofs.len())?;
+        let number = Rng::new(seed).shuffled(self.dofs.len());
         let mut builder = SystemBuilder::new(self.dofs.len());
         for (label, row) in self.equations {
             builder.labelled_equation(label, row.into_iter().map(|(dof, a)| (number[dof], a)), 0.0);

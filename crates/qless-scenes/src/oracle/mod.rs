@@ -24,7 +24,7 @@ pub enum OracleError {
     #[error(transparent)]
     Exact(#[from] ExactError),
     /// The matrix is too large for a dense decomposition.
-    #[error("as a dense matrix it has {found} entries; the singular value decomposition takes at most {most}")]
+    #[error("the matrix has {found} entries including zeros; the singular value decomposition takes at most {most}")]
     TooLarge {
         /// Rows times columns.
         found: usize,

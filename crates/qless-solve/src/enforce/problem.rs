@@ -65,7 +65,7 @@ impl<'a> Problem<'a> {
     /// equations conflict; the error has their labels.
     pub fn new(k: impl Into<Stiffness<'a>>, f: &'a [f64], system: &'a ConstraintSystem) -> Result<Self, EnforceError> {
         let stiffness = k.into();
-        check_arguments(stiffness.matrix(), f, &[], system.dofs())?;
+        check_arguments(stiffness.matrix(), f, (&[], system.dofs()), system.dofs())?;
         let (k, declared) = stiffness.whole()?;
         let analysis = analyse(system, &Options::default())?;
         let of_kind = |kind| (0..system.equations()).filter(|&row| analysis.kinds()[row] == kind).collect::<Vec<_>>();
@@ -118,9 +118,15 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Checks that sizes match and all numbers are finite.
-pub fn check_arguments(k: &SparseMatrix, f: &[f64], prescribed: &[f64], dofs: usize) -> Result<(), EnforceError> {
-    for (what, found) in [("rows of K", k.nrows()), ("columns of K", k.ncols()), ("loads", f.len())] {
+/// Checks that sizes match and all numbers are finite; `with_values` is the number of DOFs that the list of prescribed values implies.
+pub fn check_arguments(
+    k: &SparseMatrix,
+    f: &[f64],
+    (prescribed, with_values): (&[f64], usize),
+    dofs: usize,
+) -> Result<(), EnforceError> {
+    let sizes = [("rows of K", k.nrows()), ("columns of K", k.ncols()), ("loads", f.len())];
+    for (what, found) in sizes.into_iter().chain([("DOFs with the prescribed values", with_values)]) {
         if found != dofs {
             return Err(EnforceError::Size { what, found, dofs });
         }

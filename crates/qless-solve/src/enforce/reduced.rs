@@ -47,10 +47,7 @@ pub fn reduced(
 ) -> Result<Vec<f64>, EnforceError> {
     let dofs = reduction.slaves().len() + reduction.masters().len() + reduction.prescribed().len();
     let with_values = dofs - reduction.prescribed().len() + prescribed.len();
-    if with_values != dofs {
-        return Err(EnforceError::Size { what: "DOFs with the prescribed values", found: with_values, dofs });
-    }
-    check_arguments(k, f, prescribed, dofs)?;
+    check_arguments(k, f, (prescribed, with_values), dofs)?;
     let slaves = factored_slaves(reduction);
     let t = from_triplets(dofs, reduction.masters().len() + slaves.len(), triplets(reduction))?;
     let back = transposed(&t)?;

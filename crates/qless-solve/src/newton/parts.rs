@@ -77,7 +77,7 @@ impl PartColumns {
         Self { column_of_entry: g.columns().to_vec(), count: g.cols() }
     }
 
-    /// Splits the column of each is_prescribed DOF into one per part; these come after the others.
+    /// Splits the column of each prescribed DOF into one per part; these come after the others.
     fn of_parts(g: &Csr, is_prescribed: &[bool], of_row: &[u32]) -> Self {
         let entries = |r: usize| g.row(r).map(move |(j, _)| (j as u32, of_row[r]));
         let mut split: Vec<_> = (0..g.rows()).flat_map(entries).filter(|&(j, _)| is_prescribed[j as usize]).collect();

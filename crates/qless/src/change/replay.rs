@@ -56,7 +56,7 @@ impl<'a> Replay<'a> {
         replay
     }
 
-    /// WorkingRow `i` of the rows that presolve eliminated from, after all steps, scaled.
+    /// Row `i` of the rows that presolve eliminated from, after all steps, scaled.
     pub fn row(&self, i: u32) -> RowRhs {
         let history = &self.analysis.history;
         let user = history.rows[i as usize] as usize;

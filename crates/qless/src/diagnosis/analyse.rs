@@ -4,7 +4,7 @@
 //! Numbering -> Scaling -> Pipeline::run_verified -> keep_preferred -> generated -> Analysis
 //!
 //! run_verified   run_stages with presolve, probe what it kept
-//!                doubts?  run_stages again, the doubtful components held_back back from presolve
+//!                doubts?  run_stages again, the doubtful components held back from presolve
 //!                no nearer to dependence than the tolerance?  run_stages a third time, presolve for these components again
 //!
 //! run_stages     peel -> gather -> eliminate -> Block::new -> diagnose -> classify

@@ -41,7 +41,9 @@ impl MultiplierFactors {
         }
         let of_equations = equations.iter().map(|&i| scaling.row[i]).collect();
         let memory = known.analysis.options.memory;
-        let factors = lu::factor(&rows, &order(&rows)?, |_| true, memory);
+        let failed = |error: BackendError| BackendError::Failed { backend: "multipliers", message: error.to_string() };
+        let order = order(&rows).map_err(failed)?;
+        let factors = lu::factor(&rows, &order, |_| true, memory);
         let factors = factors.map_err(|error| error.of_block("multipliers", &rows, memory))?;
         Ok(Self { equations, solver: SlaveSolver::new(&rows, factors), of_equations, of_slaves })
     }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::ConstraintSystem;
 use crate::input::numbering::Numbering;
 
-/// SlavePreferences that hold wherever the equations allow it; what they do not allow is reported
+/// Preferences that hold wherever the equations allow it; what they do not allow is reported
 /// ([`crate::Analysis::unmet_equations`], [`crate::Reduction::unmet_masters`], [`crate::Reduction::unmet_slaves`]).
 ///
 /// Which sets of DOFs can be slaves is given by the rank alone, so that an exchange of a slave for a master, or of a kept

@@ -31,7 +31,7 @@ pub(crate) struct ReductionInput<'a> {
 pub(crate) struct Relation<'a> {
     pub system: LocalSystem<'a>,
     basis: &'a Basis,
-    /// BasisRow of each slave; `u32::MAX` for other DOFs.
+    /// Row of each slave; `u32::MAX` for other DOFs.
     pub row_of: Vec<u32>,
     /// Slave of each row.
     pub slave: Vec<u32>,

@@ -42,7 +42,7 @@ pub struct GeneratedCondition {
     pub dof: usize,
     /// Its label.
     pub label: String,
-    /// Its value.
+    /// Its value, the only one that the equations allow.
     pub value: f64,
     /// `because`, and `because_omitted` if it is omitted.
     #[cfg_attr(feature = "serde", serde(flatten))]

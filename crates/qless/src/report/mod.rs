@@ -41,6 +41,16 @@ pub enum Status {
     Incomplete,
 }
 
+impl From<Kind> for Status {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Independent => Self::Independent,
+            Kind::Redundant => Self::Redundant,
+            Kind::Conflicting => Self::Conflicting,
+        }
+    }
+}
+
 /// The diagnosis of a system with labels and 1-based numbers; values that are not finite serialize as null.
 ///
 /// ```

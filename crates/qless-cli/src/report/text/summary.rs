@@ -11,7 +11,7 @@ pub fn verdict(report: &Report, is_deck: bool) -> String {
     if left_out == 0 {
         return of_equations(report, is_deck);
     }
-    let constraints = if left_out == 1 { "constraint was" } else { "constraints were" };
+    let constraints = if left_out == 1 { "constraint card was" } else { "constraint cards were" };
     let rest = if report.input.rows == 0 { "No equation was read.".to_owned() } else { of_equations(report, is_deck) };
     format!("INCOMPLETE: {left_out} {constraints} left out. {rest}")
 }

@@ -129,6 +129,8 @@ mod tests {
     /// Every middle node lies halfway between its ends, and the shape functions on a side are those of its shape.
     #[test]
     fn sides_are_parts_of_the_whole() {
+        let middles = [[0, -1, 1], [1, 0, 1], [0, 1, 1], [-1, 0, 1], [-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]];
+        assert_eq!(Shape::Hex27.places()[12..20], middles.map(|place| place.map(f64::from)));
         for shape in Shape::ALL {
             let places = shape.places();
             for &[middle, a, b] in shape.edges() {

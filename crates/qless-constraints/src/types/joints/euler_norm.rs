@@ -39,7 +39,7 @@ impl Constraint for EulerNorm {
     }
 }
 
-/// The constraint has no parameters to sink.
+/// The constraint has no parameters.
 struct Norm;
 
 impl Nonlinear for Norm {

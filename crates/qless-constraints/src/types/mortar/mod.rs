@@ -183,10 +183,10 @@ pub enum MortarError {
 fn cover_advice(gap: Option<f64>) -> String {
     match gap {
         Some(gap) => {
-            format!("the nearest opposite facet is {gap} away: bring the sides together, or raise the tolerance")
+            format!("the nearest facet beyond the tolerance is {gap} away: bring the sides together, or raise the tolerance")
         }
         None => {
-            "there is no opposite facet: extend the master side, shorten the slave side, or exchange the two".to_owned()
+            "no master facet lies opposite that part: extend the master side, shorten the slave side, or exchange the two".to_owned()
         }
     }
 }

@@ -52,7 +52,7 @@ fn full_segments_take_what_comes_between() -> Outcome {
     Ok(())
 }
 
-/// Evaluation evaluated before a change are not accepted after it.
+/// An evaluation from before a change is not accepted after it.
 #[test]
 fn numbers_from_before_a_change_are_refused() -> Outcome {
     let mut builder = ConstraintSet::builder(6);

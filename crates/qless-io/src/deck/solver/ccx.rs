@@ -10,7 +10,7 @@ use super::{CardKind, Outcome};
 use crate::deck::{Dof, LoadCase, Model};
 
 /// Order in which ccx treats cards, regardless of their place in the deck.
-fn rank_of(kind: CardKind) -> u8 {
+fn order_of(kind: CardKind) -> u8 {
     match kind {
         CardKind::Kinematic => 0,
         CardKind::Tie => 2,
@@ -20,7 +20,7 @@ fn rank_of(kind: CardKind) -> u8 {
 
 /// Two cards with the same slave, in the order of the deck.
 pub fn twice(first: CardKind, second: CardKind) -> Outcome {
-    let (late, dropped) = if rank_of(second) < rank_of(first) {
+    let (late, dropped) = if order_of(second) < order_of(first) {
         (first, Outcome::IgnoresFirst)
     } else {
         (second, Outcome::IgnoresSecond)

@@ -18,6 +18,18 @@ pub enum Outcome {
     Unsound,
 }
 
+impl Outcome {
+    /// Whether the solver drops one of the two claims.
+    ///
+    /// ```
+    /// use qless_io::deck::Outcome;
+    /// assert!(Outcome::IgnoresFirst.ignores() && !Outcome::Refused.ignores());
+    /// ```
+    pub fn ignores(self) -> bool {
+        matches!(self, Self::IgnoresFirst | Self::IgnoresSecond)
+    }
+}
+
 /// Kind of a card that makes a DOF the slave of an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CardKind {

@@ -118,7 +118,7 @@ impl CondensedPattern {
 /// One thread allocates nothing.
 fn each(starts: &[u32], values: &mut [f64], work: &(impl Fn(Range<usize>, &mut [f64]) -> bool + Sync)) -> bool {
     match rayon::current_num_threads() {
-        1 => work(0..starts.len() - 1, values),
+        threads if threads == 1 || values.len() < 2 * ENTRIES_PER_THREAD => work(0..starts.len() - 1, values),
         threads => {
             let ranges = line_ranges(starts, values, 4 * threads).into_par_iter();
             ranges.map(|(lines, values)| work(lines, values)).reduce(|| true, |a, b| a & b)

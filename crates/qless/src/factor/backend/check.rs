@@ -36,12 +36,6 @@ fn sparse(rows: usize, cols: usize, seed: u64) -> Vec<Vec<f64>> {
     (0..rows).map(|i| (0..cols).map(|j| entry(&mut random, i == j)).collect()).collect()
 }
 
-/// A random sparse m x n block, by columns.
-#[cfg(feature = "spqr")]
-pub(crate) fn random_block(m: usize, n: usize, seed: u64) -> Csr {
-    from_dense(&sparse(m, n, seed))
-}
-
 /// Appends k combinations of two rows, which leave the rank as it is.
 fn with_combinations(mut rows: Vec<Vec<f64>>, k: usize) -> Vec<Vec<f64>> {
     let m = rows.len();

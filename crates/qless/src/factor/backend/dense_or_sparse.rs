@@ -133,4 +133,29 @@ mod tests {
         assert_eq!(Ok(&factor), Sparse { memory: usize::MAX }.factor(&rows, &[], 1e-10).as_ref());
         assert_eq!(factor.rank, Faer.factor(&rows, &[], 1e-10).expect("it fits").rank);
     }
+
+    #[test]
+    fn a_large_sparse_block_is_sparse() {
+        let mut rows = Csr::empty(3000);
+        (0..4000).for_each(|i| rows.append([(i * 7 % 2999, 2.0), (2999, 1.0)]));
+        let columns = rows.transposed();
+        let factor = CHOICE.factor(&columns, &[], 1e-10).expect("a factorization");
+        assert_eq!(Ok(factor), Sparse { memory: usize::MAX }.factor(&columns, &[], 1e-10));
+    }
+
+    /// The sparse backend saves hardly an operation here, and two thirds of the time.
+    #[test]
+    fn a_block_that_fills_in_is_sparse() {
+        let mut random = Random(9);
+        let mut rows = Csr::empty(1100);
+        for _ in 0..1100 {
+            let mut columns: Vec<_> = (0..20).map(|_| random.below(1100)).collect();
+            columns.sort_unstable();
+            columns.dedup();
+            rows.append(columns.into_iter().map(|j| (j, random.signed() + 2e-4)));
+        }
+        let factor = CHOICE.factor(&rows, &[], 1e-10).expect("a factorization");
+        assert!(factor.r.nnz() > 500_000, "{} of 605,550", factor.r.nnz());
+        assert_eq!(Ok(factor), Sparse { memory: usize::MAX }.factor(&rows, &[], 1e-10));
+    }
 }

@@ -18,46 +18,55 @@ pub(crate) type Slab<const W: usize = WIDTH> = Vec<[f64; W]>;
 impl Factor {
     /// `Z <- R1^-1 Z`.
     pub(crate) fn solve_slab<const W: usize>(&self, z: &mut Slab<W>) {
-        Arch::new().dispatch(|| {
-            for i in (0..self.rank).rev() {
-                let (places, values) = self.row_of_r1(i);
-                let (before, rest) = z.split_at_mut(i + 1);
-                let mut own = before[i];
-                for (&j, &v) in places[1..].iter().zip(&values[1..]) {
-                    subtract(&mut own, v, &rest[j as usize - i - 1]);
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for i in (0..self.rank).rev() {
+                    let (places, values) = self.row_of_r1(i);
+                    let (before, rest) = z.split_at_mut(i + 1);
+                    let mut own = before[i];
+                    for (&j, &v) in places[1..].iter().zip(&values[1..]) {
+                        subtract(&mut own, v, &rest[j as usize - i - 1]);
+                    }
+                    divide(&mut own, values[0]);
+                    before[i] = own;
                 }
-                divide(&mut own, values[0]);
-                before[i] = own;
-            }
-        });
+            },
+        );
     }
 
     /// `Z <- R1^-T Z`.
     pub(crate) fn solve_slab_transposed<const W: usize>(&self, z: &mut Slab<W>) {
-        Arch::new().dispatch(|| {
-            for i in 0..self.rank {
-                let (places, values) = self.row_of_r1(i);
-                let (before, rest) = z.split_at_mut(i + 1);
-                divide(&mut before[i], values[0]);
-                let own = before[i];
-                for (&j, &v) in places[1..].iter().zip(&values[1..]) {
-                    subtract(&mut rest[j as usize - i - 1], v, &own);
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for i in 0..self.rank {
+                    let (places, values) = self.row_of_r1(i);
+                    let (before, rest) = z.split_at_mut(i + 1);
+                    divide(&mut before[i], values[0]);
+                    let own = before[i];
+                    for (&j, &v) in places[1..].iter().zip(&values[1..]) {
+                        subtract(&mut rest[j as usize - i - 1], v, &own);
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 
     /// `R1 Z`.
     pub(crate) fn times_slab(&self, z: &Slab) -> Slab {
         let mut out = vec![[0.0; WIDTH]; self.rank];
-        Arch::new().dispatch(|| {
-            for (i, sum) in out.iter_mut().enumerate() {
-                let (places, values) = self.row_of_r1(i);
-                for (&j, &v) in places.iter().zip(values) {
-                    subtract(sum, -v, &z[j as usize]);
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for (i, sum) in out.iter_mut().enumerate() {
+                    let (places, values) = self.row_of_r1(i);
+                    for (&j, &v) in places.iter().zip(values) {
+                        subtract(sum, -v, &z[j as usize]);
+                    }
                 }
-            }
-        });
+            },
+        );
         out
     }
 

@@ -92,7 +92,7 @@ pub struct Factor {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BackendError {
-    /// The block needs more memory than is available.
+    /// The block needs more memory than is available, or than the backend allows for a dense block.
     #[error("{backend}: a block of {rows} x {cols} needs more memory than is available{advice}")]
     OutOfMemory {
         /// Which backend.
@@ -137,7 +137,7 @@ pub enum BackendError {
         /// Which backend.
         backend: &'static str,
     },
-    /// A number that is not finite, right-hand sides whose length is not a multiple of m, or a tolerance below zero.
+    /// A number that is not finite, right-hand sides whose length is not a multiple of m, or a tolerance that is negative or NaN.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     /// Another error, with the message of the library.

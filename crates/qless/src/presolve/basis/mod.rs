@@ -211,7 +211,7 @@ impl Basis {
         (if k == 0 { 0 } else { self.ends[k - 1] })..self.ends[k]
     }
 
-    /// BasisRow t; `system` is the system that was peeled.
+    /// Row t; `system` is the system that was peeled.
     #[expect(clippy::inline_always, reason = "out of line it was a twentieth of the profile of an elimination")]
     #[inline(always)]
     pub fn row<'a>(&'a self, system: LocalSystem<'a>, t: usize) -> BasisRow<'a> {

@@ -39,7 +39,7 @@ impl LowFillElimination<'_> {
         self.enqueue(dof, 0);
     }
 
-    /// WorkingRow i becomes the equation of DOF j, which is eliminated from all other rows.
+    /// Row i becomes the equation of DOF j, which is eliminated from all other rows.
     pub(super) fn pivot(&mut self, i: u32, j: u32) {
         let targets = self.holding(j);
         self.retire(i);

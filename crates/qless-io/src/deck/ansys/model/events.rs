@@ -81,11 +81,11 @@ pub fn cases(
     let mut replay = if are_solutions { EventReplay::without_nodes(nodes) } else { EventReplay::new(nodes, model) };
     replay.lives = lives;
     for event in events {
-        let course = match &event.action {
+        let history = match &event.action {
             EventAction::Prescribe(_, Some(table)) => model.history(table),
             _ => 0,
         };
-        replay.event(event, course).map_err(|problem| (event.origin, problem))?;
+        replay.event(event, history).map_err(|problem| (event.origin, problem))?;
     }
     let solved = replay.cases.len() as u32;
     let changes = |life: &EquationLife| life.first == solved || life.last.checked_add(1) == Some(solved);
@@ -132,7 +132,7 @@ impl<'a> EventReplay<'a> {
         Self { groups, lives: &[], nodes, components, prescribed, loads, cases, budget: VALUES, held: 0 }
     }
 
-    fn event(&mut self, event: &ValueEvent, course: u32) -> Result<(), Problem> {
+    fn event(&mut self, event: &ValueEvent, history: u32) -> Result<(), Problem> {
         if matches!(event.action, EventAction::Solve) {
             self.solve();
             return self.check_held();
@@ -145,12 +145,12 @@ impl<'a> EventReplay<'a> {
             for at in nodes {
                 let node = self.nodes[at];
                 if (node - first).is_multiple_of(step) {
-                    self.node(event, course, node, components);
+                    self.node(event, history, node, components);
                 }
             }
             // A node that neither the deck nor an equation defines still counts if the command names it alone.
             if first == last && self.nodes.binary_search(&first).is_err() {
-                self.node(event, course, first, components);
+                self.node(event, history, first, components);
             }
             self.check_held()?;
         }
@@ -189,12 +189,12 @@ impl<'a> EventReplay<'a> {
         Ok(())
     }
 
-    fn node(&mut self, event: &ValueEvent, course: u32, node: u32, components: &[u8]) {
+    fn node(&mut self, event: &ValueEvent, history: u32, node: u32, components: &[u8]) {
         let origin = event.origin;
         let dofs = components.iter().map(|&component| Dof { node, component });
         match event.action {
             EventAction::Prescribe(value, _) => {
-                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, history: course, origin })));
+                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, history, origin })));
             }
             EventAction::Load => self.loads.extend(dofs.map(|dof| (dof, Load { dof, origin }))),
             EventAction::Release => remove(&mut self.prescribed, event, node, components),

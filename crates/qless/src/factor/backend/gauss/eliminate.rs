@@ -9,10 +9,8 @@
 //! Measured on mortar ties and on a band of 1e5 rows: with a tenth for rows too, R1 of the band has a smallest singular value of 1e-18
 //! instead of 1e-2; with 0.7, R has half as many entries again; with a hundredth for columns, ranks of ties are wrong.
 
-use std::cmp::Reverse;
-use std::collections::BTreeSet;
-
 use super::ledger::Ledger;
+use super::queue::Queue;
 use super::row::{GaussEntry, PivotRow, WaitingRows, largest};
 use crate::Csr;
 use crate::factor::backend::{BackendError, Factor};
@@ -53,7 +51,7 @@ impl GaussElimination {
             return Err(BackendError::TooLarge { backend: "gauss", rows: m, cols: n });
         }
         let rows = rows(columns, &mut ledger)?;
-        let mut queue = Queue::new(m, &mut ledger)?;
+        let mut queue = Queue::new(m, n, &mut ledger)?;
         // In reverse, so that among rows of the same length the first one comes first.
         (0..m).rev().for_each(|i| queue.set(i as u32, rows[i].len()));
         Ok(Self {
@@ -80,7 +78,7 @@ impl GaussElimination {
             } else if self.queue.is_last(row) {
                 self.drop_row(row as usize);
             } else {
-                self.queue.set(row, LAST);
+                self.queue.set_last(row);
             }
         }
         Ok(())
@@ -227,53 +225,6 @@ fn rows(columns: &Csr, ledger: &mut Ledger) -> Result<Vec<Vec<GaussEntry>>, Back
     }
     ledger.free(lengths);
     Ok(rows)
-}
-
-/// The waiting rows by length; among rows of the same length, the one whose length changed last comes first.
-struct Queue {
-    order: BTreeSet<QueueKey>,
-    /// Key of each row; None once the row no longer waits.
-    keys: Vec<Option<QueueKey>>,
-    changes: u64,
-}
-
-/// Length, time of the last change, row.
-type QueueKey = (usize, Reverse<u64>, u32);
-
-/// The length of a row that waits behind all others until its length changes.
-const LAST: usize = usize::MAX;
-
-impl Queue {
-    fn new(rows: usize, ledger: &mut Ledger) -> Result<Self, BackendError> {
-        ledger.take::<QueueKey>(rows)?;
-        Ok(Self { order: BTreeSet::new(), keys: ledger.filled(None, rows)?, changes: 0 })
-    }
-
-    fn waits(&self, row: u32) -> bool {
-        self.keys[row as usize].is_some()
-    }
-
-    fn is_last(&self, row: u32) -> bool {
-        self.keys[row as usize].is_some_and(|key| key.0 == LAST)
-    }
-
-    fn first(&self) -> Option<u32> {
-        self.order.first().map(|key| key.2)
-    }
-
-    fn set(&mut self, row: u32, length: usize) {
-        if self.keys[row as usize].is_none_or(|key| key.0 != length) {
-            self.remove(row);
-            self.changes += 1;
-            let key = (length, Reverse(self.changes), row);
-            self.keys[row as usize] = Some(key);
-            self.order.insert(key);
-        }
-    }
-
-    fn remove(&mut self, row: u32) {
-        self.keys[row as usize].take().map(|key| self.order.remove(&key));
-    }
 }
 
 /// B by rows, and the sums of squares of its dropped rows.

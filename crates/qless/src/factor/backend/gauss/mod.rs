@@ -7,6 +7,7 @@
 
 mod eliminate;
 mod ledger;
+mod queue;
 mod row;
 
 use super::{Backend, BackendError, Factor, check_block};
