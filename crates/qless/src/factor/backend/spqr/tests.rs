@@ -223,10 +223,10 @@ fn tolerance_is_absolute_and_what_falls_below_is_reported() {
 }
 
 #[test]
-fn tolerances_that_are_no_distance_are_not_read_as_settings() {
+fn negative_tolerances_are_not_read_as_settings() {
     for tolerance in [-2.0, -1e-300, f64::NAN] {
         let error = Spqr::default().factor(&cases()[0].columns, &[], tolerance).unwrap_err().to_string();
-        assert!(error.contains("is no distance"), "{error}");
+        assert!(error.contains("is negative or not a number"), "{error}");
     }
 }
 
