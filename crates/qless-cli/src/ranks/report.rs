@@ -77,6 +77,7 @@ impl Findings<'_> {
             tolerance: self.options.tolerance,
             equations: known,
             dependent,
+            because_error: &|_| 0.0,
             because: &because,
         };
         text::whole(&list, report, &CommandOutcome::Checked(None), &[], Vec::new())

@@ -91,9 +91,10 @@ pub(crate) fn times(basis: &Basis, dofs: usize) -> Vec<u32> {
 }
 
 impl Explainer<'_> {
-    /// The equations that fix DOF s (local).
-    pub fn because(&self, s: u32) -> Result<Vec<CertificateTerm>, BackendError> {
-        let mut rest = GeneratedRemainder { parts: BTreeMap::from([((self.time[s as usize], s), 1.0)]) };
+    /// A vector of free DOFs (local) as a combination of the kept equations, if it is one.
+    pub fn because(&self, vector: impl IntoIterator<Item = (u32, f64)>) -> Result<Vec<CertificateTerm>, BackendError> {
+        let parts = vector.into_iter().map(|(j, value)| ((self.time[j as usize], j), value)).collect();
+        let mut rest = GeneratedRemainder { parts };
         let (mut own, mut of_steps, mut of_blocks) = (Vec::new(), Vec::new(), Vec::new());
         while let Some((&(time, dof), &value)) = rest.parts.first_key_value() {
             if time == u32::MAX {

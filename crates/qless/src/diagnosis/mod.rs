@@ -1,6 +1,7 @@
 //! What an analysis says of a constraint system, and what can be asked of it afterwards.
 
 mod analyse;
+mod because;
 pub(crate) mod certificate;
 pub(crate) mod classify;
 pub(crate) mod confidence;
@@ -12,23 +13,19 @@ mod pass_result;
 mod preferred_equations;
 mod sensitivity;
 
-use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use crate::common::argument::{ArgumentError, within};
 use crate::common::identity::Identity;
-use crate::factor::backend::{Backend, BackendError};
+use crate::factor::backend::BackendError;
 use crate::factor::block::Block;
 use crate::input::numbering::Numbering;
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Basis;
 use crate::{ConstraintSystem, OptionError, Options};
-use certificate::{CertificateTerm, History};
-use classify::{Dependent, Kind, Source};
+use certificate::History;
+use classify::{Dependent, Kind};
 use confidence::Confidence;
-use generated::Explainer;
-use preferred_equations::add;
 
 pub use crate::input::rounding::Ignored;
 pub use analyse::analyse;
@@ -191,59 +188,9 @@ impl Analysis {
         (self.backend.0, &self.backend.1)
     }
 
-    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row; empty for an independent one.
-    ///
-    /// The promise is relative to the parts: for every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most
-    /// `1e-11 / confidence.sigma_kept` of the largest part `|c_i row_il|` of the certificate, whatever the sizes of equations.
-    ///
-    /// # Errors
-    /// [`ArgumentError::OutOfRange`].
-    pub fn because(&self, row: usize) -> Result<Vec<CertificateTerm>, ArgumentError> {
-        within("equation", row, self.kinds.len())?;
-        Ok(self.dependent_of(row).map_or_else(Vec::new, |dependent| dependent.source.explain(&self.history)))
-    }
-
     /// What is known of an equation if it is dependent.
     fn dependent_of(&self, row: usize) -> Option<&Dependent> {
         self.dependent.binary_search_by_key(&row, |d| d.row).ok().map(|place| &self.dependent[place])
-    }
-
-    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
-    ///
-    /// # Errors
-    /// [`BackendError`] if the block of the DOF cannot be factored again.
-    pub fn because_fixed(&self, dof: usize) -> Result<Vec<CertificateTerm>, BackendError> {
-        let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
-        let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
-        let explainer = Explainer {
-            system: self.numbering.view(&self.system, self.system.rhs()),
-            basis: &self.basis,
-            blocks: &self.blocks,
-            history: &self.history,
-            scaling: &self.scaling,
-            backend: backend.as_ref(),
-            time: self.times.get_or_init(|| generated::times(&self.basis, self.numbering.dofs.len())),
-        };
-        explainer.because(self.fixed[place]).map(|terms| self.over_kept(terms))
-    }
-
-    /// Replaces equations that were given up for others by their certificates.
-    fn over_kept(&self, terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
-        let given = |row: usize| match &self.dependent_of(row)?.source {
-            Source::Given(because) => Some(because),
-            Source::Traced(..) => None,
-        };
-        if !terms.iter().any(|term| given(term.row).is_some()) {
-            return terms;
-        }
-        let mut sum = BTreeMap::new();
-        for CertificateTerm { row, coefficient } in terms {
-            match given(row) {
-                Some(parts) => parts.iter().for_each(|part| add(&mut sum, part.row, coefficient * part.coefficient)),
-                None => add(&mut sum, row, coefficient),
-            }
-        }
-        sum.into_iter().map(|(row, coefficient)| CertificateTerm { row, coefficient }).collect()
     }
 
     pub(crate) fn independent(&self) -> Vec<bool> {

@@ -28,13 +28,14 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
     {
         let relation = columns.transposed();
         let relation = clean((0..r).map(|i| relation.row(i)), (masters.len(), &units(block, masters.len())), zero);
-        return Ok(solved(block, &slaves, &masters, (relation, without_rounding(constant))));
+        return Ok(solved(block, &slaves, &masters, (relation, without_rounding(block, &rows, constant))));
     }
     let (columns, rhs) = kept_columns(block, &rows);
     let factor = Faer.factor(&columns, &rhs, 0.0)?;
     let tableau = relate(block, &rows, &factor)?;
-    let relation = sparse(&tableau, &units(block, tableau.free.len()), zero);
-    Ok(solved(block, &tableau.basic, &tableau.free, relation))
+    let (relation, constant) = sparse(&tableau, &units(block, tableau.free.len()), zero);
+    let constant = without_rounding(block, &rows, constant);
+    Ok(solved(block, &tableau.basic, &tableau.free, (relation, constant)))
 }
 
 /// The DOFs that may become slaves, so that the slaves are those of [`solve`]: all DOFs if sparse LU chooses the slaves.
@@ -103,7 +104,7 @@ fn sparse(tableau: &Tableau, units: &[f64], zero: f64) -> (Csr, Vec<f64>) {
     let width = tableau.width - 1;
     let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
     let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
-    (clean(rows, (tableau.free.len(), units), zero), without_rounding(constant))
+    (clean(rows, (tableau.free.len(), units), zero), constant)
 }
 
 /// The unit of each column of the relation: 1 for masters, which are scaled; the largest coefficient for a prescribed DOF.
@@ -134,9 +135,11 @@ fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
     relation
 }
 
-fn without_rounding(mut constant: Vec<f64>) -> Vec<f64> {
-    let largest = constant.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-    constant.iter_mut().filter(|v| v.abs() <= NOISE * largest).for_each(|v| *v = 0.0);
+/// Constants far below every right-hand side are rounding.
+fn without_rounding(block: &Block, rows: &[usize], mut constant: Vec<f64>) -> Vec<f64> {
+    let sizes = rows.iter().map(|&i| block.rhs[i].abs()).filter(|&b| b > 0.0);
+    let least = sizes.reduce(f64::min).unwrap_or(0.0);
+    constant.iter_mut().filter(|v| v.abs() <= NOISE * least).for_each(|v| *v = 0.0);
     constant
 }
 

@@ -35,7 +35,13 @@ impl<'a> Budget<'a> {
     fn equation(&mut self, dependent: &Dependent) -> DependentEquation {
         let analysis = self.analysis;
         let &Dependent { row, kind, mismatch, .. } = dependent;
-        let certificate = self.certificate(0, || analysis.because(row).ok());
+        let mut error = 0.0;
+        let mut certificate = self.certificate(0, || {
+            let (terms, of_terms) = analysis.checked(dependent);
+            error = of_terms;
+            Some(terms)
+        });
+        certificate.error = (error > analysis.options.tolerance.value()).then_some(error);
         DependentEquation::new(row + 1, self.system.equation_label(row), kind, mismatch, certificate)
     }
 

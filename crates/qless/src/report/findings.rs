@@ -59,6 +59,9 @@ pub struct Certificate {
     /// Whether terms are omitted.
     #[cfg_attr(feature = "serde", serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing"))]
     pub omitted: Omitted,
+    /// Error of the terms, [`Analysis::because_error`](crate::Analysis::because_error); the key is absent if it is at most the tolerance.
+    #[cfg_attr(feature = "serde", serde(rename = "because_error", skip_serializing_if = "Option::is_none"))]
+    pub error: Option<f64>,
 }
 
 /// `coefficient` times an equation.
@@ -119,7 +122,7 @@ impl GeneratedCondition {
 impl Certificate {
     /// A certificate with all of its terms.
     pub fn complete(because: Vec<Term>) -> Self {
-        Self { because, omitted: Omitted::Nothing }
+        Self { because, omitted: Omitted::Nothing, error: None }
     }
 
     /// The same with the labels of a system.
@@ -130,7 +133,7 @@ impl Certificate {
 
     /// A certificate whose terms are omitted.
     pub fn left_out(omitted: Omitted) -> Self {
-        Self { because: Vec::new(), omitted }
+        Self { because: Vec::new(), omitted, error: None }
     }
 }
 

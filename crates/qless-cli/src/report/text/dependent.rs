@@ -54,6 +54,10 @@ fn heading(kind: Kind) -> &'static str {
 fn entry(list: &EquationList, dependent: &DependentRow) -> Vec<String> {
     let because = (list.because)(dependent.row);
     let mut lines = combination::lines(list.equations, dependent.row, &because);
+    let error = (list.because_error)(dependent.row);
+    if error > 0.0 {
+        lines.push(format!("      these coefficients leave up to {} of their terms in a DOF", number(error)));
+    }
     if dependent.kind == Kind::Conflicting {
         lines.push(mismatch(list.equations, dependent, because.is_empty()));
     }

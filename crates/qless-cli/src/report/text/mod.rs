@@ -43,6 +43,8 @@ pub struct EquationList<'a> {
     pub equations: &'a dyn EquationLookup,
     pub dependent: Vec<DependentRow>,
     pub because: &'a dyn Fn(usize) -> Vec<CertificateTerm>,
+    /// Error of the certificate of a row.
+    pub because_error: &'a dyn Fn(usize) -> f64,
 }
 
 impl From<&qless::Dependent> for DependentRow {
@@ -55,6 +57,7 @@ impl From<&qless::Dependent> for DependentRow {
 /// The report of one process.
 pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> String {
     let because = |row| diagnosis.analysis.because(row).unwrap_or_default();
+    let because_error = |row| diagnosis.analysis.because_error(row).unwrap_or_default();
     let list = EquationList {
         input: &diagnosis.args.input,
         deck: diagnosis.deck.as_ref(),
@@ -62,6 +65,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) 
         equations: &diagnosis.system,
         dependent: diagnosis.analysis.dependent().iter().map(DependentRow::from).collect(),
         because: &because,
+        because_error: &because_error,
     };
     let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
     let mut doubts = confidence::near_dependence(diagnosis, report);

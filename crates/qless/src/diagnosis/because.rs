@@ -1,0 +1,161 @@
+//! Certificates in the user's equations, checked and refined.
+//!
+//! ```text
+//! row_k = sum_i c_i row_i             of a dependent equation k
+//! e_s   = sum_i c_i row_i             of a DOF s that the equations fix
+//!
+//! error = max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)
+//! refinement: what is left, row_k - sum c_i row_i, is itself expressed by the kept equations and added to c
+//! ```
+
+use std::collections::BTreeMap;
+
+use super::Analysis;
+use super::certificate::CertificateTerm;
+use super::classify::{Dependent, Source};
+use super::generated::{self, Explainer};
+use super::preferred_equations::add;
+use crate::common::argument::{ArgumentError, within};
+use crate::factor::backend::{Backend, BackendError};
+use crate::input::scale::ldexp;
+
+/// Most refinements; each gains the digits that the condition of the kept equations leaves.
+const REFINEMENTS: usize = 3;
+
+impl Analysis {
+    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row; empty for an independent one.
+    ///
+    /// The coefficients are checked and, if their error is above the tolerance, refined: [`Analysis::because_error`] is the error that is left.
+    /// For every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most `1e-11 / confidence.sigma_kept` of the largest part
+    /// `|c_i row_il|` of the certificate, whatever the sizes of equations.
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn because(&self, row: usize) -> Result<Vec<CertificateTerm>, ArgumentError> {
+        within("equation", row, self.kinds.len())?;
+        Ok(self.dependent_of(row).map_or_else(Vec::new, |dependent| self.checked(dependent).0))
+    }
+
+    /// Error of [`Analysis::because`]: `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs; 0 if it is at
+    /// most the tolerance. Costs as much as the certificate.
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn because_error(&self, row: usize) -> Result<f64, ArgumentError> {
+        within("equation", row, self.kinds.len())?;
+        let error = self.dependent_of(row).map_or(0.0, |dependent| self.checked(dependent).1);
+        Ok(if error > self.options.tolerance.value() { error } else { 0.0 })
+    }
+
+    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
+    ///
+    /// # Errors
+    /// [`BackendError`] if the block of the DOF cannot be factored again.
+    pub fn because_fixed(&self, dof: usize) -> Result<Vec<CertificateTerm>, BackendError> {
+        let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
+        self.expressed([(self.fixed[place], 1.0)])
+    }
+
+    /// The certificate with its error, refined while that brings it nearer to the tolerance.
+    pub(crate) fn checked(&self, dependent: &Dependent) -> (Vec<CertificateTerm>, f64) {
+        let terms = dependent.source.explain(&self.history);
+        if !self.options.check {
+            return (terms, 0.0);
+        }
+        let is_good = |(_, error): &(Vec<CertificateTerm>, f64)| *error <= self.options.tolerance.value();
+        let mut best = self.with_error(dependent.row, terms);
+        if !is_good(&best) {
+            // Terms that are rounding cost the whole error in DOFs that no other term has.
+            let pruned = self.with_error(dependent.row, self.pruned(&best.0));
+            best = if pruned.1 <= best.1 { pruned } else { best };
+        }
+        for _ in 0..REFINEMENTS {
+            if is_good(&best) {
+                break;
+            }
+            let left = self.parts(dependent.row, &best.0).into_iter().map(|(j, (left, _))| (j, left));
+            let Ok(correction) = self.expressed(left) else { break };
+            let mut sum = best.0.iter().map(|term| (term.row, term.coefficient)).collect();
+            correction.iter().for_each(|term| add(&mut sum, term.row, term.coefficient));
+            let better = self.with_error(dependent.row, terms_of(sum));
+            if better.1 >= best.1 {
+                break;
+            }
+            best = better;
+        }
+        best
+    }
+
+    /// Without terms below rounding of the largest one, in scaled units.
+    fn pruned(&self, terms: &[CertificateTerm]) -> Vec<CertificateTerm> {
+        let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
+        let largest = terms.iter().map(scaled).fold(0.0, f64::max);
+        let noise = terms.len() as f64 * f64::EPSILON * largest;
+        terms.iter().copied().filter(|term| scaled(term) > noise).collect()
+    }
+
+    /// What a certificate leaves of its equation, by local DOF, and the sum of the sizes of the parts. Coefficients that may be rounding
+    /// have no part in it, as in the analysis.
+    fn parts(&self, row: usize, terms: &[CertificateTerm]) -> BTreeMap<u32, (f64, f64)> {
+        let local = self.numbering.view(&self.system, self.system.rhs());
+        let mut parts: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
+        let own = CertificateTerm { row, coefficient: -1.0 };
+        let is_rounding = |i: usize, j: usize| {
+            let dof = self.numbering.dofs[j] as usize;
+            self.ignored.iter().any(|ignored| ignored.row == i && ignored.dof == dof)
+        };
+        for &CertificateTerm { row: i, coefficient } in terms.iter().chain([&own]) {
+            for (j, v) in local.row(i).filter(|&(j, _)| local.free()[j] && !is_rounding(i, j)) {
+                let (left, size) = parts.entry(j as u32).or_default();
+                *left -= coefficient * v;
+                *size += (coefficient * v).abs();
+            }
+        }
+        parts
+    }
+
+    fn with_error(&self, row: usize, terms: Vec<CertificateTerm>) -> (Vec<CertificateTerm>, f64) {
+        let error = |&(left, size): &(f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
+        let parts = self.parts(row, &terms);
+        let worst = parts.values().map(error).fold(0.0, |most, e| if e.is_nan() { f64::INFINITY } else { most.max(e) });
+        (terms, worst)
+    }
+
+    /// A vector of free DOFs, by local number, as a combination of the kept equations.
+    fn expressed(&self, vector: impl IntoIterator<Item = (u32, f64)>) -> Result<Vec<CertificateTerm>, BackendError> {
+        let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
+        let explainer = Explainer {
+            system: self.numbering.view(&self.system, self.system.rhs()),
+            basis: &self.basis,
+            blocks: &self.blocks,
+            history: &self.history,
+            scaling: &self.scaling,
+            backend: backend.as_ref(),
+            time: self.times.get_or_init(|| generated::times(&self.basis, self.numbering.dofs.len())),
+        };
+        explainer.because(vector).map(|terms| self.over_kept(terms))
+    }
+
+    /// Replaces equations that were given up for others by their certificates.
+    fn over_kept(&self, terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
+        let given = |row: usize| match &self.dependent_of(row)?.source {
+            Source::Given(because) => Some(because),
+            Source::Traced(..) => None,
+        };
+        if !terms.iter().any(|term| given(term.row).is_some()) {
+            return terms;
+        }
+        let mut sum = BTreeMap::new();
+        for CertificateTerm { row, coefficient } in terms {
+            match given(row) {
+                Some(parts) => parts.iter().for_each(|part| add(&mut sum, part.row, coefficient * part.coefficient)),
+                None => add(&mut sum, row, coefficient),
+            }
+        }
+        terms_of(sum)
+    }
+}
+
+fn terms_of(sum: BTreeMap<usize, f64>) -> Vec<CertificateTerm> {
+    sum.into_iter().map(|(row, coefficient)| CertificateTerm { row, coefficient }).collect()
+}

@@ -1,0 +1,75 @@
+//! Certificates are right in each DOF's own unit, or say that they are not.
+
+use qless::common::SplitMix64;
+use qless::{BackendChoice, CertificateTerm, ConstraintSystem, Options, SystemBuilder, analyse};
+
+/// Between -1.2 and 1.2, not near zero, times `10^-3..6`.
+fn offset(random: &mut SplitMix64) -> f64 {
+    let size = 0.2 + (random.next() >> 11) as f64 / (1_u64 << 53) as f64;
+    let sign = if random.next().is_multiple_of(2) { 1.0 } else { -1.0 };
+    sign * size * 10_f64.powi((random.next() % 10) as i32 - 3)
+}
+
+/// Rigid links in a plane, `u_(i+1) = u_i - w_i dy, v_(i+1) = v_i + w_i dx, w_(i+1) = w_i`, closed by a link over all of them.
+fn rigid_chain(links: usize, random: &mut SplitMix64) -> ConstraintSystem {
+    let mut builder = SystemBuilder::new(3 * (links + 1));
+    let mut link = |from: usize, to: usize, [dx, dy]: [f64; 2]| {
+        let (i, k) = (3 * from, 3 * to);
+        builder.equation([(k, 1.0), (i, -1.0), (i + 2, dy)], 0.0);
+        builder.equation([(k + 1, 1.0), (i + 1, -1.0), (i + 2, -dx)], 0.0);
+        builder.equation([(k + 2, 1.0), (i + 2, -1.0)], 0.0);
+    };
+    let mut sum = [0.0; 2];
+    for i in 0..links {
+        let own = std::array::from_fn(|_| offset(random));
+        (0..2).for_each(|k| sum[k] += own[k]);
+        link(i, i + 1, own);
+    }
+    link(0, links, sum);
+    builder.build().expect("valid")
+}
+
+/// `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)`.
+fn error_of(system: &ConstraintSystem, row: usize, because: &[CertificateTerm]) -> f64 {
+    let mut parts = vec![(0.0, 0.0); system.dofs()];
+    let own = CertificateTerm { row, coefficient: -1.0 };
+    for term in because.iter().chain([&own]) {
+        for (j, v) in system.matrix().row(term.row) {
+            parts[j].0 -= term.coefficient * v;
+            parts[j].1 += (term.coefficient * v).abs();
+        }
+    }
+    parts.iter().map(|&(left, size): &(f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size }).fold(0.0, f64::max)
+}
+
+#[test]
+fn closed_chains_of_very_different_links() {
+    let mut random = SplitMix64::new(17);
+    let (mut all, mut wrong) = (0, Vec::new());
+    for (links, count) in [(2, 20), (5, 20), (20, 20), (40, 20), (100, 10)] {
+        for _ in 0..count {
+            let chain = rigid_chain(links, &mut random);
+            for backend in [BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss] {
+                for presolve in [true, false] {
+                    let analysis =
+                        analyse(&chain, &Options { backend, presolve, ..Options::default() }).expect("valid");
+                    for d in analysis.dependent() {
+                        let because = analysis.because(d.row).expect("in range");
+                        let said = analysis.because_error(d.row).expect("in range");
+                        let error = error_of(&chain, d.row, &because);
+                        assert!(
+                            error <= 1e-9 || said >= error / 2.0,
+                            "{links} {backend:?} {presolve}: {error:e}, said {said:e}"
+                        );
+                        all += 1;
+                        if error > 1e-9 {
+                            wrong.push((links, backend, presolve, error));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    // Without refinement it is every third.
+    assert!(wrong.len() <= all / 20, "{} of {all} above 1e-9: {wrong:?}", wrong.len());
+}
