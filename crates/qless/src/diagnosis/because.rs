@@ -5,7 +5,7 @@
 //! e_s   = sum_i c_i row_i             of a DOF s that the equations fix
 //!
 //! error = max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)
-//! refinement: what is left, row_k - sum c_i row_i, is itself expressed by the kept equations and added to c
+//! refinement: what is left, row_k - sum c_i row_i, is itself expressed by the kept equations and added to c; not with large blocks
 //! ```
 
 use std::collections::BTreeMap;
@@ -19,13 +19,17 @@ use crate::common::argument::{ArgumentError, within};
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::scale::ldexp;
 
+/// Refinement factors a block again: one with more numbers (2 MiB) would cost more time and memory than a report may.
+const SMALL: usize = 1 << 18;
+
 /// Most refinements; each gains the digits that the condition of the kept equations leaves.
 const REFINEMENTS: usize = 3;
 
 impl Analysis {
     /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row; empty for an independent one.
     ///
-    /// The coefficients are checked and, if their error is above the tolerance, refined: [`Analysis::because_error`] is the error that is left.
+    /// The coefficients are checked and, if their error is above the tolerance and no block is large, refined:
+    /// [`Analysis::because_error`] is the error that is left.
     /// For every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most `1e-11 / confidence.sigma_kept` of the largest part
     /// `|c_i row_il|` of the certificate, whatever the sizes of equations.
     ///
@@ -70,7 +74,7 @@ impl Analysis {
             best = if pruned.1 <= best.1 { pruned } else { best };
         }
         for _ in 0..REFINEMENTS {
-            if is_good(&best) {
+            if is_good(&best) || self.blocks.iter().any(|block| block.rows.len() * block.dofs.len() > SMALL) {
                 break;
             }
             let left = self.parts(dependent.row, &best.0).into_iter().map(|(j, (left, _))| (j, left));
