@@ -105,8 +105,10 @@ impl Analysis {
         let mut parts: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
         let own = CertificateTerm { row, coefficient: -1.0 };
         let is_rounding = |i: usize, j: usize| {
+            // Ascending by row.
+            let first = self.ignored.partition_point(|ignored| ignored.row < i);
             let dof = self.numbering.dofs[j] as usize;
-            self.ignored.iter().any(|ignored| ignored.row == i && ignored.dof == dof)
+            self.ignored[first..].iter().take_while(|ignored| ignored.row == i).any(|ignored| ignored.dof == dof)
         };
         for &CertificateTerm { row: i, coefficient } in terms.iter().chain([&own]) {
             for (j, v) in local.row(i).filter(|&(j, _)| local.free()[j] && !is_rounding(i, j)) {
