@@ -73,3 +73,19 @@ fn closed_chains_of_very_different_links() {
     // Without refinement it is every third.
     assert!(wrong.len() <= all / 20, "{} of {all} above 1e-9: {wrong:?}", wrong.len());
 }
+
+/// `u1 + u3 / 2 = 1e-3`, `u2 + u3 / 2 = 1e12`, in one block without presolve.
+#[test]
+fn small_constants_stay_beside_large_ones() {
+    let mut builder = SystemBuilder::new(3);
+    builder.equation([(0, 1.0), (2, 0.5)], 1e-3);
+    builder.equation([(1, 1.0), (2, 0.5)], 1e12);
+    let system = builder.build().expect("valid");
+    for backend in [BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss] {
+        let options = Options { backend, presolve: false, ..Options::default() };
+        let reduction = analyse(&system, &options).expect("valid").reduction().expect("independent");
+        assert_eq!(reduction.masters(), [2]);
+        let u = reduction.expand(&[0.0], &[]).expect("one master");
+        assert!((u[0] - 1e-3).abs() <= 1e-12, "{backend:?}: {u:?}");
+    }
+}

@@ -41,7 +41,8 @@ impl<'a> Budget<'a> {
             error = of_terms;
             Some(terms)
         });
-        certificate.error = (error > analysis.options.tolerance.value()).then_some(error);
+        let is_shown = certificate.omitted == Omitted::Nothing;
+        certificate.error = (is_shown && error > analysis.options.tolerance.value()).then_some(error);
         DependentEquation::new(row + 1, self.system.equation_label(row), kind, mismatch, certificate)
     }
 
