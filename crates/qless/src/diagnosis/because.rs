@@ -19,8 +19,8 @@ use crate::common::argument::{ArgumentError, within};
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::scale::ldexp;
 
-/// Bytes that refinement may take to factor a block again: less than any analysis with a block of that size has freed before.
-const MEMORY: usize = 4 << 20;
+/// Refinement factors a block again: one with more numbers (2 MiB) would cost more time and memory than a report may.
+const SMALL: usize = 1 << 18;
 
 /// Most refinements; each gains the digits that the condition of the kept equations leaves.
 const REFINEMENTS: usize = 3;
@@ -28,9 +28,8 @@ const REFINEMENTS: usize = 3;
 impl Analysis {
     /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row; empty for an independent one.
     ///
-    /// The coefficients are checked and, if their error is above the tolerance and their block is small, refined:
+    /// The coefficients are checked and, if their error is above the tolerance and no block is large, refined:
     /// [`Analysis::because_error`] is the error that is left.
-    ///
     /// For every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most `1e-11 / confidence.sigma_kept` of the largest part
     /// `|c_i row_il|` of the certificate, whatever the sizes of equations.
     ///
@@ -58,7 +57,7 @@ impl Analysis {
     /// [`BackendError`] if the block of the DOF cannot be factored again.
     pub fn because_fixed(&self, dof: usize) -> Result<Vec<CertificateTerm>, BackendError> {
         let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
-        self.expressed([(self.fixed[place], 1.0)], self.options.memory)
+        self.expressed([(self.fixed[place], 1.0)])
     }
 
     /// The certificate with its error, refined while that brings it nearer to the tolerance.
@@ -75,11 +74,11 @@ impl Analysis {
             best = if pruned.1 <= best.1 { pruned } else { best };
         }
         for _ in 0..REFINEMENTS {
-            if is_good(&best) {
+            if is_good(&best) || self.blocks.iter().any(|block| block.rows.len() * block.dofs.len() > SMALL) {
                 break;
             }
             let left = self.parts(dependent.row, &best.0).into_iter().map(|(j, (left, _))| (j, left));
-            let Ok(correction) = self.expressed(left, MEMORY.min(self.options.memory)) else { break };
+            let Ok(correction) = self.expressed(left) else { break };
             let mut sum = best.0.iter().map(|term| (term.row, term.coefficient)).collect();
             correction.iter().for_each(|term| add(&mut sum, term.row, term.coefficient));
             let better = self.with_error(dependent.row, terms_of(sum));
@@ -128,13 +127,9 @@ impl Analysis {
         (terms, worst)
     }
 
-    /// A vector of free DOFs, by local number, as a combination of the kept equations; `memory` bounds the factorization of each block.
-    fn expressed(
-        &self,
-        vector: impl IntoIterator<Item = (u32, f64)>,
-        memory: usize,
-    ) -> Result<Vec<CertificateTerm>, BackendError> {
-        let backend: Box<dyn Backend> = self.options.backend.get(memory)?;
+    /// A vector of free DOFs, by local number, as a combination of the kept equations.
+    fn expressed(&self, vector: impl IntoIterator<Item = (u32, f64)>) -> Result<Vec<CertificateTerm>, BackendError> {
+        let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
         let explainer = Explainer {
             system: self.numbering.view(&self.system, self.system.rhs()),
             basis: &self.basis,
