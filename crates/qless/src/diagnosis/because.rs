@@ -41,7 +41,17 @@ impl Analysis {
     }
 
     /// Error of [`Analysis::because`]: `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs; 0 if it is at
-    /// most the tolerance. Costs as much as the certificate.
+    /// most the tolerance, and without [`Options::check`](crate::Options::check), which is no check at all. Costs as much as the certificate.
+    ///
+    /// ```
+    /// use qless::{Options, SystemBuilder, analyse};
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// builder.equation([(0, 2.0), (1, -2.0)], 0.0);
+    /// let analysis = analyse(&builder.build()?, &Options::default())?;
+    /// assert_eq!((analysis.because(1)?[0].coefficient, analysis.because_error(1)?), (2.0, 0.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`ArgumentError::OutOfRange`].
