@@ -41,7 +41,9 @@ impl Analysis {
     }
 
     /// Error of [`Analysis::because`]: `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs; 0 if it is at
-    /// most the tolerance, and without [`Options::check`](crate::Options::check), which is no check at all. Costs as much as the certificate.
+    /// most the tolerance, and without [`Options::check`](crate::Options::check), which is no check at all. Coefficients that the analysis
+    /// took for rounding (`ignored_coefficients` of reports) have no part in it: with them the error can be larger.
+    /// Costs as much as the certificate.
     ///
     /// ```
     /// use qless::{Options, SystemBuilder, analyse};
