@@ -96,6 +96,22 @@ fn a_difference_names_its_connected_part() {
     assert_says(&text, &parts);
 }
 
+/// In binary 0.1 + 0.2 is not 0.3.
+#[test]
+fn numbers_are_read_as_typed_or_as_stored() {
+    let place = Place::new();
+    typed(&place, "tenths", &["0.1 1 0.1", "0.2 2 0.2", "0.3 3 0.3"], "");
+    assert_says(
+        &place.run("check tenths --exact=typed"),
+        &["on the numbers as typed: rank 1 of 3, as in floating point."],
+    );
+    assert_says(
+        &place.run("check tenths --exact=stored"),
+        &["on the numbers as stored: rank 2 of 3 (floating point says 1)."],
+    );
+    assert_eq!(place.run("check tenths --exact=binary").code, 2);
+}
+
 #[test]
 fn a_doubtful_rank_is_confirmed_or_settled() {
     let place = Place::new();

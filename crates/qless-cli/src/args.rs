@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use qless::exact::Reading;
 use qless::{BackendChoice, Form, Options, Tolerance};
 use qless_bench::BenchArgs;
 use qless_io::case_files;
@@ -71,10 +72,18 @@ impl Command {
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Also compute the rank of the numbers as typed in exact arithmetic: 0.1 is 1/10, and no tolerance decides. This settles an
-    /// ambiguous rank if no coefficient was rounded before it was typed; verdict and exit code stay those of the analysis
-    #[arg(long)]
-    pub exact: bool,
+    /// Also compute the rank in exact arithmetic, where no tolerance decides: of the numbers as typed (0.1 is 1/10), or as stored (the
+    /// doubles themselves, for computed data). This settles an ambiguous rank if no coefficient was rounded before; verdict and exit code
+    /// stay those of the analysis
+    #[arg(
+        long,
+        value_name = "READING",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "typed",
+        value_parser = one_of(&READINGS)
+    )]
+    pub exact: Option<Reading>,
     /// Load case of a deck: its name (`step 2`), the number in the name, or `all`, which reports the worst one [default: all]
     #[arg(long, value_name = "CASE")]
     pub case: Option<String>,
@@ -223,6 +232,11 @@ pub enum Deny {
     /// Equations that are combinations of others
     Redundant,
 }
+
+const READINGS: [NamedValue<Reading>; 2] = [
+    ("typed", "The shortest decimal of each number: 0.1 is 1/10", Reading::Typed),
+    ("stored", "The double itself, a whole number times a power of two", Reading::Stored),
+];
 
 const BACKENDS: [NamedValue<BackendChoice>; 4] = [
     (

@@ -13,7 +13,7 @@ use crate::terminal::Progress;
 
 /// Prints the report; exit code 0, 1 or 4.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
-    if args.exact && args.model.format == ReportFormat::Vtu {
+    if args.exact.is_some() && args.model.format == ReportFormat::Vtu {
         return Err(CliFailure::Input(
             "--exact needs --format text, json or html; a vtu file shows no rank".to_owned(),
         ));
@@ -32,9 +32,9 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
         Question { options: args.model.options(), preferences: args.model.preferences(), choice: args.choice() };
     let mut diagnosis = diagnose(&args.model, question, &progress)?;
     diagnosis.add_near_dependence();
-    if args.exact {
+    if let Some(reading) = args.exact {
         progress.stage("exact arithmetic");
-        diagnosis.add_exact_rank()?;
+        diagnosis.add_exact_rank(reading)?;
     }
     // The plan takes time, and only the text report shows it.
     let obstacle = if args.model.format == ReportFormat::Text { clean::obstacle(&diagnosis) } else { None };

@@ -24,7 +24,7 @@ pub struct Diagnosis<'a> {
     pub analysis: Analysis,
     /// The deck of the system, if the input is a deck.
     pub deck: Option<DeckInput>,
-    /// The rank of the numbers as typed, with `--exact`.
+    /// The rank in exact arithmetic, with `--exact`.
     pub exact: Option<ExactRank>,
     /// If the rank is ambiguous: the analysis in which nearly dependent equations count as dependent.
     pub near_dependence: Option<NearDependence>,
@@ -131,9 +131,9 @@ impl Diagnosis<'_> {
         }
     }
 
-    /// Adds the rank of the numbers as typed, in exact arithmetic.
-    pub fn add_exact_rank(&mut self) -> Result<(), CliFailure> {
-        let standard = Settings::from(Reading::Typed);
+    /// Adds the rank in exact arithmetic.
+    pub fn add_exact_rank(&mut self, reading: Reading) -> Result<(), CliFailure> {
+        let standard = Settings::from(reading);
         // Each coefficient takes 24 bytes, for each of two primes.
         let fill = memory::remaining().map_or(standard.fill, |bytes| bytes / 48);
         let exact = exact::rank(&self.system, Settings { fill, ..standard }).map_err(|error| {

@@ -29,6 +29,11 @@ impl Tolerance {
             Self::Paper => 1e-5,
         }
     }
+
+    /// Whether it counts in the units of the equations.
+    pub(crate) fn is_absolute(self) -> bool {
+        self == Self::Paper
+    }
 }
 
 /// Which rank-revealing factorization works on what presolve leaves.

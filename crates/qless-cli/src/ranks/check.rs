@@ -58,7 +58,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
 fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
     let model = &args.model;
     let input = model.input.display();
-    if args.exact {
+    if args.exact.is_some() {
         return Err(CliFailure::Input(
             "--exact runs in one process only: leave it out, or leave out mpirun".to_owned(),
         ));

@@ -114,12 +114,13 @@ impl AttemptInput<'_> {
         };
         let largest = self.rows.rhs.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
         let mut most = [
+            u64::MAX - bits(fold(&|c| c.distance, 1.0, f64::min)),
             u64::MAX - bits(fold(&|c| c.sigma_kept, 1.0, f64::min)),
             bits(fold(&|c| c.sigma_dropped, 0.0, f64::max)),
             bits(largest),
         ];
         self.ranks.max(&mut most);
-        let largest = real(most[2]);
+        let largest = real(most[3]);
         let is_small = |solved: &LocalAnalysis| {
             let empty = |row: usize| solved.assigned.rows.row(row).next().is_none();
             solved
@@ -130,8 +131,8 @@ impl AttemptInput<'_> {
         };
         let mut doubts = [u64::from(solved.iter().any(|solved| solved.confidence().ambiguous || is_small(solved)))];
         self.ranks.max(&mut doubts);
-        let (sigma_kept, sigma_dropped) = (real(u64::MAX - most[0]), real(most[1]));
-        Confidence::of(sigma_kept, sigma_dropped, doubts[0] == 1)
+        let [distance, sigma_kept] = [most[0], most[1]].map(|bits| real(u64::MAX - bits));
+        Confidence::of(sigma_kept, real(most[2]), doubts[0] == 1).with_distance(distance)
     }
 
     /// Computes the rows of T for the peeled equations and sends them to the owners of their slaves. Calls `unsound` with each

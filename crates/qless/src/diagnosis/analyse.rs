@@ -12,7 +12,7 @@
 //!
 //! Each stage is a plain function from one owned value to the next.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -20,11 +20,14 @@ use rayon::prelude::*;
 use super::certificate::History;
 use super::classify::classify;
 use super::confidence::Confidence;
+use super::consistent::{ROUNDS, to_give_up};
+use super::distance::KeptRows;
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
 use super::preferred_equations::keep_preferred;
 use super::{Analysis, AnalysisError, confidence, generated, sensitivity};
 use crate::factor::backend::BackendError;
+use crate::factor::block::triangle::Triangle;
 use crate::factor::block::{self, Block, FactorContext};
 use crate::input::components::Labels;
 use crate::input::numbering::{Column, Exponents, LocalSystem, Numbering};
@@ -80,6 +83,8 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         scaling: &rows,
         preferences: &preferences,
         uncertain: &uncertain,
+        is_absolute: options.tolerance.is_absolute(),
+        absent: &BTreeSet::new(),
         context: FactorContext::new(backend.as_ref(), options.tolerance.value(), options.check, options.memory),
         started,
     };
@@ -90,6 +95,23 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
             run_in_best_scaling(&rows, &spreads, run_verified, |which| balanced(local, &exponents, &rows, which))?
         }
     };
+    let (mut verified, mut absent) = (verified, BTreeSet::new());
+    for _ in 0..ROUNDS {
+        let PassResult { basis, history, dependent, .. } = &verified.pass;
+        let wanted = &options.preferences.equations;
+        let more = to_give_up(local, (basis, history, dependent), &scaling, wanted, tolerance);
+        if more.is_empty() {
+            break;
+        }
+        let without: BTreeSet<usize> = absent.union(&more).copied().collect();
+        let tried = Pipeline { scaling: &scaling, absent: &without, ..pipeline }.run_verified(options.presolve)?;
+        let (before, after) = (verified.confidence, tried.confidence);
+        if 2.0 * after.sigma_kept < before.sigma_kept || (after.ambiguous && !before.ambiguous) {
+            break;
+        }
+        (verified, absent) = (tried, without);
+    }
+    let pipeline = Pipeline { absent: &absent, ..pipeline };
     let VerifiedPass { mut pass, held_back, confidence, .. } = verified;
     let preferred = &options.preferences.equations;
     let kept = keep_preferred(preferred, &mut pass.dependent, &pass.history, &scaling, tolerance);
@@ -116,7 +138,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         kept.unmet,
         backend.as_ref(),
     );
-    Ok(Analysis { ignored, ..analysis })
+    Ok(Analysis { ignored, ..analysis }.with_given_up(&absent))
 }
 
 /// The scaling of the rows, and how far apart the units of each component are; no scaling for the tolerance of the paper.
@@ -142,6 +164,9 @@ struct Pipeline<'a> {
     preferences: &'a SlavePreferences,
     /// (row, DOF) of coefficients that are rounding.
     uncertain: &'a HashSet<(u32, u32)>,
+    is_absolute: bool,
+    /// Equations that were given up for others.
+    absent: &'a BTreeSet<usize>,
     context: FactorContext<'a>,
     started: Instant,
 }
@@ -290,7 +315,7 @@ impl Pipeline<'_> {
     /// Adds the confidence. `doubted` are equations on which two runs disagree.
     fn with_confidence(
         &self,
-        pass: PassResult,
+        mut pass: PassResult,
         held_back: Vec<bool>,
         mut doubted: Vec<usize>,
     ) -> Result<VerifiedPass, AnalysisError> {
@@ -301,17 +326,26 @@ impl Pipeline<'_> {
         doubted.extend(confidence::doubted(dependent, self.local.system()));
         let near = basis.blocks.iter().filter(|block| !block.nearness.is_sound());
         doubted.extend(near.filter_map(|block| block.rows.first()).map(|&row| history.rows[row as usize] as usize));
-        let confidence = Confidence::new(&basis.blocks, sigma, dependent, &doubted);
+        let mut distance = 1.0;
+        if self.context.check {
+            let PassResult { blocks, triangles, .. } = &pass;
+            let kept = KeptRows { system: self.local, basis, history, scaling: self.scaling, blocks, triangles };
+            distance = kept.distance();
+        }
+        let confidence = Confidence::new(&basis.blocks, sigma, dependent, &doubted).with_distance(distance);
+        pass.triangles = Vec::new();
         Ok(VerifiedPass { pass, held_back, confidence, doubted })
     }
 
     /// One run of the stages. Rows held back skip presolve and go to the backend.
     fn run_stages(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
-        let Self { local, columns, scaling, preferences, uncertain, context, started } = *self;
-        let peeled = peel(local, columns, scaling, preferences, held_back);
+        let Self { local, columns, scaling, preferences, uncertain, is_absolute, absent, context, started } = *self;
+        let least = if is_absolute { context.tolerance } else { 0.0 };
+        let peeled = peel(local, columns, scaling, preferences, held_back, absent, least);
         let remaining = (0..local.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();
         let presolve_group = |names: Vec<u32>| {
-            gather(local, names, scaling, uncertain).map(|gathered| eliminate(gathered, context.tolerance, held_back))
+            gather(local, names, scaling, uncertain)
+                .map(|gathered| eliminate(gathered, context.tolerance, is_absolute, held_back))
         };
         let groups: Result<Vec<Eliminated>, _> = groups(local, remaining).into_par_iter().map(presolve_group).collect();
         let eliminated = Eliminated::join(groups.map_err(|row| AnalysisError::Range { row: row.0 })?);
@@ -323,15 +357,15 @@ impl Pipeline<'_> {
             RandomKeys::within_components(&Labels::of(local), local)
         };
         let random = if parts.is_empty() { Vec::new() } else { random_sides(&eliminated, &keys) };
-        let gather = |rows: &Vec<u32>| Block::new(&eliminated.rows, rows, local.free(), &random);
+        let gather = |rows: &Vec<u32>| Block::new(&eliminated.rows, rows, local.free(), &random, !is_absolute);
         let blocks: Vec<Block> = parts.iter().map(gather).collect();
         // Blocks are independent, so they run in parallel in the caller's pool; their order does not depend on the threads.
         let diagnose = |block: &Block| block::diagnose(block, context);
-        let diagnosed: Result<Vec<Diagnosed>, _> = match blocks.as_slice() {
+        let diagnosed: Result<Vec<(Diagnosed, Triangle)>, _> = match blocks.as_slice() {
             few @ ([] | [_]) => few.iter().map(diagnose).collect(),
             many => many.par_iter().map(diagnose).collect(),
         };
-        let diagnosed = diagnosed?;
+        let (diagnosed, triangles): (Vec<Diagnosed>, Vec<Triangle>) = diagnosed?.into_iter().unzip();
         let factored = Instant::now();
         let presolve = statistics(&peeled, &eliminated, &blocks);
         let dependent = classify(&eliminated, &diagnosed, scaling, context.tolerance);
@@ -345,6 +379,7 @@ impl Pipeline<'_> {
         Ok(PassResult {
             basis,
             blocks,
+            triangles,
             history,
             dependent,
             far_dependent,

@@ -140,7 +140,10 @@ impl Analysis {
     }
 
     /// A vector of free DOFs, by local number, as a combination of the kept equations.
-    fn expressed(&self, vector: impl IntoIterator<Item = (u32, f64)>) -> Result<Vec<CertificateTerm>, BackendError> {
+    pub(super) fn expressed(
+        &self,
+        vector: impl IntoIterator<Item = (u32, f64)>,
+    ) -> Result<Vec<CertificateTerm>, BackendError> {
         let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
         let explainer = Explainer {
             system: self.numbering.view(&self.system, self.system.rhs()),

@@ -22,8 +22,19 @@ pub struct Confidence {
     /// Their ratio; infinite (`null` in JSON) where nothing beyond rounding was dropped.
     #[cfg_attr(feature = "serde", serde(serialize_with = "finite_or_null"))]
     pub gap: f64,
+    /// Estimate of the smallest d such that changes `|E_ij| <= d |c_ij|` make the kept equations dependent, within a factor of their
+    /// number: 1 where they are triangular. No unit of an equation or a DOF changes it. In JSON `digits_kept`, which is `-log10 d`: the rank
+    /// stands unless coefficients are wrong in a digit before this one.
+    #[cfg_attr(feature = "serde", serde(rename = "digits_kept", serialize_with = "digits"))]
+    pub distance: f64,
     /// Whether another tolerance might give another rank or another verdict.
     pub ambiguous: bool,
+}
+
+#[cfg(feature = "serde")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
+fn digits<S: serde::Serializer>(distance: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    finite_or_null(&-distance.log10(), serializer)
 }
 
 #[cfg(feature = "serde")]
@@ -40,16 +51,27 @@ impl Confidence {
         Self::of(sigma_kept, sigma_dropped, !doubted.is_empty())
     }
 
-    /// From its parts, for what puts several analyses together: the gap is their ratio.
+    /// From its parts, for what puts several analyses together: the gap is their ratio, the distance 1.
     pub fn of(sigma_kept: f64, sigma_dropped: f64, ambiguous: bool) -> Self {
-        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
+        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, distance: 1.0, ambiguous }
+    }
+
+    /// The same with another distance from dependence.
+    ///
+    /// ```
+    /// assert_eq!(qless::Confidence::of(0.5, 0.0, false).with_distance(0.1).distance, 0.1);
+    /// ```
+    #[must_use]
+    pub fn with_distance(self, distance: f64) -> Self {
+        Self { distance, ..self }
     }
 
     /// Together with another of the same system that is in doubt: no more than that.
     pub(crate) fn or_less(self, other: Self) -> Self {
         let sigma_kept = self.sigma_kept.min(other.sigma_kept);
         let sigma_dropped = self.sigma_dropped.max(other.sigma_dropped);
-        Self::of(sigma_kept, sigma_dropped, self.ambiguous || other.ambiguous)
+        let distance = self.distance.min(other.distance);
+        Self::of(sigma_kept, sigma_dropped, self.ambiguous || other.ambiguous).with_distance(distance)
     }
 }
 

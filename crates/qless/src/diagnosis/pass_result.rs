@@ -12,6 +12,7 @@ use super::{Analysis, PresolveStatistics, Timings};
 use crate::common::identity::Identity;
 use crate::factor::backend::Backend;
 use crate::factor::block::Block;
+use crate::factor::block::triangle::Triangle;
 use crate::input::components::{Labels, components};
 use crate::input::numbering::{LocalSystem, Numbering};
 use crate::input::scale::Scaling;
@@ -24,6 +25,8 @@ use crate::{ConstraintSystem, Options};
 pub struct PassResult {
     pub basis: Basis,
     pub blocks: Vec<Block>,
+    /// Factors of what the blocks keep.
+    pub triangles: Vec<Triangle>,
     pub history: History,
     pub dependent: Vec<Dependent>,
     /// Dependent rows of the elimination that mostly consist of multiples of other rows.

@@ -7,6 +7,7 @@
 //! Rows whose slave is strictly larger than all other coefficients are peeled first. This set does not depend on the order of the
 //! rows. So an MPI rank can peel some of them by its own equations alone, and the result for the others does not change.
 
+use std::collections::BTreeSet;
 use std::hint::select_unpredictable;
 
 use crate::input::numbering::{Column, LocalSystem};
@@ -36,25 +37,36 @@ struct Peeling<'a> {
     tried: usize,
     /// Whether a slave must be strictly larger than all other coefficients of its row.
     strictly: bool,
+    /// Above which number its coefficient must be.
+    least: f64,
     out: Peeled,
 }
 
-/// Peels all rows except those of `held`, whose DOFs do not become slaves. `columns` counts all rows. Among several candidates of a row
-/// the most preferred one is the slave, then the first.
+/// Peels all rows but those that are `absent`, as if they were not there, and except those of `held`, whose DOFs do not become slaves.
+/// `columns` counts all rows. Among several candidates of a row
+/// the most preferred one is the slave, then the first. Its coefficient is above `least`, an absolute tolerance or 0.
 pub(crate) fn peel(
     system: LocalSystem,
     columns: &[Column],
     scaling: &Scaling,
     preferences: &SlavePreferences,
     held: &[bool],
+    absent: &BTreeSet<usize>,
+    least: f64,
 ) -> Peeled {
     let m = system.equations();
     let basis = Basis::with_capacity(m);
     let mut columns = columns.to_vec();
     system.prescribed().iter().for_each(|&(j, _)| columns[j].count = PRESCRIBED);
-    let out = Peeled { basis, remaining: vec![true; m] };
+    let mut out = Peeled { basis, remaining: vec![true; m] };
+    for &i in absent {
+        out.remaining[i] = false;
+        let free = system.parts(i).0.iter().filter(|&&j| system.free()[j as usize]);
+        free.for_each(|&j| columns[j as usize].leave(i as u32));
+    }
     let ready = vec![0; system.dofs() + 1];
-    let mut work = Peeling { system, scaling, preferences, columns, ready, top: 0, tried: 0, strictly: true, out };
+    let mut work =
+        Peeling { system, scaling, preferences, columns, ready, top: 0, tried: 0, strictly: true, least, out };
     for strictly in [true, false] {
         work.strictly = strictly;
         (0..m).filter(|&i| !held[i]).for_each(|i| work.try_with_followers(i));
@@ -134,6 +146,6 @@ impl Peeling<'_> {
             most = select_unpredictable(better, own, most);
         }
         let is_largest = most >= largest && (equals == 0 || !self.strictly);
-        (at != usize::MAX && is_largest).then_some(at)
+        (at != usize::MAX && is_largest && f64::from_bits(most) > self.least).then_some(at)
     }
 }

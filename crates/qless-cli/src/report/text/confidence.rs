@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use qless::diagnosis::NearDependent;
+use qless::exact::Reading;
 use qless::report::ExactFinding;
 use qless::{Kind, Report, Tolerance};
 
@@ -113,7 +114,15 @@ fn rank_line(report: &Report, exact: &ExactFinding) -> String {
         (true, false) => ", as in floating point, but not part by part.".to_owned(),
         (false, _) => format!(" (floating point says {}).", report.rank),
     };
-    format!("Exact arithmetic on the numbers as typed: rank {} of {}{floating}", exact.rank, report.input.rows)
+    let how = as_read(exact);
+    format!("Exact arithmetic on the numbers {how}: rank {} of {}{floating}", exact.rank, report.input.rows)
+}
+
+fn as_read(exact: &ExactFinding) -> &'static str {
+    match exact.reading {
+        Reading::Typed => "as typed",
+        Reading::Stored => "as stored",
+    }
 }
 
 fn same_ranks(exact: &ExactFinding) -> bool {
@@ -124,8 +133,10 @@ fn same_ranks(exact: &ExactFinding) -> bool {
 fn meaning(report: &Report, exact: &ExactFinding) -> Option<String> {
     let rank = exact.rank;
     match (report.confidence.ambiguous, same_ranks(exact), rank.cmp(&report.rank)) {
-        (true, true, _) => Some(format!("That confirms rank {rank}, for numbers meant as typed.")),
-        (true, false, _) => Some(format!("That settles the doubt, for numbers meant as typed: the rank is {rank}.")),
+        (true, true, _) => Some(format!("That confirms rank {rank}, for numbers meant {}.", as_read(exact))),
+        (true, false, _) => {
+            Some(format!("That settles the doubt, for numbers meant {}: the rank is {rank}.", as_read(exact)))
+        }
         (false, true, _) | (_, _, Ordering::Equal) => None,
         (_, _, Ordering::Greater) => Some(
             "To the last digit more equations are independent; rounded numbers can be that by accident.".to_owned(),

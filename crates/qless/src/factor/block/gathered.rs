@@ -64,8 +64,8 @@ impl Block {
         selected
     }
 
-    /// Gathers the given rows; `random` has a number for every row.
-    pub fn new(rows: &[WorkingRow], block: &[u32], is_free: &[bool], random: &[f64]) -> Self {
+    /// Gathers the given rows, scaled unless the tolerance is absolute; `random` has a number for every row.
+    pub fn new(rows: &[WorkingRow], block: &[u32], is_free: &[bool], random: &[f64], is_scaled: bool) -> Self {
         let all = || block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|entry| entry.dof));
         let sorted = |free: bool| {
             let mut dofs: Vec<u32> = all().filter(|&j| is_free[j as usize] == free).collect();
@@ -86,12 +86,12 @@ impl Block {
             certain: Vec::new(),
             random: Vec::new(),
         };
-        block.iter().for_each(|&i| gathered.push(&rows[i as usize], random[i as usize]));
+        block.iter().for_each(|&i| gathered.push(&rows[i as usize], random[i as usize], is_scaled));
         gathered
     }
 
-    fn push(&mut self, row: &WorkingRow, random: f64) {
-        let shift = -exponent(row.size.max(f64::MIN_POSITIVE));
+    fn push(&mut self, row: &WorkingRow, random: f64, is_scaled: bool) {
+        let shift = if is_scaled { -exponent(row.size.max(f64::MIN_POSITIVE)) } else { 0 };
         let part = |dofs: &[u32]| {
             let place = |entry: &Entry| Some((dofs.binary_search(&entry.dof).ok()?, ldexp(entry.value, shift)));
             let found = row.entries.iter().filter_map(place);

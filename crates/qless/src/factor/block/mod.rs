@@ -7,18 +7,20 @@
 pub(crate) mod dependent;
 mod gathered;
 pub(crate) mod tableau;
-mod triangle;
+pub(crate) mod triangle;
 
 use crate::factor::backend::BackendError;
 use crate::presolve::basis::Diagnosed;
 use dependent::Rows;
+use triangle::Triangle;
 
 pub(crate) use gathered::{Block, FactorContext};
 
-/// Which rows of a block depend on which, and how its DOFs can move.
-pub(crate) fn diagnose(block: &Block, means: FactorContext) -> Result<Diagnosed, BackendError> {
+/// Which rows of a block depend on which, and how its DOFs can move; with the factor of the kept rows.
+pub(crate) fn diagnose(block: &Block, means: FactorContext) -> Result<(Diagnosed, Triangle), BackendError> {
     let Rows { kept, order, dependent, nearness, triangle } = dependent::find(block, means)?;
     let rows = kept.iter().map(|&i| block.rows[i]).collect();
     let order = order.iter().map(|&k| k as u32).collect();
-    Ok(Diagnosed { kept: rows, order, dependent, nearness, vectors: triangle.vectors(block) })
+    let vectors = triangle.vectors(block);
+    Ok((Diagnosed { kept: rows, order, dependent, nearness, vectors }, triangle))
 }

@@ -124,10 +124,10 @@ impl Triangle {
     }
 
     /// `x` with `C_k x = b`, in the range of `C_k^T`.
-    fn shortest(&self, block: &Block, b: &VectorPair) -> VectorPair {
-        let mut x = vec![[0.0; 2]; block.matrix.cols];
+    pub fn shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
+        let mut x = vec![[0.0; W]; block.matrix.cols];
         for _ in 0..PASSES {
-            let mut step: VectorPair = self.times(block, &x);
+            let mut step = self.times(block, &x);
             step.iter_mut().zip(b).for_each(|(step, b)| step.iter_mut().zip(b).for_each(|(step, b)| *step -= b));
             self.normal(&mut step);
             self.subtract_from(block, &step, &mut x);
@@ -136,15 +136,15 @@ impl Triangle {
     }
 
     /// `Z <- (R^T R)^-1 Z`.
-    fn normal(&self, z: &mut VectorPair) {
+    fn normal<const W: usize>(&self, z: &mut Slab<W>) {
         self.factor.solve_slab_transposed(z);
         self.factor.solve_slab(z);
     }
 
     /// `C_k X`.
-    fn times(&self, block: &Block, x: &VectorPair) -> VectorPair {
+    fn times<const W: usize>(&self, block: &Block, x: &Slab<W>) -> Slab<W> {
         let product = |&k: &usize| {
-            let mut sum = [0.0; 2];
+            let mut sum = [0.0; W];
             block.matrix.row(k).for_each(|(j, v)| sum.iter_mut().zip(&x[j]).for_each(|(sum, x)| *sum += v * x));
             sum
         };
@@ -152,7 +152,7 @@ impl Triangle {
     }
 
     /// `X <- X - C_k^T W`.
-    fn subtract_from(&self, block: &Block, w: &VectorPair, x: &mut VectorPair) {
+    fn subtract_from<const W: usize>(&self, block: &Block, w: &Slab<W>, x: &mut Slab<W>) {
         for (&k, w) in self.rows.iter().zip(w) {
             block.matrix.row(k).for_each(|(j, v)| x[j].iter_mut().zip(w).for_each(|(x, w)| *x -= v * w));
         }

@@ -81,11 +81,12 @@ struct LowFillElimination<'a> {
     active: usize,
     filling: bool,
     tolerance: f64,
+    is_absolute: bool,
 }
 
 /// Eliminates without fill, and with some fill in large parts. Rows of `held` (by the user's row) are not used as pivot rows, but are
-/// classified if they become empty. DOFs of the result are local.
-pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> Eliminated {
+/// classified if they become empty. DOFs of the result are local. The tolerance is relative to the size of each row, or absolute.
+pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, is_absolute: bool, held: &[bool]) -> Eliminated {
     let Gathered { names, dofs, free: is_free, power, rows } = gathered;
     let m = rows.len();
     let mut work = LowFillElimination {
@@ -104,6 +105,7 @@ pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> El
         active: m,
         filling: false,
         tolerance,
+        is_absolute,
     };
     work.count();
     work.close_empty();

@@ -9,10 +9,11 @@ impl LowFillElimination<'_> {
     pub(super) fn settle(&mut self, i: u32) -> bool {
         let largest = self.largest(i);
         let row = &self.out.rows[i as usize];
-        if largest > SUSPECT * row.size {
+        let size = if self.is_absolute { 1.0 } else { row.size };
+        if largest > SUSPECT * size {
             return false;
         }
-        if largest > self.tolerance * row.size {
+        if largest > self.tolerance * size {
             self.state[i as usize] = EquationState::Held;
             return true;
         }

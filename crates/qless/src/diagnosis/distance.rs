@@ -1,0 +1,130 @@
+//! How far the kept equations are from dependence: the smallest d such that some E with `|E_ij| <= d |K_ij|` makes K + E rank deficient.
+//!
+//! ```text
+//! d >= 1 / rho(|K| |X|)    for any X with K X = I       (y^T (K + E) = 0  ->  |y|^T <= d |y|^T |K| |X|)
+//! rho = 1                  for triangular parts; so only cores are looked at
+//! v <- |K| |X| v           power method from v = 1; (|X| v)_j as the root mean square of (X (v * s))_j over random signs s
+//! ```
+//!
+//! X is what was factored: steps of elimination, then the shortest solution of each block, then back substitution. Rows and columns
+//! may be scaled by any numbers: rho stays.
+
+use rayon::prelude::*;
+
+use super::certificate::History;
+use super::core::{Core, cores};
+use crate::common::random::signed;
+use crate::factor::block::Block;
+use crate::factor::block::triangle::Triangle;
+use crate::input::numbering::LocalSystem;
+use crate::input::scale::{Scaling, ldexp};
+use crate::presolve::basis::Basis;
+
+/// Right-hand sides of random signs at a time.
+const SIGNS: usize = 8;
+/// Steps of the power method.
+const STEPS: usize = 3;
+/// Of the random signs.
+const SEED: u64 = 0x2545_f491;
+
+type Lanes = [f64; SIGNS];
+
+/// The kept equations with their factors.
+pub(crate) struct KeptRows<'a> {
+    pub system: LocalSystem<'a>,
+    pub basis: &'a Basis,
+    pub history: &'a History,
+    pub scaling: &'a Scaling,
+    pub blocks: &'a [Block],
+    pub triangles: &'a [Triangle],
+}
+
+impl KeptRows<'_> {
+    /// The estimate of d, at most 1.
+    pub fn distance(&self) -> f64 {
+        let cores = cores(self.system, &self.candidates());
+        if cores.is_empty() {
+            return 1.0;
+        }
+        let of_core = |rho: f64| if rho >= 1.0 { 1.0 / rho } else { f64::from(rho < 1.0) };
+        self.growths(&cores).into_iter().map(of_core).fold(1.0, f64::min)
+    }
+
+    /// Kept rows that were not peeled, ascending.
+    fn candidates(&self) -> Vec<u32> {
+        let name = |&row: &u32| self.history.rows[row as usize];
+        let of_blocks = self.basis.blocks.iter().flat_map(|block| &block.rows);
+        let mut rows: Vec<u32> = self.history.steps.iter().chain(of_blocks).map(name).collect();
+        rows.sort_unstable();
+        rows
+    }
+
+    /// rho of each core.
+    fn growths(&self, cores: &[Core]) -> Vec<f64> {
+        let mut weights: Vec<Vec<f64>> = cores.iter().map(|core| vec![1.0; core.rows.len()]).collect();
+        let mut growth = vec![1.0; cores.len()];
+        let mut sides = vec![None; self.system.equations()];
+        for step in 0..STEPS {
+            for (core, weights) in cores.iter().zip(&weights) {
+                for ((&row, weight), k) in core.rows.iter().zip(weights).zip(0..) {
+                    let sign = |lane: usize| signed(SEED + (step * SIGNS + lane) as u64, k).signum();
+                    sides[row as usize] = Some(std::array::from_fn(|lane| weight * sign(lane)));
+                }
+            }
+            let u = self.solved(&sides);
+            let size = |j: u32| (u[j as usize].iter().map(|u| u * u).sum::<f64>() / SIGNS as f64).sqrt();
+            for ((core, weights), growth) in cores.iter().zip(&mut weights).zip(&mut growth) {
+                let entry = |i: u32, j: u32, v: f64| self.scaling.entry(i as usize, j as usize, v).abs();
+                for ((weight, &i), entries) in weights.iter_mut().zip(&core.rows).zip(&core.entries) {
+                    *weight = entries.iter().map(|&(j, v)| entry(i, j, v) * size(j)).sum();
+                }
+                *growth = weights.iter().fold(0.0, |most: f64, w| if *w <= most { most } else { *w });
+                weights.iter_mut().for_each(|w| *w /= *growth);
+            }
+        }
+        growth
+    }
+
+    /// `X g` for right-hand sides by the user's row, in scaled rows and columns, by DOF.
+    fn solved(&self, sides: &[Option<Lanes>]) -> Vec<Lanes> {
+        let Self { system, basis, history, scaling, .. } = *self;
+        let mut after: Vec<Lanes> = Vec::with_capacity(history.steps.len());
+        let own = |row: u32| sides[history.rows[row as usize] as usize].unwrap_or_default();
+        let side = |row: u32, after: &[Lanes]| {
+            let mut side = own(row);
+            for &(step, factor) in &history.factors[row as usize] {
+                add(&mut side, -factor, &after[step as usize]);
+            }
+            side
+        };
+        for &row in &history.steps {
+            after.push(side(row, &after));
+        }
+        let mut u = vec![Lanes::default(); system.dofs()];
+        let of_block = |(block, triangle): (&Block, &Triangle)| {
+            let right = |&i: &usize| side(block.rows[i], &after).map(|v| ldexp(v, block.exponents[i]));
+            triangle.shortest(block, &triangle.rows.iter().map(right).collect())
+        };
+        let solved: Vec<Vec<Lanes>> = self.blocks.par_iter().zip(self.triangles).map(of_block).collect();
+        for (block, x) in self.blocks.iter().zip(solved) {
+            block.dofs.iter().zip(x).for_each(|(&j, x)| u[j as usize] = x);
+        }
+        let first = basis.peeled.len();
+        for t in (first..basis.rows()).rev() {
+            let slave = basis.slave(t);
+            let row = basis.row(system, t);
+            let pivot = basis.pivot(t, &row, scaling);
+            let mut sum = after[t - first].map(|v| v / pivot);
+            for (j, v) in row.entries() {
+                add(&mut sum, ldexp(v, scaling.col(j as usize) - scaling.col(slave as usize)), &u[j as usize]);
+            }
+            u[slave as usize] = sum;
+        }
+        u
+    }
+}
+
+/// `a <- a + v b`.
+fn add(a: &mut Lanes, v: f64, b: &Lanes) {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += v * b);
+}
