@@ -12,7 +12,7 @@
 //!
 //! Each stage is a plain function from one owned value to the next.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -20,7 +20,6 @@ use rayon::prelude::*;
 use super::certificate::History;
 use super::classify::classify;
 use super::confidence::Confidence;
-use super::consistent::{ROUNDS, to_give_up};
 use super::distance::KeptRows;
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
@@ -84,7 +83,6 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         preferences: &preferences,
         uncertain: &uncertain,
         is_absolute: options.tolerance.is_absolute(),
-        absent: &BTreeSet::new(),
         context: FactorContext::new(backend.as_ref(), options.tolerance.value(), options.check, options.memory),
         started,
     };
@@ -95,23 +93,6 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
             run_in_best_scaling(&rows, &spreads, run_verified, |which| balanced(local, &exponents, &rows, which))?
         }
     };
-    let (mut verified, mut absent) = (verified, BTreeSet::new());
-    for _ in 0..ROUNDS {
-        let PassResult { basis, history, dependent, .. } = &verified.pass;
-        let wanted = &options.preferences.equations;
-        let more = to_give_up(local, (basis, history, dependent), &scaling, wanted, tolerance);
-        if more.is_empty() {
-            break;
-        }
-        let without: BTreeSet<usize> = absent.union(&more).copied().collect();
-        let tried = Pipeline { scaling: &scaling, absent: &without, ..pipeline }.run_verified(options.presolve)?;
-        let (before, after) = (verified.confidence, tried.confidence);
-        if 2.0 * after.sigma_kept < before.sigma_kept || (after.ambiguous && !before.ambiguous) {
-            break;
-        }
-        (verified, absent) = (tried, without);
-    }
-    let pipeline = Pipeline { absent: &absent, ..pipeline };
     let VerifiedPass { mut pass, held_back, confidence, .. } = verified;
     let preferred = &options.preferences.equations;
     let kept = keep_preferred(preferred, &mut pass.dependent, &pass.history, &scaling, tolerance);
@@ -138,7 +119,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         kept.unmet,
         backend.as_ref(),
     );
-    Ok(Analysis { ignored, ..analysis }.with_given_up(&absent))
+    Ok(Analysis { ignored, ..analysis })
 }
 
 /// The scaling of the rows, and how far apart the units of each component are; no scaling for the tolerance of the paper.
@@ -165,8 +146,6 @@ struct Pipeline<'a> {
     /// (row, DOF) of coefficients that are rounding.
     uncertain: &'a HashSet<(u32, u32)>,
     is_absolute: bool,
-    /// Equations that were given up for others.
-    absent: &'a BTreeSet<usize>,
     context: FactorContext<'a>,
     started: Instant,
 }
@@ -339,9 +318,9 @@ impl Pipeline<'_> {
 
     /// One run of the stages. Rows held back skip presolve and go to the backend.
     fn run_stages(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
-        let Self { local, columns, scaling, preferences, uncertain, is_absolute, absent, context, started } = *self;
+        let Self { local, columns, scaling, preferences, uncertain, is_absolute, context, started } = *self;
         let least = if is_absolute { context.tolerance } else { 0.0 };
-        let peeled = peel(local, columns, scaling, preferences, held_back, absent, least);
+        let peeled = peel(local, columns, scaling, preferences, held_back, least);
         let remaining = (0..local.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();
         let presolve_group = |names: Vec<u32>| {
             gather(local, names, scaling, uncertain)

@@ -140,10 +140,7 @@ impl Analysis {
     }
 
     /// A vector of free DOFs, by local number, as a combination of the kept equations.
-    pub(super) fn expressed(
-        &self,
-        vector: impl IntoIterator<Item = (u32, f64)>,
-    ) -> Result<Vec<CertificateTerm>, BackendError> {
+    fn expressed(&self, vector: impl IntoIterator<Item = (u32, f64)>) -> Result<Vec<CertificateTerm>, BackendError> {
         let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
         let explainer = Explainer {
             system: self.numbering.view(&self.system, self.system.rhs()),

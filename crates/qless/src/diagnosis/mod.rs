@@ -5,7 +5,6 @@ mod because;
 pub(crate) mod certificate;
 pub(crate) mod classify;
 pub(crate) mod confidence;
-mod consistent;
 mod core;
 mod distance;
 pub mod exact;

@@ -7,7 +7,6 @@
 //! Rows whose slave is strictly larger than all other coefficients are peeled first. This set does not depend on the order of the
 //! rows. So an MPI rank can peel some of them by its own equations alone, and the result for the others does not change.
 
-use std::collections::BTreeSet;
 use std::hint::select_unpredictable;
 
 use crate::input::numbering::{Column, LocalSystem};
@@ -42,8 +41,7 @@ struct Peeling<'a> {
     out: Peeled,
 }
 
-/// Peels all rows but those that are `absent`, as if they were not there, and except those of `held`, whose DOFs do not become slaves.
-/// `columns` counts all rows. Among several candidates of a row
+/// Peels all rows except those of `held`, whose DOFs do not become slaves. `columns` counts all rows. Among several candidates of a row
 /// the most preferred one is the slave, then the first. Its coefficient is above `least`, an absolute tolerance or 0.
 pub(crate) fn peel(
     system: LocalSystem,
@@ -51,19 +49,13 @@ pub(crate) fn peel(
     scaling: &Scaling,
     preferences: &SlavePreferences,
     held: &[bool],
-    absent: &BTreeSet<usize>,
     least: f64,
 ) -> Peeled {
     let m = system.equations();
     let basis = Basis::with_capacity(m);
     let mut columns = columns.to_vec();
     system.prescribed().iter().for_each(|&(j, _)| columns[j].count = PRESCRIBED);
-    let mut out = Peeled { basis, remaining: vec![true; m] };
-    for &i in absent {
-        out.remaining[i] = false;
-        let free = system.parts(i).0.iter().filter(|&&j| system.free()[j as usize]);
-        free.for_each(|&j| columns[j as usize].leave(i as u32));
-    }
+    let out = Peeled { basis, remaining: vec![true; m] };
     let ready = vec![0; system.dofs() + 1];
     let mut work =
         Peeling { system, scaling, preferences, columns, ready, top: 0, tried: 0, strictly: true, least, out };
