@@ -23,8 +23,9 @@ pub struct Confidence {
     #[cfg_attr(feature = "serde", serde(serialize_with = "finite_or_null"))]
     pub gap: f64,
     /// Estimate of the smallest d such that changes `|E_ij| <= d |c_ij|` make the kept equations dependent, within a factor of their
-    /// number: 1 where they are triangular. No unit of an equation or a DOF changes it. In JSON `digits_kept`, which is `-log10 d`: the rank
-    /// stands unless coefficients are wrong in a digit before this one.
+    /// number: 1 where they are triangular, and without [`crate::Options::check`]. d has no unit; the estimate can differ where other units
+    /// lead to other kept equations. In JSON `digits_kept`, which is `-log10 d`: the rank stands unless coefficients are wrong in a digit
+    /// before this one. It does not decide what is ambiguous.
     #[cfg_attr(feature = "serde", serde(rename = "digits_kept", serialize_with = "digits"))]
     pub distance: f64,
     /// Whether another tolerance might give another rank or another verdict.
@@ -34,7 +35,7 @@ pub struct Confidence {
 #[cfg(feature = "serde")]
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
 fn digits<S: serde::Serializer>(distance: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    finite_or_null(&-distance.log10(), serializer)
+    finite_or_null(&(0.0 - distance.log10()), serializer)
 }
 
 #[cfg(feature = "serde")]

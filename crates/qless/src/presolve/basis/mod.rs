@@ -242,18 +242,6 @@ impl Basis {
         }
     }
 
-    /// The solution with masters at zero, outside of blocks, by DOF.
-    pub fn particular(&self, system: LocalSystem, scaling: &Scaling) -> Vec<f64> {
-        let mut u = vec![0.0; system.dofs()];
-        system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
-        for block in &self.blocks {
-            let particular = block.dofs.iter().zip(&block.vectors.particular);
-            particular.for_each(|(&j, &x)| u[j as usize] = ldexp(x, scaling.col(j as usize)));
-        }
-        self.complete(system, &mut u);
-        u
-    }
-
     /// Computes the slaves in u, which holds masters and prescribed DOFs.
     pub fn complete(&self, system: LocalSystem, u: &mut [f64]) {
         self.complete_with(system, &self.constants, u);

@@ -1,4 +1,4 @@
-//! Small systems whose verdict is certain, on every backend, with and without presolve.
+//! The paper's tolerance, on every backend, with and without presolve.
 
 use qless::{BackendChoice, ConstraintSystem, Options, SystemBuilder, Tolerance, analyse};
 
