@@ -63,26 +63,21 @@ fn fault(case: &Case, system: &ConstraintSystem, analysis: &Analysis) -> Option<
     }
 }
 
-/// A system at relative distance d from lower rank must get the full rank if `d > 100 t` and the lower rank if `d < t / 100`, for the
-/// tolerance t. Between these limits either rank is right. A flagged rank is accepted too, and for d below 1e-6 the flag is required;
-/// above that the gap to rounding is large (`rbe2_nearly_collinear`, 3e-6, is not flagged).
+/// A flagged rank is right, and so is the exact one: equations that are triangular are independent, however near a lower rank is by their
+/// singular values. At a relative distance d from lower rank below `100 t`, for the tolerance t, the lower rank is right as well, if flagged.
 fn ambiguous_fault(expected: &Expected, analysis: &Analysis) -> Option<String> {
-    const T: f64 = 1e-10;
     let (full, low) = (expected.rank?, expected.rank_low.or(expected.rank)?);
+    let (rank, is_flagged) = (analysis.rank(), analysis.confidence().ambiguous);
     let distance = expected.rel_distance.unwrap_or(T);
-    let (least, most) = if distance > 100.0 * T {
-        (full, full)
-    } else if distance < T / 100.0 {
-        (low, low)
-    } else {
-        (low, full)
-    };
-    let rank = analysis.rank();
-    if !(least..=most).contains(&rank) && !analysis.confidence().ambiguous {
-        return Some(format!("rank {rank}, neither {least} to {most} nor flagged"));
+    let least = if distance > 100.0 * T { full } else { low };
+    if !(least..=full).contains(&rank) && !is_flagged {
+        return Some(format!("rank {rank}, neither {least} to {full} nor flagged"));
     }
-    (!analysis.confidence().ambiguous && distance < 1e-6).then(|| "not flagged as ambiguous".to_owned())
+    (!is_flagged && rank != full && distance < 1e-6).then(|| "not flagged as ambiguous".to_owned())
 }
+
+/// The tolerance.
+const T: f64 = 1e-10;
 
 /// Checks that `row_k - sum c_i row_i` vanishes on the free DOFs for the first dependent rows.
 fn certificates(system: &ConstraintSystem, analysis: &Analysis) -> Option<String> {
@@ -161,8 +156,8 @@ fn run(part: &str, options: &Options) -> Vec<String> {
             case.expected.class,
             system.equations(),
             analysis.rank(),
-            analysis.confidence().sigma_kept,
-            analysis.confidence().sigma_dropped,
+            analysis.confidence().distance,
+            analysis.confidence().error,
             reduction.growth(),
             mid.as_secs_f64(),
             start.elapsed().as_secs_f64(),

@@ -42,7 +42,7 @@ fn a_reduction_meets_the_equations() {
     let reduction = analysis.reduction().expect("within the gate");
     assert!(analysis.presolve().largest_block > 1200, "{:?}", analysis.presolve());
     assert!(reduction.growth() <= 4.0, "growth {}", reduction.growth());
-    let limit = 1e-13 / analysis.confidence().sigma_kept;
+    let limit = 1e-13 / analysis.confidence().distance;
     let residual = analysis.residual(&reduction).expect("its own DOFs");
     assert!(residual <= limit, "residual {residual:e}, limit {limit:e}");
     check_reduction(&scene.system, &analysis, &reduction, limit);

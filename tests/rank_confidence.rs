@@ -11,6 +11,8 @@ mod rank_confidence {
     mod checks;
     /// Two unconnected systems analysed together give the results that each gives alone.
     mod component_law;
+    /// Exact arithmetic confirms what is sure.
+    mod exact;
     /// Doubt never disappears as a system gets worse.
     mod monotone;
     /// Random systems of several classes.
@@ -23,6 +25,8 @@ mod rank_confidence {
     mod svd_reference;
     /// Coefficients of 1e-25 to 1e-300 together with normal ones.
     mod tiny_coefficients;
-    /// Residual check, sigma, rank and false alarms over all systems.
+    /// The same verdict in all units of equations and DOFs.
+    mod units;
+    /// Residual check, rank and false alarms over all systems.
     mod verdicts;
 }

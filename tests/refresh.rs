@@ -70,7 +70,7 @@ fn check(system: &ConstraintSystem, options: &Options, rhs: &[f64], prescribed: 
         assert!((a - b.mismatch).abs() <= 1e-12 * largest(rhs.iter().copied()), "{a}, fresh {}", b.mismatch);
     }
     // The results also satisfy C u = b, up to the condition number.
-    check_reduction(&other, &fresh, &reduction, 1e-12_f64.max(1e-13 / fresh.confidence().sigma_kept));
+    check_reduction(&other, &fresh, &reduction, 1e-12_f64.max(1e-13 / fresh.confidence().distance));
     (analysis, reduction)
 }
 

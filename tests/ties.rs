@@ -167,7 +167,7 @@ fn fault(name: &str, scene: &Scene, options: &Options) -> Option<String> {
 
 fn confidence(analysis: &Analysis) -> String {
     let doubt = if analysis.confidence().ambiguous { "ambiguous" } else { "sure" };
-    format!("{doubt} at sigma {:.1e}", analysis.confidence().sigma_kept)
+    format!("{doubt} at distance {:.1e}", analysis.confidence().distance)
 }
 
 /// `max_i |C_i u - b_i| / (sum_j |C_ij u_j| + |b_i|)` for random masters: every row in its own measure, from the user's

@@ -23,7 +23,7 @@ fn every_load_case_has_an_entry() {
     place.file("steps.inp", steps(&[QUIET, QUIET, CONFLICT]));
     let run = place.run("check -q steps.inp --format json");
     let report = run.json();
-    assert_eq!((run.code, &report["schema"], &report["status"]), (1, &json!("qless.report/2"), &json!("conflicting")));
+    assert_eq!((run.code, &report["schema"], &report["status"]), (1, &json!("qless.report/3"), &json!("conflicting")));
     let of = |key: &str| -> Vec<Value> {
         report["cases"].as_array().expect("a list").iter().map(|case| case[key].clone()).collect()
     };

@@ -33,9 +33,9 @@ fn sorted<const N: usize>(mut keys: [&str; N]) -> Vec<&str> {
 fn every_key_of_the_contract_is_there() {
     let report = Place::new().paper("case", 1.0).run("check case --format json").json();
     assert_eq!(keys(&report), sorted(KEYS));
-    assert_eq!(report["schema"], "qless.report/2");
+    assert_eq!(report["schema"], "qless.report/3");
     assert_eq!(report["input"], json!({"rows": 3, "dofs": 3, "nnz": 9, "free": 3, "prescribed": 0}));
-    assert_eq!(keys(&report["confidence"]), sorted(["sigma_kept", "sigma_dropped", "gap", "digits_kept", "ambiguous"]));
+    assert_eq!(keys(&report["confidence"]), sorted(["digits_kept", "digits_dropped", "ambiguous", "doubt"]));
     assert_eq!(keys(&report["backend"]), ["name", "threads", "version"]);
     assert_eq!(keys(&report["timings_ms"]), sorted(["read", "presolve", "factor", "classify", "reduce", "total"]));
     for key in ["core_rows", "core_dofs", "blocks", "largest_block", "rows_found_dependent"] {

@@ -62,7 +62,7 @@ fn certificates_hold_in_graded_rows_and_mixed_units(backend: BackendChoice) {
 /// Checks all certificates; returns their number.
 fn check(name: &str, system: &ConstraintSystem, units: &[f64], options: &Options) -> usize {
     let analysis = diagnose(system, options);
-    let limit = PRECISION / analysis.confidence().sigma_kept;
+    let limit = PRECISION / analysis.confidence().distance;
     for dependent in analysis.dependent() {
         assert_ne!(analysis.kinds()[dependent.row], Kind::Independent);
         let left = left(system, units, &analysis, dependent.row);

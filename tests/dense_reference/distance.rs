@@ -1,13 +1,43 @@
-//! The distance of the kept rows from dependence, against its exact value for small systems and a dense bound for larger ones.
+//! `rank = #{sigma_i > tolerance}` by a dense SVD of the equilibrated rows, and the distance of the kept rows from dependence.
 
 use ::faer::Mat;
 use ::faer::linalg::solvers::DenseSolveCore;
-use qless::{BackendChoice, ConstraintSystem, SystemBuilder};
-use qless_scenes::Rng;
+use qless::{BackendChoice, ConstraintSystem, Options, SystemBuilder, Tolerance};
+use qless_scenes::families::{self, Near};
+use qless_scenes::oracle::singular_values;
+use qless_scenes::{Rng, Scene};
 
+use super::scenes::{definite, steep};
 use crate::support::{diagnose, settings};
 
-on_each_backend!(distance_is_near_the_true_one, distance_is_near_the_dense_bound,);
+on_each_backend!(
+    rank_is_the_number_of_singular_values,
+    distance_is_near_the_true_one,
+    distance_is_near_the_dense_bound,
+    distance_falls_with_nearness,
+);
+
+/// Rounding of the SVD, relative to the largest singular value.
+const ROUNDING: f64 = 1e-13;
+
+fn tolerance(options: &Options) -> f64 {
+    let Tolerance::Relative(tolerance) = options.tolerance else { panic!("relative by default") };
+    tolerance
+}
+
+fn rank_is_the_number_of_singular_values(backend: BackendChoice) {
+    for (name, scene) in definite() {
+        let values = singular_values(&scene.system).expect("within reach");
+        for options in settings(backend) {
+            let found = diagnose(&scene.system, &options).rank();
+            let rank = values.iter().filter(|&&sigma| sigma > tolerance(&options)).count();
+            assert_eq!(found, rank, "{name}, presolve {}: {values:?}", options.presolve);
+            assert_eq!(scene.truth.rank_free.unwrap_or(rank), rank, "{name}: by construction");
+            let zero = values.get(rank).map_or(0.0, |sigma| sigma / values[0]);
+            assert!(values[rank - 1] > 1e-4 && zero < ROUNDING, "{name} is definite: {values:?}");
+        }
+    }
+}
 
 /// `1 / rho(|K| |K^-1|)` of a square K, by 200 steps of the power method.
 fn dense_distance(k: &Mat<f64>) -> f64 {
@@ -89,5 +119,68 @@ fn distance_is_near_the_dense_bound(backend: BackendChoice) {
                 assert!((0.05..50.0).contains(&factor), "{n}, 1e-{digits}: {factor:e} of {bound:e}");
             }
         }
+    }
+}
+
+/// The rank is full, and in doubt from 1e-7.
+fn distance_falls_with_nearness(backend: BackendChoice) {
+    for digits in 3..=9 {
+        for column in [Near::Own, Near::Shared] {
+            let system = families::near(10, 10_f64.powi(-digits), column).expect("in range").system;
+            let confidence = diagnose(&system, &Options { backend, ..Options::default() }).confidence();
+            let distance = -confidence.distance.log10();
+            assert!((distance - f64::from(digits)).abs() < 2.0, "1e-{digits}: {confidence:?}");
+            assert!(confidence.ambiguous || digits < 7, "1e-{digits}: {confidence:?}");
+        }
+    }
+}
+
+/// The systems called ambiguous though their singular values are above 1e-4 or rounding.
+fn doubted(options: &Options) -> Vec<&'static str> {
+    let needless = |(name, scene): (&'static str, Scene)| {
+        let values = singular_values(&scene.system).expect("within reach");
+        let confidence = diagnose(&scene.system, options).confidence();
+        let doubtful = |sigma: &f64| (ROUNDING..=1e-4).contains(&(sigma / values[0]));
+        (confidence.ambiguous && !values.iter().any(doubtful)).then_some(name)
+    };
+    definite().into_iter().chain(steep()).filter_map(needless).collect()
+}
+
+#[test]
+fn no_doubt_where_the_svd_has_none_faer() {
+    assert_eq!(settings(BackendChoice::Faer).map(|options| doubted(&options)), [const { Vec::<&str>::new() }; 2]);
+}
+
+#[cfg(feature = "spqr")]
+#[test]
+fn no_doubt_where_the_svd_has_none_spqr() {
+    assert_eq!(settings(BackendChoice::Spqr).map(|options| doubted(&options)), [const { Vec::<&str>::new() }; 2]);
+}
+
+/// `u_i - sum_{j > i} u_j = 1`, upper triangular with ones: of full rank though a singular value is `2^-58`.
+#[test]
+fn triangular_equations_are_independent() {
+    let mut builder = SystemBuilder::new(60);
+    for i in 0..60 {
+        builder.equation((i..60).map(|j| (j, if j == i { 1.0 } else { -1.0 })), 1.0);
+    }
+    let system = builder.build().expect("valid");
+    let [.., last] = singular_values(&system).expect("within reach")[..] else { panic!("60 values") };
+    assert!(last < 1e-15);
+    for backend in [BackendChoice::Sparse, BackendChoice::Faer] {
+        let analysis = diagnose(&system, &Options { backend, ..Options::default() });
+        assert_eq!((analysis.rank(), analysis.confidence().ambiguous), (60, false), "{backend:?}");
+    }
+}
+
+/// The rank is the same, but one is ambiguous.
+#[test]
+fn without_the_check_nobody_is_told_of_a_doubt() {
+    let system = families::near(10, 1e-9, Near::Shared).expect("in range").system;
+    for presolve in [true, false] {
+        let checked = diagnose(&system, &Options { presolve, ..Options::default() });
+        let unchecked = diagnose(&system, &Options { presolve, check: false, ..Options::default() });
+        assert_eq!(checked.kinds(), unchecked.kinds());
+        assert!(checked.confidence().ambiguous && !unchecked.confidence().ambiguous);
     }
 }

@@ -1,4 +1,4 @@
-//! `|C_i u - b_i| <= 1e-13 max(1, 1 / sigma_kept)` in every independent equation, relative to its parts.
+//! `|C_i u - b_i| <= 1e-13 max(1, 1 / d)` in every independent equation, relative to its parts.
 
 use std::path::Path;
 
@@ -45,11 +45,11 @@ fn residual(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reductio
 fn fault(name: &str, system: &ConstraintSystem, options: &Options) -> Option<String> {
     let analysis = diagnose(system, options);
     let reduction = analysis.reduction().expect("within the gate");
-    let limit = PRECISION * (1.0 / analysis.confidence().sigma_kept).max(1.0);
+    let limit = PRECISION * (1.0 / analysis.confidence().distance).max(1.0);
     let own = (1..=3).map(|seed| residual(system, &analysis, &reduction, seed)).fold(0.0, f64::max);
-    let sigma = analysis.confidence().sigma_kept;
+    let sigma = analysis.confidence().distance;
     let reported = analysis.residual(&reduction).expect("its own DOFs");
-    let found = format!("{name}: reported {reported:.1e}, found {own:.1e}, sigma {sigma:.1e}");
+    let found = format!("{name}: reported {reported:.1e}, found {own:.1e}, distance {sigma:.1e}");
     println!("{:?}, presolve {}, {found}", options.backend, options.presolve);
     assert!(!reported.is_nan(), "{found}");
     (reported > limit || own > limit).then_some(found)

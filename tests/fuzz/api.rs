@@ -92,9 +92,13 @@ impl Settled {
             tolerance: self
                 .tolerance
                 .map_or(default.tolerance, |k| Tolerance::Relative(10_f64.powi(2 - k.of(20) as i32))),
+            noise: match self.backend % 16 {
+                15 => qless::Noise::None,
+                14 => qless::Noise::Relative(1e-9),
+                _ => qless::Noise::Auto,
+            },
             presolve: self.presolve,
             check: !self.unchecked,
-            balance: self.backend % 16 != 15,
             growth: self.growth.map_or(default.growth, |v| v.get().abs() + 1.0),
             memory: self.memory.map_or(default.memory, |bytes| bytes as usize),
             preferences: Preferences { slaves: slaves.collect(), masters, equations: all(&self.equations, equations) },

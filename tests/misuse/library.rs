@@ -80,7 +80,9 @@ fn what_is_told_of_little() {
         let analysis = analysed(&system);
         let free = survives("free DOFs", || system.free());
         assert_eq!((free, system.equation_labels().len()), (system.dofs() - system.prescribed().len(), 0));
-        survives("told", || (analysis.confidence(), analysis.timings(), analysis.ignored().len()));
+        survives("told", || {
+            (analysis.confidence(), analysis.timings(), analysis.noise().len(), analysis.other_reading().is_some())
+        });
         assert!(analysis.dependent().iter().all(|dependent| dependent.row < system.equations()));
         assert!(analysis.unmet_equations().is_empty());
         for form in FORMS {

@@ -13,35 +13,32 @@ use crate::{hold, scene};
 on_each_backend!(triples_near_dependence, combinations_near_dependence);
 
 /// Only the original units, because other units change the distance to dependence.
-fn check_doubt(backend: BackendChoice, scene: &Scene, change: &Change, ranks: [usize; 2], ambiguous: bool) {
+fn check_doubt(backend: BackendChoice, scene: &Scene, change: &Change, ranks: [usize; 2]) {
     for variant in variants(scene, change) {
         for options in settings(backend) {
             let analysis = diagnose(&variant.system, &options);
             let what = format!("{}, presolve {}, {:?}", variant.name, options.presolve, analysis.confidence());
             let rank = analysis.rank();
             assert!((ranks[0]..=ranks[1]).contains(&rank), "rank {rank} for {ranks:?}, {what}");
-            assert_eq!(analysis.confidence().ambiguous, ambiguous, "{what}");
+            assert!(analysis.confidence().ambiguous, "{what}");
         }
     }
 }
 
 fn triples_near_dependence(backend: BackendChoice) {
     let column = prop_oneof![Just(Near::Own), Just(Near::Shared)];
-    // At 1e-5 the rank may be ambiguous or not.
-    let digits = prop_oneof![Just(4), 6..=14_i32];
-    hold(160, &(1_usize..5, digits, column, changes(Units::Kept)), |(triples, digits, column, change)| {
+    hold(160, &(1_usize..5, 8..=14_i32, column, changes(Units::Kept)), |(triples, digits, column, change)| {
         let scene = families::near(triples, 10_f64.powi(-digits), column).expect("in range");
-        let least = if digits == 4 { 3 * triples } else { 2 * triples };
-        check_doubt(backend, &scene, &change, [least, 3 * triples], digits > 4);
+        check_doubt(backend, &scene, &change, [2 * triples, 3 * triples]);
     });
 }
 
-/// A planted combination with one coefficient off by a part in 10^6 to 10^10, which makes it independent: its distance
+/// A planted combination with one coefficient off by a part in 10^8 to 10^10, which makes it independent: its distance
 /// from the others is at most twice that part.
 fn combinations_near_dependence(backend: BackendChoice) {
     hold(
         160,
-        &(planted(), 6..=10_i32, any::<prop::sample::Index>(), changes(Units::Kept)),
+        &(planted(), 8..=10_i32, any::<prop::sample::Index>(), changes(Units::Kept)),
         |((planted, seed), digits, index, change)| {
             let exact = planted.scene(seed).expect("in range").system;
             let combination = (0..exact.equations()).find(|&i| exact.equation_label(i).starts_with("combination"));
@@ -56,7 +53,7 @@ fn combinations_near_dependence(backend: BackendChoice) {
             let rank = oracle::rank_free(&near.system).expect("within reach");
             // If the others fix the DOF of the coefficient, the row is still dependent.
             if rank > planted.rows {
-                check_doubt(backend, &near, &change, [planted.rows, rank], true);
+                check_doubt(backend, &near, &change, [planted.rows, rank]);
             }
         },
     );

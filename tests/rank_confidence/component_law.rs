@@ -167,8 +167,8 @@ fn compare(whole: &ConstraintSystem, parts: &[Part; 2], options: &Options) -> Op
 /// Compares dependent equations and the extremes of the estimates to the last bit.
 fn compare_dependent<R>(all: &Analysis, parts: &[Part; 2], alone: &[(Analysis, R); 2]) -> Option<String> {
     let [a, b] = [&alone[0].0.confidence(), &alone[1].0.confidence()];
-    let estimates = (a.sigma_kept.min(b.sigma_kept), a.sigma_dropped.max(b.sigma_dropped));
-    if (all.confidence().sigma_kept, all.confidence().sigma_dropped) != estimates {
+    let estimates = (a.distance.min(b.distance), a.error.max(b.error));
+    if (all.confidence().distance, all.confidence().error) != estimates {
         return Some(format!("{:?}, alone {estimates:?}", all.confidence()));
     }
     let said = |analysis: &Analysis, place: &dyn Fn(usize) -> Option<usize>| -> Vec<_> {

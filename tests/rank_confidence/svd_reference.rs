@@ -1,6 +1,6 @@
 //! `rank = #{sigma_i > tolerance}` where `sigma_r / sigma_(r+1) > 1e6`, by a dense SVD of the rows brought to one size.
 
-use qless::{Analysis, ConstraintSystem, Kind, SystemBuilder};
+use qless::ConstraintSystem;
 use qless_scenes::oracle::singular_values;
 
 /// Values below this part of the largest are rounding.
@@ -27,16 +27,6 @@ impl Case {
     pub fn new(name: String, system: ConstraintSystem) -> Self {
         let units = vec![1.0; system.dofs()];
         Self { name, base: system.clone(), system, units, near: false }
-    }
-
-    /// Whether some coefficients are so small in their rows (below `2^-10`) that columns may be scaled: then sigma is that of
-    /// another matrix, and cannot be compared.
-    pub fn may_scale_columns(&self) -> bool {
-        let free = |j: usize| self.system.prescribed().binary_search_by_key(&j, |p| p.0).is_err();
-        (0..self.system.equations()).any(|i| {
-            let sizes = || self.system.matrix().row(i).filter(|&(j, _)| free(j)).map(|(_, v)| v.abs());
-            sizes().fold(f64::INFINITY, f64::min) < sizes().fold(0.0, f64::max) / 512.0
-        })
     }
 }
 
@@ -72,6 +62,12 @@ impl Truth {
         self.sigma() > GAP * self.next()
     }
 
+    /// Whether all other values are rounding beside the first so many.
+    pub fn has_gap_at(&self, rank: usize) -> bool {
+        let rest = self.values.get(rank).copied().unwrap_or(0.0);
+        rest <= ROUNDING * self.largest() && (1..=rank).all(|k| self.values[k - 1] > 1e2 * ROUNDING * self.largest())
+    }
+
     /// Whether what is dropped is rounding.
     pub fn is_exact(&self) -> bool {
         self.next() <= ROUNDING * self.largest()
@@ -81,19 +77,4 @@ impl Truth {
     pub fn is_clear(&self) -> bool {
         self.sigma() > SURE && self.is_exact()
     }
-
-    /// What the SVD itself may be wrong by.
-    pub fn rounding(&self) -> f64 {
-        ROUNDING * self.largest()
-    }
-}
-
-/// The equations that were kept, with all boundary conditions.
-pub fn kept(system: &ConstraintSystem, analysis: &Analysis) -> ConstraintSystem {
-    let mut builder = SystemBuilder::new(system.dofs());
-    for i in (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent) {
-        builder.equation(system.matrix().row(i), system.rhs()[i]);
-    }
-    system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(j, value));
-    builder.build().expect("as valid as the whole")
 }

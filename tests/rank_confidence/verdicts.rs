@@ -61,10 +61,6 @@ macro_rules! laws {
                 super::$check(Law::Residual);
             }
             #[test]
-            fn sigma_is_that_of_the_kept_rows() {
-                super::$check(Law::Sigma);
-            }
-            #[test]
             fn the_rank_is_that_of_the_svd() {
                 super::$check(Law::Rank);
             }

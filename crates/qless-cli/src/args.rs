@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use qless::exact::Reading;
-use qless::{BackendChoice, Form, Options, Tolerance};
+use qless::{BackendChoice, Form, Noise, Options, Tolerance};
 use qless_bench::BenchArgs;
 use qless_io::case_files;
 use qless_io::deck::Solver;
@@ -163,6 +163,10 @@ pub struct ModelArgs {
     /// Size below which a number counts as zero, relative to the largest coefficient of its equation; between 0 and 1 [default: 1e-10]
     #[arg(long, value_name = "X", value_parser = tolerance)]
     pub tolerance: Option<f64>,
+    /// Numbers that may be rounding of others: `auto` reports where they decide, `none` takes all as data, a size such as 1e-12 takes those
+    /// below it as zero, relative to their equation
+    #[arg(long, value_name = "NOISE", default_value = "auto", value_parser = noise)]
+    pub noise: Noise,
     /// Use the paper's tolerance: absolute 1e-5 without scaling (the answer then depends on the units)
     #[arg(long, conflicts_with = "tolerance")]
     pub paper_tolerance: bool,
@@ -270,7 +274,8 @@ impl ModelArgs {
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
         let (presolve, check) = (!self.no_presolve, !self.no_check);
-        Options { backend: self.backend, tolerance, presolve, check, ..standard }
+        let noise = self.noise.clone();
+        Options { backend: self.backend, tolerance, noise, presolve, check, ..standard }
     }
 
     /// Equations to keep.
@@ -300,6 +305,18 @@ impl CheckArgs {
     /// The load cases.
     pub fn choice(&self) -> LoadCaseChoice {
         LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::All)
+    }
+}
+
+/// `auto`, `none`, or a relative size.
+fn noise(text: &str) -> Result<Noise, String> {
+    match text {
+        "auto" => Ok(Noise::Auto),
+        "none" => Ok(Noise::None),
+        _ => match text.parse() {
+            Ok(size) if size > 0.0 && size < 1.0 => Ok(Noise::Relative(size)),
+            _ => Err("expected auto, none, or a size between 0 and 1, such as 1e-12".to_owned()),
+        },
     }
 }
 

@@ -1,18 +1,17 @@
 //! What a caller can choose, with its default.
 
 use crate::factor::backend::{Backend, BackendError};
+use crate::input::noise::Noise;
 use crate::input::preferences::{OptionError, Preferences};
 
 /// How small is zero.
 ///
-/// In words: each equation is first scaled so that its largest coefficient lies in `[1, 2)` (by a power of two, so
-/// nothing is rounded). It counts as a combination of others when what remains of it, after the
-/// others are subtracted, is at most `tolerance` in every coefficient (presolve) or in 2-norm (backend). A
-/// dependent equation conflicts when its right-hand sides disagree by more than `tolerance` of the largest part.
+/// In words: an equation counts as a combination of others when what remains of it, after the others are subtracted, is at most
+/// `tolerance` of the parts of every coefficient (presolve), or in 2-norm of the equation in balanced units (backend). A dependent
+/// equation conflicts when its right-hand sides disagree by more than `tolerance` of the largest part.
 ///
-/// As a formula, with `D_r` and `D_c` powers of two: row k of `D_r C D_c` is dependent iff
-/// `min_y |row_k - sum_i y_i row_i| <= tolerance`, and then conflicting iff
-/// `|b_k - sum_i y_i b_i| > tolerance max(|b_k|, max_i |y_i b_i|)`, prescribed DOFs being moved into b.
+/// As a formula, row k is dependent iff for some y `|c_kj - sum_i y_i c_ij| <= tolerance max_i |y_i c_ij|` for all free DOFs j, and
+/// then conflicting iff `|b_k - sum_i y_i b_i| > tolerance max(|b_k|, max_i |y_i b_i|)`, prescribed DOFs being moved into b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Tolerance {
@@ -79,14 +78,13 @@ pub struct Options {
     pub backend: BackendChoice,
     /// How small is zero. Default: relative 1e-10.
     pub tolerance: Tolerance,
+    /// Which numbers may be rounding of others. Default: `Auto`.
+    pub noise: Noise,
     /// Whether equations that need no factorization are taken out first. Default: true.
     pub presolve: bool,
     /// Whether what presolve and the backend keep is checked for near dependence, and chosen anew where it is not sound. Default:
-    /// true. Without, the rank can be wrong and nothing says so: [`crate::Confidence::sigma_kept`] is then 1 unseen.
+    /// true. Without, the rank can be wrong and nothing says so: [`crate::Confidence::distance`] is then 1 unseen.
     pub check: bool,
-    /// Whether columns are scaled as well as rows where units mix within a connected component. Default: true. Without, coefficients of
-    /// an equation are compared as they are, for equations that were taken out of a component in which units do not mix.
-    pub balance: bool,
     /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1, which is met to 1e-9; default 4.
     /// The nearer to 1, the more exchanges.
     pub growth: f64,
@@ -102,9 +100,9 @@ impl Default for Options {
         Self {
             backend: BackendChoice::Faer,
             tolerance: Tolerance::Relative(1e-10),
+            noise: Noise::Auto,
             presolve: true,
             check: true,
-            balance: true,
             growth: 4.0,
             memory: 16 << 30,
             preferences: Preferences::default(),

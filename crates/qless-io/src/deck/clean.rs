@@ -17,7 +17,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use qless::{Analysis, ConstraintSystem, Kind, Options, SystemBuilder, analyse};
+use qless::{Analysis, ConstraintSystem, Kind, Noise, Options, SystemBuilder, analyse};
 use rustc_hash::FxHashMap;
 
 use super::plan::conflicts;
@@ -86,6 +86,9 @@ fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
     new.cases.iter().find(|case| !own.is_empty() && own.iter().all(|number| numbers(case).contains(number)))
 }
 
+/// Coefficients below this part of their equation say nothing when two decks are compared: both are sums of numbers with some ten digits.
+const ROUNDING: f64 = 1e-10;
+
 /// Checks that two load cases constrain the same; otherwise says what differs.
 fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
     let given = same_values(old, a, new, b, renamed)?;
@@ -93,7 +96,8 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
     let both = SharedColumns::new(old, new, renamed);
     let analyse = |systems: &[(&Model, &LoadCase)], given: &BTreeSet<Dof>| {
         let system = both.system(systems, given).map_err(|error| error.to_string())?;
-        analyse(&system, &Options::default()).map_err(|error| error.to_string())
+        let noise = Noise::Relative(ROUNDING);
+        analyse(&system, &Options { noise, ..Options::default() }).map_err(|error| error.to_string())
     };
     let none = BTreeSet::new();
     let (alone, joined) = (analyse(&[(old, a)], &none)?, analyse(&[(old, a), (new, b)], &none)?);

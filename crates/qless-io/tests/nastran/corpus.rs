@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
+use qless::{ConstraintSystem, Kind, Noise, Options, SystemBuilder, Tolerance, analyse};
 use qless_io::deck::clean::{faults, plan, write};
 use qless_io::deck::{self, LoadCase, Model};
 use qless_io::read_case;
@@ -46,7 +46,10 @@ fn stacked(systems: &[&ConstraintSystem]) -> ConstraintSystem {
 }
 
 fn rank(systems: &[&ConstraintSystem]) -> usize {
-    analyse(&stacked(systems), &Options { presolve: false, ..Options::default() }).expect("an analysis").rank()
+    // Both have weights of some ten digits, from two programs: small ones agree to fewer.
+    let (tolerance, noise) = (Tolerance::Relative(1e-6), Noise::Relative(1e-8));
+    let options = Options { presolve: false, tolerance, noise, ..Options::default() };
+    analyse(&stacked(systems), &options).expect("an analysis").rank()
 }
 
 /// The prescribed DOFs that occur in `system`, by label.

@@ -1,6 +1,6 @@
 //! One attempt at the analysis: peel equations that a rank can solve alone, distribute and analyse the others, return the results.
 
-use qless::{Confidence, Options};
+use qless::{Confidence, Doubt, Options};
 
 use super::WorkCounts;
 use crate::components::{ConnectedComponent, ConnectedComponents, KnownDofs, Layout, NONE, TouchedDofs};
@@ -66,9 +66,7 @@ impl AttemptInput<'_> {
             LocalAnalysis::new(assigned, layout.owned(ranks.rank()), options)
                 .map_err(|failure| failure.on(ranks.rank()))
         };
-        // The component of a core does not mix units, even if the core alone seems to.
-        let plain = Options { balance: false, ..options.clone() };
-        let solved = solve(cores, &plain).and_then(|cores| Ok((cores, solve(others, options)?)));
+        let solved = solve(cores, options).and_then(|cores| Ok((cores, solve(others, options)?)));
         let (cores, others) = agree(ranks, solved)?;
         let mut unsound = self.unsound_cores(cores.as_ref(), whole);
         let solved: Vec<LocalAnalysis> = cores.into_iter().chain(others).collect();
@@ -115,12 +113,11 @@ impl AttemptInput<'_> {
         let largest = self.rows.rhs.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
         let mut most = [
             u64::MAX - bits(fold(&|c| c.distance, 1.0, f64::min)),
-            u64::MAX - bits(fold(&|c| c.sigma_kept, 1.0, f64::min)),
-            bits(fold(&|c| c.sigma_dropped, 0.0, f64::max)),
+            bits(fold(&|c| c.error, 0.0, f64::max)),
             bits(largest),
         ];
         self.ranks.max(&mut most);
-        let largest = real(most[3]);
+        let largest = real(most[2]);
         let is_small = |solved: &LocalAnalysis| {
             let empty = |row: usize| solved.assigned.rows.row(row).next().is_none();
             solved
@@ -129,10 +126,13 @@ impl AttemptInput<'_> {
                 .iter()
                 .any(|d| empty(d.row) && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest)
         };
-        let mut doubts = [u64::from(solved.iter().any(|solved| solved.confidence().ambiguous || is_small(solved)))];
+        let own = solved.iter().filter_map(|solved| solved.confidence().doubt);
+        let small = solved.iter().any(is_small).then_some(Doubt::Mismatch);
+        let place = |doubt: Doubt| DOUBTS.iter().position(|&one| one == doubt).map_or(0, |place| 1 + place as u64);
+        let mut doubts = [own.chain(small).map(place).max().unwrap_or(0)];
         self.ranks.max(&mut doubts);
-        let [distance, sigma_kept] = [most[0], most[1]].map(|bits| real(u64::MAX - bits));
-        Confidence::of(sigma_kept, real(most[2]), doubts[0] == 1).with_distance(distance)
+        let other = DOUBTS.into_iter().find(|&doubt| place(doubt) == doubts[0]);
+        Confidence::of(real(u64::MAX - most[0]), real(most[1]), other)
     }
 
     /// Computes the rows of T for the peeled equations and sends them to the owners of their slaves. Calls `unsound` with each
@@ -181,6 +181,9 @@ impl AttemptInput<'_> {
         SlaveRows { reduction, of_place, is_prescribed }
     }
 }
+
+/// What is said if several components are in doubt, the last first, as the serial analysis does.
+const DOUBTS: [Doubt; 5] = [Doubt::Mismatch, Doubt::Elimination, Doubt::NoGap, Doubt::Near, Doubt::Noise];
 
 /// The same threshold as in the serial confidence.
 const SMALL_MISMATCH: f64 = 1e-6;

@@ -69,11 +69,10 @@ impl LocalAnalysis {
     }
 
     pub fn soundness(&self) -> Soundness {
-        let Confidence { sigma_kept, sigma_dropped, ambiguous, .. } = self.confidence();
+        let Confidence { distance, error, ambiguous, .. } = self.confidence();
         // In a block, the order of the columns depends on all equations of its component, so a factorization may give another result.
         let presolved = self.analysis.presolve().blocks == 0;
-        let plain =
-            presolved && !ambiguous && sigma_dropped == 0.0 && sigma_kept > NEAR && self.reduction.exchanges() == 0;
+        let plain = presolved && !ambiguous && error == 0.0 && distance > NEAR && self.reduction.exchanges() == 0;
         let is_sound = plain && self.analysis.residual(&self.reduction).is_ok_and(|residual| residual <= LOSS);
         if is_sound { Soundness::Sound } else { Soundness::Unsound }
     }

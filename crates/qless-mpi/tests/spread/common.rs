@@ -110,7 +110,7 @@ pub fn spread(
     let texts: Vec<Option<String>> = found.iter().map(|(_, a)| a.as_ref().err().map(ToString::to_string)).collect();
     assert!(texts.iter().all(|text| *text == texts[0]), "ranks disagree: {texts:?}");
     let confidences: Vec<_> = found.iter().filter_map(|(_, a)| a.as_ref().ok()).map(Analysis::confidence).collect();
-    assert!(confidences.iter().all(|c| *c == confidences[0] || c.gap.is_nan()), "ranks disagree: {confidences:?}");
+    assert!(confidences.iter().all(|c| *c == confidences[0]), "ranks disagree: {confidences:?}");
     let mut needed: BTreeMap<u64, Line> = BTreeMap::new();
     for (numbers, analysis) in found {
         let analysis = analysis.map_err(|error| error.to_string())?;

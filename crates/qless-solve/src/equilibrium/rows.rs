@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use qless::{Analysis, Kind, Options, analyse};
+use qless::{Analysis, Kind, Noise, Options, analyse};
 use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::parts::EquilibriumParts;
@@ -39,6 +39,8 @@ impl RowChoice {
         let mut settings: Options = options.analysis.clone();
         before.sort_unstable();
         settings.preferences.equations = before;
+        // The set has left out what is rounding of its own coefficients.
+        settings.noise = Noise::None;
         let units = units(set, evaluation, &parts.of_equations.columns)?;
         let analysis = analyse(&set.linearised_in(&units, &still, &held)?, &settings)?;
         let kept = analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect();

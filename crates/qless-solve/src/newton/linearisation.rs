@@ -8,7 +8,7 @@
 //! With lengths of 1e-6 beside angles in radians, two rows may differ only in columns that are a million times smaller than others. The units
 //! follow from the sizes of the terms of c, and so from the unit of length. They are powers of two, which cause no rounding.
 
-use qless::{Analysis, ArgumentError, Form, Options, analyse};
+use qless::{Analysis, ArgumentError, Form, Noise, Options, analyse};
 use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::configuration::inverse;
@@ -46,8 +46,8 @@ impl Linearisation {
             .map_err(|source| NewtonError::System { step, source })?;
         // If the first hinge of a chain turns, its end moves by the length of the chain. Smaller entries of T would require slaves far away.
         let growth = options.analysis.growth.max(GROWTH);
-        // The columns are scaled already. Balancing would choose slaves that hardly change c, and steps would be long.
-        let loose = Options { growth, balance: false, ..options.analysis.clone() };
+        // The set has left out what is rounding of its own coefficients.
+        let loose = Options { growth, noise: Noise::None, ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = vec![0.0; prescribed.len()];
         Ok(Self { analysis, current: true, increments, units })

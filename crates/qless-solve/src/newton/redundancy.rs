@@ -3,7 +3,7 @@
 //! A mechanism may lose rank in a special configuration, such as a flat linkage, although its equations are independent elsewhere. A second
 //! configuration decides: a random step `du = T dq` that the kept equations allow, corrected by Newton's method.
 
-use qless::{Analysis, Form, Options, Reduction, analyse};
+use qless::{Analysis, Form, Noise, Options, Reduction, analyse};
 use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::configuration::{change, sizes_of_dofs};
@@ -101,7 +101,9 @@ impl RedundancyAnalysis {
         let units = units(set, &evaluation, &PartColumns::plain(evaluation.g())).map_err(argument)?;
         let system =
             set.linearised_in(&units, &evaluation, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
-        let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
+        // The set has left out what is rounding of its own coefficients.
+        let options = Options { noise: Noise::None, ..options.clone() };
+        let analysis = analyse(&system, &options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
         let reduction = analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step: 0, source })?;
         Ok(Self { evaluation, sizes, units, analysis, reduction })

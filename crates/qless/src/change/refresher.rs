@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use super::replay::{BlockSolver, Replay};
 use crate::common::argument::numbers;
-use crate::diagnosis::classify::{Dependent, Kind, Source};
+use crate::diagnosis::classify::{Dependent, Kind, MismatchRule, Source};
 use crate::factor::backend::BackendError;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
@@ -130,7 +130,9 @@ impl Refresher {
         let agreeing;
         let mut replay = Replay::new(&self.analysis, rhs, prescribed);
         let dependent = &self.analysis.dependent;
-        let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay)).collect();
+        let local = self.analysis.numbering.view(self.system(), rhs);
+        let rule = MismatchRule::new(local, &self.analysis.scaling, &self.analysis.options);
+        let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay, &rule)).collect();
         // As in the analysis: an equation that was dropped for a preferred one and conflicts with it must not change g.
         let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
         let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
@@ -157,10 +159,10 @@ impl Refresher {
     }
 
     /// A dependent equation with its new mismatch, without its certificate.
-    fn classify(&self, d: &Dependent, replay: &Replay) -> Dependent {
+    fn classify(&self, d: &Dependent, replay: &Replay, rule: &MismatchRule) -> Dependent {
         let rest = match &d.source {
             Source::Traced(row, because, units) => {
-                self.traced(*row, because, *units, replay).scaled(-self.analysis.scaling.row[d.row])
+                self.traced(*row, &because.terms(), *units, replay).scaled(-self.analysis.scaling.row[d.row])
             }
             Source::Given(because) => {
                 let mut rest: Mismatch = replay.of_user(d.row);
@@ -168,7 +170,7 @@ impl Refresher {
                 rest
             }
         };
-        Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), self.analysis.options.tolerance.value())
+        Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), rule)
     }
 
     /// `b_k - sum y_i b_i` over rows of a block, with a bound of the errors of the certificate.
@@ -179,7 +181,7 @@ impl Refresher {
         for &(i, y) in because {
             let other = replay.row(i).effective;
             rest.subtract(y, other);
-            rest.error += ldexp(units * f64::EPSILON * largest, -shift(i)) * other.size;
+            rest.error += ldexp(units * because.len() as f64 * f64::EPSILON * largest, -shift(i)) * other.size;
         }
         rest
     }

@@ -30,8 +30,8 @@ impl Analysis {
     ///
     /// The coefficients are checked and, if their error is above the tolerance and no block is large, refined:
     /// [`Analysis::because_error`] is the error that is left.
-    /// For every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most `1e-11 / confidence.sigma_kept` of the largest part
-    /// `|c_i row_il|` of the certificate, whatever the sizes of equations.
+    /// For every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most `1e-11 / d` of the largest part `|c_i row_il|` of the
+    /// certificate, whatever the sizes of equations; d is [`Confidence::distance`](crate::Confidence::distance).
     ///
     /// # Errors
     /// [`ArgumentError::OutOfRange`].
@@ -41,8 +41,7 @@ impl Analysis {
     }
 
     /// Error of [`Analysis::because`]: `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs; 0 if it is at
-    /// most the tolerance, and without [`Options::check`](crate::Options::check), which is no check at all. Coefficients that the analysis
-    /// took for rounding (`ignored_coefficients` of reports) have no part in it: with them the error can be larger.
+    /// most the tolerance, and without [`Options::check`](crate::Options::check), which is no check at all.
     /// Costs as much as the certificate.
     ///
     /// ```
@@ -79,12 +78,7 @@ impl Analysis {
             return (terms, 0.0);
         }
         let is_good = |(_, error): &(Vec<CertificateTerm>, f64)| *error <= self.options.tolerance.value();
-        let mut best = self.with_error(dependent.row, terms);
-        if !is_good(&best) {
-            // Terms that are rounding cost the whole error in DOFs that no other term has.
-            let pruned = self.with_error(dependent.row, self.pruned(&best.0));
-            best = if pruned.1 <= best.1 { pruned } else { best };
-        }
+        let mut best = self.best_of(dependent.row, terms);
         for _ in 0..REFINEMENTS {
             if is_good(&best) || self.blocks.iter().any(|block| block.rows.len() * block.dofs.len() > SMALL) {
                 break;
@@ -93,7 +87,7 @@ impl Analysis {
             let Ok(correction) = self.expressed(left) else { break };
             let mut sum = best.0.iter().map(|term| (term.row, term.coefficient)).collect();
             correction.iter().for_each(|term| add(&mut sum, term.row, term.coefficient));
-            let better = self.with_error(dependent.row, terms_of(sum));
+            let better = self.best_of(dependent.row, terms_of(sum));
             if better.1 >= best.1 {
                 break;
             }
@@ -102,34 +96,46 @@ impl Analysis {
         best
     }
 
-    /// Without terms below rounding of the largest one, in scaled units.
-    fn pruned(&self, terms: &[CertificateTerm]) -> Vec<CertificateTerm> {
-        let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
-        let largest = terms.iter().map(scaled).fold(0.0, f64::max);
-        let noise = terms.len() as f64 * f64::EPSILON * largest;
-        terms.iter().copied().filter(|term| scaled(term) > noise).collect()
+    /// With or without terms that may be rounding, whichever has the smaller error: each costs the whole error in a DOF that no other
+    /// term has.
+    fn best_of(&self, row: usize, terms: Vec<CertificateTerm>) -> (Vec<CertificateTerm>, f64) {
+        let parts = [f64::EPSILON * terms.len() as f64, 1e-13, 1e-11];
+        let mut best = self.with_error(row, terms);
+        for part in parts {
+            if best.1 <= self.options.tolerance.value() {
+                break;
+            }
+            let pruned = self.with_error(row, self.pruned(&best.0, part));
+            best = if pruned.1 <= best.1 { pruned } else { best };
+        }
+        best
     }
 
-    /// What a certificate leaves of its equation, by local DOF, and the sum of the sizes of the parts. Coefficients that may be rounding
-    /// have no part in it, as in the analysis.
+    /// Without terms below a part of the largest one, in scaled units.
+    fn pruned(&self, terms: &[CertificateTerm], part: f64) -> Vec<CertificateTerm> {
+        let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
+        let largest = terms.iter().map(scaled).fold(0.0, f64::max);
+        terms.iter().copied().filter(|term| scaled(term) > part * largest).collect()
+    }
+
+    /// What a certificate leaves of its equation, by local DOF, and the sum of the sizes of the parts. Summed with twice the digits, so
+    /// that a refinement sees what is really left.
     fn parts(&self, row: usize, terms: &[CertificateTerm]) -> BTreeMap<u32, (f64, f64)> {
         let local = self.numbering.view(&self.system, self.system.rhs());
-        let mut parts: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
+        let mut parts: BTreeMap<u32, (f64, f64, f64)> = BTreeMap::new();
         let own = CertificateTerm { row, coefficient: -1.0 };
-        let is_rounding = |i: usize, j: usize| {
-            // Ascending by row.
-            let first = self.ignored.partition_point(|ignored| ignored.row < i);
-            let dof = self.numbering.dofs[j] as usize;
-            self.ignored[first..].iter().take_while(|ignored| ignored.row == i).any(|ignored| ignored.dof == dof)
-        };
         for &CertificateTerm { row: i, coefficient } in terms.iter().chain([&own]) {
-            for (j, v) in local.row(i).filter(|&(j, _)| local.free()[j] && !is_rounding(i, j)) {
-                let (left, size) = parts.entry(j as u32).or_default();
-                *left -= coefficient * v;
-                *size += (coefficient * v).abs();
+            for (j, v) in local.row(i).filter(|&(j, _)| local.free()[j]) {
+                let (left, lost, size) = parts.entry(j as u32).or_default();
+                let part = -coefficient * v;
+                let sum = *left + part;
+                let second = sum - *left;
+                *lost += (-coefficient).mul_add(v, -part) + ((*left - (sum - second)) + (part - second));
+                *left = sum;
+                *size += part.abs();
             }
         }
-        parts
+        parts.into_iter().map(|(j, (left, lost, size))| (j, (left + lost, size))).collect()
     }
 
     fn with_error(&self, row: usize, terms: Vec<CertificateTerm>) -> (Vec<CertificateTerm>, f64) {
@@ -140,7 +146,10 @@ impl Analysis {
     }
 
     /// A vector of free DOFs, by local number, as a combination of the kept equations.
-    fn expressed(&self, vector: impl IntoIterator<Item = (u32, f64)>) -> Result<Vec<CertificateTerm>, BackendError> {
+    pub(super) fn expressed(
+        &self,
+        vector: impl IntoIterator<Item = (u32, f64)>,
+    ) -> Result<Vec<CertificateTerm>, BackendError> {
         let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
         let explainer = Explainer {
             system: self.numbering.view(&self.system, self.system.rhs()),

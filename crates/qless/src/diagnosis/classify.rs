@@ -1,8 +1,13 @@
 //! Redundant or conflicting: `b_k - sum c_i b_i`, prescribed DOFs moved into b (Eq. 27, 28).
 
+use std::sync::OnceLock;
+
+use crate::Options;
 use crate::diagnosis::certificate::{CertificateTerm, History};
+use crate::input::noise::{Noise, is_typed, rounding_of_sides};
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::Scaling;
-use crate::presolve::basis::Diagnosed;
+use crate::presolve::basis::{BlockCertificate, Diagnosed};
 use crate::presolve::eliminated::Eliminated;
 pub(crate) use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
@@ -34,17 +39,50 @@ pub struct Dependent {
     pub relative_mismatch: f64,
     /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
     pub dropped: f64,
+    /// Whether the mismatch would be a conflict if it were no rounding of the largest right-hand side.
+    pub(crate) is_suspect: bool,
     /// The mismatch with its size and error, in the units of the equation.
     pub(crate) rest: Mismatch,
     pub(crate) source: Source,
+}
+
+/// What makes a mismatch a conflict.
+pub(crate) struct MismatchRule<'a> {
+    pub tolerance: f64,
+    /// Whether mismatches below the rounding of the largest right-hand side are suspect, and numbers may be rounded as typed.
+    is_auto: bool,
+    /// As [`rounding_of_sides`] gives it, when it is wanted.
+    rounding: OnceLock<Vec<f64>>,
+    pub scaling: &'a Scaling,
+    pub system: LocalSystem<'a>,
+}
+
+impl<'a> MismatchRule<'a> {
+    pub fn new(system: LocalSystem<'a>, scaling: &'a Scaling, options: &Options) -> Self {
+        let is_auto = options.noise == Noise::Auto && !options.tolerance.is_absolute();
+        Self { tolerance: options.tolerance.value(), is_auto, rounding: OnceLock::new(), scaling, system }
+    }
+
+    /// Whether numbers that were typed with few digits may be rounded.
+    pub fn reads_digits(&self) -> bool {
+        self.is_auto
+    }
+
+    fn suspects(&self, row: usize, mismatch: f64) -> bool {
+        if !self.is_auto || is_typed(mismatch) {
+            return false;
+        }
+        let rounding = self.rounding.get_or_init(|| rounding_of_sides(self.system));
+        mismatch.abs().log2() <= rounding[row]
+    }
 }
 
 /// Where the certificate of a dependent equation comes from.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
     /// Index of the row among those that went through elimination, its certificate over rows of its block, and by how many units in
-    /// the last place of the largest of them its coefficients may be off.
-    Traced(u32, Vec<(u32, f64)>, f64),
+    /// the last place of the largest of them its coefficients may be off, for each of them.
+    Traced(u32, BlockCertificate, f64),
     /// The certificate itself.
     Given(Vec<CertificateTerm>),
 }
@@ -52,20 +90,22 @@ pub(crate) enum Source {
 impl Source {
     pub fn explain(&self, history: &History) -> Vec<CertificateTerm> {
         match self {
-            Self::Traced(row, because, _) => history.certificate(*row, because),
+            Self::Traced(row, because, _) => history.certificate(*row, &because.terms()),
             Self::Given(because) => because.clone(),
         }
     }
 }
 
 impl Dependent {
-    /// Redundant unless the mismatch is more than `tolerance` of its parts and more than rounding.
-    pub(crate) fn new(row: usize, rest: Mismatch, dropped: f64, source: Source, tolerance: f64) -> Self {
+    /// Redundant unless the mismatch is more than the tolerance of its parts, more than rounding, and not suspect.
+    pub(crate) fn new(row: usize, rest: Mismatch, dropped: f64, source: Source, rule: &MismatchRule) -> Self {
         let Mismatch { value, size, error } = rest;
-        let conflicting = value.abs() > (tolerance * size).max(MORE_THAN_ROUNDING * error);
+        let differs = value.abs() > (rule.tolerance * size).max(MORE_THAN_ROUNDING * error);
+        let is_suspect = differs && rule.suspects(row, value);
         Self {
             row,
-            kind: if conflicting { Kind::Conflicting } else { Kind::Redundant },
+            kind: if differs && !is_suspect { Kind::Conflicting } else { Kind::Redundant },
+            is_suspect,
             mismatch: value,
             relative_mismatch: if value.abs() > MORE_THAN_ROUNDING * error { value.abs() / size } else { 0.0 },
             dropped,
@@ -76,18 +116,14 @@ impl Dependent {
 }
 
 /// Redundant or conflicting, for every dependent row.
-pub(crate) fn classify(
-    eliminated: &Eliminated,
-    diagnosed: &[Diagnosed],
-    scaling: &Scaling,
-    tolerance: f64,
-) -> Vec<Dependent> {
-    let make = |source: u32, mismatch: Mismatch, dropped: f64, (because, units): (Vec<(u32, f64)>, f64)| {
+pub(crate) fn classify(eliminated: &Eliminated, diagnosed: &[Diagnosed], rule: &MismatchRule) -> Vec<Dependent> {
+    let make = |source: u32, mismatch: Mismatch, dropped: f64, (because, units): (BlockCertificate, f64)| {
         let row = eliminated.names[source as usize] as usize;
-        let rest = mismatch.scaled(-scaling.row[row]);
-        Dependent::new(row, rest, dropped, Source::Traced(source, because, units), tolerance)
+        let rest = mismatch.scaled(-rule.scaling.row[row]);
+        Dependent::new(row, rest, dropped, Source::Traced(source, because, units), rule)
     };
-    let dead = eliminated.dead.iter().map(|d| make(d.row, d.mismatch, d.dropped, (Vec::new(), 0.0)));
+    let dead =
+        eliminated.dead.iter().map(|d| make(d.row, d.mismatch, d.dropped, (BlockCertificate::Known(Vec::new()), 0.0)));
     let dependent = diagnosed.iter().flat_map(|block| &block.dependent);
     let of_blocks = dependent.map(|d| make(d.row, d.mismatch, d.dropped, (d.because.clone(), d.units)));
     let mut all: Vec<_> = dead.chain(of_blocks).collect();

@@ -1,82 +1,94 @@
-//! How sure the rank is: what was kept, what was dropped, and the gap between them.
+//! How sure a verdict is, in digits: how far the kept equations are from dependence, and how well the dropped ones agree with them.
 
 use crate::ConstraintSystem;
 use crate::diagnosis::classify::Dependent;
-use crate::presolve::basis::Kept;
 
+/// Kept equations that changes below this make dependent are in doubt: computed coefficients may be wrong in their 8th digit.
+const NEAR: f64 = 1e-7;
 /// A mismatch of the right-hand sides up to this, relative to its parts, is none: sums of rounded numbers part so.
 const NO_MISMATCH: f64 = 1e-12;
 /// A mismatch below this might be meant as none.
 const SMALL_MISMATCH: f64 = 1e-6;
 
-/// How sure the rank is, relative to the equilibrated equations.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Why a verdict is in doubt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum Doubt {
+    /// Kept equations become dependent if coefficients change in their 8th digit or later, or in the last digit with which they were typed.
+    Near,
+    /// Dropped equations are no combinations to the last digit: more than rounding is left of them.
+    NoGap,
+    /// Right-hand sides of dependent equations differ by so little that they may be meant as equal.
+    Mismatch,
+    /// Coefficients that may be rounding decide: read the other way they give another rank or verdict.
+    Noise,
+    /// A second way of elimination, by which the rank would have been verified, needs more memory than is allowed.
+    Elimination,
+}
+
+/// How sure a verdict is, in relative changes of coefficients: units of equations and DOFs have no part in it.
+///
+/// ```text
+/// distance   smallest d such that changes |E_ij| <= d |c_ij| make the kept equations dependent      1 for triangular ones
+/// error      largest e_k = max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|) of the dropped ones
+/// ```
+///
+/// Both are estimates on the free DOFs, d within a factor of the number of equations. Where other units lead to other kept equations, the
+/// estimate of d can differ by a digit.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Confidence {
-    /// Estimate of the smallest singular value of the kept equations, 1 where it is more: of the rows of each block by its factors,
-    /// of those that presolve kept by the columns of their slaves.
-    pub sigma_kept: f64,
-    /// Largest remainder, beyond rounding, that was treated as zero.
-    pub sigma_dropped: f64,
-    /// Their ratio; infinite (`null` in JSON) where nothing beyond rounding was dropped.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "finite_or_null"))]
-    pub gap: f64,
-    /// Estimate of the smallest d such that changes `|E_ij| <= d |c_ij|` make the kept equations dependent, within a factor of their
-    /// number: 1 where they are triangular, and without [`crate::Options::check`]. d has no unit; the estimate can differ where other units
-    /// lead to other kept equations. In JSON `digits_kept`, which is `-log10 d`: the rank stands unless coefficients are wrong in a digit
-    /// before this one. It does not decide what is ambiguous.
-    #[cfg_attr(feature = "serde", serde(rename = "digits_kept", serialize_with = "digits"))]
+    /// d, between 0 and 1.
     pub distance: f64,
+    /// e, beyond rounding; 0 if there is none.
+    pub error: f64,
     /// Whether another tolerance might give another rank or another verdict.
     pub ambiguous: bool,
+    /// Why, where it is.
+    pub doubt: Option<Doubt>,
 }
 
 #[cfg(feature = "serde")]
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
-fn digits<S: serde::Serializer>(distance: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    finite_or_null(&(0.0 - distance.log10()), serializer)
-}
-
-#[cfg(feature = "serde")]
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
-fn finite_or_null<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
+impl serde::Serialize for Confidence {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeStruct;
+        let mut fields = serializer.serialize_struct("Confidence", 4)?;
+        fields.serialize_field("digits_kept", &self.digits_kept())?;
+        fields.serialize_field("digits_dropped", &self.digits_dropped())?;
+        fields.serialize_field("ambiguous", &self.ambiguous)?;
+        fields.serialize_field("doubt", &self.doubt)?;
+        fields.end()
+    }
 }
 
 impl Confidence {
-    /// `presolved` is sigma of what presolve kept, and `doubted` are equations of components whose rank or verdict is in doubt.
-    pub(crate) fn new(solved: &[Kept], presolved: f64, dependent: &[Dependent], doubted: &[usize]) -> Self {
-        let sigma_kept = solved.iter().map(|block| block.nearness.sigma).fold(presolved, f64::min);
-        let sigma_dropped = dependent.iter().map(|d| d.dropped).fold(0.0, f64::max);
-        Self::of(sigma_kept, sigma_dropped, !doubted.is_empty())
-    }
-
-    /// From its parts, for what puts several analyses together: the gap is their ratio, the distance 1.
-    pub fn of(sigma_kept: f64, sigma_dropped: f64, ambiguous: bool) -> Self {
-        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, distance: 1.0, ambiguous }
-    }
-
-    /// The same with another distance from dependence.
+    /// From the two measures; `other` is a doubt that comes from elsewhere.
     ///
     /// ```
-    /// assert_eq!(qless::Confidence::of(0.5, 0.0, false).with_distance(0.1).distance, 0.1);
+    /// use qless::Confidence;
+    /// assert!(!Confidence::of(0.1, 1e-14, None).ambiguous);
+    /// assert!(Confidence::of(1e-9, 0.0, None).ambiguous);
     /// ```
-    #[must_use]
-    pub fn with_distance(self, distance: f64) -> Self {
-        Self { distance, ..self }
+    pub fn of(distance: f64, error: f64, other: Option<Doubt>) -> Self {
+        let near = (distance < NEAR).then_some(Doubt::Near);
+        let doubt = near.or((error > 0.0).then_some(Doubt::NoGap)).or(other);
+        Self { distance, error, ambiguous: doubt.is_some(), doubt }
     }
 
-    /// Together with another of the same system that is in doubt: no more than that.
-    pub(crate) fn or_less(self, other: Self) -> Self {
-        let sigma_kept = self.sigma_kept.min(other.sigma_kept);
-        let sigma_dropped = self.sigma_dropped.max(other.sigma_dropped);
-        let distance = self.distance.min(other.distance);
-        Self::of(sigma_kept, sigma_dropped, self.ambiguous || other.ambiguous).with_distance(distance)
+    /// `-log10 d`: the verdict stands unless coefficients are wrong in a digit before this one. Infinite, `null` in JSON, where d is 0.
+    pub fn digits_kept(&self) -> f64 {
+        (-self.distance.log10()).max(0.0)
+    }
+
+    /// `-log10 e`: so many digits of what was dropped agree with what was kept; infinite, `null` in JSON, where all do.
+    pub fn digits_dropped(&self) -> f64 {
+        -self.error.log10()
     }
 }
 
-/// Dependent equations that another tolerance might call otherwise.
+/// Dependent equations whose right-hand sides another tolerance might call otherwise.
 pub(crate) fn doubted<'a>(
     dependent: &'a [Dependent],
     system: &'a ConstraintSystem,
@@ -86,7 +98,7 @@ pub(crate) fn doubted<'a>(
         let small = d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
         // `0 = b` has no parts and no unit of its own: it is the one equation that is compared with those beside it.
         let empty = system.matrix().row(d.row).len() == 0;
-        d.dropped > 0.0 || small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
+        small || d.is_suspect || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
     };
     dependent.iter().filter(is_doubtful).map(|d| d.row)
 }

@@ -44,13 +44,7 @@ pub(crate) fn find(
         .into_iter()
         .collect();
     fixed.retain(|j| again.contains(j));
-    let mut u = vec![0.0; system.dofs()];
-    system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
-    for block in &basis.blocks {
-        let particular = block.dofs.iter().zip(&block.vectors.particular);
-        particular.for_each(|(&j, &x)| u[j as usize] = ldexp(x, scaling.col(j as usize)));
-    }
-    basis.complete(system, &mut u);
+    let u = basis.particular(system, scaling);
     let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
     fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
     Generated { values: fixed.iter().map(named).collect(), dofs: fixed }

@@ -5,6 +5,7 @@ mod because;
 pub(crate) mod certificate;
 pub(crate) mod classify;
 pub(crate) mod confidence;
+mod consistent;
 mod core;
 mod distance;
 pub mod exact;
@@ -13,7 +14,7 @@ mod near_dependence;
 pub(crate) mod nullspace_probe;
 mod pass_result;
 mod preferred_equations;
-mod sensitivity;
+mod readings;
 
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -29,9 +30,9 @@ use certificate::History;
 use classify::{Dependent, Kind};
 use confidence::Confidence;
 
-pub use crate::input::rounding::Ignored;
-pub use analyse::analyse;
+pub use crate::input::noise::NoiseTerm;
 pub use near_dependence::{NearDependence, NearDependent};
+pub use readings::{OtherReading, analyse};
 
 /// Why an analysis could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -103,7 +104,8 @@ pub struct Analysis {
     pub(crate) generated: Vec<(usize, f64)>,
     pub(crate) unmet_equations: Vec<usize>,
     pub(crate) confidence: Confidence,
-    pub(crate) ignored: Vec<Ignored>,
+    pub(crate) noise: Vec<NoiseTerm>,
+    pub(crate) other: Option<OtherReading>,
     pub(crate) presolve: PresolveStatistics,
     pub(crate) timings: Timings,
     pub(crate) backend: (&'static str, String),
@@ -140,7 +142,7 @@ impl Analysis {
         self.basis.rank()
     }
 
-    /// The system that was analysed.
+    /// The system as it was read: without the coefficients of [`Analysis::noise`].
     pub fn system(&self) -> &ConstraintSystem {
         &self.system
     }
@@ -170,9 +172,14 @@ impl Analysis {
         self.confidence
     }
 
-    /// Coefficients that are rounding of their equations, from which nothing was concluded; ascending by row.
-    pub fn ignored(&self) -> &[Ignored] {
-        &self.ignored
+    /// Coefficients that count as zero by [`Options::noise`], ascending by row; [`Analysis::system`] is without them.
+    pub fn noise(&self) -> &[NoiseTerm] {
+        &self.noise
+    }
+
+    /// Another rank or verdict, if numbers that may be rounding are read the other way.
+    pub fn other_reading(&self) -> Option<&OtherReading> {
+        self.other.as_ref()
     }
 
     /// What presolve did.

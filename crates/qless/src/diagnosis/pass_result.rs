@@ -55,7 +55,7 @@ pub fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) ->
 impl PassResult {
     /// The user's rows on which presolve should not have decided.
     pub fn doubtful_rows(&self) -> Vec<usize> {
-        let kept = self.probe.doubtful.iter().map(|doubtful| self.users_row(doubtful.row));
+        let kept = self.probe.doubtful.iter().map(|&t| self.users_row(t));
         kept.chain(self.far_dependent.iter().map(|&row| self.history.rows[row as usize] as usize)).collect()
     }
 
@@ -68,35 +68,11 @@ impl PassResult {
         }
     }
 
-    /// Whether presolve lost digits in a component, or kept a row that is nearer to dependence than the tolerance.
-    pub fn lost_digits_by_component(&self, labels: &Labels, tolerance: f64) -> Vec<bool> {
-        let mut lost = vec![false; labels.count];
-        for doubtful in self.probe.doubtful.iter().filter(|doubtful| !doubtful.is_within(tolerance)) {
-            lost[labels.of_row[self.users_row(doubtful.row)] as usize] = true;
-        }
-        self.far_dependent
-            .iter()
-            .for_each(|&row| lost[labels.of_row[self.history.rows[row as usize] as usize] as usize] = true);
-        lost
-    }
-
     /// The number of dependent equations of each component.
     pub fn dependent_by_component(&self, labels: &Labels) -> Vec<u32> {
         let mut counts = vec![0; labels.count];
         self.dependent.iter().for_each(|d| counts[labels.of_row[d.row] as usize] += 1);
         counts
-    }
-
-    /// The smallest singular value of the blocks, by component; 1 where there is no block.
-    pub fn sigma_by_component(&self, labels: &Labels) -> Vec<f64> {
-        let mut sigma = vec![1.0_f64; labels.count];
-        for block in &self.basis.blocks {
-            if let Some(&row) = block.rows.first() {
-                let label = labels.of_row[self.history.rows[row as usize] as usize] as usize;
-                sigma[label] = sigma[label].min(block.nearness.sigma);
-            }
-        }
-        sigma
     }
 
     #[expect(clippy::too_many_arguments, reason = "each argument becomes one field")]
@@ -140,7 +116,8 @@ impl PassResult {
             fixed: generated.dofs,
             times: OnceLock::new(),
             solved: OnceLock::new(),
-            ignored: Vec::new(),
+            noise: Vec::new(),
+            other: None,
         }
     }
 }

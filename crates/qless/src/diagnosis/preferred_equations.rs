@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::certificate::{CertificateTerm, History};
-use super::classify::{Dependent, Kind, Mismatch, Source};
+use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
 use crate::input::scale::{Scaling, ldexp};
 
 /// A part of a certificate that cancels to within this, relative to its parts, is zero.
@@ -27,8 +27,7 @@ pub(crate) fn keep_preferred(
     wanted: &[usize],
     dependent: &mut Vec<Dependent>,
     history: &History,
-    scaling: &Scaling,
-    tolerance: f64,
+    rule: &MismatchRule,
 ) -> PreferenceOutcome {
     let wanted: BTreeSet<usize> = wanted.iter().copied().collect();
     let mut out = PreferenceOutcome::default();
@@ -41,8 +40,8 @@ pub(crate) fn keep_preferred(
         .collect();
     let asked: Vec<usize> = all.keys().copied().filter(|row| wanted.contains(row)).collect();
     for k in asked {
-        match substitute_for(&all[&k].because, &wanted, scaling) {
-            Some(i) => exchange(&mut all, k, i, tolerance),
+        match substitute_for(&all[&k].because, &wanted, rule.scaling) {
+            Some(i) => exchange(&mut all, k, i, rule),
             None => out.unmet.push(k),
         }
     }
@@ -91,7 +90,7 @@ fn substitute_for(because: &BTreeMap<usize, f64>, wanted: &BTreeSet<usize>, scal
 }
 
 /// Equation k is kept, i depends on it.
-fn exchange(all: &mut BTreeMap<usize, Exchangeable>, k: usize, i: usize, tolerance: f64) {
+fn exchange(all: &mut BTreeMap<usize, Exchangeable>, k: usize, i: usize, rule: &MismatchRule) {
     let Some(Exchangeable { mut because, dependent }) = all.remove(&k) else { return };
     let pivot = because.remove(&i).unwrap_or(1.0);
     because.values_mut().for_each(|c| *c = -*c / pivot);
@@ -104,10 +103,10 @@ fn exchange(all: &mut BTreeMap<usize, Exchangeable>, k: usize, i: usize, toleran
             let old = entry.dependent.rest;
             let part = (c * rest.value, c.abs() * rest.size, c.abs() * rest.error);
             let sum = Mismatch { value: old.value + part.0, size: old.size.max(part.1), error: old.error + part.2 };
-            entry.dependent = Dependent::new(entry.dependent.row, sum, entry.dependent.dropped, GIVEN, tolerance);
+            entry.dependent = Dependent::new(entry.dependent.row, sum, entry.dependent.dropped, GIVEN, rule);
         }
     }
-    all.insert(i, Exchangeable { because, dependent: Dependent::new(i, rest, dependent.dropped, GIVEN, tolerance) });
+    all.insert(i, Exchangeable { because, dependent: Dependent::new(i, rest, dependent.dropped, GIVEN, rule) });
 }
 
 /// Filled in at the end.

@@ -6,8 +6,9 @@ use crate::factor::backend::BackendError;
 use crate::factor::backend::sparse::order;
 use crate::factor::lu;
 use crate::factor::solver::SlaveSolver;
+use crate::input::numbering::Numbering;
 use crate::input::scale::{ldexp, where_needed};
-use crate::{ArgumentError, Csr, Kind};
+use crate::{ArgumentError, Csr, Kind, SystemBuilder};
 
 /// Factors of the independent equations in the columns of their slaves.
 pub(super) struct MultiplierFactors {
@@ -25,24 +26,24 @@ impl MultiplierFactors {
         let system = known.analysis.system();
         // The independent equations never change.
         let equations: Vec<usize> = (0..known.kinds.len()).filter(|&i| known.kinds[i] == Kind::Independent).collect();
-        let scaling = where_needed(known.analysis.numbering.view(system, system.rhs()));
+        let place = |(j, v): (usize, f64)| slaves.binary_search(&j).ok().map(|k| (k, v));
+        // A system has a DOF, even if there are no slaves.
+        let mut square = SystemBuilder::new(slaves.len().max(1));
+        equations.iter().for_each(|&i| _ = square.equation(system.matrix().row(i).filter_map(place), 0.0));
+        let failed = |message: String| BackendError::Failed { backend: "multipliers", message };
+        let square = square.build().map_err(|error| failed(error.to_string()))?;
+        // Balanced in the columns of the slaves: masters have no part in the factorization.
+        let (numbering, ..) = Numbering::new(&square);
+        let scaling = where_needed(numbering.view(&square, square.rhs()));
         let mut of_slaves = vec![0; slaves.len()];
-        for (l, &dof) in known.analysis.numbering.dofs.iter().enumerate() {
-            if let Ok(k) = slaves.binary_search(&(dof as usize)) {
-                of_slaves[k] = scaling.col(l);
-            }
-        }
+        numbering.dofs.iter().enumerate().for_each(|(l, &k)| of_slaves[k as usize] = scaling.col(l));
         let mut rows = Csr::empty(slaves.len());
-        for &i in &equations {
-            let place = |(j, v): (usize, f64)| {
-                slaves.binary_search(&j).ok().map(|k| (k, ldexp(v, scaling.row[i] + of_slaves[k])))
-            };
-            rows.append(system.matrix().row(i).filter_map(place));
+        for (row, exponent) in scaling.row.iter().enumerate() {
+            rows.append(square.matrix().row(row).map(|(k, v)| (k, ldexp(v, exponent + of_slaves[k]))));
         }
-        let of_equations = equations.iter().map(|&i| scaling.row[i]).collect();
+        let of_equations = scaling.row;
         let memory = known.analysis.options.memory;
-        let failed = |error: BackendError| BackendError::Failed { backend: "multipliers", message: error.to_string() };
-        let order = order(&rows).map_err(failed)?;
+        let order = order(&rows).map_err(|error| failed(error.to_string()))?;
         let factors = lu::factor(&rows, &order, |_| true, memory);
         let factors = factors.map_err(|error| error.of_block("multipliers", &rows, memory))?;
         Ok(Self { equations, solver: SlaveSolver::new(&rows, factors), of_equations, of_slaves })

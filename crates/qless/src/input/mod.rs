@@ -1,8 +1,8 @@
 //! From the user's equations to scaled ones over the DOFs that occur, and their connected components.
 
 pub mod components;
+pub mod noise;
 pub mod numbering;
 pub mod preferences;
-pub mod rounding;
 pub mod scale;
 pub mod system;

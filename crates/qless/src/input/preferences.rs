@@ -28,6 +28,17 @@ pub enum OptionError {
     /// The tolerance must lie strictly between 0 and 1.
     #[error("the tolerance is {0}; it must lie between 0 and 1, such as 1e-10")]
     Tolerance(f64),
+    /// Noise is a relative size below 1, or absolute sizes.
+    #[error("the noise is {0}; it must be a number between 0 and 1, or for floors at least 0")]
+    Noise(f64),
+    /// Floors of noise are by equation.
+    #[error("a list of noise floors has {found} numbers; the system has {expected} equations")]
+    Floors {
+        /// Numbers given.
+        found: usize,
+        /// Equations.
+        expected: usize,
+    },
     /// Growth below 1 cannot always be reached.
     #[error("the growth bound is {0}; it must be a number of at least 1, such as 4")]
     Growth(f64),

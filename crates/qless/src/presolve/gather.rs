@@ -1,8 +1,6 @@
 //! Gathers the rows that remain after peeling: scaled, with prescribed DOFs moved into b, and with their own DOF numbers.
 
-use std::collections::HashSet;
-
-use super::rows::{Entry, WorkingRow, bound};
+use super::rows::{Entry, WorkingRow};
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 
@@ -23,11 +21,12 @@ pub(crate) struct Gathered {
 /// The row (of the user) whose scaled right-hand side or coefficients leave the range of doubles.
 pub(crate) struct OutOfRange(pub usize);
 
+/// Gathers some equations; `noise` are errors of right-hand sides, in scaled rows, by the user's equation.
 pub(crate) fn gather(
     system: LocalSystem,
     names: Vec<u32>,
     scaling: &Scaling,
-    uncertain: &HashSet<(u32, u32)>,
+    noise: Option<&[f64]>,
 ) -> Result<Gathered, OutOfRange> {
     let (dofs, free, power) = (Vec::new(), Vec::new(), Vec::new());
     let mut out = Gathered { dofs, free, power, rows: Vec::with_capacity(names.len()), names };
@@ -41,6 +40,8 @@ pub(crate) fn gather(
     for &name in &out.names {
         let i = name as usize;
         let mut row = WorkingRow::new(ldexp(system.rhs()[i], scaling.row[i]));
+        let mut is_finite = true;
+        row.effective_error += noise.map_or(0.0, |noise| noise[i]);
         row.entries.reserve_exact(system.row(i).len());
         for (j, v) in system.row(i) {
             let (entry, free) = (scaling.entry(i, j, v), system.free()[j]);
@@ -51,17 +52,13 @@ pub(crate) fn gather(
                 out.power.push(powers.get(j).copied().unwrap_or(0));
             }
             let value = ldexp(entry, out.power[number[j] as usize]);
-            // A typed coefficient is exact to the last place; an uncertain one may be nothing but rounding.
-            let is_uncertain = !uncertain.is_empty() && uncertain.contains(&(name, j as u32));
-            let relative = if is_uncertain { 1.0 } else { f64::EPSILON };
-            row.insert(Entry { dof: number[j], value, error: bound(relative * value.abs()) });
-            if free {
-                row.size = row.size.max(entry.abs());
-            } else {
+            row.insert(Entry::given(number[j], value));
+            if !free {
                 row.prescribe(entry * prescribed[j]);
             }
+            is_finite &= entry.is_finite();
         }
-        if !(row.effective.is_finite() && row.effective_size.is_finite() && row.size.is_finite()) {
+        if !(row.effective.is_finite() && row.effective_size.is_finite() && is_finite) {
             return Err(OutOfRange(i));
         }
         out.rows.push(row);

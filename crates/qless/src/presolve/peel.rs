@@ -4,9 +4,12 @@
 //! peeled row is independent of all others and occurs in no certificate. Cost O(nnz). The slave must have the largest coefficient of its
 //! row, so that peeling does not increase growth. [`super::eliminate`] has weaker thresholds for the remaining rows.
 //!
+//! Last come rows with a slave so small that what follows might take it for zero: it proves all the same that its row is independent.
+//!
 //! Rows whose slave is strictly larger than all other coefficients are peeled first. This set does not depend on the order of the
 //! rows. So an MPI rank can peel some of them by its own equations alone, and the result for the others does not change.
 
+use std::collections::BTreeSet;
 use std::hint::select_unpredictable;
 
 use crate::input::numbering::{Column, LocalSystem};
@@ -23,6 +26,20 @@ pub(crate) struct Peeled {
 /// Marks the count of a prescribed DOF, which cannot be a slave.
 const PRESCRIBED: u32 = 1 << 31;
 
+/// How large a slave must be beside the other coefficients of its row.
+#[derive(Clone, Copy, PartialEq)]
+enum SlaveSize {
+    /// Larger than all.
+    Larger,
+    /// None is larger.
+    Largest,
+    /// Below [`TINY`] of the largest: a factorization may drop it.
+    Tiny,
+}
+
+/// Four digits above a tolerance of 1e-10: what is larger is kept by every factorization.
+const TINY: f64 = 1e-6;
+
 struct Peeling<'a> {
     system: LocalSystem<'a>,
     scaling: &'a Scaling,
@@ -34,35 +51,53 @@ struct Peeling<'a> {
     top: usize,
     /// All rows before this one have been tried already.
     tried: usize,
-    /// Whether a slave must be strictly larger than all other coefficients of its row.
-    strictly: bool,
-    /// Above which number its coefficient must be.
+    /// How large a slave must be, ...
+    slave: SlaveSize,
+    /// ... and above which number.
     least: f64,
     out: Peeled,
 }
 
-/// Peels all rows except those of `held`, whose DOFs do not become slaves. `columns` counts all rows. Among several candidates of a row
-/// the most preferred one is the slave, then the first. Its coefficient is above `least`, an absolute tolerance or 0.
+/// Peels all rows, of those of `held` only with tiny slaves, and as if those that are `absent` were not there. `columns` counts all
+/// rows. Among several candidates of a row the most preferred one is the slave, then the first. Its coefficient is above `least`, an
+/// absolute tolerance or 0.
 pub(crate) fn peel(
     system: LocalSystem,
     columns: &[Column],
     scaling: &Scaling,
     preferences: &SlavePreferences,
-    held: &[bool],
+    (held, absent): (&[bool], &BTreeSet<usize>),
     least: f64,
 ) -> Peeled {
     let m = system.equations();
     let basis = Basis::with_capacity(m);
     let mut columns = columns.to_vec();
     system.prescribed().iter().for_each(|&(j, _)| columns[j].count = PRESCRIBED);
-    let out = Peeled { basis, remaining: vec![true; m] };
+    let mut out = Peeled { basis, remaining: vec![true; m] };
+    for &i in absent {
+        out.remaining[i] = false;
+        let free = system.parts(i).0.iter().filter(|&&j| system.free()[j as usize]);
+        free.for_each(|&j| columns[j as usize].leave(i as u32));
+    }
     let ready = vec![0; system.dofs() + 1];
-    let mut work =
-        Peeling { system, scaling, preferences, columns, ready, top: 0, tried: 0, strictly: true, least, out };
-    for strictly in [true, false] {
-        work.strictly = strictly;
+    let mut work = Peeling {
+        system,
+        scaling,
+        preferences,
+        columns,
+        ready,
+        top: 0,
+        tried: 0,
+        slave: SlaveSize::Larger,
+        least,
+        out,
+    };
+    for slave in [SlaveSize::Larger, SlaveSize::Largest] {
+        work.slave = slave;
         (0..m).filter(|&i| !held[i]).for_each(|i| work.try_with_followers(i));
     }
+    work.slave = SlaveSize::Tiny;
+    (0..m).for_each(|i| work.try_with_followers(i));
     work.out
 }
 
@@ -137,7 +172,11 @@ impl Peeling<'_> {
             at = select_unpredictable(better, k, at);
             most = select_unpredictable(better, own, most);
         }
-        let is_largest = most >= largest && (equals == 0 || !self.strictly);
-        (at != usize::MAX && is_largest && f64::from_bits(most) > self.least).then_some(at)
+        let is_slave = match self.slave {
+            SlaveSize::Larger => most >= largest && equals == 0,
+            SlaveSize::Largest => most >= largest,
+            SlaveSize::Tiny => f64::from_bits(most) < TINY * f64::from_bits(largest),
+        };
+        (at != usize::MAX && is_slave && f64::from_bits(most) > self.least).then_some(at)
     }
 }

@@ -2,27 +2,60 @@
 
 use std::collections::HashMap;
 
+use crate::input::scale::ldexp;
+
 /// Rows longer than this find their entries by a hash table.
 const LONG: usize = 48;
 
-/// A coefficient and a bound of its rounding error (in single precision, which is enough for a bound).
+/// A coefficient, its largest part, and a bound of its rounding error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub dof: u32,
-    pub error: f32,
+    /// The bound relative to the size: single precision is enough, whatever the unit.
+    error: f32,
+    /// Largest multiple of a coefficient of the user that went into the value: what is left is judged relative to it, in any unit.
+    size: f64,
     pub value: f64,
 }
 
-/// A bound in single precision; subnormal values become zero.
-pub(crate) fn bound(error: f64) -> f32 {
-    let error = error as f32;
-    if error < f32::MIN_POSITIVE { 0.0 } else { error }
-}
-
 impl Entry {
+    /// As given: exact to the last place.
+    pub fn given(dof: u32, value: f64) -> Self {
+        Self::new(dof, value, f64::EPSILON * value.abs(), value.abs())
+    }
+
+    /// With its error and its largest part, which is the value itself if that is larger.
+    pub fn new(dof: u32, value: f64, error: f64, size: f64) -> Self {
+        let size = size.max(value.abs());
+        Self { dof, error: (error / size.max(f64::MIN_POSITIVE)) as f32, size, value }
+    }
+
+    /// The same in another unit and under another number.
+    pub fn renamed(self, dof: u32, exponent: i32) -> Self {
+        Self { dof, size: ldexp(self.size, exponent), value: ldexp(self.value, exponent), ..self }
+    }
+
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    pub fn error(&self) -> f64 {
+        f64::from(self.error) * self.size
+    }
+
+    /// What is left of the parts, at most 1.
+    pub fn left(&self) -> f64 {
+        self.value.abs() / self.size.max(f64::MIN_POSITIVE)
+    }
+
+    /// [`Entry::left`], 0 where it is no more than rounding.
+    pub fn certain_left(&self) -> f64 {
+        if self.is_certain() { self.left() } else { 0.0 }
+    }
+
     /// Whether the coefficient is certainly more than rounding.
     pub fn is_certain(&self) -> bool {
-        self.value.abs() > MORE_THAN_ROUNDING * f64::from(self.error)
+        self.value.abs() > MORE_THAN_ROUNDING * self.error()
     }
 }
 
@@ -44,9 +77,7 @@ pub(crate) struct WorkingRow {
     pub effective: f64,
     pub effective_size: f64,
     pub effective_error: f64,
-    /// Largest coefficient of a free DOF that was ever added to the row; entries are judged relative to it.
-    pub size: f64,
-    /// Largest coefficient of a free DOF that was dropped although it was more than rounding.
+    /// The largest that was left of the parts of a coefficient of a free DOF that was dropped, beyond rounding.
     pub dropped: f64,
     /// Bound of the multiple of any user's equation that the row contains: the product of the factors. It amplifies rounding errors of
     /// that equation.
@@ -103,14 +134,13 @@ impl WorkingRow {
         }
     }
 
-    /// Adds to the entry at a position. If the sum is zero within rounding, returns the part of it that was more than rounding, or 0.
-    pub fn add(&mut self, position: usize, value: f64, error: f64) -> Option<f64> {
+    /// Adds to the entry at a position. If the sum is zero within rounding, returns what is left of its parts beyond rounding, or 0.
+    pub fn add(&mut self, position: usize, value: f64, error: f64, size: f64) -> Option<f64> {
         let entry = &mut self.entries[position];
         let sum = entry.value + value;
-        let error = f64::from(entry.error) + error + f64::EPSILON * sum.abs();
-        (entry.value, entry.error) = (sum, bound(error));
-        let dropped = if sum.abs() > MORE_THAN_ROUNDING * error { sum.abs() } else { 0.0 };
-        (sum.abs() <= NOISE * error).then_some(dropped)
+        let error = entry.error() + error + f64::EPSILON * sum.abs();
+        *entry = Entry::new(entry.dof, sum, error, entry.size.max(size));
+        (sum.abs() <= NOISE * error).then_some(if sum.abs() > MORE_THAN_ROUNDING * error { entry.left() } else { 0.0 })
     }
 
     /// Removes the entry at a position; the last entry moves into its place.

@@ -96,7 +96,7 @@ impl Analysis {
     /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`. Here s_j is the sum of the magnitudes of the terms of u_j, D is the
     /// scaling of columns (1 unless units mix), and j runs over the DOFs of the part of equation i.
     ///
-    /// About 1e-16 times the condition of the kept equations, `1 / confidence.sigma_kept`. One pass over C and T.
+    /// About 1e-16 times the condition of the kept equations, `1 / confidence.distance`. One pass over C and T.
     ///
     /// # Errors
     /// [`ArgumentError`] if the reduction has other DOFs. It may have been computed elsewhere ([`Reduction::from_parts`]).

@@ -2,17 +2,45 @@
 
 use crate::{CertificateTerm, ConstraintSystem, Kind};
 
-/// A coefficient below 1.4e-14 of the largest one of its equation; its DOF has larger coefficients in other equations.
+/// What a system is if numbers that may be rounding are read the other way: [`crate::diagnosis::OtherReading`].
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct OtherReadingFinding {
+    /// Whether the coefficients count as zero in it; as given otherwise.
+    pub as_zero: bool,
+    /// Its rank.
+    pub rank: usize,
+    /// Number of its conflicting equations.
+    pub conflicting: usize,
+    /// The coefficients concerned.
+    pub coefficients: Vec<NoiseCoefficient>,
+}
+
+impl OtherReadingFinding {
+    pub(super) fn new(other: &crate::diagnosis::OtherReading) -> Self {
+        let coefficients = other.terms.iter().map(NoiseCoefficient::new).collect();
+        Self { as_zero: other.as_zero, rank: other.rank, conflicting: other.conflicting, coefficients }
+    }
+}
+
+/// A coefficient that may be rounding of others: [`crate::diagnosis::NoiseTerm`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub struct IgnoredCoefficient {
+pub struct NoiseCoefficient {
     /// Its row, from 1.
     pub row: usize,
     /// Its DOF, from 1.
     pub dof: usize,
     /// Its value.
     pub coefficient: f64,
+}
+
+impl NoiseCoefficient {
+    pub(super) fn new(term: &crate::diagnosis::NoiseTerm) -> Self {
+        Self { row: term.row + 1, dof: term.dof + 1, coefficient: term.coefficient }
+    }
 }
 
 /// A redundant or conflicting equation.

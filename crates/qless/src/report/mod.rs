@@ -1,4 +1,4 @@
-//! `qless.report/2`: a diagnosis as plain data; with the feature `serde` it serializes to the JSON report.
+//! `qless.report/3`: a diagnosis as plain data; with the feature `serde` it serializes to the JSON report.
 //!
 //! Rows and DOFs count from 1 here, as in Matrix Market files. `because` lists kept equations with coefficients; their combination is the
 //! dependent equation on the free DOFs, `row_k = sum_i coefficient_i row_i`, or the row of the identity for a fixed DOF.
@@ -21,7 +21,9 @@ use budget::Budget;
 use sizes::{from_one, milliseconds};
 
 pub use exact::{ExactDifference, ExactFinding};
-pub use findings::{Certificate, DependentEquation, GeneratedCondition, IgnoredCoefficient, Omitted, Term};
+pub use findings::{
+    Certificate, DependentEquation, GeneratedCondition, NoiseCoefficient, Omitted, OtherReadingFinding, Term,
+};
 pub use near_dependence::{NearDependenceFinding, NearEquation};
 pub use sizes::{BackendUsed, Counts, FactoredSizes, InputSizes, Milliseconds, ReductionSizes, Unmet};
 
@@ -102,9 +104,12 @@ pub struct Report {
     /// Preferences that are not met; the key is absent if all are met.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Unmet::is_empty"))]
     pub unmet_preferences: Unmet,
-    /// Coefficients that may be rounding, so no conclusion depends on them; the key is absent if there are none.
+    /// Coefficients that count as zero, because they are rounding of others; the key is absent if there are none.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
-    pub ignored_coefficients: Vec<IgnoredCoefficient>,
+    pub noise: Vec<NoiseCoefficient>,
+    /// Another rank or verdict, if numbers that may be rounding are read the other way.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub other_reading: Option<OtherReadingFinding>,
     /// Statistics of presolve, if they are known.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub presolve: Option<PresolveStatistics>,
@@ -119,7 +124,7 @@ pub struct Report {
 
 impl Report {
     /// The version of the schema; it changes if a reader of the old version would fail.
-    pub const SCHEMA: &'static str = "qless.report/2";
+    pub const SCHEMA: &'static str = "qless.report/3";
 
     /// Default limit of the terms of all certificates in a JSON report.
     pub const TERMS: usize = 1_000_000;
@@ -138,14 +143,12 @@ impl Report {
         let backend = BackendUsed::new(name, rayon::current_num_threads(), version.clone());
         let (dependent, generated_boundary_conditions) = Budget::new(analysis, terms).spend();
         let [presolve, factor, classify] = [times.presolve, times.factor, times.classify].map(milliseconds);
-        let ignored = analysis.ignored.iter();
         Self {
             dependent,
             generated_boundary_conditions,
             unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
-            ignored_coefficients: ignored
-                .map(|i| IgnoredCoefficient { row: i.row + 1, dof: i.dof + 1, coefficient: i.coefficient })
-                .collect(),
+            noise: analysis.noise.iter().map(NoiseCoefficient::new).collect(),
+            other_reading: analysis.other.as_ref().map(OtherReadingFinding::new),
             presolve: Some(analysis.presolve),
             ranks: None,
             timings_ms: Milliseconds {
@@ -231,7 +234,7 @@ impl Report {
     /// use qless::report::{BackendUsed, Certificate, Counts, DependentEquation, InputSizes, Term};
     /// let (input, counts) = (InputSizes::new(2, 3, 4, 0), Counts::new(1, 1, 0));
     /// let backend = BackendUsed::new("faer", 1, "faer 0.24".to_owned());
-    /// let mut report = Report::of_ranks(2, input, counts, Confidence::of(1.0, 0.0, false), backend);
+    /// let mut report = Report::of_ranks(2, input, counts, Confidence::of(1.0, 0.0, None), backend);
     /// let because = Certificate::complete(vec![Term::new(1, "tie 7".to_owned(), 2.0)]);
     /// report.dependent.push(DependentEquation::new(2, "tie 8".to_owned(), Kind::Redundant, 0.0, because));
     /// assert_eq!((report.rank, report.status, report.ranks), (1, Status::Redundant, Some(2)));
@@ -257,7 +260,8 @@ impl Report {
             meant: None,
             reduction: None,
             unmet_preferences: Unmet::default(),
-            ignored_coefficients: Vec::new(),
+            noise: Vec::new(),
+            other_reading: None,
             presolve: None,
             ranks: Some(ranks),
             backend,

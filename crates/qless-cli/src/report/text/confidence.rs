@@ -5,66 +5,93 @@ use std::cmp::Ordering;
 use qless::diagnosis::NearDependent;
 use qless::exact::Reading;
 use qless::report::ExactFinding;
-use qless::{Kind, Report, Tolerance};
+use qless::{Doubt, Kind, Report, Tolerance};
 
 use super::EquationList;
 use super::combination;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, count, rough};
 
-/// Relative sizes below this are doubtful.
-const NEAR: f64 = 3e-6;
+/// A tolerance below this would take rounding for data.
+const ROUNDING: f64 = 1e-13;
+/// Mismatches below this are doubtful.
+const NEAR: f64 = 1e-6;
 
-/// The line of the rank; if it is ambiguous, up to two lines of advice follow.
+/// The rank and how certain it is; if it is ambiguous, with up to two lines of advice.
 pub fn rank(list: &EquationList, report: &Report) -> Vec<String> {
-    let (kept, dropped) = (report.confidence.sigma_kept, report.confidence.sigma_dropped);
-    let sizes = format!("relative sizes down to {} kept, {} dropped", rough(kept), dropped_text(report, dropped));
     let rank = report.rank;
+    let digit = ordinal(report.confidence.digits_kept());
     if !report.confidence.ambiguous {
-        return vec![format!("Rank {rank}, sure: {sizes}.")];
+        let line = format!("Rank {rank}. It stands unless coefficients are wrong in their {digit} digit.");
+        return [line].into_iter().chain(dropped(report)).collect();
     }
-    let mut lines = vec![format!("Rank {rank}, AMBIGUOUS: {sizes}.")];
+    let mut lines = vec![format!("Rank {rank}, AMBIGUOUS.")];
     match list.tolerance {
         Tolerance::Paper => lines.push("  Without --paper-tolerance the answer does not depend on units.".to_owned()),
-        _ => lines.extend(advice(list, kept, dropped)),
+        _ => lines.extend(advice(list, report)),
     }
     lines
 }
 
-fn dropped_text(report: &Report, dropped: f64) -> String {
-    match (report.dependent.len(), dropped) {
-        (0, _) => "nothing".to_owned(),
-        (_, 0.0) => "only rounding".to_owned(),
-        _ => format!("up to {}", rough(dropped)),
+/// The digit of which a relative change of `10^-digits` is a part: "1st", "2nd".
+fn ordinal(digits: f64) -> String {
+    if digits.is_infinite() {
+        return "last".to_owned();
     }
+    let digit = digits.floor() as u32 + 1;
+    let ending = match digit % 10 {
+        1 if digit != 11 => "st",
+        2 if digit != 12 => "nd",
+        3 if digit != 13 => "rd",
+        _ => "th",
+    };
+    format!("{digit}{ending}")
 }
 
-/// At most two reasons for doubt, each with the tolerance that would decide otherwise.
-fn advice(list: &EquationList, kept: f64, dropped: f64) -> Vec<String> {
-    let reasons = [nearly_dependent(kept), remainder(list, dropped), small_mismatch(list)];
+/// More than rounding is left in doubtful cases only.
+fn dropped(report: &Report) -> Option<String> {
+    (!report.dependent.is_empty()).then(|| "What was dropped agrees to rounding.".to_owned())
+}
+
+/// At most two reasons for doubt, each with what would settle it.
+fn advice(list: &EquationList, report: &Report) -> Vec<String> {
+    let reasons = [nearly_dependent(report), remainder(list), other_reading(report), small_mismatch(list)];
     let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();
     if lines.is_empty() {
-        lines.push("  A right-hand side differs by very little: check that no digits were lost.".to_owned());
+        lines.push("  The rank could not be verified within the memory allowed: more memory settles it.".to_owned());
     }
     lines
 }
 
-fn nearly_dependent(kept: f64) -> Option<String> {
-    let looser = rough((10.0 * kept).max(1e-9));
-    let line = format!("  Some kept equations nearly repeat others. If only rounding parts them: --tolerance {looser}");
-    (kept < NEAR).then_some(line)
+fn nearly_dependent(report: &Report) -> Option<String> {
+    let looser = rough((10.0 * report.confidence.distance).max(1e-9));
+    let digit = ordinal(report.confidence.digits_kept());
+    let line = format!("  Kept equations differ in the {digit} digit only. If that is rounding: --tolerance {looser}");
+    (report.confidence.doubt == Some(Doubt::Near)).then_some(line)
 }
 
-fn remainder(list: &EquationList, dropped: f64) -> Option<String> {
+fn remainder(list: &EquationList) -> Option<String> {
     let equation = list.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
-    let name = wording::equation(list.equations, equation.row);
+    let (name, dropped) = (wording::equation(list.equations, equation.row), equation.dropped);
     // With a smaller tolerance, rounding errors would make equations independent.
-    let advice = if dropped > 1e-13 {
+    let advice = if dropped > ROUNDING {
         format!("If that is meant: --tolerance {}", rough(dropped / 10.0))
     } else {
         "Check that no digits were lost.".to_owned()
     };
     (dropped > 0.0).then(|| format!("  {name} is not quite its combination. {advice}"))
+}
+
+/// Both readings of numbers that may be rounding.
+fn other_reading(report: &Report) -> Option<String> {
+    let other = report.other_reading.as_ref()?;
+    let terms = count(other.coefficients.len(), "coefficient");
+    let how = if other.as_zero { "zero" } else { "given" };
+    let conflicts = count(other.conflicting, "conflict");
+    Some(format!(
+        "  {terms} may be rounding; as {how}: rank {}, {conflicts}. --noise none or 1.5e-14 decides.",
+        other.rank
+    ))
 }
 
 fn small_mismatch(list: &EquationList) -> Option<String> {
@@ -169,16 +196,16 @@ fn place(diagnosis: &Diagnosis, exact: &ExactFinding) -> Option<String> {
     })
 }
 
-/// A line about coefficients of the size of rounding errors, if any.
-pub fn ignored_coefficients(diagnosis: &Diagnosis, report: &Report) -> Option<String> {
-    let first = report.ignored_coefficients.first()?;
+/// A line about coefficients that count as zero, if any.
+pub fn noise(diagnosis: &Diagnosis, report: &Report) -> Option<String> {
+    let first = report.noise.first()?;
     let equation = wording::equation(&diagnosis.system, first.row - 1);
     let dof = diagnosis.system.dof_label(first.dof - 1);
     let (size, dof) = (rough(first.coefficient), wording::label(&dof));
-    Some(match report.ignored_coefficients.len() {
-        1 => format!("One coefficient is no more than rounding and decided nothing: {size} of {dof} in {equation}."),
+    Some(match report.noise.len() {
+        1 => format!("One coefficient is no more than rounding and counts as zero: {size} of {dof} in {equation}."),
         count => format!(
-            "{count} coefficients are no more than rounding and decided nothing, first {size} of {dof} in {equation}."
+            "{count} coefficients are no more than rounding and count as zero, first {size} of {dof} in {equation}."
         ),
     })
 }

@@ -70,7 +70,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) 
     let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
     let mut doubts = confidence::near_dependence(diagnosis, report);
     doubts.extend(exact_rank(diagnosis, report));
-    doubts.extend(confidence::ignored_coefficients(diagnosis, report));
+    doubts.extend(confidence::noise(diagnosis, report));
     whole(&list, report, outcome, &sections, doubts)
 }
 

@@ -9,7 +9,7 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::{Basis, BasisRow, Kept, Vectors};
 
-pub(crate) use findings::{NullspaceProbe, is_far, is_harmless};
+pub(crate) use findings::{NullspaceProbe, is_far};
 pub(crate) use random_keys::{RandomKeys, random_sides};
 use random_keys::{SEEDS, random_step_sides, sizes_of_inverse};
 
@@ -70,7 +70,6 @@ impl ProbePass<'_> {
         let of_steps = if BOUND { sizes_of_inverse(history) } else { random_step_sides(history, keys, seed) };
         let first = basis.peeled.len();
         let plain = scaling.col.is_empty();
-        let mut sizes = vec![0.0; basis.rows()];
         let mut out = NullspaceProbe { bounds: vec![0.0; basis.rows()], immobile, ..NullspaceProbe::default() };
         for t in (0..basis.rows()).rev() {
             let slave = basis.slave(t);
@@ -90,21 +89,13 @@ impl ProbePass<'_> {
             };
             let pivot = basis.pivot(t, &terms, scaling);
             state.w = apart_from_zero(sample + right / if BOUND { pivot.abs() } else { pivot });
-            sizes[t] = state.w.abs();
             let far = t >= first && is_far(basis.reach_of_step(t - first));
             let moves = if plain { moves } else { ldexp(moves, -scaling.col(slave as usize)) };
-            out.judge(t, state.w.abs(), moves.abs(), far);
+            out.judge(t, t < first, state.w.abs(), moves.abs(), far);
         }
-        let of_inverse = if BOUND { &mut out.bound_of_inverse } else { &mut out.sample_of_inverse };
-        *of_inverse = sizes;
         out
     }
 }
-
-/// A DOF of a block moves if its entry in a random vector of the null space is above `ZERO_UNITS eps / sigma`, limited to [`ZERO`].
-const ZERO_UNITS: f64 = 8.0;
-/// Lower and upper limit of that threshold, whatever the condition.
-const ZERO: [f64; 2] = [1e-13, 1e-8];
 
 /// A DOF, as far as the pass has come.
 #[derive(Clone, Copy)]
@@ -131,14 +122,12 @@ pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, seed: u6
 
 /// The DOFs of a block move as a random vector of its null space says; those that stay are listed.
 pub fn enter(block: &Kept, which: ProbeSample, scaling: &Scaling, states: &mut [State], immobile: &mut Vec<u32>) {
-    let zero = (ZERO_UNITS * f64::EPSILON / block.nearness.sigma).clamp(ZERO[0], ZERO[1]);
     let Vectors { moves, sample, .. } = &block.vectors;
     for ((&j, &u), &w) in block.dofs.iter().zip(&moves[which as usize]).zip(sample) {
-        let moves = if u.abs() <= zero { 0.0 } else { u };
-        if moves == 0.0 {
+        if u == 0.0 {
             immobile.push(j);
         }
-        states[j as usize] = State { u: ldexp(moves, scaling.col(j as usize)), w: apart_from_zero(w) };
+        states[j as usize] = State { u: ldexp(u, scaling.col(j as usize)), w: apart_from_zero(w) };
     }
 }
 

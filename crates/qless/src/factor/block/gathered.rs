@@ -3,11 +3,12 @@
 use crate::Csr;
 use crate::factor::backend::Backend;
 use crate::factor::backend::dense_or_sparse::DenseOrSparse;
-use crate::input::scale::{exponent, ldexp};
+use crate::input::scale::{Component, exponent, ldexp};
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::{Entry, WorkingRow};
 
 /// One block as a matrix: m rows over the free DOFs `dofs`, with what stands on the other side.
+#[derive(Clone)]
 pub(crate) struct Block {
     /// Indices of the rows among those that went through presolve.
     pub rows: Vec<u32>,
@@ -15,6 +16,8 @@ pub(crate) struct Block {
     pub exponents: Vec<i32>,
     /// Free DOFs of the block, ascending; the columns of `matrix`.
     pub dofs: Vec<u32>,
+    /// By DOF the exponent of the unit in which `matrix` has it: balanced units until the kept rows are known, then 0.
+    pub units: Vec<i32>,
     pub matrix: Csr,
     /// Prescribed DOFs of the block, ascending; the columns of `fixed`.
     pub prescribed: Vec<u32>,
@@ -22,7 +25,7 @@ pub(crate) struct Block {
     pub rhs: Vec<f64>,
     /// `b - C_p u_p`, scaled as the rows.
     pub effective: Vec<Mismatch>,
-    /// The largest coefficient of each row that is more than its own rounding.
+    /// The largest that is left of the parts of a coefficient of each row, beyond rounding.
     pub certain: Vec<f64>,
     /// A random right-hand side, after presolve.
     pub random: Vec<f64>,
@@ -49,11 +52,6 @@ impl<'a> FactorContext<'a> {
     pub fn orthogonal(&self) -> &dyn Backend {
         if self.backend.is_orthogonal() { self.backend } else { &self.reference }
     }
-
-    /// Bytes for the sparse factors of a block.
-    pub fn memory(&self) -> usize {
-        self.reference.memory
-    }
 }
 
 impl Block {
@@ -64,7 +62,7 @@ impl Block {
         selected
     }
 
-    /// Gathers the given rows, scaled unless the tolerance is absolute; `random` has a number for every row.
+    /// Gathers the given rows, scaled and in balanced units unless the tolerance is absolute; `random` has a number for every row.
     pub fn new(rows: &[WorkingRow], block: &[u32], is_free: &[bool], random: &[f64], is_scaled: bool) -> Self {
         let all = || block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|entry| entry.dof));
         let sorted = |free: bool| {
@@ -79,6 +77,7 @@ impl Block {
             exponents: Vec::new(),
             matrix: Csr::empty(dofs.len()),
             fixed: Csr::empty(prescribed.len()),
+            units: if is_scaled { balanced_units(rows, block, &dofs) } else { vec![0; dofs.len()] },
             dofs,
             prescribed,
             rhs: Vec::new(),
@@ -91,23 +90,64 @@ impl Block {
     }
 
     fn push(&mut self, row: &WorkingRow, random: f64, is_scaled: bool) {
-        let shift = if is_scaled { -exponent(row.size.max(f64::MIN_POSITIVE)) } else { 0 };
-        let part = |dofs: &[u32]| {
-            let place = |entry: &Entry| Some((dofs.binary_search(&entry.dof).ok()?, ldexp(entry.value, shift)));
-            let found = row.entries.iter().filter_map(place);
-            let mut entries: Vec<_> = found.collect();
+        let place = |entry: &Entry| self.dofs.binary_search(&entry.dof).ok();
+        let free = || row.entries.iter().filter_map(|entry| Some((place(entry)?, entry)));
+        let largest = free().map(|(j, entry)| ldexp(entry.size(), self.units[j])).fold(f64::MIN_POSITIVE, f64::max);
+        let shift = if is_scaled { -exponent(largest) } else { 0 };
+        let sorted = |mut entries: Vec<(usize, f64)>| {
             entries.sort_unstable_by_key(|&(j, _)| j);
             entries
         };
-        self.matrix.append(part(&self.dofs));
-        self.fixed.append(part(&self.prescribed));
+        let entries = sorted(free().map(|(j, entry)| (j, ldexp(entry.value, shift + self.units[j]))).collect());
+        let certain = free().map(|(_, entry)| entry.certain_left()).fold(row.dropped, f64::max);
+        let fixed = |entry: &Entry| Some((self.prescribed.binary_search(&entry.dof).ok()?, ldexp(entry.value, shift)));
+        self.fixed.append(sorted(row.entries.iter().filter_map(fixed).collect()));
+        self.matrix.append(entries);
         self.rhs.push(ldexp(row.rhs, shift));
         self.effective.push(Mismatch::of_row(row).scaled(shift));
-        let free = row.entries.iter().filter(|entry| self.dofs.binary_search(&entry.dof).is_ok());
-        let certain =
-            free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
-        self.certain.push(ldexp(certain, shift));
+        self.certain.push(certain);
         self.random.push(ldexp(random, shift));
         self.exponents.push(shift);
     }
+
+    /// Goes back from balanced units to those that the rows had, each row with a largest coefficient of 1: there slaves are chosen, and
+    /// reductions computed.
+    pub fn restore_units(&mut self) {
+        if self.units.iter().all(|&unit| unit == 0) {
+            return;
+        }
+        for i in 0..self.matrix.rows() {
+            let range = self.matrix.start[i]..self.matrix.start[i + 1];
+            let (dofs, values) = (&self.matrix.col[range.clone()], &mut self.matrix.val[range]);
+            values.iter_mut().zip(dofs).for_each(|(v, &j)| *v = ldexp(*v, -self.units[j as usize]));
+            let largest = values.iter().fold(f64::MIN_POSITIVE, |most, v| most.max(v.abs()));
+            let shift = -exponent(largest);
+            values.iter_mut().for_each(|v| *v = ldexp(*v, shift));
+            let range = self.fixed.start[i]..self.fixed.start[i + 1];
+            self.fixed.val[range].iter_mut().for_each(|v| *v = ldexp(*v, shift));
+            self.rhs[i] = ldexp(self.rhs[i], shift);
+            self.effective[i] = self.effective[i].scaled(shift);
+            self.random[i] = ldexp(self.random[i], shift);
+            self.exponents[i] += shift;
+        }
+        self.units.fill(0);
+    }
+}
+
+/// Half of the range of exponents: the other half is for the coefficients.
+const RANGE: i32 = 512;
+
+/// Exponents of the DOFs of a block.
+fn balanced_units(rows: &[WorkingRow], block: &[u32], dofs: &[u32]) -> Vec<i32> {
+    let terms = |i: u32| {
+        let certain = rows[i as usize].entries.iter().filter(|entry| entry.is_certain());
+        certain.filter_map(|entry| Some((dofs.binary_search(&entry.dof).ok()?, entry.value)))
+    };
+    let component = Component::gather(block.to_vec(), terms, &mut vec![0; dofs.len()]);
+    let mut units = vec![0; dofs.len()];
+    // Where balanced numbers might leave the range of doubles, those of the user are taken.
+    if let Some(found) = component.units().filter(|found| found.iter().all(|unit| unit.abs() < RANGE)) {
+        component.dofs.iter().zip(found).for_each(|(&j, unit)| units[j as usize] = unit);
+    }
+    units
 }

@@ -8,19 +8,52 @@ pub(crate) mod dependent;
 mod gathered;
 pub(crate) mod tableau;
 pub(crate) mod triangle;
+mod unexplained;
 
 use crate::factor::backend::BackendError;
 use crate::presolve::basis::Diagnosed;
 use dependent::Rows;
 use triangle::Triangle;
+use unexplained::unexplained;
 
 pub(crate) use gathered::{Block, FactorContext};
 
 /// Which rows of a block depend on which, and how its DOFs can move; with the factor of the kept rows.
-pub(crate) fn diagnose(block: &Block, means: FactorContext) -> Result<(Diagnosed, Triangle), BackendError> {
-    let Rows { kept, order, dependent, nearness, triangle } = dependent::find(block, means)?;
+///
+/// Balanced units are as good as the coefficients are alike. Where they drop rows that are no combinations, the block is diagnosed again in
+/// the units of its rows, and the choice that keeps more holds. In balanced units a rotation grows, so that some DOFs seem to rest beside
+/// others: the motions hold in which fewer DOFs rest.
+pub(crate) fn diagnose(block: &mut Block, means: FactorContext) -> Result<(Diagnosed, Triangle), BackendError> {
+    let mut rows = dependent::find(block, means)?;
+    let mut vectors = rows.triangle.vectors(block);
+    let left = if means.check { unexplained(block, &mut rows, &vectors.moves) } else { 0 };
+    let is_balanced = block.units.iter().any(|&unit| unit != 0);
+    if is_balanced && left > 0 {
+        let mut plain = block.clone();
+        plain.restore_units();
+        let mut other = dependent::find(&plain, means)?;
+        if other.kept.len() > rows.kept.len() {
+            vectors = other.triangle.vectors(&plain);
+            unexplained(&plain, &mut other, &vectors.moves);
+            (*block, rows) = (plain, other);
+        }
+    }
+    vectors.restore_units(&block.units, rows.nearness.sigma);
+    if is_balanced && vectors.resting() > 0 {
+        let mut plain = block.clone();
+        plain.restore_units();
+        let triangle = Triangle::of(&plain, &rows.kept, &[], means)?;
+        // Rows that are dependent to the last bit in these units are not all there.
+        if triangle.rows.len() == rows.kept.len() {
+            let mut other = triangle.vectors(&plain);
+            other.restore_units(&[], triangle.factor.smallest_singular_value().0);
+            if other.resting() < vectors.resting() {
+                vectors.moves = other.moves;
+            }
+        }
+    }
+    let Rows { kept, order, dependent, nearness, triangle, .. } = rows;
     let rows = kept.iter().map(|&i| block.rows[i]).collect();
     let order = order.iter().map(|&k| k as u32).collect();
-    let vectors = triangle.vectors(block);
     Ok((Diagnosed { kept: rows, order, dependent, nearness, vectors }, triangle))
 }

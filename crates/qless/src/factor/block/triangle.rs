@@ -8,6 +8,8 @@
 //!
 //! O(nnz R) for each, sixteen certificates at a time.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::gathered::{Block, FactorContext};
@@ -32,7 +34,7 @@ type VectorPair = Slab<2>;
 
 /// The factor of some rows of a block.
 pub(crate) struct Triangle {
-    pub factor: Factor,
+    pub factor: Arc<Factor>,
     /// Row of the block for each column of R1.
     pub rows: Vec<usize>,
     /// Rows of which the factor can tell the certificates: those asked for, then those left out as dependent.
@@ -52,7 +54,7 @@ impl Triangle {
     pub fn whole(factor: Factor) -> Self {
         let (rows, dropped) = factor.order.split_at(factor.rank);
         let (rows, dropped) = (rows.to_vec(), dropped.to_vec());
-        Self { factor, rows, dropped, asked: 0 }
+        Self { factor: Arc::new(factor), rows, dropped, asked: 0 }
     }
 
     /// Factors rows that are known to be independent; those that are not, to the last bit, are left out. With the rows `asked`, of
@@ -68,7 +70,7 @@ impl Triangle {
         let (rows, left_out) = factor.order.split_at(factor.rank);
         let rows = rows.iter().map(|&k| kept[k]).collect();
         let dropped = asked.iter().copied().chain(left_out.iter().map(|&k| kept[k])).collect();
-        Ok(Self { factor, rows, dropped, asked: asked.len() })
+        Ok(Self { factor: Arc::new(factor), rows, dropped, asked: asked.len() })
     }
 
     /// Whether all that was dropped stands in R2, where certificates can be made some at a time.
@@ -133,6 +135,13 @@ impl Triangle {
             self.subtract_from(block, &step, &mut x);
         }
         x
+    }
+
+    /// `(R^T R)^-1 C_k x`: the combination of the rows that is nearest to x, in the order of [`Triangle::rows`].
+    pub fn projected(&self, block: &Block, x: &[f64]) -> Vec<f64> {
+        let mut z = self.times(block, &x.iter().map(|&x| [x]).collect());
+        self.normal(&mut z);
+        z.into_iter().map(|[z]| z).collect()
     }
 
     /// `Z <- (R^T R)^-1 Z`.

@@ -1,63 +1,199 @@
-//! Rows and columns in units that make their entries as equal as they can be.
+//! The units of rows and DOFs in which coefficients are as equal as they can be.
+//!
+//! ```text
+//! min over p, q   sum over coefficients   phi(log2 |c_ij| + p_i - q_j),   phi'(x) = x for x > 0, x / (1 - x) for x < 0
+//! ```
+//!
+//! The minimum is one point, apart from a constant for each component, and moves with the units: `D1 C D2` has the same balanced
+//! coefficients. No small coefficient pulls by more than 1, so one of 1e-159 that is left of a zero moves nothing far. Solved by reweighted
+//! least squares: each step is `L p = f` with the Laplacian of the graph of rows and DOFs.
 
-use super::{Scaling, free};
-use crate::input::numbering::LocalSystem;
+use super::laplacian::{Edge, solve};
 
-/// Where the largest of each row and column is 1, no unit explains an entry below this power of two: it is rounding.
-pub(crate) const ROUNDING: i32 = -46;
-/// Sweeps of equilibration; each halves what is missing, in powers of two.
-const SWEEPS: usize = 12;
+/// Steps of reweighting; each leaves less of the way, and one that moves no coefficient by a power of two is the last.
+const MOST_STEPS: usize = 30;
 
-/// Alternating geometric means of the free part, ten sweeps, then a largest number of 1: the former find the units, the latter
-/// what numbers of many sizes in one row made of them.
-///
-/// A mean over an entry of 1e-159, which is what is left of a zero, would move its row and column by hundreds of powers: entries that no unit
-/// explains have no part in it.
-pub fn balance(c: LocalSystem, scaling: &mut Scaling) {
-    let (mut row, mut col) = (vec![0.0; c.equations()], vec![0.0; c.dofs()]);
-    let (of_row, of_col) = equilibrated(c, row.clone(), col.clone());
-    let counting = |i: usize| {
-        let (of_row, of_col) = (&of_row, &of_col);
-        let powers = free(c, i).map(|(j, v)| (j, v.abs().log2()));
-        powers.filter(move |&(j, power)| power + of_row[i] + of_col[j] > f64::from(ROUNDING))
-    };
-    for _ in 0..10 {
-        let mut sum = vec![(0.0, 0.0); c.dofs()];
-        for i in 0..c.equations() {
-            let total: f64 = counting(i).map(|(j, power)| power + col[j]).sum();
-            row[i] = -total / (counting(i).count().max(1) as f64);
-            counting(i).for_each(|(j, power)| {
-                sum[j].0 += power + row[i];
-                sum[j].1 += 1.0;
-            });
-        }
-        for (j, &(total, count)) in sum.iter().enumerate().filter(|(_, s)| s.1 > 0.0) {
-            col[j] = -total / count;
-        }
-    }
-    scaling.col = equilibrated(c, row, col).1.iter().map(|e| e.round() as i32).collect();
+/// Sweeps of equilibration; the first ones halve what is missing, in powers of two, the others level what is left.
+const SWEEPS: usize = 30;
+
+/// DOFs whose balanced units lie within this power of two stay in the units of the user: a pivot is then above 1e-6 of its row, four
+/// digits above what a tolerance of 1e-10 drops.
+const NEAR: f64 = 20.0;
+
+/// Of a double.
+const BITS: f64 = 53.0;
+
+/// The coefficients of one component, with powers of two instead of numbers.
+pub(crate) struct Component {
+    /// Its equations.
+    pub rows: Vec<u32>,
+    /// Its free DOFs.
+    pub dofs: Vec<u32>,
+    /// The row (its place in `rows`) and DOF (its place in `dofs`) of each coefficient, and `log2 |c|`.
+    entries: Vec<(u32, u32, f64)>,
 }
 
-/// Exponents for rows and columns with which the largest free number of each is 1 (Ruiz 2001), from those given.
-pub(crate) fn equilibrated(system: LocalSystem, mut row: Vec<f64>, mut col: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
-    for _ in 0..SWEEPS {
-        let mut of_row = vec![f64::NEG_INFINITY; row.len()];
-        let mut of_col = vec![f64::NEG_INFINITY; col.len()];
-        for i in 0..row.len() {
-            for (j, v) in free(system, i) {
-                let power = v.abs().log2() + row[i] + col[j];
-                (of_row[i], of_col[j]) = (of_row[i].max(power), of_col[j].max(power));
+impl Component {
+    /// Gathers the terms `(DOF, coefficient)` of some equations; `place` is room for all DOFs, with any numbers.
+    pub fn gather<T: Iterator<Item = (usize, f64)>>(
+        rows: Vec<u32>,
+        terms: impl Fn(u32) -> T,
+        place: &mut [u32],
+    ) -> Self {
+        let (mut dofs, mut entries): (Vec<u32>, _) = (Vec::new(), Vec::new());
+        for (&i, row) in rows.iter().zip(0..) {
+            for (j, v) in terms(i) {
+                if dofs.get(place[j] as usize) != Some(&(j as u32)) {
+                    place[j] = dofs.len() as u32;
+                    dofs.push(j as u32);
+                }
+                entries.push((row, place[j], v.abs().log2()));
             }
         }
-        let halve = |scale: &mut Vec<f64>, most: &[f64]| {
-            scale
-                .iter_mut()
-                .zip(most)
-                .filter(|(_, most)| most.is_finite())
-                .for_each(|(scale, most)| *scale -= most / 2.0);
-        };
-        halve(&mut row, &of_row);
-        halve(&mut col, &of_col);
+        Self { rows, dofs, entries }
     }
-    (row, col)
+
+    /// The exponents -q of the DOFs, 0 for most; none where the user's units are near enough.
+    pub fn units(&self) -> Option<Vec<i32>> {
+        self.units_beyond(NEAR)
+    }
+
+    /// The exponents -q of the DOFs, none where all lie within a power of two.
+    pub fn units_beyond(&self, near: f64) -> Option<Vec<i32>> {
+        let q = self.balanced(near)?.0;
+        let usual = median(&q);
+        Some(q.iter().map(|q| (usual - q).round() as i32).collect())
+    }
+
+    /// Exponents of the DOFs that are near those of the user and leave few coefficients small beside others of their row: equilibrated, or
+    /// balanced where equilibration has stopped too early, since one large coefficient is enough for it. None as in
+    /// [`Component::equilibrated`].
+    pub fn near_users(&self, near: i32) -> Option<Vec<i32>> {
+        let equilibrated = self.equilibrated(near)?;
+        let small = self.smallness(&equilibrated);
+        let balanced = if small > 0.0 { self.units_beyond(0.0) } else { None };
+        Some(balanced.filter(|balanced| self.smallness(balanced) < small / 2.0).unwrap_or(equilibrated))
+    }
+
+    /// By how many powers of two coefficients are below [`NEAR`] beside the largest of their row, in all; a zero is no smaller than 53.
+    fn smallness(&self, col: &[i32]) -> f64 {
+        let power = |&(_, j, power): &(u32, u32, f64)| power + f64::from(col[j as usize]);
+        let of_row = |row: &[(u32, u32, f64)]| {
+            let most = row.iter().map(power).fold(f64::NEG_INFINITY, f64::max);
+            row.iter().map(|entry| ((most - power(entry)).min(BITS) - NEAR).max(0.0)).sum::<f64>()
+        };
+        self.entries.chunk_by(|a, b| a.0 == b.0).map(of_row).sum()
+    }
+
+    /// Exponents of the DOFs with which the coefficients of each row and DOF have one 2-norm (Ruiz 2001), 0 for most: small coefficients
+    /// have little part in it. None where no DOF of two equations or more is off by more than a power of two.
+    pub fn equilibrated(&self, near: i32) -> Option<Vec<i32>> {
+        let (mut row, mut col) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
+        let mut count = vec![0; col.len()];
+        self.entries.iter().for_each(|&(_, j, _)| count[j as usize] += 1);
+        for _ in 0..SWEEPS {
+            let (mut of_row, mut of_col) = (vec![Sum::ZERO; row.len()], vec![Sum::ZERO; col.len()]);
+            for &(i, j, power) in &self.entries {
+                let (i, j) = (i as usize, j as usize);
+                let squared = 2.0 * (power + row[i] + col[j]);
+                of_row[i].add(squared);
+                of_col[j].add(squared);
+            }
+            row.iter_mut().zip(of_row).for_each(|(row, sum)| *row -= sum.power() / 4.0);
+            col.iter_mut().zip(of_col).for_each(|(col, sum)| *col -= sum.power() / 4.0);
+        }
+        let usual = median(&col);
+        let units: Vec<i32> = col.iter().map(|col| (col - usual).round() as i32).collect();
+        units.iter().zip(count).any(|(unit, count)| count > 1 && unit.abs() > near).then_some(units)
+    }
+
+    /// Calls `job` with the place of each row and its balanced coefficients, as powers of two.
+    pub fn balanced_rows(&self, mut job: impl FnMut(usize, &[f64])) {
+        let Some((_, powers)) = self.balanced(-1.0) else { return };
+        let mut first = 0;
+        for row in self.entries.chunk_by(|a, b| a.0 == b.0) {
+            job(row[0].0 as usize, &powers[first..first + row.len()]);
+            first += row.len();
+        }
+    }
+
+    /// Calls `job` with the place of each row and its exponent p.
+    pub fn row_units(&self, mut job: impl FnMut(usize, f64)) {
+        let Some((q, powers)) = self.balanced(-1.0) else { return };
+        for (&(i, j, power), balanced) in self.entries.iter().zip(powers) {
+            job(i as usize, balanced - power + q[j as usize]);
+        }
+    }
+
+    /// q of the DOFs, and the balanced coefficients, as powers of two; none where all q lie within a power of two.
+    fn balanced(&self, near: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+        let m = self.rows.len();
+        let mut powers: Vec<f64> = self.entries.iter().map(|&(_, _, power)| power).collect();
+        let mut q = vec![0.0; self.dofs.len()];
+        let mut edges: Vec<Edge> =
+            self.entries.iter().map(|&(i, j, _)| Edge { ends: [i, m as u32 + j], weight: 1.0 }).collect();
+        for _ in 0..MOST_STEPS {
+            let p = solve(&edges, &self.pull(&powers, &edges));
+            let mut most = 0.0_f64;
+            for ((power, edge), &(i, j, _)) in powers.iter_mut().zip(&mut edges).zip(&self.entries) {
+                let change = p[i as usize] - p[m + j as usize];
+                *power += change;
+                most = most.max(change.abs());
+                edge.weight = if *power > 0.0 { 1.0 } else { 1.0 / (1.0 - *power) };
+            }
+            q.iter_mut().zip(&p[m..]).for_each(|(q, p)| *q += p);
+            if range(&q) <= near {
+                return None;
+            }
+            if most < 1.0 {
+                break;
+            }
+        }
+        Some((q, powers))
+    }
+
+    /// `-sum_e w_e x_e (delta_i - delta_j)`.
+    fn pull(&self, powers: &[f64], edges: &[Edge]) -> Vec<f64> {
+        let mut f = vec![0.0; self.rows.len() + self.dofs.len()];
+        for (power, &Edge { ends: [a, b], weight }) in powers.iter().zip(edges) {
+            f[a as usize] -= weight * power;
+            f[b as usize] += weight * power;
+        }
+        f
+    }
+}
+
+/// `sum 2^power`, as a power of two.
+#[derive(Clone, Copy)]
+struct Sum {
+    /// The largest power.
+    most: f64,
+    /// The sum relative to it.
+    sum: f64,
+}
+
+impl Sum {
+    const ZERO: Self = Self { most: f64::NEG_INFINITY, sum: 0.0 };
+
+    fn add(&mut self, power: f64) {
+        let most = self.most.max(power);
+        self.sum = self.sum * (self.most - most).exp2() + (power - most).exp2();
+        self.most = most;
+    }
+
+    /// 0 without coefficients.
+    fn power(self) -> f64 {
+        if self.sum > 0.0 { self.most + self.sum.log2() } else { 0.0 }
+    }
+}
+
+fn range(q: &[f64]) -> f64 {
+    let (least, most) = q.iter().fold((f64::MAX, f64::MIN), |(least, most), &q| (least.min(q), most.max(q)));
+    most - least
+}
+
+fn median(x: &[f64]) -> f64 {
+    let mut sorted = x.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted.get(x.len() / 2).copied().unwrap_or_default()
 }

@@ -1,26 +1,22 @@
-//! `C' = D_r C D_c` with powers of two: exact, and it makes every tolerance relative.
+//! `C' = D_r C D_c` with powers of two: exact, and internal to the factorization.
 //!
-//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. More is decided for each
-//! connected component by itself. Where units mix, that is where more than one column in twenty with two entries or more lies
-//! below `2^-10` in all its rows, rows and columns are balanced, the largest number of each being 1 (Ruiz 2001), before the
-//! rows get their final scale. Where only some entries are that small, nobody can know whether they are in another unit or stand
-//! for zero. Either way, if the rank is in doubt, the analysis is made again the other way, the surer one counts, and the doubt is reported.
+//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Columns are scaled only where
+//! whole columns of a component are off by more than `2^10`. Blocks find their rank in balanced units ([`balance`]); slaves are chosen and
+//! reductions computed in units near those of the user.
 
 mod balance;
+mod laplacian;
 mod powers;
 mod rows;
-mod spread;
 
-use std::collections::HashSet;
+use super::components::Labels;
+use super::numbering::{Exponents, LocalSystem};
 
-use super::numbering::{Column, Exponents, LocalSystem};
-
-pub(crate) use balance::{ROUNDING, equilibrated};
+pub(crate) use balance::Component;
 pub(crate) use powers::{exponent, ldexp};
-pub(crate) use spread::{Spread, Spreads};
 
-/// Entries below this power of two in their rows are small.
-const SMALL: i32 = -10;
+/// Columns stay as they are while pivots are above this power of two of their rows: they lose no more than these ten of 53 bits.
+const NEAR: i32 = 10;
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
 #[derive(Clone, Debug)]
@@ -46,49 +42,89 @@ impl Scaling {
     }
 }
 
-/// Scales `C` by its free DOFs in each row; a row without any is scaled by its prescribed ones. Says how entries lie where
-/// any is small.
-pub(crate) fn by_rows(
-    system: LocalSystem,
-    columns: &[Column],
-    exponents: &[Exponents],
-    uncertain: &HashSet<(u32, u32)>,
-) -> (Scaling, Option<Spreads>) {
-    let mut rows = Scaling::none(system.equations());
-    let smallest = rows::scale(system, exponents, &mut rows);
-    let spreads = (smallest < SMALL).then(|| Spreads::new(system, columns, exponents, &rows, uncertain));
-    (rows, spreads.flatten())
-}
-
-/// Balances rows and columns of some components, by equation, then scales their rows; the others stay as they are.
-pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents], plain: &Scaling, which: &[bool]) -> Scaling {
+/// Scales `C` by its free DOFs in each row, and by its columns where units mix; a row without free DOFs is scaled by its prescribed
+/// ones.
+pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents]) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
-    balance::balance(system, &mut scaling);
-    let mut keep = vec![true; system.dofs()];
-    for i in (0..system.equations()).filter(|&i| which[i]) {
-        system.parts(i).0.iter().for_each(|&j| keep[j as usize] = false);
+    if rows::scale(system, exponents, &mut scaling) >= -NEAR {
+        return scaling;
     }
-    scaling.col.iter_mut().zip(keep).filter(|(_, keep)| *keep).for_each(|(col, _)| *col = 0);
-    rows::scale(system, exponents, &mut scaling);
-    scaling.row.iter_mut().zip(&plain.row).zip(which).filter(|(_, which)| !**which).for_each(|((row, &plain), _)| {
-        *row = plain;
-    });
+    let spans_much = |i| rows::span(system, &scaling, i).is_some_and(|(least, top)| least - top < -NEAR);
+    let col = units(system, spans_much, |component| component.near_users(NEAR));
+    if !col.is_empty() {
+        scaling.col = col;
+        rows::scale(system, exponents, &mut scaling);
+    }
     scaling
 }
 
-/// Balanced rows and columns, if any free entry is small beside any other; else nothing is scaled.
+/// Balanced rows and columns, if any free coefficient is small beside any other; else nothing is scaled.
 pub(crate) fn where_needed(system: LocalSystem) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
     let spans = (0..system.equations()).filter_map(|i| rows::span(system, &scaling, i));
     let (least, top) = spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0, 0));
-    if least - top >= SMALL {
+    if least - top >= -NEAR {
         return scaling;
     }
-    balance::balance(system, &mut scaling);
+    scaling.col = units(system, |_| true, |component| component.units_beyond(0.0));
     for i in 0..system.equations() {
         scaling.row[i] = rows::span(system, &scaling, i).map_or(0, |(_, top)| -top);
     }
     scaling
+}
+
+/// Exponents of equations in balanced units, of those in components that hold a marked one; each component apart from a constant. NaN
+/// without free DOFs.
+pub(crate) fn balanced_rows(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Vec<f64> {
+    let mut units = vec![f64::NAN; system.equations()];
+    for component in marked_components(system, is_marked) {
+        component.row_units(|row, unit| units[component.rows[row] as usize] = unit);
+    }
+    units
+}
+
+/// Calls `job` with each equation of the components that hold a marked one, and its free coefficients in balanced units, as powers of
+/// two.
+pub(crate) fn balanced_powers(
+    system: LocalSystem,
+    is_marked: impl Fn(usize) -> bool,
+    mut job: impl FnMut(usize, &[f64]),
+) {
+    for component in marked_components(system, is_marked) {
+        component.balanced_rows(|row, powers| job(component.rows[row] as usize, powers));
+    }
+}
+
+/// Exponents of the columns; empty where all are 0. Only components with an equation that spans much need any.
+fn units(
+    system: LocalSystem,
+    spans_much: impl Fn(usize) -> bool,
+    of: impl Fn(&Component) -> Option<Vec<i32>>,
+) -> Vec<i32> {
+    let mut col = Vec::new();
+    for component in marked_components(system, spans_much) {
+        if let Some(units) = of(&component) {
+            col.resize(system.dofs(), 0);
+            component.dofs.iter().zip(units).for_each(|(&j, unit)| col[j as usize] = unit);
+        }
+    }
+    col
+}
+
+/// The components with a marked equation.
+fn marked_components(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Vec<Component> {
+    let labels = Labels::of(system);
+    let mut is_wanted = vec![false; labels.count];
+    (0..system.equations()).filter(|&i| is_marked(i)).for_each(|i| is_wanted[labels.of_row[i] as usize] = true);
+    let mut rows = vec![Vec::new(); labels.count];
+    for (&label, i) in labels.of_row.iter().zip(0..) {
+        if is_wanted[label as usize] {
+            rows[label as usize].push(i);
+        }
+    }
+    let mut place = vec![0; system.dofs()];
+    let some = rows.into_iter().filter(|rows| !rows.is_empty());
+    some.map(|rows| Component::gather(rows, |i| free(system, i as usize), &mut place)).collect()
 }
 
 pub(crate) fn free(system: LocalSystem<'_>, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
@@ -101,27 +137,30 @@ mod tests {
     use crate::ConstraintSystem;
     use crate::input::numbering::Numbering;
 
+    fn scaled(triplets: &[(usize, usize, f64)], rows: usize, dofs: usize) -> Vec<f64> {
+        let system = ConstraintSystem::from_triplets(rows, dofs, triplets, &vec![0.0; rows], &[]).expect("valid");
+        let (numbering, _, exponents) = Numbering::new(&system);
+        let local = numbering.view(&system, system.rhs());
+        let scaling = balanced(local, &exponents);
+        (0..rows).flat_map(|i| local.row(i).map(|(j, v)| scaling.entry(i, j, v)).collect::<Vec<_>>()).collect()
+    }
+
     #[test]
     fn columns_in_other_units_come_back_to_one_size() {
         let mut triplets = Vec::new();
         for i in 0..30_usize {
             for k in 0..4 {
                 let j = (i * 7 + k * 5) % 40;
-                let unit = [1e-6, 1.0, 1e6][j % 3];
-                triplets.push((i, j, unit * (1.0 + k as f64)));
+                triplets.push((i, j, [1e-6, 1.0, 1e6][j % 3] * (1.0 + k as f64)));
             }
         }
-        let system = ConstraintSystem::from_triplets(30, 40, &triplets, &[0.0; 30], &[]).expect("valid");
-        let (numbering, columns, exponents) = Numbering::new(&system);
-        let local = numbering.view(&system, system.rhs());
-        let (rows, spreads) = by_rows(local, &columns, &exponents, &HashSet::new());
-        assert!(spreads.is_some_and(|spreads| spreads.of.iter().all(|&spread| spread == Spread::UnitsMix)));
-        let scaling = balanced(local, &exponents, &rows, &[true; 30]);
-        for i in 0..30 {
-            for (j, v) in local.row(i) {
-                let scaled = scaling.entry(i, j, v);
-                assert!((0.05..2.0).contains(&scaled), "row {i} DOF {j}: {scaled}");
-            }
-        }
+        assert!(scaled(&triplets, 30, 40).iter().all(|v| (0.01..2.0).contains(v)));
+    }
+
+    #[test]
+    fn a_number_left_of_a_zero_has_no_unit() {
+        let ring = (0..20).flat_map(|i| [(i, i, 1.0), (i, (i + 1) % 20, -1.0), (i, (i + 7) % 20, 1e-159)]);
+        let values = scaled(&ring.collect::<Vec<_>>(), 20, 20);
+        assert_eq!(values.iter().filter(|v| v.abs() == 1.0).count(), 40);
     }
 }

@@ -115,6 +115,16 @@ impl ConstraintSystem {
         Ok(Self { labels: Arc::new(SystemLabels { equations, dofs }), ..self })
     }
 
+    /// Some coefficients and right-hand sides, the others being zero; the same labels.
+    pub(crate) fn only(&self, entry: impl Fn(usize, usize) -> bool, side: impl Fn(usize) -> bool) -> Self {
+        let Numbers { matrix, rhs, prescribed } = &*self.numbers;
+        let mut some = Csr::empty(matrix.cols);
+        (0..matrix.rows()).for_each(|i| some.append(matrix.row(i).filter(|&(j, _)| entry(i, j))));
+        let rhs = rhs.iter().enumerate().map(|(i, &b)| if side(i) { b } else { 0.0 }).collect();
+        let numbers = Numbers { matrix: some, rhs, prescribed: prescribed.clone() };
+        Self { numbers: Arc::new(numbers), labels: Arc::clone(&self.labels) }
+    }
+
     /// Number of equations m.
     pub fn equations(&self) -> usize {
         self.numbers.matrix.rows()

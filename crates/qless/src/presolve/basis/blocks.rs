@@ -1,18 +1,45 @@
 //! Results for the blocks of equations that remain after presolve: plain data, computed by a factorization.
 
+use std::borrow::Cow;
+use std::fmt::Debug;
+use std::sync::Arc;
+
 use crate::Csr;
+use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 
 /// Kept equations are nearly dependent if a change of one coefficient by less than this makes them dependent, for any tolerance.
 pub(crate) const NEAR: f64 = 3e-6;
 
+/// Terms of `row = sum y_i row_i` over kept rows of a block; rows are indices into the rows that presolve eliminated from.
+#[derive(Clone, Debug)]
+pub(crate) enum BlockCertificate {
+    Known(Vec<(u32, f64)>),
+    /// Computed when it is read: the number of the row among those that the block dropped.
+    Late(Arc<dyn LateTerms>, usize),
+}
+
+impl BlockCertificate {
+    pub fn terms(&self) -> Cow<'_, [(u32, f64)]> {
+        match self {
+            Self::Known(terms) => Cow::Borrowed(terms),
+            Self::Late(certificates, k) => Cow::Owned(certificates.terms(*k)),
+        }
+    }
+}
+
+/// LateTerms of the rows that a block dropped.
+pub(crate) trait LateTerms: Debug + Send + Sync {
+    /// The terms for the k-th row, ascending.
+    fn terms(&self, k: usize) -> Vec<(u32, f64)>;
+}
+
 /// A dependent row of a block.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockDependent {
     pub row: u32,
-    /// Terms of `row = sum y_i row_i` over kept rows of the block; rows are indices into the rows that presolve eliminated from.
-    pub because: Vec<(u32, f64)>,
-    /// Error bound of each y_i, in the units of the block: this many units in the last place of the largest y_i.
+    pub because: BlockCertificate,
+    /// Error bound of each y_i for each term, in the units of the block: this many units in the last place of the largest y_i.
     pub units: f64,
     /// Remainder of the row, relative to its size.
     pub dropped: f64,
@@ -51,6 +78,30 @@ pub(crate) struct Vectors {
     pub sample: Vec<f64>,
     /// ... and for `b - C_p u_p`.
     pub particular: Vec<f64>,
+}
+
+/// A DOF moves if its entry in a random vector of the null space is above `ZERO_UNITS eps / sigma`, limited to [`ZERO`].
+const ZERO_UNITS: f64 = 8.0;
+/// Lower and upper limit of that threshold, whatever the condition.
+const ZERO: [f64; 2] = [1e-13, 1e-8];
+
+impl Vectors {
+    /// How many DOFs do not move in the first motion.
+    pub fn resting(&self) -> usize {
+        self.moves[0].iter().filter(|&&v| v == 0.0).count()
+    }
+
+    /// What does not move is zero; then from balanced units to those of the rows.
+    pub fn restore_units(&mut self, units: &[i32], sigma: f64) {
+        let zero = (ZERO_UNITS * f64::EPSILON / sigma).clamp(ZERO[0], ZERO[1]);
+        for v in self.moves.iter_mut().flatten().filter(|v| v.abs() <= zero) {
+            *v = 0.0;
+        }
+        let [first, second] = &mut self.moves;
+        for vector in [first, second, &mut self.sample, &mut self.particular] {
+            vector.iter_mut().zip(units).filter(|(_, unit)| **unit != 0).for_each(|(v, &unit)| *v = ldexp(*v, unit));
+        }
+    }
 }
 
 /// Distance of the kept rows from dependence, each row scaled to a largest coefficient of 1.

@@ -14,7 +14,7 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::eliminated::Step;
 
-pub(crate) use blocks::{BlockDependent, Diagnosed, NEAR, Nearness, Solved, Vectors};
+pub(crate) use blocks::{BlockCertificate, BlockDependent, Diagnosed, LateTerms, NEAR, Nearness, Solved, Vectors};
 pub(crate) use row::BasisRow;
 
 /// The rows that express slaves by masters. A diagnosis has no rows for blocks; a reduction adds them.
@@ -240,6 +240,18 @@ impl Basis {
         } else {
             RowOrigin::Block(t - self.peeled.len() - self.steps())
         }
+    }
+
+    /// The solution with masters at zero, outside of blocks, by DOF.
+    pub fn particular(&self, system: LocalSystem, scaling: &Scaling) -> Vec<f64> {
+        let mut u = vec![0.0; system.dofs()];
+        system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
+        for block in &self.blocks {
+            let particular = block.dofs.iter().zip(&block.vectors.particular);
+            particular.for_each(|(&j, &x)| u[j as usize] = ldexp(x, scaling.col(j as usize)));
+        }
+        self.complete(system, &mut u);
+        u
     }
 
     /// Computes the slaves in u, which holds masters and prescribed DOFs.

@@ -5,9 +5,9 @@
 //! Long chains take linear time, without recursion. A row whose free coefficients all vanish is dependent. If more than [`LARGE`] rows of
 //! a part remain, DOFs that occur in few rows are then eliminated with some fill, by the rule of Markowitz (1957).
 //!
-//! Each coefficient has a bound of its rounding error, and each row has a size: its largest coefficient so far. A coefficient within its
-//! error bound is zero. A row is also dependent if all its coefficients are at most `tolerance` times its size. A row below [`SUSPECT`]
-//! times its size is left to the backend, whose rank is checked.
+//! Each coefficient has a bound of its rounding error, and its largest part. A coefficient within its error bound is zero. A row is also
+//! dependent if at most `tolerance` is left of the parts of each of its coefficients: what was never subtracted from is no remainder,
+//! however small. A row of which less than [`SUSPECT`] is left goes to the backend, whose rank is checked.
 
 use std::collections::VecDeque;
 
@@ -19,7 +19,7 @@ use crate::input::scale::ldexp;
 mod order;
 mod pivot;
 
-/// A row whose coefficients are smaller than this, relative to the size of the row, is not a pivot row.
+/// A coefficient of whose parts less than this is left is no pivot: it has lost three digits.
 pub(crate) const SUSPECT: f64 = 1e-3;
 /// A pivot is at least this fraction of each entry that it eliminates, which bounds the multipliers, ...
 const THRESHOLD: f64 = 0.1;
@@ -182,7 +182,7 @@ impl LowFillElimination<'_> {
                 row.entries = Vec::new();
             }
             for entry in &mut row.entries {
-                (entry.dof, entry.value) = restored(entry.dof, entry.value);
+                *entry = entry.renamed(dofs[entry.dof as usize], -power[entry.dof as usize]);
             }
         }
         for step in &mut self.out.steps {

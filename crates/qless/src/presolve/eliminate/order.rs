@@ -1,6 +1,8 @@
 //! The order of the elimination, and the rules for pivots.
 
-use super::{EquationState, LARGE, LEVELS, LONG, LowFillElimination, MARKOWITZ, PATH, THRESHOLD, WITHOUT_FILL};
+use super::{
+    EquationState, LARGE, LEVELS, LONG, LowFillElimination, MARKOWITZ, PATH, SUSPECT, THRESHOLD, WITHOUT_FILL,
+};
 use crate::presolve::rows::Entry;
 
 impl LowFillElimination<'_> {
@@ -35,8 +37,12 @@ impl LowFillElimination<'_> {
     /// The pivot of `a u_i + c u_j`: the larger coefficient, or the DOF in far fewer rows if its coefficient is large enough.
     fn better_of(&self, one: Entry, two: Entry) -> u32 {
         let (large, small) = if two.value.abs() > one.value.abs() { (two, one) } else { (one, two) };
+        if large.left() <= SUSPECT && small.left() > SUSPECT {
+            return small.dof;
+        }
         let cheaper = self.count[large.dof as usize] > 4 * self.count[small.dof as usize];
-        if cheaper && small.value.abs() >= THRESHOLD * large.value.abs() { small.dof } else { large.dof }
+        let may_be = small.left() > SUSPECT && small.value.abs() >= THRESHOLD * large.value.abs();
+        if cheaper && may_be { small.dof } else { large.dof }
     }
 
     pub(super) fn try_dof(&mut self, j: u32, level: usize) {
@@ -59,13 +65,13 @@ impl LowFillElimination<'_> {
     }
 
     /// Remaining rows that contain a DOF, with its coefficient; removes the other rows from the list of the DOF.
-    pub(super) fn holding(&mut self, j: u32) -> Vec<(u32, f64)> {
+    pub(super) fn holding(&mut self, j: u32) -> Vec<(u32, Entry)> {
         let mut list = std::mem::take(&mut self.holders[j as usize]);
         list.sort_unstable();
         list.dedup();
         let found = list.iter().filter(|&&i| self.state[i as usize] != EquationState::Done).filter_map(|&i| {
             let row = &self.out.rows[i as usize];
-            row.position(j).map(|k| (i, row.entries[k].value))
+            row.position(j).map(|k| (i, row.entries[k]))
         });
         let found: Vec<_> = found.collect();
         list.clear();
@@ -74,15 +80,17 @@ impl LowFillElimination<'_> {
         found
     }
 
-    fn may_pivot(&mut self, (i, j): (u32, u32), value: f64, holders: &[(u32, f64)], of_row: f64) -> bool {
+    fn may_pivot(&mut self, (i, j): (u32, u32), entry: Entry, holders: &[(u32, Entry)], of_row: f64) -> bool {
+        let value = entry.value;
         let is_short = self.out.rows[i as usize].free <= LONG || holders.len() == 1;
         if self.state[i as usize] != EquationState::Active || !is_short {
             return false;
         }
         let largest = self.largest(i);
-        value.abs() >= of_row * largest
+        entry.left() > SUSPECT
+            && value.abs() >= of_row * largest
             && self.path[j as usize] * largest <= PATH * value.abs()
-            && holders.iter().all(|&(_, v)| value.abs() >= THRESHOLD * v.abs())
+            && holders.iter().all(|(_, v)| value.abs() >= THRESHOLD * v.value.abs())
     }
 
     /// Largest coefficient of a free DOF in a row.

@@ -2,27 +2,32 @@
 
 use super::{EquationState, LowFillElimination, SUSPECT};
 use crate::presolve::eliminated::{EmptiedRow, Mismatch, Step};
-use crate::presolve::rows::{Entry, WorkingRow, bound};
+use crate::presolve::rows::{Entry, WorkingRow};
 
 impl LowFillElimination<'_> {
     /// Classifies a row without free coefficients as dependent, and holds a row that is too small for a pivot. Returns true in both cases.
     pub(super) fn settle(&mut self, i: u32) -> bool {
-        let largest = self.largest(i);
-        let row = &self.out.rows[i as usize];
-        let size = if self.is_absolute { 1.0 } else { row.size };
-        if largest > SUSPECT * size {
+        let left = self.left(i);
+        if left > SUSPECT {
             return false;
         }
-        if largest > self.tolerance * size {
+        if left > self.tolerance {
             self.state[i as usize] = EquationState::Held;
             return true;
         }
+        let row = &self.out.rows[i as usize];
         let free = row.entries.iter().filter(|entry| self.is_free[entry.dof as usize]);
-        let rest = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
-        let dropped = if row.size > 0.0 { rest / row.size } else { 0.0 };
+        let dropped = free.map(Entry::certain_left).fold(row.dropped, f64::max);
         self.out.dead.push(EmptiedRow { row: i, dropped, reach: row.reach, mismatch: Mismatch::of_row(row) });
         self.retire(i);
         true
+    }
+
+    /// The largest that is left of the parts of a coefficient of a free DOF; the largest coefficient if the tolerance is absolute.
+    fn left(&self, i: u32) -> f64 {
+        let entries = self.out.rows[i as usize].entries.iter();
+        let free = entries.filter(|entry| self.is_free[entry.dof as usize]);
+        free.map(|entry| if self.is_absolute { entry.value.abs() } else { entry.left() }).fold(0.0, f64::max)
     }
 
     fn retire(&mut self, i: u32) {
@@ -47,8 +52,8 @@ impl LowFillElimination<'_> {
         let mut row = std::mem::take(&mut self.out.rows[i as usize]);
         let position = row.entries.iter().position(|e| e.dof == j).expect("the pivot row holds the pivot DOF");
         let pivot = row.entries.swap_remove(position);
-        for (k, value) in targets.into_iter().filter(|&(k, _)| k != i) {
-            self.subtract(k, j, value / pivot.value, &pivot, &row);
+        for (k, entry) in targets.into_iter().filter(|&(k, _)| k != i) {
+            self.subtract(k, j, entry.value / pivot.value, &pivot, &row);
         }
         self.count[j as usize] = 0;
         self.holders[j as usize] = Vec::new();
@@ -67,11 +72,11 @@ impl LowFillElimination<'_> {
         self.largest[k as usize] = f64::NAN;
         let target = &mut self.out.rows[k as usize];
         // Relative error of the factor: the errors of the pivot and of the entry, and one rounding.
-        let mut relative = f64::from(pivot.error) / pivot.value.abs() + f64::EPSILON;
+        let mut relative = pivot.error() / pivot.value.abs() + f64::EPSILON;
         if let Some(position) = target.position(j) {
             let gone = target.remove(position);
             target.free -= 1;
-            relative += f64::from(gone.error) / gone.value.abs();
+            relative += gone.error() / gone.value.abs();
         }
         let mut mismatch = Mismatch::of_row(target);
         mismatch.subtract(factor, Mismatch::of_row(row));
@@ -81,25 +86,24 @@ impl LowFillElimination<'_> {
             (mismatch.value, mismatch.size, mismatch.error + relative * (factor * row.effective).abs());
         for entry in &row.entries {
             let part = factor * entry.value;
-            self.add(k, entry.dof, -part, relative * part.abs() + factor.abs() * f64::from(entry.error));
+            let error = relative * part.abs() + factor.abs() * entry.error();
+            self.add(k, entry.dof, -part, error, factor.abs() * entry.size());
         }
         if self.out.rows[k as usize].free <= 2 {
             self.short_rows.push_back(k);
         }
     }
 
-    fn add(&mut self, k: u32, l: u32, value: f64, error: f64) {
+    fn add(&mut self, k: u32, l: u32, value: f64, error: f64, size: f64) {
         let free = self.is_free[l as usize];
         let row = &mut self.out.rows[k as usize];
         if free {
-            // Prescribed DOFs do not count for the size: they may have other units.
-            row.size = row.size.max(value.abs());
             // A product that underflowed was not zero.
             let underflow = if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { 0.0 };
             row.dropped = row.dropped.max(underflow);
         }
         if let Some(position) = row.position(l) {
-            if let Some(given_up) = row.add(position, value, error) {
+            if let Some(given_up) = row.add(position, value, error, size) {
                 row.remove(position);
                 if free {
                     row.dropped = row.dropped.max(given_up);
@@ -109,7 +113,7 @@ impl LowFillElimination<'_> {
             }
             return;
         }
-        row.insert(Entry { dof: l, value, error: bound(error) });
+        row.insert(Entry::new(l, value, error, size));
         if free {
             row.free += 1;
             self.count[l as usize] += 1;

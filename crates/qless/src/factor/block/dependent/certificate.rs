@@ -6,7 +6,7 @@ use crate::factor::block::gathered::{Block, FactorContext};
 use crate::factor::block::tableau::Tableau;
 use crate::factor::block::triangle::Triangle;
 use crate::input::scale::ldexp;
-use crate::presolve::basis::{BlockDependent as Dependent, NEAR, Nearness};
+use crate::presolve::basis::{BlockCertificate, BlockDependent as Dependent, NEAR, Nearness};
 use crate::presolve::eliminated::Mismatch;
 
 /// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
@@ -21,16 +21,16 @@ const SMALL_ROW: f64 = 1e-9;
 
 /// Error of a certificate, in units in the last place of its largest coefficient for each of its terms, times the condition of
 /// the kept rows.
-const CERTIFICATE_UNITS: f64 = 2.0;
+pub(super) const CERTIFICATE_UNITS: f64 = 2.0;
 
-/// Numbers of certificates that are held at once.
+/// Numbers of certificates up to which all are made at once.
 pub(super) const MANY: usize = 4_000_000;
 
 /// Coefficients of certificates above this are exchanged for smaller ones where the kept rows seem nearly dependent.
 pub(super) const STEEP: f64 = 2.0;
 
 /// Kept rows (positions in the block) and dependent ones.
-pub(in crate::factor::block) struct Rows {
+pub(crate) struct Rows {
     pub kept: Vec<usize>,
     /// Indices of `kept` in an order in which they fill little.
     pub order: Vec<usize>,
@@ -38,6 +38,8 @@ pub(in crate::factor::block) struct Rows {
     pub nearness: Nearness,
     /// Of the kept rows.
     pub triangle: Triangle,
+    /// Root mean square of what was left of the dependent rows, or 0 if rounding explains it.
+    pub left: f64,
 }
 
 /// Rows that are kept, with their factor, and what is known of them.
@@ -104,7 +106,7 @@ pub(super) fn rows(block: &Block, tableau: &Tableau, left: f64, choice: Choice, 
     let noise = (ROUNDING * f64::EPSILON / sigma).max(NOISE);
     let by_row = by_row(block, &tableau.free);
     let all = (0..tableau.basic.len()).map(|i| dependent(block, tableau, i, &by_row, left, noise, sigma));
-    Rows { dependent: all.collect(), kept, order, nearness, triangle }
+    Rows { dependent: all.collect(), kept, order, nearness, triangle, left }
 }
 
 /// The dropped rows over the kept ones.
@@ -162,13 +164,13 @@ pub(super) fn dependent(
     let terms = by_row.iter().filter(|&&j| y[j].abs() > noise * largest).map(|&j| (y[j], tableau.free[j] as usize));
     let exponent = block.exponents[k];
     let because: Vec<_> = terms.map(|(v, i)| (block.rows[i], ldexp(v, block.exponents[i] - exponent))).collect();
-    let units = CERTIFICATE_UNITS * because.len() as f64 / sigma.min(1.0);
-    let mismatch = mismatch(block, tableau, i, noise * largest, units * f64::EPSILON * largest);
+    let units = CERTIFICATE_UNITS / sigma.min(1.0);
+    let error = units * because.len() as f64 * f64::EPSILON * largest;
+    let mismatch = mismatch(block, tableau, i, noise * largest, error);
     // What is left of all rows together may be no more than rounding of the parts of each.
     let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
-    // A row that is small as a whole may be small for good: then its own numbers are what is dropped.
-    let left = if norm_of(block, k) < SMALL_ROW { left.max(block.certain[k]) } else { left };
-    Dependent { row: block.rows[k], because, units, dropped: left, mismatch: mismatch.scaled(-block.exponents[k]) }
+    let (because, dropped) = (BlockCertificate::Known(because), small_row(block, k, left));
+    Dependent { row: block.rows[k], because, units, dropped, mismatch: mismatch.scaled(-block.exponents[k]) }
 }
 
 /// What the certificate of dependent row i leaves of it, relative to its parts; 0 if rounding explains it.
@@ -178,8 +180,10 @@ fn confirmed(block: &Block, tableau: &Tableau, i: usize) -> f64 {
     if left > noise_of(block) * parts { left } else { 0.0 }
 }
 
-fn norm_of(block: &Block, k: usize) -> f64 {
-    block.matrix.row(k).map(|(_, v)| v * v).sum::<f64>().sqrt()
+/// What is left of row k: a row that is small as a whole may be small for good, then its own numbers are what is dropped.
+pub(super) fn small_row(block: &Block, k: usize, left: f64) -> f64 {
+    let norm = block.matrix.row(k).map(|(_, v)| v * v).sum::<f64>().sqrt();
+    if norm < SMALL_ROW { left.max(block.certain[k]) } else { left }
 }
 
 /// `b_k - sum y_i b_i`, where each y_i may be off by `error`; those below `noise` may be nothing else.

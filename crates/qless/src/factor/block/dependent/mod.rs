@@ -1,15 +1,16 @@
 //! `C^T P = Q [R1 R2]`: which rows of a block are combinations of others, and of which.
 
 mod certificate;
+mod late;
 mod weak;
 
 use super::gathered::{Block, FactorContext};
-use super::tableau::Tableau;
 use super::triangle::{Triangle, seeds};
 use crate::factor::backend::faer::Faer;
 use crate::factor::backend::{Backend, BackendError};
 use crate::presolve::basis::NEAR;
-use certificate::{Choice, MANY, NOISE, ROUNDING, beyond_rounding, by_row, dependent, in_order, over_kept, rows};
+use certificate::{Choice, MANY, beyond_rounding, in_order, over_kept, rows};
+use late::late;
 use weak::without_weak;
 
 pub(super) use certificate::Rows;
@@ -37,7 +38,11 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     let left = beyond_rounding(&factor, block);
     let choice = Choice::new(block, factor, means)?;
     if !check {
-        return Ok(rows(block, &over_kept(&choice.triangle), left, choice, order));
+        return Ok(if are_many(&choice.triangle) {
+            late(block, left, choice, order)
+        } else {
+            rows(block, &over_kept(&choice.triangle), left, choice, order)
+        });
     }
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
     let pivots = backend.pivots(n, m) || choice.near.distance >= NEAR;
@@ -60,6 +65,11 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     ordered_or_repaired(block, means, choice, left, order)
 }
 
+/// Whether certificates are too many numbers to be made before somebody reads them.
+fn are_many(triangle: &Triangle) -> bool {
+    triangle.dropped.len().saturating_mul(triangle.rows.len()) > MANY && triangle.holds_dropped()
+}
+
 /// Of what a backend kept the rows that are sound.
 fn ordered_or_repaired(
     block: &Block,
@@ -71,35 +81,12 @@ fn ordered_or_repaired(
     if choice.weakest.left <= means.tolerance && choice.near.distance < NEAR && !choice.triangle.rows.is_empty() {
         return repair(block, means, choice, order);
     }
-    let Triangle { rows: kept, dropped, .. } = &choice.triangle;
-    if dropped.len().saturating_mul(kept.len()) > MANY && choice.triangle.holds_dropped() {
-        return Ok(many(block, left, choice, order));
+    if are_many(&choice.triangle) {
+        return Ok(late(block, left, choice, order));
     }
     let tableau = over_kept(&choice.triangle);
     let (tableau, choice) = in_order(block, means, tableau, choice)?;
     Ok(rows(block, &tableau, left, choice, order))
-}
-
-/// As [`rows`], where certificates are too many numbers to be held at once: slab by slab, what is zero being left out. Which of
-/// equal equations is kept is what the factorization says.
-fn many(block: &Block, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
-    let Choice { near: nearness, triangle, .. } = choice;
-    let noise = (ROUNDING * f64::EPSILON / nearness.sigma).max(NOISE);
-    let free: Vec<u32> = triangle.rows.iter().map(|&k| k as u32).collect();
-    let columns = by_row(block, &free);
-    let dependent = triangle.factor.each_coefficients(|first, data| {
-        let some = Tableau {
-            basic: triangle.dropped[first..first + data.len()].iter().map(|&i| i as u32).collect(),
-            free: free.clone(),
-            width: triangle.rows.len(),
-            data: data.concat(),
-        };
-        let of = |i: usize| dependent(block, &some, i, &columns, left, noise, nearness.sigma);
-        (0..some.basic.len()).map(of).collect::<Vec<_>>()
-    });
-    let mut kept = triangle.rows.clone();
-    kept.sort_unstable();
-    Rows { dependent: dependent.into_iter().flatten().collect(), kept, order, nearness, triangle }
 }
 
 /// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after

@@ -1,0 +1,87 @@
+//! Kept equations of which all consistent equations follow to the last digits.
+//!
+//! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but the first two give u1 with the digits that `1e12 + 1e-3` has lost.
+//! A dropped equation does not hold if a solution of the kept ones leaves more than the tolerance of its own parts; where no more than the
+//! rounding of its certificate is left, the equation with the largest part of the certificate is given up instead. That is taken back
+//! unless all equations that were given up are redundant then, and nothing else is worse.
+
+use std::collections::BTreeSet;
+
+use super::AnalysisError;
+use super::certificate::CertificateTerm;
+use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
+use super::generated::{Explainer, times};
+use super::pass_result::PassResult;
+use crate::factor::backend::Backend;
+use crate::input::numbering::LocalSystem;
+use crate::presolve::rows::{MORE_THAN_ROUNDING, WorkingRow};
+
+/// Equations to give up for dropped ones that do not hold, if they are not `wanted`.
+pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize]) -> BTreeSet<usize> {
+    let (system, PassResult { basis, history, dependent, .. }) = (rule.system, pass);
+    let is_zero = |values: &[f64]| values.iter().all(|&value| value == 0.0);
+    let mut gone = BTreeSet::new();
+    if dependent.is_empty() || (is_zero(system.rhs()) && system.prescribed().iter().all(|&(_, value)| value == 0.0)) {
+        return gone;
+    }
+    let u = basis.particular(system, rule.scaling);
+    for d in dependent.iter().filter(|d| d.kind == Kind::Redundant) {
+        let (left, size) = left_of(system, d.row, &u);
+        // Parts that are rounding of others hold as they are.
+        let has_parts = side(system, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
+        if has_parts && left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
+            let part = |term: &CertificateTerm| (term.coefficient * side(system, term.row).size).abs();
+            let terms = d.source.explain(history).into_iter().filter(|term| !wanted.contains(&term.row));
+            let parts = terms.map(|term| (term.row, part(&term)));
+            let largest = parts.reduce(|a, b| if b.1 > a.1 { b } else { a });
+            gone.extend(largest.filter(|&(_, part)| part > size).map(|(row, _)| row));
+        }
+    }
+    gone
+}
+
+/// Classifies equations that were given up, as combinations of what a pass without them has kept; false if one is not redundant.
+///
+/// # Errors
+/// [`AnalysisError::Backend`] if a block cannot be factored again.
+pub(crate) fn are_redundant(
+    gone: &BTreeSet<usize>,
+    pass: &mut PassResult,
+    rule: &MismatchRule,
+    backend: &dyn Backend,
+) -> Result<bool, AnalysisError> {
+    let system = rule.system;
+    for &row in gone {
+        let PassResult { basis, blocks, history, .. } = &*pass;
+        let time = times(basis, system.dofs());
+        let explainer = Explainer { system, basis, blocks, history, scaling: rule.scaling, backend, time: &time };
+        let free = system.row(row).filter(|&(j, _)| system.free()[j]).map(|(j, v)| (j as u32, v));
+        let because = explainer.because(free)?;
+        let mut rest = side(system, row);
+        because.iter().for_each(|term| rest.subtract(term.coefficient, side(system, term.row)));
+        let found = Dependent::new(row, rest, 0.0, Source::Given(because), rule);
+        if found.kind != Kind::Redundant {
+            return Ok(false);
+        }
+        let place = pass.dependent.partition_point(|d| d.row < row);
+        pass.dependent.insert(place, found);
+    }
+    Ok(true)
+}
+
+/// `|b - C u|` of an equation, and the largest of its parts.
+fn left_of(system: LocalSystem, row: usize, u: &[f64]) -> (f64, f64) {
+    let b = system.rhs()[row];
+    let parts = system.row(row).map(|(j, v)| v * u[j]);
+    let (sum, size) = parts.fold((b, b.abs()), |(sum, size), part| (sum - part, size.max(part.abs())));
+    (sum.abs(), size)
+}
+
+/// `b - C_p u_p` of an equation.
+fn side(system: LocalSystem, row: usize) -> Mismatch {
+    let mut side = WorkingRow::new(system.rhs()[row]);
+    for &(j, value) in system.prescribed() {
+        system.row(row).filter(|&(k, _)| k == j).for_each(|(_, v)| side.prescribe(v * value));
+    }
+    Mismatch::of_row(&side)
+}

@@ -1,0 +1,106 @@
+//! The entrance: a system is read as it stands, or twice where numbers of it may be rounding.
+
+use std::collections::HashSet;
+
+use super::analyse::read;
+use super::confidence::{Confidence, Doubt};
+use super::{Analysis, AnalysisError};
+use crate::input::components::Labels;
+use crate::input::noise::{NoiseTerm, Suspects};
+use crate::input::numbering::Numbering;
+use crate::{ConstraintSystem, Kind, Noise, Options, Tolerance};
+
+/// What a system is if numbers that may be rounding are read the other way.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct OtherReading {
+    /// Whether suspect coefficients count as zero in this reading; as given otherwise.
+    pub as_zero: bool,
+    /// The coefficients that it reads in another way, ascending by row.
+    pub terms: Vec<NoiseTerm>,
+    /// Its rank.
+    pub rank: usize,
+    /// Number of its conflicting equations.
+    pub conflicting: usize,
+}
+
+/// Diagnoses `C u = b`: rank, dependent equations, generated boundary conditions.
+///
+/// ```
+/// use qless::{Kind, Options, SystemBuilder, analyse};
+/// // Three equations that tie three DOFs in a ring: the last follows from the others.
+/// let mut builder = SystemBuilder::new(3);
+/// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+/// builder.equation([(1, 1.0), (2, -1.0)], 0.0);
+/// builder.equation([(0, 1.0), (2, -1.0)], 0.0);
+/// let system = builder.build()?;
+/// let analysis = analyse(&system, &Options::default())?;
+/// assert_eq!((analysis.rank(), analysis.kinds()[2]), (2, Kind::Redundant));
+/// let because = analysis.because(2)?;
+/// assert_eq!(because.iter().map(|term| (term.row, term.coefficient)).collect::<Vec<_>>(), [(0, 1.0), (1, 1.0)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`AnalysisError`] if a setting is out of range, a block does not fit into memory, or numbers leave the range of
+/// doubles. No input that is a valid [`ConstraintSystem`] makes it panic.
+pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis, AnalysisError> {
+    options.validate()?;
+    options.noise.validate(system)?;
+    options.preferences.validate(system)?;
+    let numbered = Numbering::new(system);
+    let local = numbered.0.view(system, system.rhs());
+    let suspects = match options.tolerance {
+        Tolerance::Paper => Suspects::default(),
+        Tolerance::Relative(_) => Suspects::find(local, &numbered.2, &options.noise),
+    };
+    if suspects.rows.is_empty() && suspects.single.is_empty() {
+        return read(system.clone(), numbered, options);
+    }
+    read_twice(system, options, &suspects)
+}
+
+/// Analyses the system without equations that are rounding, and the components concerned once more, with every suspect number the
+/// other way.
+fn read_twice(system: &ConstraintSystem, options: &Options, suspects: &Suspects) -> Result<Analysis, AnalysisError> {
+    let without = |terms: &[NoiseTerm], is_read: &dyn Fn(usize) -> bool| {
+        let gone: HashSet<(usize, usize)> = terms.iter().map(|term| (term.row, term.dof)).collect();
+        system.only(|i, j| is_read(i) && !gone.contains(&(i, j)), is_read)
+    };
+    let read = |system: ConstraintSystem| {
+        let numbered = Numbering::new(&system);
+        read(system, numbered, options)
+    };
+    let mut analysis = read(without(&suspects.rows, &|_| true))?;
+    let all = suspects.all();
+    let (numbering, ..) = Numbering::new(system);
+    let labels = Labels::of(numbering.view(system, system.rhs()));
+    let mut is_concerned = vec![false; system.equations()];
+    labels.mark(&all.iter().map(|term| term.row).collect::<Vec<_>>(), &mut is_concerned);
+    let mut read_otherwise = |gone: &[NoiseTerm], terms: Vec<NoiseTerm>, as_zero: bool| {
+        let other = read(without(gone, &|i| is_concerned[i]))?;
+        let count = |kinds: &[Kind], kind: Kind| {
+            kinds.iter().zip(&is_concerned).filter(|&(&of, &concerned)| concerned && of == kind).count()
+        };
+        let counts = |kinds: &[Kind]| [Kind::Independent, Kind::Conflicting].map(|kind| count(kinds, kind));
+        let (found, own) = (counts(other.kinds()), counts(analysis.kinds()));
+        if found != own && analysis.other.is_none() {
+            let conflicting = analysis.kinds().iter().filter(|&&kind| kind == Kind::Conflicting).count();
+            let (rank, conflicting) = (analysis.rank() + found[0] - own[0], conflicting + found[1] - own[1]);
+            analysis.other = Some(OtherReading { as_zero, terms, rank, conflicting });
+            let Confidence { distance, error, .. } = analysis.confidence;
+            analysis.confidence = Confidence::of(distance, error, Some(Doubt::Noise));
+        }
+        Ok::<(), AnalysisError>(())
+    };
+    if options.noise == Noise::Auto {
+        if !suspects.rows.is_empty() {
+            read_otherwise(&[], suspects.rows.clone(), false)?;
+        }
+        if !suspects.single.is_empty() {
+            read_otherwise(&all, suspects.single.clone(), true)?;
+        }
+    }
+    analysis.noise.clone_from(&suspects.rows);
+    Ok(analysis)
+}

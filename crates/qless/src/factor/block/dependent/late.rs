@@ -1,0 +1,117 @@
+//! Many dependent rows of one block: all are classified at once, and a certificate is computed when somebody reads it.
+//!
+//! ```text
+//! x = C_k^+ b                           mismatch_k = b_k - row_k x              one solve for all
+//! |c * s|_2 ~ rms over random signs g   of row_k C_k^+ (g * s)                  sizes and errors of the mismatches
+//! y = R1^-1 R2_k                        the certificate of row k                one triangular solve for each
+//! ```
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::certificate::{CERTIFICATE_UNITS, Choice, NOISE, ROUNDING, Rows, small_row};
+use crate::Csr;
+use crate::common::random::signed;
+use crate::factor::backend::Factor;
+use crate::factor::block::gathered::Block;
+use crate::factor::block::triangle::Triangle;
+use crate::input::scale::ldexp;
+use crate::presolve::basis::{BlockCertificate, BlockDependent as Dependent, LateTerms};
+use crate::presolve::eliminated::Mismatch;
+
+/// Right-hand sides at a time.
+const LANES: usize = 8;
+/// Of the random signs.
+const SEED: u64 = 0x6a09_e667;
+/// The root mean square over eight random signs is seldom below a quarter of the norm.
+const SURE: f64 = 4.0;
+
+/// What the certificates of a block are made of.
+#[derive(Debug)]
+struct LateCertificates {
+    factor: Arc<Factor>,
+    /// R2 by columns.
+    columns: Csr,
+    /// Name and exponent of the row of each column of R1, and its place in the order of the names.
+    rows: Vec<(u32, i32)>,
+    by_name: Vec<usize>,
+    /// Exponents of the dropped rows.
+    exponents: Vec<i32>,
+    /// Coefficients below this part of the largest are rounding.
+    noise: f64,
+}
+
+impl LateCertificates {
+    fn new(block: &Block, triangle: &Triangle, noise: f64) -> Self {
+        let rank = triangle.rows.len();
+        let mut columns = Csr::empty(rank);
+        let all = triangle.factor.r.transposed();
+        (rank..all.rows()).for_each(|k| columns.append(all.row(k)));
+        let rows: Vec<(u32, i32)> = triangle.rows.iter().map(|&i| (block.rows[i], block.exponents[i])).collect();
+        let mut by_name: Vec<usize> = (0..rank).collect();
+        by_name.sort_unstable_by_key(|&k| rows[k].0);
+        let exponents = triangle.dropped.iter().map(|&k| block.exponents[k]).collect();
+        Self { factor: Arc::clone(&triangle.factor), columns, rows, by_name, exponents, noise }
+    }
+}
+
+impl LateTerms for LateCertificates {
+    fn terms(&self, k: usize) -> Vec<(u32, f64)> {
+        let mut z = vec![0.0; self.rows.len()];
+        self.columns.row(k).for_each(|(i, v)| z[i] = v);
+        let y = self.factor.solved(&z);
+        let largest = y.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+        let large = self.by_name.iter().filter(|&&i| y[i].abs() > self.noise * largest);
+        large.map(|&i| (self.rows[i].0, ldexp(y[i], self.rows[i].1 - self.exponents[k]))).collect()
+    }
+}
+
+/// As [`super::certificate::rows`], without certificates. Which of equal equations is kept is what the factorization says.
+pub(super) fn late(block: &Block, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
+    let Choice { near: nearness, triangle, .. } = choice;
+    let noise = (ROUNDING * f64::EPSILON / nearness.sigma).max(NOISE);
+    let certificates: Arc<dyn LateTerms> = Arc::new(LateCertificates::new(block, &triangle, noise));
+    let units = CERTIFICATE_UNITS / nearness.sigma.min(1.0);
+    let mismatches = mismatches(block, &triangle);
+    let make = |((k, &row), mismatch): ((usize, &usize), Mismatch)| Dependent {
+        row: block.rows[row],
+        because: BlockCertificate::Late(Arc::clone(&certificates), k),
+        units,
+        dropped: small_row(block, row, 0.0),
+        mismatch: mismatch.scaled(-block.exponents[row]),
+    };
+    let dependent = triangle.dropped.iter().enumerate().zip(mismatches).map(make).collect();
+    let mut kept = triangle.rows.clone();
+    kept.sort_unstable();
+    Rows { kept, order, dependent, nearness, triangle, left }
+}
+
+/// `b_k - sum c_i b_i` of the dropped rows.
+fn mismatches(block: &Block, triangle: &Triangle) -> Vec<Mismatch> {
+    let signs = |lane: usize, i: usize| signed(SEED + lane as u64, i as u64).signum();
+    let size = |lane: usize, i: usize| match lane {
+        0 => block.effective[i].value,
+        _ => signs(lane, i) * block.effective[i].size,
+    };
+    let lanes = |of: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; LANES]> {
+        let sides = triangle.rows.iter().map(|&i| std::array::from_fn(|lane| of(lane, i))).collect();
+        triangle.shortest(block, &sides)
+    };
+    let x = lanes(&size);
+    let parts = |i: usize| block.matrix.row(i).map(|(j, v)| (v * x[j][0]).abs()).sum::<f64>();
+    let rounding = |i: usize| f64::EPSILON * parts(i) + block.effective[i].error;
+    let errors = lanes(&|lane, i| signs(lane, i) * rounding(i));
+    let product =
+        |x: &[[f64; LANES]], k: usize, lane: usize| block.matrix.row(k).map(|(j, v)| v * x[j][lane]).sum::<f64>();
+    let rms = |x: &[[f64; LANES]], k: usize, first: usize| {
+        let sum: f64 = (first..LANES).map(|lane| product(x, k, lane).powi(2)).sum();
+        (sum / (LANES - first) as f64).sqrt()
+    };
+    let of = |&k: &usize| {
+        let own = block.effective[k];
+        let size = own.size.max(rms(&x, k, 1));
+        Mismatch { value: own.value - product(&x, k, 0), size, error: rounding(k) + SURE * rms(&errors, k, 0) }
+    };
+    triangle.dropped.par_iter().map(of).collect()
+}

@@ -1,0 +1,232 @@
+//! Numbers that may be left over from a computation where zero is meant.
+//!
+//! A relative measure takes every coefficient at its word: 4.4e-16 where 0 was meant is wrong by all of itself. No rule can tell such
+//! a number from data with certainty. So numbers are only *suspect*, and where they decide, both readings are reported.
+
+use crate::input::components::Labels;
+use crate::input::numbering::{Exponents, LocalSystem};
+use crate::input::scale::{balanced_powers, balanced_rows, exponent, free, ldexp};
+use crate::{ConstraintSystem, OptionError};
+
+/// `2^-46` = 1.4e-14: a sum of a hundred parts leaves so much of rounding. Below it a coefficient is suspect.
+pub(crate) const SUSPECT: i32 = -46;
+/// Numbers of up to so many decimal digits were typed, not computed.
+const TYPED: usize = 8;
+/// What rounding leaves of numbers of size 1 are multiples of `2^-60`: sums of units in the last place of numbers down to `2^-8`.
+const QUANTUM: i32 = -60;
+
+/// Equations of rounding are about as small as the suspect coefficients beside them: sixteen units in the last place.
+const ALIKE: f64 = 16.0;
+
+/// Which numbers may be rounding of others, so that zero is meant.
+///
+/// A coefficient is *suspect* if it is below `2^-46` (1.4e-14) of the largest of its equation, in balanced units, or if it stands in an
+/// equation of nothing but rounding: below `2^-46` of the largest coefficients of its DOFs, multiples of what rounding leaves of those,
+/// and no larger than sixteen times the largest other suspect coefficient. A mismatch of right-hand sides is suspect if it is below
+/// `2^-46` of the largest right-hand side and prescribed term of its component, in balanced units. Numbers of up to 8 decimal digits were
+/// typed and are never suspect.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Noise {
+    /// Suspect equations and mismatches count as zero, single coefficients as given. Where another reading would give another rank or
+    /// verdict, the result is ambiguous, and [`crate::Analysis::other_reading`] tells it.
+    #[default]
+    Auto,
+    /// Everything is data.
+    None,
+    /// Coefficients below this part of the largest of their equation (in balanced units), and mismatches below this part of the largest
+    /// right-hand side and prescribed term, are zero.
+    Relative(f64),
+    /// The absolute error of each equation's coefficients and right-hand side is known: numbers within it are zero.
+    Floors {
+        /// By equation: coefficients up to this size are zero.
+        coefficients: Vec<f64>,
+        /// By equation: the error of its right-hand side.
+        rhs: Vec<f64>,
+    },
+}
+
+impl Noise {
+    /// Checks ranges and lengths.
+    pub(crate) fn validate(&self, system: &ConstraintSystem) -> Result<(), OptionError> {
+        let is_size = |x: f64| x >= 0.0 && x.is_finite();
+        match self {
+            &Self::Relative(value) if !(value > 0.0 && value < 1.0) => Err(OptionError::Noise(value)),
+            Self::Auto | Self::None | Self::Relative(_) => Ok(()),
+            Self::Floors { coefficients, rhs } => {
+                let expected = system.equations();
+                if let Some(found) = [coefficients.len(), rhs.len()].into_iter().find(|&found| found != expected) {
+                    return Err(OptionError::Floors { found, expected });
+                }
+                let bad = coefficients.iter().chain(rhs).copied().find(|&x| !is_size(x));
+                bad.map_or(Ok(()), |value| Err(OptionError::Noise(value)))
+            }
+        }
+    }
+}
+
+/// A coefficient that counts as zero, or would in another reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct NoiseTerm {
+    /// The equation, 0-based.
+    pub row: usize,
+    /// The DOF, 0-based.
+    pub dof: usize,
+    /// The coefficient.
+    pub coefficient: f64,
+}
+
+/// Suspect coefficients, ascending by row and DOF: those of equations of nothing else, and the others.
+#[derive(Default)]
+pub(crate) struct Suspects {
+    pub rows: Vec<NoiseTerm>,
+    pub single: Vec<NoiseTerm>,
+}
+
+impl Suspects {
+    /// What the option takes as zero at once, and what it only suspects.
+    pub fn find(system: LocalSystem, exponents: &[Exponents], noise: &Noise) -> Self {
+        match noise {
+            Noise::None => Self::default(),
+            Noise::Auto => {
+                let single = small(system, exponents, f64::from(SUSPECT), |v| !is_typed(v));
+                let largest = single.iter().map(|term| term.coefficient.abs()).fold(0.0, f64::max);
+                // Rounding seldom comes alone: equations in small units have no small coefficients beside them.
+                let may_be = |v: f64, most: f64| v.abs() <= ALIKE * largest && is_left_of(v, most);
+                let rows = if single.is_empty() {
+                    Vec::new()
+                } else {
+                    rows_below(system, exponents, ldexp(1.0, SUSPECT), may_be)
+                };
+                Self { rows, single }
+            }
+            &Noise::Relative(part) => {
+                let mut rows = small(system, exponents, part.log2(), |_| true);
+                rows.extend(rows_below(system, exponents, part, |_, _| true));
+                Self { rows, single: Vec::new() }
+            }
+            Noise::Floors { coefficients, .. } => {
+                let all = (0..system.equations()).flat_map(|i| terms(system, i));
+                Self { rows: all.filter(|t| t.coefficient.abs() <= coefficients[t.row]).collect(), single: Vec::new() }
+            }
+        }
+    }
+
+    /// Both kinds, ascending.
+    pub fn all(&self) -> Vec<NoiseTerm> {
+        let mut all = [self.rows.as_slice(), &self.single].concat();
+        all.sort_unstable_by_key(|term| (term.row, term.dof));
+        all.dedup();
+        all
+    }
+}
+
+/// Digits of the shortest decimal that gives this double.
+pub(crate) fn digits(value: f64) -> usize {
+    let text = format!("{value:e}");
+    let mantissa = text.split('e').next().unwrap_or_default();
+    mantissa.bytes().filter(u8::is_ascii_digit).count()
+}
+
+pub(crate) fn is_typed(value: f64) -> bool {
+    digits(value) <= TYPED
+}
+
+fn terms(system: LocalSystem<'_>, row: usize) -> impl Iterator<Item = NoiseTerm> + '_ {
+    free(system, row).map(move |(j, coefficient)| {
+        let dof = system.numbering.dofs[j] as usize;
+        NoiseTerm { row, dof, coefficient }
+    })
+}
+
+/// Coefficients below a power of two of the largest of their equation, in balanced units.
+fn small(system: LocalSystem, exponents: &[Exponents], power: f64, may_be: impl Fn(f64) -> bool) -> Vec<NoiseTerm> {
+    // A power of two is lost by rounding exponents down.
+    let spans = |i: usize| f64::from(exponents[i].least) - f64::from(exponents[i].most) <= power + 1.0;
+    if !(0..system.equations()).any(|i| exponents[i].least < exponents[i].most && spans(i)) {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    balanced_powers(system, spans, |row, powers| {
+        let most = powers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let of_row = terms(system, row).zip(powers).filter(|&(_, power_of)| power_of - most <= power);
+        found.extend(of_row.map(|(term, _)| term).filter(|term| may_be(term.coefficient)));
+    });
+    found.sort_unstable_by_key(|term: &NoiseTerm| (term.row, term.dof));
+    found
+}
+
+/// Equations below a part of the largest coefficients of their DOFs, `may_be` rounding of the largest of these.
+fn rows_below(
+    system: LocalSystem,
+    exponents: &[Exponents],
+    part: f64,
+    may_be: impl Fn(f64, f64) -> bool,
+) -> Vec<NoiseTerm> {
+    let largest = exponents.iter().map(|e| i32::from(e.most)).fold(0, i32::max);
+    // A power of two is lost by rounding exponents down.
+    let below = largest + 1 + exponent(part);
+    let is_small = |&i: &usize| exponents[i].most > 0 && i32::from(exponents[i].most) <= below;
+    let rows: Vec<usize> = (0..system.equations()).filter(is_small).collect();
+    if rows.is_empty() {
+        return Vec::new();
+    }
+    let mut of_dof = vec![0.0_f64; system.dofs()];
+    for i in 0..system.equations() {
+        free(system, i).for_each(|(j, v)| of_dof[j] = of_dof[j].max(v.abs()));
+    }
+    let is_rounding = |&i: &usize| {
+        let most = free(system, i).map(|(j, _)| of_dof[j]).fold(0.0, f64::max);
+        free(system, i).all(|(_, v)| v.abs() <= part * most && may_be(v, most))
+    };
+    rows.into_iter().filter(is_rounding).flat_map(|i| terms(system, i)).collect()
+}
+
+/// Whether a number is what sums of numbers up to `most` leave: a few units in the last place of them, computed.
+fn is_left_of(value: f64, most: f64) -> bool {
+    let multiple = ldexp(value, -(exponent(most) + QUANTUM));
+    multiple.fract() == 0.0 && !is_typed(value)
+}
+
+/// By equation, the error of right-hand sides that the option knows of, in scaled rows; None where there is none.
+pub(crate) fn of_right_hand_sides(system: LocalSystem, of_row: &[i32], noise: &Noise) -> Option<Vec<f64>> {
+    match noise {
+        Noise::Auto | Noise::None => None,
+        Noise::Relative(part) => Some(vec![part * largest_side(system, of_row); system.equations()]),
+        Noise::Floors { rhs, .. } => Some(rhs.iter().zip(of_row).map(|(floor, &power)| ldexp(*floor, power)).collect()),
+    }
+}
+
+/// The largest right-hand side and prescribed term, in scaled rows.
+fn largest_side(system: LocalSystem, of_row: &[i32]) -> f64 {
+    let sides = system.rhs().iter().zip(of_row).map(|(b, &power)| ldexp(b.abs(), power));
+    let mut most = sides.fold(0.0, f64::max);
+    if !system.prescribed().is_empty() {
+        let mut values = vec![0.0; system.dofs()];
+        system.prescribed().iter().for_each(|&(j, value)| values[j] = value);
+        for (i, &power) in of_row.iter().enumerate() {
+            let terms = system.row(i).map(|(j, v)| ldexp((v * values[j]).abs(), power));
+            most = terms.fold(most, f64::max);
+        }
+    }
+    most
+}
+
+/// By equation, the power of two below which a mismatch may be rounding of the largest right-hand side or prescribed term of its component,
+/// in balanced units; NaN without free DOFs.
+pub(crate) fn rounding_of_sides(system: LocalSystem) -> Vec<f64> {
+    let units = balanced_rows(system, |_| true);
+    let labels = Labels::of(system);
+    let mut values = vec![0.0; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, value)| values[j] = value);
+    let mut largest = vec![f64::NEG_INFINITY; labels.count];
+    for (i, &unit) in units.iter().enumerate().filter(|(_, unit)| !unit.is_nan()) {
+        let terms = system.row(i).map(|(j, v)| (v * values[j]).abs());
+        let side = terms.fold(system.rhs()[i].abs(), f64::max);
+        let most = &mut largest[labels.of_row[i] as usize];
+        *most = most.max(side.log2() + unit);
+    }
+    let of = |(unit, &label): (&f64, &u32)| largest[label as usize] - unit + f64::from(SUSPECT);
+    units.iter().zip(&labels.of_row).map(of).collect()
+}

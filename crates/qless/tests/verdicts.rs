@@ -1,0 +1,171 @@
+//! Small systems whose verdict is certain, in every unit, on every backend, with and without presolve.
+
+use qless::diagnosis::OtherReading;
+use qless::{
+    Analysis, BackendChoice, ConstraintSystem, Doubt, Kind, Noise, Options, SystemBuilder, Tolerance, analyse,
+};
+
+/// Equations as lists of terms, with their right-hand sides.
+type Equations<'a> = &'a [(&'a [(usize, f64)], f64)];
+
+fn system(dofs: usize, equations: Equations, prescribed: &[(usize, f64)]) -> ConstraintSystem {
+    let mut builder = SystemBuilder::new(dofs);
+    equations.iter().for_each(|(terms, rhs)| _ = builder.equation(terms.iter().copied(), *rhs));
+    prescribed.iter().for_each(|&(j, value)| builder.prescribe(j, value));
+    builder.build().expect("valid")
+}
+
+fn backends() -> Vec<BackendChoice> {
+    let all = [BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss];
+    all.into_iter().chain(cfg!(feature = "spqr").then_some(BackendChoice::Spqr)).collect()
+}
+
+/// Every backend, with and without presolve.
+fn settings(options: &Options) -> Vec<Options> {
+    let both = |backend| [true, false].map(|presolve| Options { backend, presolve, ..options.clone() });
+    backends().into_iter().flat_map(both).collect()
+}
+
+fn each(system: &ConstraintSystem, mut check: impl FnMut(&Analysis, &str)) {
+    for options in settings(&Options::default()) {
+        let name = format!("{:?}, presolve {}", options.backend, options.presolve);
+        check(&analyse(system, &options).expect("small"), &name);
+    }
+}
+
+fn counts(analysis: &Analysis) -> [usize; 3] {
+    [Kind::Independent, Kind::Redundant, Kind::Conflicting]
+        .map(|kind| analysis.kinds().iter().filter(|&&of| of == kind).count())
+}
+
+fn is_sure(system: &ConstraintSystem, expected: [usize; 3]) {
+    each(system, |analysis, name| {
+        assert_eq!(counts(analysis), expected, "{name}: {:?}", analysis.confidence());
+        assert!(!analysis.confidence().ambiguous, "{name}: {:?}", analysis.confidence());
+    });
+}
+
+/// Two shims under one pressure: compliances of 5e-15 m/Pa, then with the pressure in MPa.
+#[test]
+fn compliances_in_any_unit() {
+    for unit in [1.0, 1e6] {
+        let (a, b) = (-5e-15 * unit, -2.5e-15 * unit);
+        let shim: Equations = &[
+            (&[(0, 1.0), (1, -1.0), (2, a)], 0.0),
+            (&[(0, 1.0), (1, -1.0), (2, b)], 1e-6),
+            (&[(2, 1.0), (3, -1.0)], 0.0),
+        ];
+        is_sure(&system(4, shim, &[]), [3, 0, 0]);
+        is_sure(&system(4, shim, &[(3, 1e8 / unit)]), [2, 0, 1]);
+    }
+}
+
+/// `u_i = 10 u_(i+1)`, the last prescribed by an equation, also with units 1, 1e2, 1e4 in turn.
+#[test]
+fn gear_trains() {
+    for (stages, units) in [(12, [1.0; 3]), (36, [1.0, 1e2, 1e4])] {
+        let mut builder = SystemBuilder::new(stages);
+        for i in 0..stages - 1 {
+            builder.equation([(i, units[i % 3]), (i + 1, -10.0 * units[(i + 1) % 3])], 0.0);
+        }
+        builder.equation([(stages - 1, 1.0)], 1.0);
+        is_sure(&builder.build().expect("valid"), [stages, 0, 0]);
+    }
+}
+
+/// `u1 + u2 = B + 1e-3; u2 = B; u1 = 1e-3`: the sum has lost digits, so the others are kept.
+#[test]
+fn every_consistent_equation_holds() {
+    for size in [1e6, 1e9, 1e12] {
+        let wide: Equations = &[(&[(0, 1.0), (1, 1.0)], size + 1e-3), (&[(1, 1.0)], size), (&[(0, 1.0)], 1e-3)];
+        each(&system(2, wide, &[]), |analysis, name| {
+            assert_eq!(analysis.rank(), 2, "{name}");
+            let reduction = analysis.reduction().expect("small");
+            let u = reduction.expand(&[], &[]).expect("no masters");
+            assert!((u[0] - 1e-3).abs() <= 1e-13, "{name}, {size:e}: {u:?}");
+        });
+    }
+}
+
+/// A planar four-bar as a spatial mechanism, turned against the axes: rows that should be zero are rounding.
+#[test]
+fn rows_of_rounding_are_told() {
+    let e = f64::EPSILON;
+    let rows: Equations = &[
+        (&[(0, -e), (1, 7.833_269_096_274_826e-1), (2, -3.138_982_972_843_685e-1)], 0.0),
+        (
+            &[(0, 4.0 * e), (1, -6.216_099_682_706_635e-1), (2, 1.050_543_387_530_544_5), (3, 1.999_999_999_999_999_6)],
+            0.0,
+        ),
+        (&[(0, 1.5 * e), (1, e), (2, 1.8125 * e), (3, 1.5 * e)], 0.0),
+        (&[(0, -e), (1, -e), (2, -e), (3, -e)], 0.0),
+        (&[(0, -0.75 * e), (1, -0.75 * e), (2, -0.75 * e), (3, -0.75 * e)], 0.0),
+        (&[(0, 1.0), (1, 1.0), (2, 1.0), (3, 1.0)], 0.0),
+    ];
+    let system = system(4, rows, &[]);
+    each(&system, |analysis, name| {
+        let other = analysis.other_reading().map(|other| (other.as_zero, other.rank));
+        assert_eq!((analysis.rank(), other), (3, Some((false, 4))), "{name}");
+        assert_eq!((analysis.confidence().doubt, analysis.noise().len()), (Some(Doubt::Noise), 12), "{name}");
+    });
+    for (noise, rank) in [(Noise::None, 4), (Noise::Relative(1e-12), 3)] {
+        let analysis = analyse(&system, &Options { noise: noise.clone(), ..Options::default() }).expect("small");
+        let other: Option<&OtherReading> = analysis.other_reading();
+        assert_eq!((analysis.rank(), analysis.confidence().ambiguous, other), (rank, false, None), "{noise:?}");
+    }
+    let noise = Noise::Floors { coefficients: vec![1e-14; 6], rhs: vec![0.0; 6] };
+    assert_eq!(analyse(&system, &Options { noise, ..Options::default() }).expect("small").rank(), 3);
+}
+
+/// Newton at convergence: `u1 - u2 = 5.6e-17` and `u1 - u2 = 0`.
+#[test]
+fn right_hand_sides_of_rounding_are_told() {
+    let rows: Equations = &[
+        (&[(0, 1.0), (1, -1.0)], 5.551_115_123_125_783e-17),
+        (&[(0, 1.0), (1, -1.0)], 0.0),
+        (&[(1, 1.0), (2, -1.0)], 0.3),
+        (&[(2, 1.0), (3, 1.0)], 1.5),
+    ];
+    let system = system(4, rows, &[]);
+    each(&system, |analysis, name| {
+        assert_eq!(counts(analysis), [3, 1, 0], "{name}");
+        assert!(matches!(analysis.confidence().doubt, None | Some(Doubt::Mismatch)), "{name}");
+    });
+    let floors = |rhs: f64| Noise::Floors { coefficients: vec![0.0; 4], rhs: vec![rhs; 4] };
+    for (noise, conflicting) in [(Noise::None, 1), (Noise::Relative(1e-14), 0), (floors(1e-16), 0), (floors(1e-18), 1)]
+    {
+        let analysis = analyse(&system, &Options { noise: noise.clone(), ..Options::default() }).expect("small");
+        assert_eq!((counts(&analysis)[2], analysis.confidence().ambiguous), (conflicting, false), "{noise:?}");
+    }
+}
+
+/// Absolute 1e-5 without scaling, as the paper says.
+#[test]
+fn the_papers_tolerance_is_absolute() {
+    let rows: Equations = &[(&[(0, 1.0), (1, 1.0)], 0.0), (&[(0, 1e-7), (1, 2e-7)], 0.0)];
+    for (scale, rank) in [(1.0, 1), (1e4, 2)] {
+        let rows: Vec<_> =
+            rows.iter().map(|(terms, _)| terms.iter().map(|&(j, v)| (j, v * scale)).collect::<Vec<_>>()).collect();
+        let rows: Vec<_> = rows.iter().map(|terms| (terms.as_slice(), 0.0)).collect();
+        let system = system(2, &rows, &[]);
+        for options in settings(&Options { tolerance: Tolerance::Paper, ..Options::default() }) {
+            let found = analyse(&system, &options).expect("small").rank();
+            assert_eq!(found, rank, "{:?}, presolve {}, {scale:e}", options.backend, options.presolve);
+        }
+        assert_eq!(analyse(&system, &Options::default()).expect("small").rank(), 2);
+    }
+}
+
+#[test]
+fn floors_are_checked() {
+    let system = system(2, &[(&[(0, 1.0), (1, 1.0)], 0.0)], &[]);
+    for (coefficients, rhs) in
+        [(vec![], vec![0.0]), (vec![0.0], vec![0.0; 2]), (vec![-1.0], vec![0.0]), (vec![0.0], vec![f64::NAN])]
+    {
+        let noise = Noise::Floors { coefficients, rhs };
+        assert!(analyse(&system, &Options { noise: noise.clone(), ..Options::default() }).is_err(), "{noise:?}");
+    }
+    for part in [0.0, 1.0, -1.0, f64::NAN] {
+        assert!(analyse(&system, &Options { noise: Noise::Relative(part), ..Options::default() }).is_err());
+    }
+}
