@@ -49,14 +49,14 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     Ok(diagnosis.code())
 }
 
-/// Why `clean` could not write a deck that needs it; `None` if it could, or without such a deck, or if the report refuses it already.
+/// Why there is no plan to clean a deck that needs it; `None` if there is one, or without such a deck, or if the report refuses it
+/// already. To write and prove the cleaned deck would cost more than the report.
 pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
     let deck = diagnosis.deck.as_ref()?;
     if diagnosis.is_refused() || diagnosis.analysis.dependent().is_empty() && !deck.needs_cleaning() {
         return None;
     }
-    let plan = clean::plan(&deck.deck, &diagnosis.options);
-    plan.and_then(|plan| clean::write(&deck.deck, &plan)).err().map(|error| error.to_string())
+    clean::plan(&deck.deck, &diagnosis.options).err().map(|error| error.to_string())
 }
 
 /// Number of equations that are removed as redundant.

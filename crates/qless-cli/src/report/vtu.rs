@@ -5,12 +5,9 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
 use qless::{Kind, Reduction};
-use vtkio::model::{
-    Attribute, Attributes, ByteOrder, CellType, Cells, DataArrayBase, DataSet, IOBuffer, UnstructuredGridPiece,
-    Version, VertexNumbers, Vtk,
-};
 
 use crate::diagnose::Diagnosis;
 use crate::failure::CliFailure;
@@ -37,10 +34,7 @@ pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Ve
             "{input}: the deck has no position for any node of its equations; add the cards of the nodes"
         )));
     }
-    let mut bytes = Vec::new();
-    let written = grid(&shown).write_xml(&mut bytes);
-    written.map_err(|error| CliFailure::Resource(format!("the VTK file cannot be made: {error}")))?;
-    Ok(bytes)
+    Ok(grid(&shown).into_bytes())
 }
 
 /// Counts of each node that occurs in an equation.
@@ -75,24 +69,30 @@ fn counts(
     Ok(counts)
 }
 
-fn grid(shown: &[(u32, [f64; 3], VtuCounts)]) -> Vtk {
-    let scalars =
-        |name: &str, values: Vec<i32>| Attribute::DataArray(DataArrayBase::scalars(name, 1).with_data(values));
-    let mut point = vec![scalars("node", shown.iter().map(|(node, ..)| *node as i32).collect())];
-    point.extend((0..COUNTS.len()).map(|k| scalars(COUNTS[k], shown.iter().map(|(.., counts)| counts[k]).collect())));
-    let count = shown.len() as u64;
-    Vtk {
-        version: Version::Auto,
-        title: String::new(),
-        byte_order: ByteOrder::LittleEndian,
-        file_path: None,
-        data: DataSet::inline(UnstructuredGridPiece {
-            points: IOBuffer::F64(shown.iter().flat_map(|(_, position, _)| *position).collect()),
-            cells: Cells {
-                cell_verts: VertexNumbers::XML { connectivity: (0..count).collect(), offsets: (1..=count).collect() },
-                types: vec![CellType::Vertex; shown.len()],
-            },
-            data: Attributes { point, cell: Vec::new() },
-        }),
-    }
+/// <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>
+fn grid(shown: &[(u32, [f64; 3], VtuCounts)]) -> String {
+    let n = shown.len();
+    let counts: String =
+        (0..COUNTS.len()).map(|k| array("Int32", COUNTS[k], 1, shown.iter().map(|(.., counts)| counts[k]))).collect();
+    let point_data = array("Int32", "node", 1, shown.iter().map(|(node, ..)| *node as i32)) + &counts;
+    let points = array("Float64", "points", 3, shown.iter().flat_map(|(_, position, _)| *position));
+    let cells = array("Int64", "connectivity", 1, 0..n)
+        + &array("Int64", "offsets", 1, 1..=n)
+        + &array("UInt8", "types", 1, shown.iter().map(|_| VERTEX));
+    format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n\
+         <Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{n}\">\n<PointData>\n{point_data}</PointData>\n<Points>\n{points}</Points>\n\
+         <Cells>\n{cells}</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
+    )
+}
+
+/// The type of a cell of one node.
+const VERTEX: u8 = 1;
+
+fn array(kind: &str, name: &str, components: usize, values: impl Iterator<Item = impl Display>) -> String {
+    let values: Vec<String> = values.map(|value| value.to_string()).collect();
+    format!(
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">{}</DataArray>\n",
+        values.join(" ")
+    )
 }
