@@ -3,7 +3,7 @@
 use crate::Csr;
 use crate::factor::backend::Backend;
 use crate::factor::backend::dense_or_sparse::DenseOrSparse;
-use crate::input::scale::{Component, exponent, ldexp};
+use crate::input::scale::{Component, RANGE, exponent, ldexp};
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::{Entry, WorkingRow};
 
@@ -133,9 +133,6 @@ impl Block {
         self.units.fill(0);
     }
 }
-
-/// Half of the range of exponents: the other half is for the coefficients.
-const RANGE: i32 = 512;
 
 /// Exponents of the DOFs of a block.
 fn balanced_units(rows: &[WorkingRow], block: &[u32], dofs: &[u32]) -> Vec<i32> {

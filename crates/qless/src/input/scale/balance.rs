@@ -20,6 +20,9 @@ const SWEEPS: usize = 30;
 /// digits above what a tolerance of 1e-10 drops.
 const NEAR: f64 = 20.0;
 
+/// Half of the range of exponents: the other half is for the coefficients.
+pub(crate) const RANGE: i32 = 512;
+
 /// Of a double.
 const BITS: f64 = 53.0;
 
@@ -72,7 +75,9 @@ impl Component {
         let equilibrated = self.equilibrated(near)?;
         let small = self.smallness(&equilibrated);
         let balanced = if small > 0.0 { self.units_beyond(0.0) } else { None };
-        Some(balanced.filter(|balanced| self.smallness(balanced) < small / 2.0).unwrap_or(equilibrated))
+        let is_in_range = |units: &[i32]| units.iter().all(|unit| unit.abs() < RANGE);
+        let is_better = |units: &Vec<i32>| is_in_range(units) && self.smallness(units) < small / 2.0;
+        Some(balanced.filter(is_better).unwrap_or(equilibrated))
     }
 
     /// By how many powers of two coefficients are below [`NEAR`] beside the largest of their row, in all; a zero is no smaller than 53.

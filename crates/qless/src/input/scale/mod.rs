@@ -12,7 +12,7 @@ mod rows;
 use super::components::Labels;
 use super::numbering::{Exponents, LocalSystem};
 
-pub(crate) use balance::Component;
+pub(crate) use balance::{Component, RANGE};
 pub(crate) use powers::{exponent, ldexp};
 
 /// Columns stay as they are while pivots are above this power of two of their rows: they lose no more than these ten of 53 bits.
