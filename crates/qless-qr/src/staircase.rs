@@ -3,11 +3,15 @@
 //! Step k reflects rows g..stair(k) so that column k vanishes below row g; then g grows by one. A pivotal column is
 //! dependent if the 2-norm of its part in those rows is at most the tolerance (Heath 1982); it takes no row. Neither does
 //! any other column whose part is zero. Large fronts apply the reflections of a panel at once by matrix products,
-//! `C <- (I - V T^T V^T) C` (Schreiber, Van Loan 1989).
+//! `C <- (I - V T^T V^T) C` (Schreiber, Van Loan 1989). While a panel updates the columns behind the next one, the next one is eliminated
+//! on another thread.
+
+use std::ops::Range;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use pulp::Arch;
+use rayon::prelude::*;
 
 use crate::reflections::{Reflect, Reflections, SquaredNorm};
 
@@ -15,10 +19,13 @@ use crate::reflections::{Reflect, Reflections, SquaredNorm};
 pub(crate) const PANEL: usize = 48;
 /// (entries of the front, width of its panels). Fronts with fewer entries are eliminated column by column.
 const WIDTHS: [(usize, usize); 3] = [(2_000_000, PANEL), (60_000, 32), (2_500, 16)];
+/// Columns of one matrix product. The number is fixed, so that the bits do not depend on the number of threads.
+const TOGETHER: usize = 64;
+/// Operations that are worth a task: a tenth of a millisecond, many times what it takes to wake a thread.
+const TASK: usize = 500_000;
 
 /// A dense front, `rows` x (`cols` + right-hand sides), by columns.
 pub(crate) struct DenseFront<'a> {
-    pub values: &'a mut [f64],
     pub rows: usize,
     pub cols: usize,
     pub pivots: usize,
@@ -26,13 +33,17 @@ pub(crate) struct DenseFront<'a> {
     pub tolerance: f64,
 }
 
-/// Buffers of the elimination, reused from front to front, and its results.
+/// Buffers of the elimination, reused from front to front.
 #[derive(Default)]
 pub(crate) struct ReflectionBuffers {
-    v: Vec<f64>,
-    tau: Vec<f64>,
-    t: Vec<f64>,
-    w: Vec<f64>,
+    /// The panel whose reflections are applied, and the next one, which is eliminated meanwhile.
+    panels: [Panel; 2],
+    products: Vec<f64>,
+}
+
+/// Results of the elimination.
+#[derive(Default)]
+pub(crate) struct Echelon {
     /// First column of each row of the echelon.
     pub lead: Vec<u32>,
     /// Norm of the column parts that were treated as zero.
@@ -41,83 +52,99 @@ pub(crate) struct ReflectionBuffers {
     pub kept: Option<Reflections>,
 }
 
-impl ReflectionBuffers {
-    pub fn new(keep_q: bool) -> Self {
-        Self { kept: keep_q.then(Reflections::default), ..Self::default() }
-    }
-}
-
 impl DenseFront<'_> {
-    pub fn eliminate(&mut self, arch: Arch, work: &mut ReflectionBuffers) {
-        work.lead.clear();
-        work.dropped = 0.0;
-        if let Some(kept) = &mut work.kept {
+    /// Eliminates all columns of `values`; right-hand sides, behind, are only updated.
+    pub fn eliminate(&self, arch: Arch, values: &mut [f64], work: &mut ReflectionBuffers, echelon: &mut Echelon) {
+        echelon.lead.clear();
+        echelon.dropped = 0.0;
+        if let Some(kept) = &mut echelon.kept {
             kept.clear();
         }
+        let ReflectionBuffers { panels: [panel, next], products } = work;
         let size = self.rows * self.cols;
-        let panel = WIDTHS.iter().find(|&&(least, _)| size >= least).map_or(self.cols, |&(_, width)| width);
-        let mut k = 0;
-        while k < self.cols && work.lead.len() < self.rows {
-            let end = self.cols.min(k + panel);
-            self.panel(arch, work, k, end);
-            k = end;
+        let width = WIDTHS.iter().find(|&&(least, _)| size >= least).map_or(self.cols, |&(_, width)| width);
+        let mut end = self.cols.min(width);
+        if end == self.cols {
+            return self.panel(arch, 0..end, values, panel, echelon);
         }
-    }
-
-    /// Eliminates columns k..end, then updates all columns behind them.
-    fn panel(&mut self, arch: Arch, work: &mut ReflectionBuffers, k: usize, end: usize) {
-        let top = work.lead.len();
-        let height = (self.stair[end - 1] as usize).saturating_sub(top);
-        work.v.clear();
-        work.tau.clear();
-        let whole = end == self.cols;
-        let reach = if whole { self.values.len() } else { end * self.rows };
-        for j in k..end {
-            if self.reflector(arch, work, j, top, height) {
-                let from = work.v.len() - height + (work.lead.len() - 1 - top);
-                let v = &work.v[from..from + self.stair[j] as usize + 1 - work.lead.len()];
-                let columns = &mut self.values[(j + 1) * self.rows..reach];
-                let (tau, row) = (work.tau[work.tau.len() - 1], work.lead.len() - 1);
-                if let Some(kept) = &mut work.kept {
-                    kept.push(row, tau, v);
-                }
-                arch.dispatch(Reflect { v, tau, columns, stride: self.rows, row });
+        let (first, mut behind) = values.split_at_mut(end * self.rows);
+        self.panel(arch, 0..end, first, panel, echelon);
+        panel.close();
+        while !behind.is_empty() {
+            let columns = end..self.cols.min(end + width);
+            let (near, far) = behind.split_at_mut(columns.len() * self.rows);
+            let room = 2 * panel.tau.len();
+            products.clear();
+            products.resize(room * (near.len() + far.len()) / self.rows, 0.0);
+            let (of_near, of_far) = products.split_at_mut(room * columns.len());
+            let panel_now = &*panel;
+            let mut eliminate_next = || {
+                panel_now.apply(near, self.rows, of_near);
+                self.panel(arch, columns.clone(), near, next, echelon);
+                next.close();
+            };
+            let update = |(columns, products): (&mut [f64], &mut [f64])| panel_now.apply(columns, self.rows, products);
+            let size = (TOGETHER * self.rows, (TOGETHER * room).max(1));
+            if panel_now.operations(far.len() / self.rows) > 2 * TASK && rayon::current_num_threads() > 1 {
+                let update_far = || far.par_chunks_mut(size.0).zip(of_far.par_chunks_mut(size.1)).for_each(update);
+                rayon::join(eliminate_next, update_far);
+            } else {
+                eliminate_next();
+                far.chunks_mut(size.0).zip(of_far.chunks_mut(size.1)).for_each(update);
+            }
+            std::mem::swap(panel, next);
+            (end, behind) = (columns.end, far);
+            if columns.is_empty() {
+                break;
             }
         }
-        if !whole && !work.tau.is_empty() {
-            let ReflectionBuffers { v, tau, t, w, .. } = work;
-            let columns = &mut self.values[end * self.rows..];
-            Panel { v, tau, height }.apply(columns, self.rows, top, t, w);
+    }
+
+    /// Eliminates some columns; `values` begins with them, and what stands behind them is updated.
+    fn panel(&self, arch: Arch, columns: Range<usize>, values: &mut [f64], panel: &mut Panel, echelon: &mut Echelon) {
+        panel.clear(echelon.lead.len(), columns.end.checked_sub(1).map_or(0, |last| self.stair[last] as usize));
+        for (k, j) in columns.enumerate() {
+            let (column, behind) = values[k * self.rows..].split_at_mut(self.rows);
+            if self.reflector(arch, j, column, panel, echelon) {
+                let row = echelon.lead.len() - 1;
+                let from = panel.v.len() - panel.height + row - panel.top;
+                let v = &panel.v[from..from + self.stair[j] as usize - row];
+                let tau = panel.tau[panel.tau.len() - 1];
+                if let Some(kept) = &mut echelon.kept {
+                    kept.push(row, tau, v);
+                }
+                arch.dispatch(Reflect { v, tau, columns: behind, stride: self.rows, row });
+            }
         }
     }
 
-    /// Gives column j a row unless it is dependent, and appends the reflection's vector to V. Returns whether there is a
+    /// Gives column j a row unless it is dependent, and appends the reflection's vector to the panel. Returns whether there is a
     /// reflection to apply.
-    fn reflector(&mut self, arch: Arch, work: &mut ReflectionBuffers, j: usize, top: usize, height: usize) -> bool {
-        let (g, end) = (work.lead.len(), self.stair[j] as usize);
+    fn reflector(&self, arch: Arch, j: usize, column: &mut [f64], panel: &mut Panel, echelon: &mut Echelon) -> bool {
+        let (g, end) = (echelon.lead.len(), self.stair[j] as usize);
         if end <= g {
             return false;
         }
-        let column = &mut self.values[j * self.rows + g..j * self.rows + end];
+        let column = &mut column[g..end];
         let norm = norm(arch, column);
         if norm == 0.0 || (j < self.pivots && norm <= self.tolerance) {
-            work.dropped = if j < self.pivots { work.dropped.hypot(norm) } else { work.dropped };
+            echelon.dropped = if j < self.pivots { echelon.dropped.hypot(norm) } else { echelon.dropped };
             return false;
         }
-        work.lead.push(j as u32);
+        echelon.lead.push(j as u32);
         if column.len() == 1 {
             return false;
         }
         let alpha = column[0];
         let beta = if alpha > 0.0 { -norm } else { norm };
-        let base = work.v.len();
-        work.v.resize(base + height, 0.0);
-        let v = &mut work.v[base + g - top..];
+        let base = panel.v.len();
+        panel.v.resize(base + panel.height, 0.0);
+        let v = &mut panel.v[base + g - panel.top..];
         v[0] = 1.0;
         // Divide: the reciprocal overflows for the smallest numbers.
         v[1..].iter_mut().zip(&column[1..]).for_each(|(v, a)| *v = a / (alpha - beta));
         column[0] = beta;
-        work.tau.push((beta - alpha) / beta);
+        panel.tau.push((beta - alpha) / beta);
         true
     }
 }
@@ -137,21 +164,30 @@ pub(crate) fn scaled_norm(x: &[f64]) -> f64 {
     if largest == 0.0 { 0.0 } else { largest * x.iter().map(|v| (v / largest).powi(2)).sum::<f64>().sqrt() }
 }
 
-/// The reflections of a panel: `V` (h x w by columns) and their factors.
-pub(super) struct Panel<'a> {
-    pub v: &'a [f64],
-    pub tau: &'a [f64],
-    pub height: usize,
+/// The reflections of a panel, `I - V T V^T` with V (h x w by columns) on rows `top..top + height`.
+#[derive(Default)]
+struct Panel {
+    v: Vec<f64>,
+    tau: Vec<f64>,
+    t: Vec<f64>,
+    top: usize,
+    height: usize,
 }
 
-impl Panel<'_> {
+impl Panel {
+    fn clear(&mut self, top: usize, end: usize) {
+        (self.top, self.height) = (top, end.saturating_sub(top));
+        self.v.clear();
+        self.tau.clear();
+    }
+
     /// T, upper triangular: `T_jj = tau_j`, `T_:j = -tau_j T V^T v_j` above.
-    fn triangle(&self, t: &mut Vec<f64>) {
+    fn close(&mut self) {
         let w = self.tau.len();
-        t.clear();
-        t.resize(2 * w * w, 0.0);
-        let (t, gram) = t.split_at_mut(w * w);
-        let v = MatRef::from_column_major_slice(self.v, self.height, w);
+        self.t.clear();
+        self.t.resize(2 * w * w, 0.0);
+        let (t, gram) = self.t.split_at_mut(w * w);
+        let v = MatRef::from_column_major_slice(&self.v, self.height, w);
         let product = MatMut::from_column_major_slice_mut(gram, w, w);
         matmul(product, Accum::Replace, v.transpose(), v, 1.0, Par::Seq);
         for j in 0..w {
@@ -164,17 +200,22 @@ impl Panel<'_> {
         }
     }
 
-    /// Applies the transposed reflections to rows `row..row + height` of columns of length `stride`.
-    pub fn apply(&self, columns: &mut [f64], stride: usize, row: usize, t: &mut Vec<f64>, w: &mut Vec<f64>) {
+    /// What it costs to apply it to so many columns.
+    fn operations(&self, columns: usize) -> usize {
+        4 * self.height * self.tau.len() * columns
+    }
+
+    /// Applies the transposed reflections to columns of length `stride`; `products` has room for two numbers by reflection and column.
+    fn apply(&self, columns: &mut [f64], stride: usize, products: &mut [f64]) {
         let (width, count) = (self.tau.len(), columns.len() / stride);
-        self.triangle(t);
-        w.clear();
-        w.resize(2 * width * count, 0.0);
-        let (first, second) = w.split_at_mut(width * count);
-        let v = MatRef::from_column_major_slice(self.v, self.height, width);
-        let t = MatRef::from_column_major_slice(&t[..width * width], width, width);
+        if width * count == 0 {
+            return;
+        }
+        let (first, second) = products.split_at_mut(width * count);
+        let v = MatRef::from_column_major_slice(&self.v, self.height, width);
+        let t = MatRef::from_column_major_slice(&self.t[..width * width], width, width);
         let all = MatMut::from_column_major_slice_mut(columns, stride, count);
-        let mut c = all.subrows_mut(row, self.height);
+        let mut c = all.subrows_mut(self.top, self.height);
         let mut first = MatMut::from_column_major_slice_mut(first, width, count);
         let mut second = MatMut::from_column_major_slice_mut(second, width, count);
         matmul(first.as_mut(), Accum::Replace, v.transpose(), c.as_ref(), 1.0, Par::Seq);

@@ -7,7 +7,7 @@ use super::{FactorInput, MemoryLedger};
 use crate::Error;
 use crate::lists::NONE;
 use crate::reflections::Reflections;
-use crate::staircase::{DenseFront, ReflectionBuffers, scaled_norm};
+use crate::staircase::{DenseFront, Echelon, ReflectionBuffers, scaled_norm};
 use crate::symbolic::{
     FrontShape, INDEX, Symbolic, front_bytes, kept_bytes, out_bytes, reflection_bytes, waiting_bytes,
 };
@@ -27,12 +27,13 @@ pub(super) struct Workspace<'a> {
     names: Vec<u32>,
     values: Vec<f64>,
     work: ReflectionBuffers,
+    echelon: Echelon,
 }
 
 impl<'a> Workspace<'a> {
     pub fn new(symbolic: &'a Symbolic, numbers: &'a FactorInput<'a>, ledger: &'a MemoryLedger) -> Self {
         let place = vec![NONE; symbolic.cols];
-        let work = ReflectionBuffers::new(numbers.keep_q);
+        let echelon = Echelon { kept: numbers.keep_q.then(Reflections::default), ..Echelon::default() };
         Self {
             symbolic,
             numbers,
@@ -44,7 +45,8 @@ impl<'a> Workspace<'a> {
             next: Vec::new(),
             names: Vec::new(),
             values: Vec::new(),
-            work,
+            work: ReflectionBuffers::default(),
+            echelon,
         }
     }
 
@@ -64,8 +66,9 @@ impl<'a> Workspace<'a> {
         self.columns.iter().for_each(|&column| self.place[column as usize] = NONE);
         children.iter().for_each(|child| self.ledger.give(held(child)));
         drop(children);
-        let (values, stair, tolerance) = (&mut self.values[..], &self.stair[..], self.numbers.tolerance);
-        DenseFront { values, rows, cols: shape.cols, pivots, stair, tolerance }.eliminate(self.arch, &mut self.work);
+        let front =
+            DenseFront { rows, cols: shape.cols, pivots, stair: &self.stair, tolerance: self.numbers.tolerance };
+        front.eliminate(self.arch, &mut self.values, &mut self.work, &mut self.echelon);
         let done = self.read(f, rows, pivots)?;
         self.ledger.give(bytes);
         Ok(done)
@@ -181,13 +184,13 @@ impl Workspace<'_> {
     /// Splits the eliminated front into rows of R, the contribution to the parent, and finished rows without a column.
     pub(super) fn read(&mut self, f: usize, rows: usize, pivots: usize) -> Result<(Contribution, FrontResult), Error> {
         let (cols, count) = (self.columns.len(), self.numbers.count);
-        let lead = &self.work.lead[..];
+        let lead = &self.echelon.lead[..];
         let rank = lead.partition_point(|&k| (k as usize) < pivots);
         let (own, others) = lead.split_at(rank);
         let shape = shape(cols, own, others);
         let names = if self.numbers.keep_q { INDEX * shape.passed_rows } else { 0 };
         self.ledger.take(out_bytes(&shape, count) + waiting_bytes(&shape, count) + names)?;
-        let mut out = FrontResult::new(own, &self.columns[pivots..], self.symbolic.outer.list(f), self.work.dropped);
+        let mut out = FrontResult::new(own, &self.columns[pivots..], self.symbolic.outer.list(f), self.echelon.dropped);
         out.has_rest = count > 0 && lead.len() < rows;
         let room = packed_len(cols, own, count) + if out.has_rest { count } else { 0 };
         out.values = self.ledger.reserve(room)?;
@@ -202,7 +205,7 @@ impl Workspace<'_> {
     }
 
     fn contribution(&self, rows: usize, rank: usize) -> Result<Contribution, Error> {
-        let lead = &self.work.lead[rank..];
+        let lead = &self.echelon.lead[rank..];
         let Some(&first) = lead.first() else { return Ok(Contribution::default()) };
         let (cols, count) = (self.columns.len(), self.numbers.count);
         let mut values = self.ledger.reserve(packed_len(cols, lead, count))?;
@@ -224,7 +227,7 @@ fn shape(cols: usize, own: &[u32], others: &[u32]) -> FrontShape {
 impl Workspace<'_> {
     /// Reserves memory for all reflections that the front can have.
     pub(super) fn reserve_q(&mut self, shape: &FrontShape) -> Result<(), Error> {
-        let Some(kept) = &mut self.work.kept else { return Ok(()) };
+        let Some(kept) = &mut self.echelon.kept else { return Ok(()) };
         let most = shape.rows * shape.rows.min(shape.cols);
         if kept.v.capacity() < most {
             kept.v = Vec::new();
@@ -235,7 +238,7 @@ impl Workspace<'_> {
 
     /// The reflections of the front in memory of their exact size; `None` if Q is not kept.
     pub(super) fn reflections(&self) -> Result<Option<Box<Reflections>>, Error> {
-        let Some(kept) = &self.work.kept else { return Ok(None) };
+        let Some(kept) = &self.echelon.kept else { return Ok(None) };
         self.ledger.take(reflection_bytes(self.names.len(), kept.tau.len(), kept.v.len()))?;
         let mut v = self.ledger.reserve(kept.v.len())?;
         v.extend_from_slice(&kept.v);

@@ -175,7 +175,7 @@ const EACH: usize = 512;
 /// Working memory of a front with k right-hand sides.
 pub(crate) fn front_bytes(shape: &FrontShape, k: usize) -> usize {
     let panel = PANEL.min(shape.rows).min(shape.cols);
-    let work = panel * (shape.rows + 3 * panel + 2 * (shape.cols + k));
+    let work = panel * (2 * shape.rows + 4 * panel + 2 * (shape.cols + k));
     NUMBER * (shape.rows * (shape.cols + k) + work) + 6 * INDEX * (shape.cols + shape.rows)
 }
 
