@@ -1,11 +1,10 @@
-//! Jacobians of multibody linkages at their reference configuration; each body has a position and four Euler parameters.
+//! Jacobians of multibody linkages at their reference configuration; each body has a position x and Euler parameters (e0, e), at first
+//! (1, 0). A small change turns it by `2 de`; the parameters keep their norm if `de0 = 0`.
 //!
 //! A closed ring of n hinges and n bodies, one of them the ground, has 7 (n - 1) coordinates and 5 n + (n - 1) equations. It has one
 //! degree of freedom, so the rank is 7 (n - 1) - 1: the other equations are redundant, because hinges are parallel (four-bar) or arranged as by Bricard.
 
 use qless::SystemBuilder;
-use qless_constraints::ConstraintSet;
-use qless_constraints::types::{Body, EulerNorm, Revolute};
 use qless_scenes::{Scene, Truth};
 
 /// A point of the axis, and its direction.
@@ -27,40 +26,46 @@ pub fn bricard(count: usize) -> BuiltLinkage {
 }
 
 fn rings(count: usize, hinges: &[Hinge]) -> BuiltLinkage {
-    let coordinates = 7 * (hinges.len() - 1);
-    let mut builder = ConstraintSet::builder(count * coordinates);
+    let bodies = hinges.len() - 1;
+    let mut system = SystemBuilder::new(7 * bodies * count);
     for ring in 0..count {
-        let body = |i: usize| body(i, hinges, ring * coordinates);
-        for (i, &(at, axis)) in hinges.iter().enumerate() {
-            builder.add(format!("hinge {}", i + 1), Revolute { a: body(i), b: body(i + 1), at, axis })?;
+        for i in 0..=bodies {
+            let sides = [(i, 1.0), ((i + 1) % (bodies + 1), -1.0)];
+            let terms = |row: &dyn Fn(usize) -> Vec<(usize, f64)>| -> Vec<(usize, f64)> {
+                let moving = sides.into_iter().filter(|&(body, _)| body > 0);
+                let at = |body: usize| 7 * (ring * bodies + body - 1);
+                moving
+                    .flat_map(|(body, sign)| row(body).into_iter().map(move |(k, v)| (at(body) + k, sign * v)))
+                    .collect()
+            };
+            // The right-hand side is zero: the linkage keeps its position.
+            for k in 0..3 {
+                system.equation(terms(&|body| point(hinges, body, i, k)), 0.0);
+            }
+            for normal in normals(hinges[i].1) {
+                system.equation(terms(&|_| (0..3).map(|k| (4 + k, 2.0 * normal[k])).collect()), 0.0);
+            }
         }
-        for i in 1..hinges.len() {
-            let first = ring * coordinates + 7 * (i - 1) + 3;
-            let parameters = [first, first + 1, first + 2, first + 3];
-            builder.add(format!("body {}", i + 1), EulerNorm { parameters })?;
+        for body in 0..bodies {
+            system.equation([(7 * (ring * bodies + body) + 3, 2.0)], 0.0);
         }
     }
-    let set = builder.build()?;
-    let mut quantities = set.allocate();
-    set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
-    let mut system = SystemBuilder::new(set.dofs());
-    // The right-hand side is zero: the linkage keeps its position.
-    (0..set.equations()).for_each(|row| {
-        system.equation(quantities.g().row(row), 0.0);
-    });
-    let truth = Truth::rank(set.equations(), count * (coordinates - 1));
+    let rank = count * (7 * bodies - 1);
+    let truth = Truth::rank(count * (5 * hinges.len() + bodies), rank);
     Ok(Scene { system: system.build()?, truth, nodes: Vec::new(), dofs: Vec::new() })
 }
 
-/// Body i between its two hinges; bodies 0 and n are the ground.
-fn body(i: usize, hinges: &[Hinge], first: usize) -> Body {
-    if i.is_multiple_of(hinges.len()) {
-        return Body::ground();
-    }
-    let (p, q) = (hinges[i - 1].0, hinges[i].0);
-    let at = std::array::from_fn(|k| f64::midpoint(p[k], q[k]));
-    let first = first + 7 * (i - 1);
-    Body::with_euler([first, first + 1, first + 2], at, [first + 3, first + 4, first + 5, first + 6])
+/// Coordinate k of `dx + 2 de x r` of the point of a hinge, r from the middle between both hinges of the body.
+fn point(hinges: &[Hinge], body: usize, hinge: usize, k: usize) -> Vec<(usize, f64)> {
+    let middle = |k: usize| f64::midpoint(hinges[body - 1].0[k], hinges[body].0[k]);
+    let r = |k: usize| hinges[hinge].0[k] - middle(k);
+    let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+    vec![(k, 1.0), (4 + next, 2.0 * r(last)), (4 + last, -2.0 * r(next))]
+}
+
+/// Two directions across an axis of coordinates.
+fn normals(axis: [f64; 3]) -> [[f64; 3]; 2] {
+    [1, 2].map(|turn| std::array::from_fn(|k| axis[(k + turn) % 3]))
 }
 
 #[cfg(test)]

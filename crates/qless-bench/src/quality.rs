@@ -79,7 +79,7 @@ fn kept(analysis: &Analysis) -> Vec<usize> {
 
 /// The system of the equations `rows`.
 fn part(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem {
-    with_rows(system, rows, |i| system.rhs()[i], |value| value)
+    with_rows(system, rows)
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 //! A problem that shows the effect of a reduction on a solution: `K u + C^T lambda = f`, `C u = b`, with `K = I + L`.
 //!
 //! L are springs of stiffness 1 from each DOF to the next, `f_j = 1 + j mod 7`. Its solution u* comes from a multiplier for each
-//! independent equation ([`Problem::lagrange`]; in large systems [`with_multipliers`]), which needs no T, and is refined with
+//! independent equation ([`Saddle`]; in large systems [`with_multipliers`]), which needs no T, and is refined with
 //! residuals in twice the precision, so it is exact to rounding even if equations are nearly dependent.
 
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{SparseColMat, Triplet};
+use faer::{Col, ColRef};
 use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
-use qless_solve::enforce::{Problem, reduced};
 
 use super::chain::Chain;
 use super::gradients::{with_masters, with_multipliers};
@@ -21,10 +23,8 @@ const STEPS: usize = 20;
 /// Refinement ends with a step of this relative size.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
 
-/// K, f and u*.
+/// f and u*.
 pub struct Springs {
-    /// `None` for large systems, which are solved by conjugate gradients.
-    k: Option<SparseColMat<usize, f64>>,
     f: Vec<f64>,
     /// u*.
     pub solution: Vec<f64>,
@@ -34,49 +34,32 @@ pub struct Springs {
 impl Springs {
     /// `None` if qless finds a wrong rank, or if conjugate gradients do not converge.
     pub fn new(system: &ConstraintSystem, rank: usize) -> Option<Self> {
-        if system.dofs() > MOST_DOFS { Self::large(system, rank) } else { Self::small(system, rank) }
+        Self::solved(system, rank, system.dofs() <= MOST_DOFS)
     }
 
-    fn small(system: &ConstraintSystem, rank: usize) -> Option<Self> {
-        let n = system.dofs();
-        let k = stiffness(n)?;
-        let f = forces(n);
-        let problem = Problem::new(&k, &f, system).ok()?;
-        let rows = problem.kept().to_vec();
-        let first = (rows.len() == rank).then(|| problem.lagrange().ok()).flatten()?;
-        let kept = with_rows(system, &rows, |i| system.rhs()[i], |value| value);
-        let multipliers = rows.iter().map(|&i| first.multipliers[i]).collect();
-        let rows: Vec<usize> = (0..kept.equations()).collect();
-        let step = |left: &[f64], apart: &[f64]| {
-            let rest = with_rows(&kept, &rows, |i| apart[i], |_| 0.0);
-            let step = Problem::new(&k, left, &rest).ok()?.lagrange().ok()?;
-            Some((step.u, step.multipliers))
-        };
-        let solution = refined(&f, &kept, (first.u, multipliers), step)?;
-        Some(Self { k: Some(k), f, solution, prescribed: prescribed(system) })
-    }
-
-    fn large(system: &ConstraintSystem, rank: usize) -> Option<Self> {
+    fn solved(system: &ConstraintSystem, rank: usize, by_factors: bool) -> Option<Self> {
         let analysis = analyse(system, &Options::default()).ok().filter(|analysis| analysis.rank() == rank)?;
         let rows: Vec<usize> = (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent).collect();
-        let kept = with_rows(system, &rows, |i| system.rhs()[i], |value| value);
+        let kept = with_rows(system, &rows);
         let (mut free, mut u) = (vec![true; system.dofs()], vec![0.0; system.dofs()]);
         system.prescribed().iter().for_each(|&(j, value)| (free[j], u[j]) = (false, value));
         let (chain, f) = (Chain::new(free), forces(system.dofs()));
-        let step = |left: &[f64], apart: &[f64]| with_multipliers(&chain, &kept, left, apart);
+        let saddle = if by_factors { Some(Saddle::new(&chain, &kept)?) } else { None };
+        let step = |left: &[f64], apart: &[f64]| match &saddle {
+            Some(saddle) => Some(saddle.solve(left, apart)),
+            None => with_multipliers(&chain, &kept, left, apart),
+        };
         let solution = refined(&f, &kept, (u, vec![0.0; rows.len()]), step)?;
-        Some(Self { k: None, f, solution, prescribed: prescribed(system) })
+        let prescribed = system.prescribed().iter().map(|&(_, value)| value).collect();
+        Some(Self { f, solution, prescribed })
     }
 
-    /// `max |u - u*| / max |u*|` with u from T, G and g ([`reduced`]); `None` if T has too many entries.
+    /// `max |u - u*| / max |u*|` with u from T, G and g ([`with_masters`]); `None` if T has too many entries.
     pub fn error(&self, done: &Done) -> Option<f64> {
         if done.reduction.t().nnz() > MOST_ENTRIES {
             return None;
         }
-        let u = match &self.k {
-            None => with_masters(&self.f, &done.reduction, &self.prescribed)?,
-            Some(k) => reduced(k, &self.f, &done.reduction, &self.prescribed).ok()?,
-        };
+        let u = with_masters(&self.f, &done.reduction, &self.prescribed)?;
         let off = largest(u.iter().zip(&self.solution).map(|(u, exact)| u - exact));
         Some(off / largest(self.solution.iter().copied()))
     }
@@ -113,31 +96,44 @@ fn forces(dofs: usize) -> Vec<f64> {
     (0..dofs).map(|j| 1.0 + (j % 7) as f64).collect()
 }
 
-fn prescribed(system: &ConstraintSystem) -> Vec<f64> {
-    system.prescribed().iter().map(|&(_, value)| value).collect()
+/// The factors of `[K C^T; C 0]` on the free DOFs; the other DOFs do not move.
+struct Saddle {
+    factors: Lu<usize, f64>,
+    free: Vec<bool>,
 }
 
-/// `I + L`.
-fn stiffness(dofs: usize) -> Option<SparseColMat<usize, f64>> {
-    let ground = (0..dofs).map(|j| Triplet::new(j, j, 1.0));
-    let springs = (1..dofs).flat_map(|j| {
-        [(j - 1, j - 1, 1.0), (j, j, 1.0), (j - 1, j, -1.0), (j, j - 1, -1.0)].map(|(i, j, v)| Triplet::new(i, j, v))
-    });
-    SparseColMat::try_new_from_triplets(dofs, dofs, &ground.chain(springs).collect::<Vec<_>>()).ok()
+impl Saddle {
+    fn new(chain: &Chain, kept: &ConstraintSystem) -> Option<Self> {
+        let (free, n) = (chain.free().to_vec(), kept.dofs());
+        let size = n + kept.equations();
+        let is_free = |j: usize| j >= n || free[j];
+        let ground = (0..n).map(|j| (j, j, 1.0));
+        let springs = (1..n).flat_map(|j| [(j - 1, j - 1, 1.0), (j, j, 1.0), (j - 1, j, -1.0), (j, j - 1, -1.0)]);
+        let rows = (0..kept.equations()).flat_map(|i| kept.matrix().row(i).map(move |(j, v)| (n + i, j, v)));
+        let both = rows.flat_map(|(i, j, v)| [(i, j, v), (j, i, v)]);
+        let terms = ground.chain(springs).chain(both).filter(|&(i, j, _)| i == j || (is_free(i) && is_free(j)));
+        let terms: Vec<_> = terms.map(|(i, j, v)| Triplet::new(i, j, v)).collect();
+        let matrix = SparseColMat::try_new_from_triplets(size, size, &terms).ok()?;
+        Some(Self { factors: matrix.sp_lu().ok()?, free })
+    }
+
+    /// du and dl with `K du + C^T dl = left`, `C du = apart`.
+    fn solve(&self, left: &[f64], apart: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let n = left.len();
+        let left = left.iter().zip(&self.free).map(|(&left, &free)| if free { left } else { 0.0 });
+        let right: Vec<f64> = left.chain(apart.iter().copied()).collect();
+        let mut solution: Col<f64> = ColRef::from_slice(&right).to_owned();
+        self.factors.solve_in_place(solution.as_mat_mut());
+        let values: Vec<f64> = solution.iter().copied().collect();
+        (values[..n].to_vec(), values[n..].to_vec())
+    }
 }
 
-/// The equations `rows` with other right-hand sides and prescribed values.
-pub fn with_rows(
-    system: &ConstraintSystem,
-    rows: &[usize],
-    rhs: impl Fn(usize) -> f64,
-    prescribed: impl Fn(f64) -> f64,
-) -> ConstraintSystem {
+/// The equations `rows`.
+pub fn with_rows(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem {
     let mut builder = SystemBuilder::new(system.dofs());
-    rows.iter().for_each(|&i| {
-        builder.equation(system.matrix().row(i), rhs(i));
-    });
-    system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, prescribed(value)));
+    rows.iter().for_each(|&i| _ = builder.equation(system.matrix().row(i), system.rhs()[i]));
+    system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
     // A subset of a valid system is valid.
     builder.build().expect("part of a valid system")
 }
@@ -235,7 +231,7 @@ mod tests {
         for system in [ring, grid, held] {
             let analysis = analyse(&system, &Options::default()).expect("valid");
             let [small, large] =
-                [Springs::small, Springs::large].map(|make| make(&system, analysis.rank()).expect("solved"));
+                [true, false].map(|factors| Springs::solved(&system, analysis.rank(), factors).expect("solved"));
             let size = small.solution.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
             let off = small.solution.iter().zip(&large.solution).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off <= 1e-15 * size, "{off:e} of {size}");
