@@ -8,7 +8,7 @@
 //! With lengths of 1e-6 beside angles in radians, two rows may differ only in columns that are a million times smaller than others. The units
 //! follow from the sizes of the terms of c, and so from the unit of length. They are powers of two, which cause no rounding.
 
-use qless::{Analysis, ArgumentError, Form, Noise, Options, analyse};
+use qless::{Analysis, ArgumentError, Form, Noise, Options, Tolerance, analyse};
 use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::configuration::inverse;
@@ -18,6 +18,10 @@ use super::solution::NewtonOptions;
 
 /// Bound on the entries of T. It can be large: masters do not move, so that T does not affect a step.
 const GROWTH: f64 = 1e6;
+
+/// Smaller changes of coefficients decide nothing on the way to a solution: half of the digits of a double. Where c is off by as much, G
+/// changes by more, and the next step ends at rounding.
+const CHANGE: f64 = 1e-8;
 
 /// The linearised equations at one iterate.
 pub struct Linearisation {
@@ -46,8 +50,12 @@ impl Linearisation {
             .map_err(|source| NewtonError::System { step, source })?;
         // If the first hinge of a chain turns, its end moves by the length of the chain. Smaller entries of T would require slaves far away.
         let growth = options.analysis.growth.max(GROWTH);
+        let tolerance = match options.analysis.tolerance {
+            Tolerance::Relative(least) => Tolerance::Relative(least.max(CHANGE)),
+            absolute => absolute,
+        };
         // The set has left out what is rounding of its own coefficients.
-        let loose = Options { growth, noise: Noise::None, ..options.analysis.clone() };
+        let loose = Options { growth, tolerance, noise: Noise::None, ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = vec![0.0; prescribed.len()];
         Ok(Self { analysis, current: true, increments, units })
