@@ -1,7 +1,15 @@
 //! Chooses the certificates of a report, whose total number of terms is limited.
 
+use rayon::prelude::*;
+
 use super::{Certificate, DependentEquation, GeneratedCondition, Omitted};
 use crate::{Analysis, CertificateTerm, ConstraintSystem, Dependent, Kind};
+
+/// Certificates that are computed at a time, by all threads.
+const TOGETHER: usize = 64;
+
+/// A certificate and its error.
+type CheckedTerms = (Vec<CertificateTerm>, f64);
 
 /// The number of terms that remain.
 pub(super) struct Budget<'a> {
@@ -28,19 +36,24 @@ impl<'a> Budget<'a> {
     }
 
     fn equations(&mut self, kind: Kind) -> Vec<DependentEquation> {
-        let of_kind = self.analysis.dependent.iter().filter(|dependent| dependent.kind == kind);
-        of_kind.map(|dependent| self.equation(dependent)).collect()
+        let of_kind: Vec<_> = self.analysis.dependent.iter().filter(|dependent| dependent.kind == kind).collect();
+        let mut equations = Vec::with_capacity(of_kind.len());
+        for some in of_kind.chunks(TOGETHER) {
+            let mut checked = Vec::new();
+            if self.remaining > 0 {
+                some.par_iter().map(|dependent| Some(self.analysis.checked(dependent))).collect_into_vec(&mut checked);
+            }
+            checked.resize(some.len(), None);
+            equations.extend(some.iter().zip(checked).map(|(dependent, checked)| self.equation(dependent, checked)));
+        }
+        equations
     }
 
-    fn equation(&mut self, dependent: &Dependent) -> DependentEquation {
+    fn equation(&mut self, dependent: &Dependent, checked: Option<CheckedTerms>) -> DependentEquation {
         let analysis = self.analysis;
         let &Dependent { row, kind, mismatch, .. } = dependent;
-        let mut error = 0.0;
-        let mut certificate = self.certificate(0, || {
-            let (terms, of_terms) = analysis.checked(dependent);
-            error = of_terms;
-            Some(terms)
-        });
+        let error = checked.as_ref().map_or(0.0, |checked| checked.1);
+        let mut certificate = self.certificate(0, || checked.map(|checked| checked.0));
         let is_shown = certificate.omitted == Omitted::Nothing;
         certificate.error = (is_shown && error > analysis.options.tolerance.value()).then_some(error);
         DependentEquation::new(row + 1, self.system.equation_label(row), kind, mismatch, certificate)

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use super::certificate::{CERTIFICATE_UNITS, Choice, NOISE, ROUNDING, Rows, small_row};
 use crate::Csr;
 use crate::common::random::signed;
-use crate::factor::backend::Factor;
 use crate::factor::block::gathered::Block;
 use crate::factor::block::triangle::Triangle;
+use crate::factor::solver::NOISE as ROUNDED;
 use crate::input::scale::ldexp;
 use crate::presolve::basis::{BlockCertificate, BlockDependent as Dependent, LateTerms};
 use crate::presolve::eliminated::Mismatch;
@@ -30,8 +30,7 @@ const SURE: f64 = 4.0;
 /// What the certificates of a block are made of.
 #[derive(Debug)]
 struct LateCertificates {
-    factor: Arc<Factor>,
-    /// R2 by columns.
+    /// `[R1 R2]` by columns.
     columns: Csr,
     /// Name and exponent of the row of each column of R1, and its place in the order of the names.
     rows: Vec<(u32, i32)>,
@@ -45,22 +44,44 @@ struct LateCertificates {
 impl LateCertificates {
     fn new(block: &Block, triangle: &Triangle, noise: f64) -> Self {
         let rank = triangle.rows.len();
-        let mut columns = Csr::empty(rank);
-        let all = triangle.factor.r.transposed();
-        (rank..all.rows()).for_each(|k| columns.append(all.row(k)));
+        let columns = triangle.factor.r.transposed();
         let rows: Vec<(u32, i32)> = triangle.rows.iter().map(|&i| (block.rows[i], block.exponents[i])).collect();
         let mut by_name: Vec<usize> = (0..rank).collect();
         by_name.sort_unstable_by_key(|&k| rows[k].0);
         let exponents = triangle.dropped.iter().map(|&k| block.exponents[k]).collect();
-        Self { factor: Arc::clone(&triangle.factor), columns, rows, by_name, exponents, noise }
+        Self { columns, rows, by_name, exponents, noise }
+    }
+}
+
+impl LateCertificates {
+    /// `R1^-1 R2_k`, from the last row up. What is rounding is not followed: so the cost is that of the terms that there are.
+    fn solved(&self, k: usize) -> Vec<f64> {
+        let rank = self.rows.len();
+        let mut y = vec![0.0; rank];
+        self.columns.row(rank + k).for_each(|(i, v)| y[i] = v);
+        let mut largest = y.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+        for j in (0..rank).rev() {
+            if y[j] == 0.0 {
+                continue;
+            }
+            let range = self.columns.start[j]..self.columns.start[j + 1];
+            let (rows, values) = (&self.columns.col[range.clone()], &self.columns.val[range]);
+            let Some((diagonal, above)) = values.split_last() else { continue };
+            let value = y[j] / diagonal;
+            if value.abs() <= ROUNDED * largest {
+                y[j] = 0.0;
+                continue;
+            }
+            (y[j], largest) = (value, largest.max(value.abs()));
+            rows.iter().zip(above).for_each(|(&i, v)| y[i as usize] -= v * value);
+        }
+        y
     }
 }
 
 impl LateTerms for LateCertificates {
     fn terms(&self, k: usize) -> Vec<(u32, f64)> {
-        let mut z = vec![0.0; self.rows.len()];
-        self.columns.row(k).for_each(|(i, v)| z[i] = v);
-        let y = self.factor.solved(&z);
+        let y = self.solved(k);
         let largest = y.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
         let large = self.by_name.iter().filter(|&&i| y[i].abs() > self.noise * largest);
         large.map(|&i| (self.rows[i].0, ldexp(y[i], self.rows[i].1 - self.exponents[k]))).collect()
