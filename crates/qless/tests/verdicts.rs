@@ -169,3 +169,29 @@ fn floors_are_checked() {
         assert!(analyse(&system, &Options { noise: Noise::Relative(part), ..Options::default() }).is_err());
     }
 }
+
+/// `u1 = a u2`, `u2 - u1 = 5` and `u1 = 3`: elimination leaves nothing of one equation but its right-hand side.
+#[test]
+fn what_loses_all_its_coefficients_may_conflict() {
+    for a in [0.9999, 1.0001, 1.0 - 1e-6, 1.0 + 1e-6] {
+        let last: Equations = &[(&[(0, 1.0), (1, -a)], 0.0), (&[(0, -1.0), (1, 1.0)], 5.0), (&[(0, 1.0)], 3.0)];
+        is_sure(&system(2, last, &[]), [2, 0, 1]);
+        let first: Equations = &[(&[(0, 1.0)], 3.0), (&[(0, 1.0), (1, -a)], 0.0), (&[(0, -1.0), (1, 1.0)], 5.0)];
+        is_sure(&system(2, first, &[]), [2, 0, 1]);
+    }
+}
+
+/// The second equation gives u2; the first one would lose it in a difference.
+#[test]
+fn small_values_beside_large_ones_keep_their_digits() {
+    for (a, c) in [(8e-6, 1e9), (1e-6, 1e7), (1e-3, 1e6)] {
+        each(&system(2, &[(&[(0, 1.0), (1, a)], 1.0), (&[(1, c)], 1.0)], &[]), |analysis, name| {
+            let reduction = analysis.reduction().expect("within the gate");
+            let place = reduction.slaves().iter().position(|&slave| slave == 1).expect("a slave");
+            let fixed = analysis.generated().iter().find(|(j, _)| *j == 1).expect("a fixed DOF").1;
+            for value in [reduction.g()[place], fixed] {
+                assert!((value * c - 1.0).abs() < 1e-12, "{name}: {value} for {}", 1.0 / c);
+            }
+        });
+    }
+}

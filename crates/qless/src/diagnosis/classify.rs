@@ -100,7 +100,9 @@ impl Dependent {
     /// Redundant unless the mismatch is more than the tolerance of its parts, more than rounding, and not suspect.
     pub(crate) fn new(row: usize, rest: Mismatch, dropped: f64, source: Source, rule: &MismatchRule) -> Self {
         let Mismatch { value, size, error } = rest;
-        let differs = value.abs() > (rule.tolerance * size).max(MORE_THAN_ROUNDING * error);
+        let is_within = value.abs() <= (rule.tolerance * size).max(MORE_THAN_ROUNDING * error);
+        // What is not a number agrees with nothing.
+        let differs = !(is_within && value.is_finite());
         let is_suspect = differs && rule.suspects(row, value);
         Self {
             row,

@@ -18,6 +18,8 @@ pub(crate) struct Block {
     pub dofs: Vec<u32>,
     /// By DOF the exponent of the unit in which `matrix` has it: balanced units until the kept rows are known, then 0.
     pub units: Vec<i32>,
+    /// By DOF the exponent of its balanced unit beside that of `matrix`: 0 until the block goes back to the units of its rows.
+    pub balanced: Vec<i32>,
     pub matrix: Csr,
     /// Prescribed DOFs of the block, ascending; the columns of `fixed`.
     pub prescribed: Vec<u32>,
@@ -77,6 +79,7 @@ impl Block {
             exponents: Vec::new(),
             matrix: Csr::empty(dofs.len()),
             fixed: Csr::empty(prescribed.len()),
+            balanced: vec![0; dofs.len()],
             units: if is_scaled { balanced_units(rows, block, &dofs) } else { vec![0; dofs.len()] },
             dofs,
             prescribed,
@@ -92,8 +95,9 @@ impl Block {
     fn push(&mut self, row: &WorkingRow, random: f64, is_scaled: bool) {
         let place = |entry: &Entry| self.dofs.binary_search(&entry.dof).ok();
         let free = || row.entries.iter().filter_map(|entry| Some((place(entry)?, entry)));
-        let largest = free().map(|(j, entry)| ldexp(entry.size(), self.units[j])).fold(f64::MIN_POSITIVE, f64::max);
-        let shift = if is_scaled { -exponent(largest) } else { 0 };
+        // A row of which nothing is left has no size.
+        let largest = free().map(|(j, entry)| ldexp(entry.size(), self.units[j])).reduce(f64::max);
+        let shift = if is_scaled { largest.map_or(0, |largest| -exponent(largest)) } else { 0 };
         let sorted = |mut entries: Vec<(usize, f64)>| {
             entries.sort_unstable_by_key(|&(j, _)| j);
             entries
@@ -120,8 +124,8 @@ impl Block {
             let range = self.matrix.start[i]..self.matrix.start[i + 1];
             let (dofs, values) = (&self.matrix.col[range.clone()], &mut self.matrix.val[range]);
             values.iter_mut().zip(dofs).for_each(|(v, &j)| *v = ldexp(*v, -self.units[j as usize]));
-            let largest = values.iter().fold(f64::MIN_POSITIVE, |most, v| most.max(v.abs()));
-            let shift = -exponent(largest);
+            let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            let shift = if largest > 0.0 { -exponent(largest) } else { 0 };
             values.iter_mut().for_each(|v| *v = ldexp(*v, shift));
             let range = self.fixed.start[i]..self.fixed.start[i + 1];
             self.fixed.val[range].iter_mut().for_each(|v| *v = ldexp(*v, shift));
@@ -130,7 +134,14 @@ impl Block {
             self.random[i] = ldexp(self.random[i], shift);
             self.exponents[i] += shift;
         }
+        self.balanced.clone_from(&self.units);
         self.units.fill(0);
+    }
+
+    /// The power of two that brings a row to size 1 in balanced units.
+    pub fn balanced_row(&self, i: usize) -> i32 {
+        let powers = self.matrix.row(i).filter(|&(_, v)| v != 0.0).map(|(j, v)| exponent(v) + self.balanced[j]);
+        -powers.max().unwrap_or(0)
     }
 }
 

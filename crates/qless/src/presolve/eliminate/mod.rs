@@ -100,7 +100,7 @@ pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, is_absolute: bool, h
         count: vec![0; dofs.len()],
         path: vec![1.0; dofs.len()],
         largest: vec![f64::NAN; m],
-        short_rows: (0..m as u32).collect(),
+        short_rows: VecDeque::new(),
         rare_dofs: Default::default(),
         active: m,
         filling: false,
@@ -124,6 +124,10 @@ impl LowFillElimination<'_> {
                 self.holders[j as usize].push(i as u32);
             }
         }
+        // Fixed DOFs first: then no digit of theirs is lost in a difference.
+        let (fixed, others): (Vec<u32>, Vec<u32>) =
+            (0..self.out.rows.len() as u32).partition(|&i| self.out.rows[i as usize].free == 1);
+        self.short_rows = [fixed, others].concat().into();
         self.rare_dofs[0].extend((0..self.count.len() as u32).filter(|&j| self.count[j as usize] <= 2));
     }
 

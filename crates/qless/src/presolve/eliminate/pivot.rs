@@ -89,8 +89,10 @@ impl LowFillElimination<'_> {
             let error = relative * part.abs() + factor.abs() * entry.error();
             self.add(k, entry.dof, -part, error, factor.abs() * entry.size());
         }
-        if self.out.rows[k as usize].free <= 2 {
-            self.short_rows.push_back(k);
+        match self.out.rows[k as usize].free {
+            0 | 1 => self.short_rows.push_front(k),
+            2 => self.short_rows.push_back(k),
+            _ => {}
         }
     }
 
