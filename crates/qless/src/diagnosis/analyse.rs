@@ -20,12 +20,12 @@ use rayon::prelude::*;
 use super::certificate::History;
 use super::classify::{MismatchRule, classify};
 use super::confidence::{Confidence, Doubt};
-use super::consistent::{are_redundant, to_give_up};
+use super::consistent::{not_redundant, to_give_up};
 use super::distance::KeptRows;
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
 use super::preferred_equations::keep_preferred;
-use super::{Analysis, AnalysisError, Kind, confidence, generated};
+use super::{Analysis, AnalysisError, confidence, generated};
 use crate::factor::backend::BackendError;
 use crate::factor::block::triangle::Triangle;
 use crate::factor::block::{self, Block, FactorContext};
@@ -75,11 +75,10 @@ pub(super) fn read(
         context: FactorContext::new(backend.as_ref(), rule.tolerance, options.check, options.memory),
         started,
     };
-    let mut verified = pipeline.run_verified(options.presolve)?;
-    let given_up = to_give_up(&verified.pass, &rule, &options.preferences.equations);
-    let without = Pipeline { absent: &given_up, ..pipeline };
-    let pipeline =
-        if !given_up.is_empty() && without.improves(&mut verified, options.presolve)? { without } else { pipeline };
+    let first = pipeline.run_verified(options.presolve)?;
+    let given_up = to_give_up(&first.pass, &rule, &options.preferences.equations);
+    let (verified, given_up) = pipeline.without(given_up, first, options.presolve)?;
+    let pipeline = Pipeline { absent: &given_up, ..pipeline };
     let VerifiedPass { mut pass, held_back, confidence } = verified;
     let kept = keep_preferred(&options.preferences.equations, &mut pass.dependent, &pass.history, &rule);
     let mut rhs = system.rhs().to_vec();
@@ -162,10 +161,10 @@ impl Pipeline<'_> {
             second => second?,
         };
         let (by_presolve, by_backend) = if presolve { (&first, &second) } else { (&second, &first) };
-        let counts = [by_presolve, by_backend].map(|pass| pass.dependent_by_component(&labels));
+        let counts = [by_presolve, by_backend].map(|pass| pass.counts_by_component(&labels));
         let goes_to_presolve = |i: usize| {
             let label = labels.of_row[i] as usize;
-            counts[0][label] < counts[1][label]
+            counts[0][label].0 < counts[1][label].0
         };
         let decided: Vec<bool> =
             (0..held_back.len()).map(|i| if is_tried[i] { !goes_to_presolve(i) } else { held_back[i] }).collect();
@@ -178,18 +177,31 @@ impl Pipeline<'_> {
         Ok(self.with_confidence(pass, decided, (dropped, false)))
     }
 
-    /// Replaces a result by that without the absent equations, if these are redundant then and nothing else is worse.
-    fn improves(&self, verified: &mut VerifiedPass, presolve: bool) -> Result<bool, AnalysisError> {
-        let mut other = self.run_verified(presolve)?;
-        let conflicts = |of: &VerifiedPass| of.pass.dependent.iter().filter(|d| d.kind == Kind::Conflicting).count();
-        let is_better = other.pass.basis.rank() == verified.pass.basis.rank()
-            && conflicts(&other) == conflicts(verified)
-            && other.confidence.doubt <= verified.confidence.doubt
-            && are_redundant(self.absent, &mut other.pass, self.rule, self.context.backend)?;
-        if is_better {
-            *verified = other;
+    /// The result without equations that are given up; in components where that is worse they stay. Returns those that are given up.
+    fn without(
+        &self,
+        mut gone: BTreeSet<usize>,
+        first: VerifiedPass,
+        presolve: bool,
+    ) -> Result<(VerifiedPass, BTreeSet<usize>), AnalysisError> {
+        if gone.is_empty() {
+            return Ok((first, gone));
         }
-        Ok(is_better)
+        let labels = Labels::of(self.local);
+        while !gone.is_empty() {
+            let mut other = Pipeline { absent: &gone, ..*self }.run_verified(presolve)?;
+            let bad = not_redundant(&gone, &mut other.pass, self.rule, self.context.backend)?;
+            let mut is_worse = vec![false; labels.count];
+            bad.iter().for_each(|&row| is_worse[labels.of_row[row] as usize] = true);
+            let [before, after] = [&first, &other].map(|one| one.pass.counts_by_component(&labels));
+            is_worse.iter_mut().zip(before.iter().zip(&after)).for_each(|(is_worse, (a, b))| *is_worse |= a != b);
+            let count = gone.len();
+            gone.retain(|&row| !is_worse[labels.of_row[row] as usize]);
+            if gone.len() == count {
+                return Ok((other, gone));
+            }
+        }
+        Ok((first, gone))
     }
 
     /// A run, and a probe of the rows that it kept; the probe is sharper where its first estimate is not harmless.

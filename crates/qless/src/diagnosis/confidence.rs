@@ -68,8 +68,8 @@ impl Confidence {
     ///
     /// ```
     /// use qless::Confidence;
-    /// assert!(!Confidence::of(0.1, 1e-14, None).ambiguous);
-    /// assert!(Confidence::of(1e-9, 0.0, None).ambiguous);
+    /// assert!(!Confidence::of(0.1, 0.0, None).ambiguous);
+    /// assert!(Confidence::of(1e-9, 0.0, None).ambiguous && Confidence::of(0.1, 1e-12, None).ambiguous);
     /// ```
     pub fn of(distance: f64, error: f64, other: Option<Doubt>) -> Self {
         let near = (distance < NEAR).then_some(Doubt::Near);

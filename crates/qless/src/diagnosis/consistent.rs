@@ -2,8 +2,9 @@
 //!
 //! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but the first two give u1 with the digits that `1e12 + 1e-3` has lost.
 //! A dropped equation does not hold if a solution of the kept ones leaves more than the tolerance of its own parts; where no more than the
-//! rounding of its certificate is left, the equation with the largest part of the certificate is given up instead. That is taken back
-//! unless all equations that were given up are redundant then, and nothing else is worse.
+//! rounding of its certificate is left, the equation with the largest part of the certificate is given up instead, if its coefficient is
+//! at least half of the largest: the kept equations come no nearer to dependence than by that factor. In components where an equation
+//! that was given up is not redundant then, or something else is worse, that is taken back.
 
 use std::collections::BTreeSet;
 
@@ -14,6 +15,7 @@ use super::generated::{Explainer, times};
 use super::pass_result::PassResult;
 use crate::factor::backend::Backend;
 use crate::input::numbering::LocalSystem;
+use crate::input::scale::ldexp;
 use crate::presolve::rows::{MORE_THAN_ROUNDING, WorkingRow};
 
 /// Equations to give up for dropped ones that do not hold, if they are not `wanted`.
@@ -31,8 +33,11 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
         let has_parts = side(system, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
         if has_parts && left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
             let part = |term: &CertificateTerm| (term.coefficient * side(system, term.row).size).abs();
-            let terms = d.source.explain(history).into_iter().filter(|term| !wanted.contains(&term.row));
-            let parts = terms.map(|term| (term.row, part(&term)));
+            let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
+            let terms = d.source.explain(history);
+            let most = terms.iter().map(scaled).fold(0.0, f64::max);
+            let may_go = terms.iter().filter(|term| !wanted.contains(&term.row) && scaled(term) >= most / 2.0);
+            let parts = may_go.map(|term| (term.row, part(term)));
             let largest = parts.reduce(|a, b| if b.1 > a.1 { b } else { a });
             gone.extend(largest.filter(|&(_, part)| part > size).map(|(row, _)| row));
         }
@@ -40,17 +45,18 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
     gone
 }
 
-/// Classifies equations that were given up, as combinations of what a pass without them has kept; false if one is not redundant.
+/// Classifies equations that were given up, as combinations of what a pass without them has kept. Returns those that are not redundant.
 ///
 /// # Errors
 /// [`AnalysisError::Backend`] if a block cannot be factored again.
-pub(crate) fn are_redundant(
+pub(crate) fn not_redundant(
     gone: &BTreeSet<usize>,
     pass: &mut PassResult,
     rule: &MismatchRule,
     backend: &dyn Backend,
-) -> Result<bool, AnalysisError> {
+) -> Result<Vec<usize>, AnalysisError> {
     let system = rule.system;
+    let mut others = Vec::new();
     for &row in gone {
         let PassResult { basis, blocks, history, .. } = &*pass;
         let time = times(basis, system.dofs());
@@ -61,12 +67,12 @@ pub(crate) fn are_redundant(
         because.iter().for_each(|term| rest.subtract(term.coefficient, side(system, term.row)));
         let found = Dependent::new(row, rest, 0.0, Source::Given(because), rule);
         if found.kind != Kind::Redundant {
-            return Ok(false);
+            others.push(row);
         }
         let place = pass.dependent.partition_point(|d| d.row < row);
         pass.dependent.insert(place, found);
     }
-    Ok(true)
+    Ok(others)
 }
 
 /// `|b - C u|` of an equation, and the largest of its parts.

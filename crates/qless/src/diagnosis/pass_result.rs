@@ -68,10 +68,14 @@ impl PassResult {
         }
     }
 
-    /// The number of dependent equations of each component.
-    pub fn dependent_by_component(&self, labels: &Labels) -> Vec<u32> {
-        let mut counts = vec![0; labels.count];
-        self.dependent.iter().for_each(|d| counts[labels.of_row[d.row] as usize] += 1);
+    /// By component the number of dependent equations, and of conflicting ones.
+    pub fn counts_by_component(&self, labels: &Labels) -> Vec<(u32, u32)> {
+        let mut counts = vec![(0, 0); labels.count];
+        for d in &self.dependent {
+            let (all, conflicting) = &mut counts[labels.of_row[d.row] as usize];
+            *all += 1;
+            *conflicting += u32::from(d.kind == Kind::Conflicting);
+        }
         counts
     }
 

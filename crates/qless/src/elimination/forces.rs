@@ -7,7 +7,7 @@ use crate::factor::backend::sparse::order;
 use crate::factor::lu;
 use crate::factor::solver::SlaveSolver;
 use crate::input::numbering::Numbering;
-use crate::input::scale::{ldexp, where_needed};
+use crate::input::scale::{balanced_where, ldexp};
 use crate::{ArgumentError, Csr, Kind, SystemBuilder};
 
 /// Factors of the independent equations in the columns of their slaves.
@@ -34,7 +34,7 @@ impl MultiplierFactors {
         let square = square.build().map_err(|error| failed(error.to_string()))?;
         // Balanced in the columns of the slaves: masters have no part in the factorization.
         let (numbering, ..) = Numbering::new(&square);
-        let scaling = where_needed(numbering.view(&square, square.rhs()));
+        let scaling = balanced_where(numbering.view(&square, square.rhs()), |_| true);
         let mut of_slaves = vec![0; slaves.len()];
         numbering.dofs.iter().enumerate().for_each(|(l, &k)| of_slaves[k as usize] = scaling.col(l));
         let mut rows = Csr::empty(slaves.len());

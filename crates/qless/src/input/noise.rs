@@ -22,7 +22,7 @@ const ALIKE: f64 = 16.0;
 ///
 /// A coefficient is *suspect* if it is below `2^-46` (1.4e-14) of the largest of its equation, in balanced units, or if it stands in an
 /// equation of nothing but rounding: below `2^-46` of the largest coefficients of its DOFs, multiples of what rounding leaves of those,
-/// and no larger than sixteen times the largest other suspect coefficient. A mismatch of right-hand sides is suspect if it is below
+/// and no larger than sixteen times the largest other suspect coefficient of its component. A mismatch of right-hand sides is suspect if it is below
 /// `2^-46` of the largest right-hand side and prescribed term of its component, in balanced units. Numbers of up to 8 decimal digits were
 /// typed and are never suspect.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -91,19 +91,21 @@ impl Suspects {
             Noise::None => Self::default(),
             Noise::Auto => {
                 let single = small(system, exponents, f64::from(SUSPECT), |v| !is_typed(v));
-                let largest = single.iter().map(|term| term.coefficient.abs()).fold(0.0, f64::max);
-                // Rounding seldom comes alone: equations in small units have no small coefficients beside them.
-                let may_be = |v: f64, most: f64| v.abs() <= ALIKE * largest && is_left_of(v, most);
-                let rows = if single.is_empty() {
-                    Vec::new()
-                } else {
-                    rows_below(system, exponents, ldexp(1.0, SUSPECT), may_be)
-                };
+                if single.is_empty() {
+                    return Self::default();
+                }
+                // Rounding seldom comes alone: equations in small units have no small coefficients beside them in their component.
+                let labels = Labels::of(system);
+                let label = |row: usize| labels.of_row[row] as usize;
+                let mut largest = vec![0.0_f64; labels.count];
+                single.iter().for_each(|t| largest[label(t.row)] = largest[label(t.row)].max(t.coefficient.abs()));
+                let may_be = |i: usize, v: f64, most: f64| v.abs() <= ALIKE * largest[label(i)] && is_left_of(v, most);
+                let rows = rows_below(system, exponents, ldexp(1.0, SUSPECT), may_be);
                 Self { rows, single }
             }
             &Noise::Relative(part) => {
                 let mut rows = small(system, exponents, part.log2(), |_| true);
-                rows.extend(rows_below(system, exponents, part, |_, _| true));
+                rows.extend(rows_below(system, exponents, part, |_, _, _| true));
                 Self { rows, single: Vec::new() }
             }
             Noise::Floors { coefficients, .. } => {
@@ -162,7 +164,7 @@ fn rows_below(
     system: LocalSystem,
     exponents: &[Exponents],
     part: f64,
-    may_be: impl Fn(f64, f64) -> bool,
+    may_be: impl Fn(usize, f64, f64) -> bool,
 ) -> Vec<NoiseTerm> {
     let largest = exponents.iter().map(|e| i32::from(e.most)).fold(0, i32::max);
     // A power of two is lost by rounding exponents down.
@@ -178,7 +180,7 @@ fn rows_below(
     }
     let is_rounding = |&i: &usize| {
         let most = free(system, i).map(|(j, _)| of_dof[j]).fold(0.0, f64::max);
-        free(system, i).all(|(_, v)| v.abs() <= part * most && may_be(v, most))
+        free(system, i).all(|(_, v)| v.abs() <= part * most && may_be(i, v, most))
     };
     rows.into_iter().filter(is_rounding).flat_map(|i| terms(system, i)).collect()
 }

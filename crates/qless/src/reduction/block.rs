@@ -7,6 +7,7 @@ use crate::factor::block::Block;
 use crate::factor::block::tableau::Tableau;
 use crate::factor::lu::{self, LuError, SparseLu};
 use crate::factor::solver::{NOISE, SlaveSolver};
+use crate::input::scale::ldexp;
 use crate::presolve::basis::{Kept, Solved};
 
 /// A row of T is zero, and its slave fixed, if all its entries are below this many units in the last place times the condition ...
@@ -27,14 +28,15 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
             relation_by_lu(block, &rows, &kept.order, memory)?
     {
         let relation = columns.transposed();
-        let relation = clean((0..r).map(|i| relation.row(i)), (masters.len(), &units(block, masters.len())), zero);
-        return Ok(solved(block, &slaves, &masters, (relation, without_rounding(block, &rows, constant))));
+        let rows_of_t = slaves.iter().enumerate().map(|(i, &slave)| (slave, relation.row(i)));
+        let relation = clean(block, rows_of_t, &masters, zero);
+        return Ok(solved(block, &slaves, &masters, (relation, without_rounding(block, &rows, &slaves, constant))));
     }
     let (columns, rhs) = kept_columns(block, &rows);
     let factor = Faer.factor(&columns, &rhs, 0.0)?;
     let tableau = relate(block, &rows, &factor)?;
-    let (relation, constant) = sparse(&tableau, &units(block, tableau.free.len()), zero);
-    let constant = without_rounding(block, &rows, constant);
+    let (relation, constant) = sparse(block, &tableau, zero);
+    let constant = without_rounding(block, &rows, &tableau.basic, constant);
     Ok(solved(block, &tableau.basic, &tableau.free, (relation, constant)))
 }
 
@@ -100,46 +102,91 @@ fn relation_by_qr(block: &Block, factor: &Factor) -> Tableau {
 }
 
 /// The relation without rounding, and the constant.
-fn sparse(tableau: &Tableau, units: &[f64], zero: f64) -> (Csr, Vec<f64>) {
+fn sparse(block: &Block, tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
     let width = tableau.width - 1;
-    let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
+    let row = |i: usize| tableau.row(i)[..width].iter().copied().enumerate();
+    let rows = tableau.basic.iter().enumerate().map(|(i, &slave)| (slave, row(i)));
     let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
-    (clean(rows, (tableau.free.len(), units), zero), constant)
+    (clean(block, rows, &tableau.free, zero), constant)
 }
 
-/// The unit of each column of the relation: 1 for masters, which are scaled; the largest coefficient for a prescribed DOF.
-fn units(block: &Block, masters: usize) -> Vec<f64> {
-    let mut units = vec![0.0_f64; block.prescribed.len()];
-    let entries = (0..block.fixed.rows()).flat_map(|i| block.fixed.row(i));
-    entries.for_each(|(c, v)| units[c] = units[c].max(v.abs()));
-    std::iter::repeat_n(1.0, masters).chain(units).collect()
+/// Exponents of the DOFs of a block and powers of its rows in one choice of units: those of `matrix`, or balanced ones.
+struct Units<'a> {
+    block: &'a Block,
+    is_balanced: bool,
 }
 
-/// Drops entries that are rounding, separately for masters and for prescribed DOFs.
+impl<'a> Units<'a> {
+    /// Both; one where they are the same.
+    fn all(block: &'a Block) -> impl Iterator<Item = Self> {
+        let both = block.balanced.iter().any(|&unit| unit != 0);
+        [false, true].into_iter().take(1 + usize::from(both)).map(move |is_balanced| Self { block, is_balanced })
+    }
+
+    fn dof(&self, j: u32) -> i32 {
+        if self.is_balanced { self.block.balanced[j as usize] } else { 0 }
+    }
+
+    fn row(&self, i: usize) -> i32 {
+        if self.is_balanced { self.block.balanced_row(i) } else { 0 }
+    }
+
+    /// The size of 1 in each column of the relation: of masters, and of prescribed DOFs by their largest coefficients.
+    fn sizes(&self, masters: &[u32]) -> Vec<f64> {
+        let mut prescribed = vec![0.0_f64; self.block.prescribed.len()];
+        for i in 0..self.block.fixed.rows() {
+            let power = self.row(i);
+            self.block.fixed.row(i).for_each(|(c, v)| prescribed[c] = prescribed[c].max(ldexp(v.abs(), power)));
+        }
+        masters.iter().map(|&j| ldexp(1.0, self.dof(j))).chain(prescribed.into_iter().map(|size| 1.0 / size)).collect()
+    }
+}
+
+/// Drops entries that are rounding in any units, separately for masters and for prescribed DOFs; `rows` are slaves with their entries.
 fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
-    rows: impl Iterator<Item = R>,
-    (masters, units): (usize, &[f64]),
+    block: &Block,
+    rows: impl Iterator<Item = (u32, R)>,
+    masters: &[u32],
     zero: f64,
 ) -> Csr {
-    let mut relation = Csr::empty(units.len());
-    for row in rows {
-        let mut largest = [0.0_f64; 2];
-        let size = |(j, v): (usize, f64)| v.abs() / units[j];
-        row.clone().for_each(|entry| {
-            let side = &mut largest[usize::from(entry.0 >= masters)];
-            *side = side.max(size(entry));
-        });
-        let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
-        relation.append(row.filter(|&entry| size(entry) > least[usize::from(entry.0 >= masters)]));
+    let units: Vec<(Units, Vec<f64>)> = Units::all(block)
+        .map(|units| {
+            let sizes = units.sizes(masters);
+            (units, sizes)
+        })
+        .collect();
+    let side = |j: usize| usize::from(j >= masters.len());
+    let mut relation = Csr::empty(masters.len() + block.prescribed.len());
+    let mut is_large = Vec::new();
+    for (slave, row) in rows {
+        is_large.clear();
+        is_large.resize(row.clone().count(), false);
+        for (units, sizes) in &units {
+            let unit = -units.dof(slave);
+            let size = |(j, v): (usize, f64)| ldexp(v.abs() * sizes[j], unit);
+            let mut largest = [0.0_f64; 2];
+            row.clone().for_each(|entry| largest[side(entry.0)] = largest[side(entry.0)].max(size(entry)));
+            let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
+            is_large
+                .iter_mut()
+                .zip(row.clone())
+                .for_each(|(is_large, entry)| *is_large |= size(entry) > least[side(entry.0)]);
+        }
+        relation.append(row.zip(&is_large).filter(|(_, is_large)| **is_large).map(|(entry, _)| entry));
     }
     relation
 }
 
-/// Constants far below every right-hand side are rounding.
-fn without_rounding(block: &Block, rows: &[usize], mut constant: Vec<f64>) -> Vec<f64> {
-    let sizes = rows.iter().map(|&i| block.rhs[i].abs()).filter(|&b| b > 0.0);
-    let least = sizes.reduce(f64::min).unwrap_or(0.0);
-    constant.iter_mut().filter(|v| v.abs() <= NOISE * least).for_each(|v| *v = 0.0);
+/// Constants far below every right-hand side, in any units, are rounding.
+fn without_rounding(block: &Block, rows: &[usize], slaves: &[u32], mut constant: Vec<f64>) -> Vec<f64> {
+    let mut is_large = vec![false; constant.len()];
+    for units in Units::all(block) {
+        let sizes = rows.iter().map(|&i| ldexp(block.rhs[i].abs(), units.row(i))).filter(|&b| b > 0.0);
+        let least = sizes.reduce(f64::min).unwrap_or(0.0);
+        let each = is_large.iter_mut().zip(constant.iter().zip(slaves));
+        each.for_each(|(is_large, (v, &slave))| *is_large |= ldexp(v.abs(), -units.dof(slave)) > NOISE * least);
+    }
+    constant.iter_mut().zip(is_large).filter(|(_, is_large)| !is_large).for_each(|(v, _)| *v = 0.0);
     constant
 }
 

@@ -58,15 +58,11 @@ pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents]) -> Scaling 
     scaling
 }
 
-/// Balanced rows and columns, if any free coefficient is small beside any other; else nothing is scaled.
-pub(crate) fn where_needed(system: LocalSystem) -> Scaling {
+/// Balanced rows, and balanced columns in components that hold a marked equation.
+pub(crate) fn balanced_where(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
-    let spans = (0..system.equations()).filter_map(|i| rows::span(system, &scaling, i));
-    let (least, top) = spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0, 0));
-    if least - top >= -NEAR {
-        return scaling;
-    }
-    scaling.col = units(system, |_| true, |component| component.units_beyond(0.0));
+    let in_range = |units: &Vec<i32>| units.iter().all(|unit| unit.abs() < RANGE);
+    scaling.col = units(system, is_marked, |component| component.units_beyond(0.0).filter(in_range));
     for i in 0..system.equations() {
         scaling.row[i] = rows::span(system, &scaling, i).map_or(0, |(_, top)| -top);
     }

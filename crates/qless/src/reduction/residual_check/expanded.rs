@@ -33,6 +33,8 @@ pub struct ExpansionInput<'a> {
     pub local: LocalSystem<'a>,
     pub reduction: &'a Reduction,
     pub scaling: &'a Scaling,
+    /// Whether masters are random in the units of the scaling, not in those of the user.
+    pub is_balanced: bool,
 }
 
 impl Expanded {
@@ -56,17 +58,22 @@ impl Expanded {
 
     /// The values of local DOFs by the explicit rows of T, G or g; with `size` = abs, the sums of the magnitudes of their terms.
     fn by_rows(input: ExpansionInput, keys: Option<&RandomKeys>, size: impl Fn(f64) -> f64 + Send + Sync) -> Vec<f64> {
-        let ExpansionInput { term, local, reduction, scaling } = input;
+        let ExpansionInput { term, local, reduction, scaling, is_balanced } = input;
         let (dofs, matrix) = match term {
             ReductionTerm::Free => (&reduction.masters[..], Some(&reduction.t)),
             ReductionTerm::Prescribed => (&reduction.prescribed[..], Some(&reduction.g_matrix)),
             ReductionTerm::Constant => (&[][..], None),
         };
-        let x = match (term, keys) {
+        let mut x = match (term, keys) {
             (ReductionTerm::Free, Some(keys)) => by_keys(local, reduction, keys),
             (ReductionTerm::Prescribed, _) => in_units(local, reduction, scaling),
             _ => randoms(1).take(dofs.len()).collect(),
         };
+        if is_balanced && matches!(term, ReductionTerm::Free) {
+            let mut units = vec![0; reduction.dofs()];
+            local.numbering.dofs.iter().enumerate().for_each(|(l, &j)| units[j as usize] = scaling.col(l));
+            x.iter_mut().zip(dofs).for_each(|(x, &j)| *x = ldexp(*x, units[j]));
+        }
         let of_slave = |i: usize| match matrix {
             Some(matrix) => {
                 let range = matrix.start[i]..matrix.start[i + 1];

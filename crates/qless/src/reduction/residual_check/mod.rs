@@ -12,7 +12,7 @@ use super::{Reduction, ReductionError};
 use crate::diagnosis::nullspace_probe::RandomKeys;
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
-use crate::input::scale::{Scaling, ldexp};
+use crate::input::scale::{Scaling, balanced_where, ldexp};
 use expanded::{Expanded, ExpansionInput, ReductionTerm, each};
 
 /// Largest relative residual of a reduction that is returned.
@@ -69,8 +69,13 @@ fn residuals_of(
     above: f64,
 ) -> Residuals {
     let mut found = Residuals { worst: 0.0, row: 0, above: Vec::new() };
-    for term in terms {
-        let input = ExpansionInput { term, local, reduction, scaling };
+    // In the units of the user, and where these mix in balanced ones too: either alone may hide an equation beside others.
+    let is_mixed = |i: usize| local.row(i).any(|(j, _)| scaling.col(j) != 0);
+    let balanced = if scaling.col.is_empty() { Scaling::none(0) } else { balanced_where(local, is_mixed) };
+    let units = [Some((scaling, false)), (!balanced.col.is_empty()).then_some((&balanced, true))];
+    let each = terms.flat_map(|term| units.into_iter().flatten().map(move |units| (term, units)));
+    for (term, (scaling, is_balanced)) in each {
+        let input = ExpansionInput { term, local, reduction, scaling, is_balanced };
         let mut expanded = Expanded::new(input, None);
         let mut own = expanded.residuals(local, independent);
         let is_fine = |own: &[f64]| own.iter().all(|&residual| residual <= FINE);
