@@ -24,7 +24,7 @@ const TOGETHER: usize = 64;
 /// Operations that are worth a task: a tenth of a millisecond, many times what it takes to wake a thread.
 const TASK: usize = 500_000;
 
-/// A dense front, `rows` x (`cols` + right-hand sides), by columns.
+/// The shape of a dense front: its values are `rows` x (`cols` + right-hand sides), by columns.
 pub(crate) struct DenseFront<'a> {
     pub rows: usize,
     pub cols: usize,

@@ -131,8 +131,9 @@ impl Report {
 
     /// Reports an analysis, with certificates of at most `terms` terms in total.
     ///
-    /// No certificate is computed after the limit is reached, so `terms` bounds the time too. For a generated boundary condition the cost of
-    /// a factorization counts as terms. [`Report::with_reduction`] and [`Report::with_timings`] add the reduction and the other times.
+    /// No certificate is computed after the limit is reached, but for those computed together with the last one, so `terms` bounds the
+    /// time too. For a generated boundary condition the cost of a factorization counts as terms. [`Report::with_reduction`] and
+    /// [`Report::with_timings`] add the reduction and the other times.
     pub fn new(analysis: &Analysis, terms: usize) -> Self {
         let (system, times) = (analysis.system(), &analysis.timings);
         let sizes =
