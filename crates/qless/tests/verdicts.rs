@@ -1,5 +1,7 @@
 //! Small systems whose verdict is certain, in every unit, on every backend, with and without presolve.
 
+use qless::change::Refresher;
+use qless::common::SplitMix64;
 use qless::diagnosis::OtherReading;
 use qless::{
     Analysis, BackendChoice, ConstraintSystem, Doubt, Kind, Noise, Options, SystemBuilder, Tolerance, analyse,
@@ -193,5 +195,71 @@ fn small_values_beside_large_ones_keep_their_digits() {
                 assert!((value * c - 1.0).abs() < 1e-12, "{name}: {value} for {}", 1.0 / c);
             }
         });
+    }
+}
+
+fn below(random: &mut SplitMix64, count: usize) -> usize {
+    (random.next() % count as u64) as usize
+}
+
+fn shuffle<T>(random: &mut SplitMix64, list: &mut [T]) {
+    (1..list.len()).rev().for_each(|k| list.swap(k, below(random, k + 1)));
+}
+
+/// Equations with one solution, triangular after a permutation, with couplings far below and above the pivots.
+fn triangular(random: &mut SplitMix64) -> Vec<Vec<(usize, f64)>> {
+    let n = 2 + below(random, 5);
+    let power = |random: &mut SplitMix64, least: i32, most: usize| 10f64.powi(least + below(random, most) as i32);
+    let mut names: Vec<usize> = (0..n).collect();
+    shuffle(random, &mut names);
+    let mut equations = Vec::new();
+    for i in 0..n {
+        let pivot = [1.0, 2.0, -3.0, 5.0][below(random, 4)] * power(random, -6, 16);
+        let mut row = vec![(names[i], pivot)];
+        for &name in &names[..i] {
+            let coupling = [1.0, -2.0, 7.0][below(random, 3)] * power(random, -8, 12);
+            row.extend((below(random, 2) == 0).then_some((name, coupling)));
+        }
+        equations.push(row);
+    }
+    shuffle(random, &mut equations);
+    equations
+}
+
+/// By how much u misses the right-hand sides that are not zero, relative to the terms of each equation.
+fn missed(equations: &[Vec<(usize, f64)>], b: &[f64], u: &[f64]) -> f64 {
+    let missed = |(row, &b): (&Vec<(usize, f64)>, &f64)| {
+        let parts = row.iter().map(|&(j, v)| v * u[j]);
+        let (sum, size) = parts.fold((-b, b.abs()), |(sum, size), part| (sum + part, size.max(part.abs())));
+        if b == 0.0 { 0.0 } else { sum.abs() / size }
+    };
+    equations.iter().zip(b).map(missed).fold(0.0, f64::max)
+}
+
+/// Large DOFs elsewhere do not hide that g, a refreshed g or the value of a fixed DOF misses a right-hand side.
+#[test]
+fn each_right_hand_side_holds_by_its_own_terms() {
+    let mut random = SplitMix64::new(5);
+    for seed in 0..1500_u32 {
+        let equations = triangular(&mut random);
+        let n = equations.len();
+        let mut sides = || -> Vec<f64> { (0..n).map(|_| [0.0, 1.0, -2.0, 1e-3, 1e4][below(&mut random, 5)]).collect() };
+        let (b, next) = (sides(), sides());
+        let mut builder = SystemBuilder::new(n);
+        equations.iter().zip(&b).for_each(|(row, &b)| _ = builder.equation(row.iter().copied(), b));
+        let analysis = analyse(&builder.build().expect("valid"), &Options::default()).expect("small");
+        let mut fixed = vec![0.0; n];
+        analysis.generated().iter().for_each(|&(j, value)| fixed[j] = value);
+        assert_eq!(analysis.generated().len(), n, "{seed}: {equations:?}");
+        let mut reduction = analysis.reduction().expect("independent");
+        let refresher = Refresher::new(analysis).expect("small");
+        for (what, b, u) in [("fixed", &b, fixed), ("g", &b, reduction.g().to_vec())] {
+            assert!(missed(&equations, b, &u) < 1e-9, "{seed}, {what}: {equations:?} {b:?} {u:?}");
+        }
+        let refreshed = refresher.refresh(&next, &[], &mut reduction).expect("independent");
+        let generated = refreshed.generated.iter().map(|&(_, value)| value).collect();
+        for (what, u) in [("refreshed g", reduction.g().to_vec()), ("refreshed values", generated)] {
+            assert!(missed(&equations, &next, &u) < 1e-9, "{seed}, {what}: {equations:?} {next:?} {u:?}");
+        }
     }
 }

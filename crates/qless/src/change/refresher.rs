@@ -17,7 +17,7 @@ use crate::factor::backend::BackendError;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
-use crate::reduction::residual_check;
+use crate::reduction::residual_check::{self, FINE};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Reduction, ReductionError};
 
 /// A sum below this, relative to its largest term, is rounding.
@@ -216,13 +216,25 @@ impl Refresher {
         u
     }
 
-    /// Writes `g = u_s - T u_q`; restores the old g if the residuals are too large.
+    /// Writes `g = u_s - T u_q`, with a step of refinement where residuals are large; restores the old g if they stay too large.
     fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
-        let old = reduction.g.clone();
-        let sides = self.write_unchecked(replay, reduction);
+        let new = self.explicit(replay, reduction);
+        let old = std::mem::replace(&mut reduction.g, new);
+        let sides = self.write_factored(replay, reduction);
         let local = self.analysis.numbering.view(self.system(), replay.rhs);
-        let found =
-            residual_check::residuals_of_g(local, reduction, &self.analysis.independent(), &self.analysis.scaling);
+        let independent = self.analysis.independent();
+        let residuals = |reduction: &Reduction| {
+            residual_check::residuals_of_g(local, reduction, &independent, &self.analysis.scaling)
+        };
+        let mut found = residuals(reduction);
+        if found.worst > FINE {
+            let mut u = vec![0.0; self.system().dofs()];
+            reduction.slaves.iter().zip(&reduction.g).for_each(|(&j, &g)| u[j] = g);
+            let rest = self.rest(replay.rhs, &independent, |l| u[self.analysis.numbering.dofs[l] as usize]);
+            let correction = self.explicit(&Replay::new(&self.analysis, &rest, &[]), reduction);
+            reduction.g.iter_mut().zip(correction).for_each(|(g, c)| *g += c);
+            found = residuals(reduction);
+        }
         residual_check::pass(&found, reduction).inspect_err(|_| {
             reduction.g = old;
             reduction.factored.iter_mut().zip(sides).for_each(|(block, side)| block.rhs = side);
@@ -230,20 +242,36 @@ impl Refresher {
         Ok(())
     }
 
-    /// Writes g; returns the old right-hand sides of the factored blocks.
-    fn write_unchecked(&self, replay: &Replay, reduction: &mut Reduction) -> Vec<Vec<f64>> {
+    /// What the values of the local DOFs leave of the right-hand sides of independent equations: `b - C u`.
+    fn rest(&self, rhs: &[f64], independent: &[bool], u: impl Fn(usize) -> f64) -> Vec<f64> {
+        let local = self.local();
+        let left = |i: usize| local.row(i).fold(rhs[i], |left, (j, v)| left - v * u(j));
+        (0..rhs.len()).map(|i| if independent[i] { left(i) } else { 0.0 }).collect()
+    }
+
+    /// `u_s - T u_q`, 0 for slaves of factored blocks.
+    fn explicit(&self, replay: &Replay, reduction: &Reduction) -> Vec<f64> {
         let mut u = vec![0.0; self.system().dofs()];
         let local = self.complete(replay, None);
         local.iter().zip(&self.analysis.numbering.dofs).for_each(|(&v, &j)| u[j as usize] = v);
-        for (i, &slave) in reduction.slaves.iter().enumerate() {
+        let of_slave = |(i, &slave): (usize, &usize)| {
             let (mut sum, mut size) = (u[slave], u[slave].abs());
             for (q, v) in reduction.t.row(i) {
                 let part = v * u[reduction.masters[q]];
                 sum -= part;
                 size = size.max(part.abs());
             }
-            reduction.g[i] = if sum.abs() > NOISE * size { sum } else { 0.0 };
+            if sum.abs() > NOISE * size { sum } else { 0.0 }
+        };
+        let mut g: Vec<f64> = reduction.slaves.iter().enumerate().map(of_slave).collect();
+        for slave in reduction.factored.iter().flat_map(|block| &block.slaves) {
+            reduction.slaves.binary_search(slave).into_iter().for_each(|place| g[place] = 0.0);
         }
+        g
+    }
+
+    /// Writes g of the factored blocks; returns their old right-hand sides.
+    fn write_factored(&self, replay: &Replay, reduction: &mut Reduction) -> Vec<Vec<f64>> {
         let mut old = Vec::new();
         for block in &mut reduction.factored {
             old.push(block.set_rhs(replay.rhs, &self.analysis.scaling.row));
@@ -260,7 +288,10 @@ impl Refresher {
         if fixed.is_empty() {
             return Vec::new();
         }
-        let u = self.complete(replay, Some(prescribed));
+        let mut u = self.complete(replay, Some(prescribed));
+        let rest = self.rest(replay.rhs, &self.analysis.independent(), |l| u[l]);
+        let correction = self.complete(&Replay::new(&self.analysis, &rest, &[]), None);
+        u.iter_mut().zip(correction).for_each(|(u, c)| *u += c);
         let named = self.analysis.generated.iter().zip(fixed);
         named.map(|(&(dof, _), &l)| (dof, u[l as usize])).collect()
     }

@@ -93,7 +93,10 @@ pub(super) fn read(
         pass.probe = probe(local, &pass.basis, &agreeing.history, &scaling, &pass.keys, sample, bound);
     }
     let immobile = std::mem::take(&mut pass.probe.immobile);
-    let generated = generated::find(immobile, local, &pass.basis, &pass.history, &scaling, &pass.keys);
+    let mut is_kept = vec![true; rhs.len()];
+    pass.dependent.iter().for_each(|d| is_kept[d.row] = false);
+    let agreeing = numbering.view(&system, &rhs);
+    let generated = generated::find(immobile, agreeing, &pass, &scaling, |i| is_kept[i], options.memory);
     Ok(pass.into_analysis(
         system,
         numbering,

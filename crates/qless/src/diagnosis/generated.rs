@@ -3,15 +3,22 @@
 //! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random ones tell this without T:
 //! u_s is then zero to rounding, and for any other s with probability zero only.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+
+use super::pass_result::PassResult;
+use crate::Csr;
 
 use crate::diagnosis::certificate::{CertificateTerm, History};
-use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys, probe};
+use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, probe};
+use crate::factor::backend::sparse;
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;
+use crate::factor::lu;
+use crate::factor::solver::SlaveSolver;
+use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
-use crate::input::scale::{Scaling, ldexp};
+use crate::input::scale::{Scaling, free, ldexp};
 use crate::presolve::basis::{Basis, RowOrigin};
 
 /// A sum of parts that cancels to within this, relative to the parts, is zero.
@@ -27,15 +34,16 @@ pub(crate) struct Generated {
 }
 
 /// Those of `fixed` that move with no other random masters either, ascending by the user's numbers, and their values
-/// `G u_p + g`.
+/// `G u_p + g`. `is_kept` tells the independent equations; at most `memory` bytes are used to solve them again.
 pub(crate) fn find(
     mut fixed: Vec<u32>,
     system: LocalSystem,
-    basis: &Basis,
-    history: &History,
+    pass: &PassResult,
     scaling: &Scaling,
-    keys: &RandomKeys,
+    is_kept: impl Fn(usize) -> bool,
+    memory: usize,
 ) -> Generated {
+    let PassResult { basis, history, keys, .. } = pass;
     if fixed.is_empty() {
         return Generated::default();
     }
@@ -44,10 +52,52 @@ pub(crate) fn find(
         .into_iter()
         .collect();
     fixed.retain(|j| again.contains(j));
-    let u = basis.particular(system, scaling);
+    let mut u = basis.particular(system, scaling);
+    solve_again(system, scaling, is_kept, memory, &mut u);
     let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
     fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
     Generated { values: fixed.iter().map(named).collect(), dofs: fixed }
+}
+
+/// Where u misses the right-hand side of an equation by more than rounding of its own terms, the kept equations of the component are solved
+/// again, all together and with a step of refinement: an elimination row by row loses small terms beside large ones.
+fn solve_again(system: LocalSystem, scaling: &Scaling, is_kept: impl Fn(usize) -> bool, memory: usize, u: &mut [f64]) {
+    let misses = |&i: &usize| {
+        let b = system.rhs()[i];
+        let parts = system.row(i).map(|(j, v)| v * u[j]);
+        let (sum, size) = parts.fold((-b, b.abs()), |(sum, size), part| (sum + part, size.max(part.abs())));
+        b != 0.0 && sum.abs() > NOISE * size
+    };
+    let kept: Vec<usize> = (0..system.equations()).filter(|&i| is_kept(i)).collect();
+    let missed: Vec<usize> = kept.iter().copied().filter(misses).collect();
+    if missed.is_empty() {
+        return;
+    }
+    let labels = Labels::of(system);
+    let wanted: BTreeSet<u32> = missed.iter().map(|&i| labels.of_row[i]).collect();
+    for label in wanted {
+        let rows: Vec<usize> = kept.iter().copied().filter(|&i| labels.of_row[i] == label).collect();
+        let mut dofs: Vec<usize> = rows.iter().flat_map(|&i| free(system, i)).map(|(j, _)| j).collect();
+        dofs.sort_unstable();
+        dofs.dedup();
+        let (mut matrix, mut rhs) = (Csr::empty(dofs.len()), Vec::new());
+        for &i in &rows {
+            let place = |j: usize| dofs.binary_search(&j).unwrap_or_default();
+            matrix.append(free(system, i).map(|(j, v)| (place(j), scaling.entry(i, j, v))));
+            let given = system.row(i).filter(|&(j, _)| !system.free()[j]).map(|(j, v)| v * u[j]);
+            rhs.push(ldexp(system.rhs()[i] - given.sum::<f64>(), scaling.row[i]));
+        }
+        // DOFs do not ascend within equations; transposing twice sorts them.
+        let matrix = matrix.transposed().transposed();
+        let Ok(order) = sparse::order(&matrix) else { continue };
+        let Ok(lu) = lu::factor(&matrix, &order, |_| true, memory) else { continue };
+        let solver = SlaveSolver::new(&matrix, lu);
+        dofs.iter().for_each(|&j| u[j] = 0.0);
+        for (&slave, x) in solver.slaves().iter().zip(solver.solve_dense(&rhs)) {
+            let j = dofs[slave as usize];
+            u[j] = ldexp(x, scaling.col(j));
+        }
+    }
 }
 
 /// What is left of `e_s` while equations are taken from it, by the time at which each DOF became a slave.
@@ -128,7 +178,7 @@ impl Explainer<'_> {
                 right[position] = ldexp(value, self.scaling.col(dof as usize));
             }
         }
-        let mut columns = crate::Csr::empty(block.dofs.len());
+        let mut columns = Csr::empty(block.dofs.len());
         let kept: Vec<usize> = solved.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
         kept.iter().for_each(|&i| columns.append(block.matrix.row(i)));
         let factor = self.backend.factor(&columns, &right, NO_PIVOT)?;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::exchange_goals::{self, bound_growth, meet_preferences};
 use super::factored::{factor, predict};
 use super::relation::{self, ReductionInput};
-use super::residual_check::{self, Residuals};
+use super::residual_check::{self, FINE, Residuals};
 use super::{FactoredBlock, Form, Reduction, ReductionError, block, output, retry};
 use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
@@ -21,9 +21,6 @@ use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 const MULTIPLE: usize = 4;
 /// ... or at most this many.
 const FEW: usize = 1 << 12;
-
-/// If a residual is above this, T is computed again from the user's equations.
-const LOSS: f64 = 1e-13;
 
 impl Analysis {
     /// `u_s = T u_q + G u_p + g` with all rows of T explicit: [`Analysis::reduction_in`].
@@ -246,7 +243,7 @@ fn build(
 /// Checks the residuals. Parts with large residuals are computed again, and replaced if that reduces the residual.
 fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput) -> Result<Reduction, ReductionError> {
     let ReductionInput { scaling, ref independent, memory, .. } = *input;
-    let residuals = |reduction: &Reduction| residual_check::residuals(local, reduction, independent, scaling, LOSS);
+    let residuals = |reduction: &Reduction| residual_check::residuals(local, reduction, independent, scaling, FINE);
     let found = residuals(&reduction);
     if found.above.is_empty() {
         return Ok(reduction);

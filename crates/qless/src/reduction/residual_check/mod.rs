@@ -2,7 +2,8 @@
 //!
 //! The terms T u_q, G u_p and g are expanded separately, with random u_q and u_p, and inserted into the equations. The residual of an
 //! equation is relative to its coefficients and to the largest DOF of its part, measured by the magnitudes of its terms in the unit of the
-//! DOF. One pass over C, T and G. Parts are computed only if the residual of an equation is not small relative to its own terms.
+//! DOF; that of an equation with a right-hand side is relative to its own terms, for g. One pass over C, T and G. Parts are computed only
+//! if the residual of an equation is not small relative to its own terms.
 
 mod expanded;
 
@@ -18,8 +19,8 @@ use expanded::{Expanded, ExpansionInput, ReductionTerm, each};
 /// Largest relative residual of a reduction that is returned.
 pub(crate) const LIMIT: f64 = 1e-10;
 
-/// A residual up to this, relative to the terms of its own equation, is accepted.
-const FINE: f64 = 1e-13;
+/// A residual up to this, relative to the terms of its own equation, is accepted; above it T, G and g are computed again or refined.
+pub(crate) const FINE: f64 = 1e-13;
 
 /// Residuals up to this fraction of [`FINE`] are accepted for any random numbers.
 const NEARLY: f64 = 0.1;
@@ -145,6 +146,10 @@ impl Expanded {
         }
         for (i, out) in out.iter_mut().enumerate().filter(|(_, out)| **out > FINE) {
             let b = self.rhs(local, i);
+            // Large DOFs elsewhere do not excuse that g misses a right-hand side.
+            if b != 0.0 {
+                continue;
+            }
             let sum = local.row(i).fold(-b, |sum, (j, v)| sum + v * self.u[j]);
             // Prescribed DOFs may have any unit, so they count by their term in the equation, as b does.
             let largest = largest[labels.of_row[i] as usize];
