@@ -43,10 +43,13 @@ pub struct Replay<'a> {
 }
 
 impl<'a> Replay<'a> {
+    /// Without prescribed values, u_p is zero.
     pub fn new(analysis: &'a Analysis, rhs: &'a [f64], prescribed: &[f64]) -> Self {
         let local = analysis.numbering.view(&analysis.system, rhs);
         let mut values = vec![0.0; if prescribed.is_empty() { 0 } else { local.dofs() }];
-        local.prescribed_places().for_each(|(l, place)| values[l] = prescribed[place]);
+        if !values.is_empty() {
+            local.prescribed_places().for_each(|(l, place)| values[l] = prescribed[place]);
+        }
         let steps = Vec::with_capacity(analysis.history.steps.len());
         let mut replay = Self { analysis, local, rhs, values, steps };
         for &row in &analysis.history.steps {

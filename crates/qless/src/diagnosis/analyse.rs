@@ -93,10 +93,11 @@ pub(super) fn read(
         pass.probe = probe(local, &pass.basis, &agreeing.history, &scaling, &pass.keys, sample, bound);
     }
     let immobile = std::mem::take(&mut pass.probe.immobile);
+    let fixed = generated::find(immobile, local, &pass.basis, &pass.history, &scaling, &pass.keys);
     let mut is_kept = vec![true; rhs.len()];
     pass.dependent.iter().for_each(|d| is_kept[d.row] = false);
     let agreeing = numbering.view(&system, &rhs);
-    let generated = generated::find(immobile, agreeing, &pass, &scaling, |i| is_kept[i], options.memory);
+    let generated = generated::evaluate(fixed, agreeing, &pass.basis, &scaling, |i| is_kept[i], options.memory);
     Ok(pass.into_analysis(
         system,
         numbering,

@@ -5,11 +5,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use super::pass_result::PassResult;
 use crate::Csr;
 
 use crate::diagnosis::certificate::{CertificateTerm, History};
-use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, probe};
+use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys, probe};
 use crate::factor::backend::sparse;
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
@@ -33,30 +32,43 @@ pub(crate) struct Generated {
     pub dofs: Vec<u32>,
 }
 
-/// Those of `fixed` that move with no other random masters either, ascending by the user's numbers, and their values
-/// `G u_p + g`. `is_kept` tells the independent equations; at most `memory` bytes are used to solve them again.
+/// Those of `fixed` that move with no other random masters either, ascending by the user's numbers.
 pub(crate) fn find(
     mut fixed: Vec<u32>,
     system: LocalSystem,
-    pass: &PassResult,
+    basis: &Basis,
+    history: &History,
     scaling: &Scaling,
-    is_kept: impl Fn(usize) -> bool,
-    memory: usize,
-) -> Generated {
-    let PassResult { basis, history, keys, .. } = pass;
+    keys: &RandomKeys,
+) -> Vec<u32> {
     if fixed.is_empty() {
-        return Generated::default();
+        return fixed;
     }
     let again: HashSet<u32> = probe(system, basis, history, scaling, keys, ProbeSample::Second, InverseEstimate::Bound)
         .immobile
         .into_iter()
         .collect();
     fixed.retain(|j| again.contains(j));
+    fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
+    fixed
+}
+
+/// The values `G u_p + g` of fixed DOFs. `is_kept` tells the independent equations; at most `memory` bytes are used to solve them again.
+pub(crate) fn evaluate(
+    dofs: Vec<u32>,
+    system: LocalSystem,
+    basis: &Basis,
+    scaling: &Scaling,
+    is_kept: impl Fn(usize) -> bool,
+    memory: usize,
+) -> Generated {
+    if dofs.is_empty() {
+        return Generated::default();
+    }
     let mut u = basis.particular(system, scaling);
     solve_again(system, scaling, is_kept, memory, &mut u);
     let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
-    fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
-    Generated { values: fixed.iter().map(named).collect(), dofs: fixed }
+    Generated { values: dofs.iter().map(named).collect(), dofs }
 }
 
 /// Where u misses the right-hand side of an equation by more than rounding of its own terms, the kept equations of the component are solved

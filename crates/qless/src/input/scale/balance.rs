@@ -13,8 +13,16 @@ use super::laplacian::{Edge, solve};
 /// Steps of reweighting; each leaves less of the way, and one that moves no coefficient by a power of two is the last.
 const MOST_STEPS: usize = 30;
 
-/// Sweeps of equilibration; the first ones halve what is missing, in powers of two, the others level what is left.
+/// Components of so many equations are relaxed first, node by node: where the user's units are consistent that is enough, and costs a
+/// few passes. The least squares of a component below it take milliseconds.
+const LARGE: usize = 10_000;
+/// Passes of relaxation; it needs more only where units differ over long ways.
+const MOST_PASSES: usize = 10;
+
+/// Sweeps of equilibration; each halves what is missing, in powers of two.
 const SWEEPS: usize = 30;
+/// Sums so near 1 are level: the units differ by less than a hundredth of a power of two from the limit, and are rounded to whole powers.
+const LEVEL: f64 = 0.02;
 
 /// DOFs whose balanced units lie within this power of two stay in the units of the user: a pivot is then above 1e-6 of its row, four
 /// digits above what a tolerance of 1e-10 drops.
@@ -93,23 +101,42 @@ impl Component {
     /// Exponents of the DOFs with which the coefficients of each row and DOF have one 2-norm (Ruiz 2001), 0 for most: small coefficients
     /// have little part in it. None where no DOF of two equations or more is off by more than a power of two.
     pub fn equilibrated(&self, near: i32) -> Option<Vec<i32>> {
-        let (mut row, mut col) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
+        let (mut col, mut squares) = self.with_largest_one();
         let mut count = vec![0; col.len()];
         self.entries.iter().for_each(|&(_, j, _)| count[j as usize] += 1);
         for _ in 0..SWEEPS {
-            let (mut of_row, mut of_col) = (vec![Sum::ZERO; row.len()], vec![Sum::ZERO; col.len()]);
-            for &(i, j, power) in &self.entries {
-                let (i, j) = (i as usize, j as usize);
-                let squared = 2.0 * (power + row[i] + col[j]);
-                of_row[i].add(squared);
-                of_col[j].add(squared);
+            let (mut of_row, mut of_col) = (vec![0.0; self.rows.len()], vec![0.0; col.len()]);
+            for (&(i, j, _), square) in self.entries.iter().zip(&squares) {
+                of_row[i as usize] += square;
+                of_col[j as usize] += square;
             }
-            row.iter_mut().zip(of_row).for_each(|(row, sum)| *row -= sum.power() / 4.0);
-            col.iter_mut().zip(of_col).for_each(|(col, sum)| *col -= sum.power() / 4.0);
+            col.iter_mut().zip(&of_col).for_each(|(col, sum): (&mut f64, &f64)| *col -= sum.log2() / 4.0);
+            let is_level = |sum: &f64| (sum - 1.0).abs() < LEVEL;
+            if of_row.iter().chain(&of_col).all(is_level) {
+                break;
+            }
+            of_row.iter_mut().chain(&mut of_col).for_each(|sum| *sum = sum.sqrt().recip());
+            for (&(i, j, _), square) in self.entries.iter().zip(&mut squares) {
+                *square *= of_row[i as usize] * of_col[j as usize];
+            }
         }
         let usual = median(&col);
         let units: Vec<i32> = col.iter().map(|col| (col - usual).round() as i32).collect();
         units.iter().zip(count).any(|(unit, count)| count > 1 && unit.abs() > near).then_some(units)
+    }
+
+    /// Exponents of the DOFs with which the largest coefficient of each row and of each DOF is 1, and the squares of the coefficients.
+    fn with_largest_one(&self) -> (Vec<f64>, Vec<f64>) {
+        let (mut row, mut col) = (vec![f64::INFINITY; self.rows.len()], vec![f64::INFINITY; self.dofs.len()]);
+        for &(i, _, power) in &self.entries {
+            row[i as usize] = row[i as usize].min(-power);
+        }
+        for &(i, j, power) in &self.entries {
+            col[j as usize] = col[j as usize].min(-power - row[i as usize]);
+        }
+        let square = |&(i, j, power): &(u32, u32, f64)| (2.0 * (power + row[i as usize] + col[j as usize])).exp2();
+        let squares = self.entries.iter().map(square).collect();
+        (col, squares)
     }
 
     /// Calls `job` with the place of each row and its balanced coefficients, as powers of two.
@@ -133,6 +160,11 @@ impl Component {
     /// q of the DOFs, and the balanced coefficients, as powers of two; none where all q lie within a power of two.
     fn balanced(&self, near: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let m = self.rows.len();
+        if m >= LARGE {
+            if let Some((q, powers)) = self.relaxed() {
+                return (range(&q) > near).then_some((q, powers));
+            }
+        }
         let mut powers: Vec<f64> = self.entries.iter().map(|&(_, _, power)| power).collect();
         let mut q = vec![0.0; self.dofs.len()];
         let mut edges: Vec<Edge> =
@@ -144,7 +176,7 @@ impl Component {
                 let change = p[i as usize] - p[m + j as usize];
                 *power += change;
                 most = most.max(change.abs());
-                edge.weight = if *power > 0.0 { 1.0 } else { 1.0 / (1.0 - *power) };
+                edge.weight = weight(*power);
             }
             q.iter_mut().zip(&p[m..]).for_each(|(q, p)| *q += p);
             if range(&q) <= near {
@@ -155,6 +187,35 @@ impl Component {
             }
         }
         Some((q, powers))
+    }
+
+    /// The minimum over one row or DOF after the other, from the units of the user: q and the coefficients as [`Component::balanced`] gives
+    /// them, once no row and no DOF moves by a power of two. None where that takes many passes.
+    fn relaxed(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let (mut p, mut q) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
+        for pass in 0..MOST_PASSES {
+            let mut of_dof = vec![Mean::default(); q.len()];
+            let mut most = 0.0_f64;
+            for row in self.entries.chunk_by(|a, b| a.0 == b.0) {
+                let p = &mut p[row[0].0 as usize];
+                let power = |&(_, j, power): &(u32, u32, f64)| power - q[j as usize];
+                let start = if pass == 0 { -row.iter().map(power).fold(f64::NEG_INFINITY, f64::max) } else { *p };
+                let mut mean = Mean::default();
+                row.iter().for_each(|entry| mean.add(power(entry) + start));
+                *p = start - mean.value();
+                row.iter().for_each(|entry| of_dof[entry.1 as usize].add(power(entry) + *p));
+                most = most.max(mean.value().abs());
+            }
+            for (q, mean) in q.iter_mut().zip(&of_dof) {
+                *q += mean.value();
+                most = most.max(mean.value().abs());
+            }
+            if most < 1.0 {
+                let balanced = |&(i, j, power): &(u32, u32, f64)| power + p[i as usize] - q[j as usize];
+                return Some((q.clone(), self.entries.iter().map(balanced).collect()));
+            }
+        }
+        None
     }
 
     /// `-sum_e w_e x_e (delta_i - delta_j)`.
@@ -168,27 +229,27 @@ impl Component {
     }
 }
 
-/// `sum 2^power`, as a power of two.
-#[derive(Clone, Copy)]
-struct Sum {
-    /// The largest power.
-    most: f64,
-    /// The sum relative to it.
-    sum: f64,
+/// `phi'(x) / x`.
+fn weight(power: f64) -> f64 {
+    if power > 0.0 { 1.0 } else { 1.0 / (1.0 - power) }
 }
 
-impl Sum {
-    const ZERO: Self = Self { most: f64::NEG_INFINITY, sum: 0.0 };
+/// A weighted mean of powers.
+#[derive(Clone, Copy, Default)]
+struct Mean {
+    sum: f64,
+    weight: f64,
+}
 
+impl Mean {
     fn add(&mut self, power: f64) {
-        let most = self.most.max(power);
-        self.sum = self.sum * (self.most - most).exp2() + (power - most).exp2();
-        self.most = most;
+        let weight = weight(power);
+        self.sum += weight * power;
+        self.weight += weight;
     }
 
-    /// 0 without coefficients.
-    fn power(self) -> f64 {
-        if self.sum > 0.0 { self.most + self.sum.log2() } else { 0.0 }
+    fn value(self) -> f64 {
+        if self.weight > 0.0 { self.sum / self.weight } else { 0.0 }
     }
 }
 
