@@ -13,16 +13,14 @@ use super::laplacian::{Edge, solve};
 /// Steps of reweighting; each leaves less of the way, and one that moves no coefficient by a power of two is the last.
 const MOST_STEPS: usize = 30;
 
-/// Components of so many equations are relaxed first, node by node: where the user's units are consistent that is enough, and costs a
-/// few passes. The least squares of a component below it take milliseconds.
+/// Components of so many equations are looked at by passes first: where the user's units are consistent that is enough. The least squares
+/// of a component below it take milliseconds.
 const LARGE: usize = 10_000;
 /// Passes of relaxation; it needs more only where units differ over long ways.
 const MOST_PASSES: usize = 10;
 
-/// Sweeps of equilibration; each halves what is missing, in powers of two.
+/// Sweeps of equilibration; the first ones halve what is missing, in powers of two, the others level what is left.
 const SWEEPS: usize = 30;
-/// Sums so near 1 are level: the units differ by less than a hundredth of a power of two from the limit, and are rounded to whole powers.
-const LEVEL: f64 = 0.02;
 
 /// DOFs whose balanced units lie within this power of two stay in the units of the user: a pivot is then above 1e-6 of its row, four
 /// digits above what a tolerance of 1e-10 drops.
@@ -101,42 +99,36 @@ impl Component {
     /// Exponents of the DOFs with which the coefficients of each row and DOF have one 2-norm (Ruiz 2001), 0 for most: small coefficients
     /// have little part in it. None where no DOF of two equations or more is off by more than a power of two.
     pub fn equilibrated(&self, near: i32) -> Option<Vec<i32>> {
-        let (mut col, mut squares) = self.with_largest_one();
+        let (mut row, mut col) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
         let mut count = vec![0; col.len()];
         self.entries.iter().for_each(|&(_, j, _)| count[j as usize] += 1);
+        if row.len() >= LARGE && self.is_led(near, &count) {
+            return None;
+        }
         for _ in 0..SWEEPS {
-            let (mut of_row, mut of_col) = (vec![0.0; self.rows.len()], vec![0.0; col.len()]);
-            for (&(i, j, _), square) in self.entries.iter().zip(&squares) {
-                of_row[i as usize] += square;
-                of_col[j as usize] += square;
+            let (mut of_row, mut of_col) = (vec![Sum::ZERO; row.len()], vec![Sum::ZERO; col.len()]);
+            for &(i, j, power) in &self.entries {
+                let (i, j) = (i as usize, j as usize);
+                let squared = 2.0 * (power + row[i] + col[j]);
+                of_row[i].add(squared);
+                of_col[j].add(squared);
             }
-            col.iter_mut().zip(&of_col).for_each(|(col, sum): (&mut f64, &f64)| *col -= sum.log2() / 4.0);
-            let is_level = |sum: &f64| (sum - 1.0).abs() < LEVEL;
-            if of_row.iter().chain(&of_col).all(is_level) {
-                break;
-            }
-            of_row.iter_mut().chain(&mut of_col).for_each(|sum| *sum = sum.sqrt().recip());
-            for (&(i, j, _), square) in self.entries.iter().zip(&mut squares) {
-                *square *= of_row[i as usize] * of_col[j as usize];
-            }
+            row.iter_mut().zip(of_row).for_each(|(row, sum)| *row -= sum.power() / 4.0);
+            col.iter_mut().zip(of_col).for_each(|(col, sum)| *col -= sum.power() / 4.0);
         }
         let usual = median(&col);
         let units: Vec<i32> = col.iter().map(|col| (col - usual).round() as i32).collect();
         units.iter().zip(count).any(|(unit, count)| count > 1 && unit.abs() > near).then_some(units)
     }
 
-    /// Exponents of the DOFs with which the largest coefficient of each row and of each DOF is 1, and the squares of the coefficients.
-    fn with_largest_one(&self) -> (Vec<f64>, Vec<f64>) {
-        let (mut row, mut col) = (vec![f64::INFINITY; self.rows.len()], vec![f64::INFINITY; self.dofs.len()]);
-        for &(i, _, power) in &self.entries {
-            row[i as usize] = row[i as usize].min(-power);
+    /// Whether each DOF of two equations or more has a coefficient near the largest of its equation.
+    fn is_led(&self, near: i32, count: &[i32]) -> bool {
+        let mut largest = vec![f64::NEG_INFINITY; count.len()];
+        for row in self.entries.chunk_by(|a, b| a.0 == b.0) {
+            let most = row.iter().fold(f64::NEG_INFINITY, |most, entry| most.max(entry.2));
+            row.iter().for_each(|&(_, j, power)| largest[j as usize] = largest[j as usize].max(power - most));
         }
-        for &(i, j, power) in &self.entries {
-            col[j as usize] = col[j as usize].min(-power - row[i as usize]);
-        }
-        let square = |&(i, j, power): &(u32, u32, f64)| (2.0 * (power + row[i as usize] + col[j as usize])).exp2();
-        let squares = self.entries.iter().map(square).collect();
-        (col, squares)
+        largest.iter().zip(count).all(|(&largest, &count)| count < 2 || largest >= -f64::from(near))
     }
 
     /// Calls `job` with the place of each row and its balanced coefficients, as powers of two.
@@ -250,6 +242,33 @@ impl Mean {
 
     fn value(self) -> f64 {
         if self.weight > 0.0 { self.sum / self.weight } else { 0.0 }
+    }
+}
+
+/// `sum 2^power`, as a power of two.
+#[derive(Clone, Copy)]
+struct Sum {
+    /// The largest power.
+    most: f64,
+    /// The sum relative to it.
+    sum: f64,
+}
+
+impl Sum {
+    const ZERO: Self = Self { most: f64::NEG_INFINITY, sum: 0.0 };
+
+    fn add(&mut self, power: f64) {
+        if power <= self.most {
+            self.sum += (power - self.most).exp2();
+        } else {
+            self.sum = self.sum * (self.most - power).exp2() + 1.0;
+            self.most = power;
+        }
+    }
+
+    /// 0 without coefficients.
+    fn power(self) -> f64 {
+        if self.sum > 0.0 { self.most + self.sum.log2() } else { 0.0 }
     }
 }
 
