@@ -11,6 +11,7 @@ use std::hint::black_box;
 
 use qless::backend::{Backend, spqr::Spqr};
 use qless::{Analysis, ConstraintSystem, Csr, Form, Options, SystemBuilder, analyse};
+use qless_qr::Symbolic;
 use qless_scenes::families::{MortarSurface, Surface, Windows};
 use qless_scenes::fssi::{self, Level, Mesh};
 use qless_scenes::{Scene, SceneError, families};
@@ -64,16 +65,25 @@ fn mortar(name: &str, mesh: &Mesh, rounds: usize) -> [f64; 2] {
         ],
     );
     println!(
-        "mortar {name:>9}: analyse {:>7.1} ms, bare QR {:>7.1} ms: {:.2}; factor form and its use {:>7.1} ms: {:.2}; two threads {:.2}; rank {}, the bare QR's {rank}",
+        "mortar {name:>9}: analyse {:>7.1} ms, bare QR {:>7.1} ms: {:.2}; factor form and its use {:>7.1} ms: {:.2}; two threads {:.2} ({}); rank {}, the bare QR's {rank}",
         ours * 1e3,
         theirs * 1e3,
         ours / theirs,
         factors * 1e3,
         factors / theirs,
         ours / parallel,
+        bounds(&system),
         analysis.rank(),
     );
     [ours, theirs]
+}
+
+/// What the tree of fronts of C^T allows on 2, 16 and 64 threads.
+fn bounds(system: &ConstraintSystem) -> String {
+    let c = system.matrix();
+    let symbolic = Symbolic::analyse(c.cols(), c.rows(), c.starts(), c.columns()).expect("a pattern");
+    let [two, sixteen, many] = [2, 16, 64].map(|threads| symbolic.speedup(threads));
+    format!("at most {two:.1}, {sixteen:.1} and {many:.1} times as fast on 2, 16 and 64")
 }
 
 /// One system with one large block: `analyse`, the bare QR of both orientations, and two threads.
@@ -93,12 +103,13 @@ fn block(name: &str, system: &ConstraintSystem, rounds: usize) {
         ],
     );
     println!(
-        "{name:<32} {:>7} equations: analyse {:>8.1} ms, bare QR of C^T {:.2}, of C {:.2}; two threads {:.2}; rank {}, the bare QR's {rank} and {other_rank}",
+        "{name:<32} {:>7} equations: analyse {:>8.1} ms, bare QR of C^T {:.2}, of C {:.2}; two threads {:.2} ({}); rank {}, the bare QR's {rank} and {other_rank}",
         system.equations(),
         ours * 1e3,
         ours / theirs,
         ours / others,
         ours / parallel,
+        bounds(system),
         analysis.rank(),
     );
 }

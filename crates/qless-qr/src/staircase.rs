@@ -22,7 +22,7 @@ const WIDTHS: [(usize, usize); 3] = [(2_000_000, PANEL), (60_000, 32), (2_500, 1
 /// Columns of one matrix product. The number is fixed, so that the bits do not depend on the number of threads.
 const TOGETHER: usize = 64;
 /// Operations that are worth a task: a tenth of a millisecond, many times what it takes to wake a thread.
-const TASK: usize = 500_000;
+pub(crate) const TASK: usize = 500_000;
 
 /// The shape of a dense front: its values are `rows` x (`cols` + right-hand sides), by columns.
 pub(crate) struct DenseFront<'a> {

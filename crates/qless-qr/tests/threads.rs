@@ -35,6 +35,8 @@ fn bits_do_not_depend_on_threads() {
     for (a, rank) in [(grid(70, 3, 100), 4900), (grid(150, 3, 100).transposed(), 22500)] {
         let symbolic = a.analyse();
         assert!(symbolic.flops() > 4e6, "large enough for tasks: {}", symbolic.flops());
+        let bounds = [1, 2, 16, 64].map(|threads| symbolic.speedup(threads));
+        assert!(bounds[0] == 1.0 && bounds[1] > 1.5 && bounds.is_sorted() && bounds[3] <= 64.0, "{bounds:?}");
         let rhs: Vec<f64> = (0..2 * a.rows).map(|i| (i % 11) as f64).collect();
         let alone = with_threads(1, &a, &symbolic, &rhs);
         assert_eq!(alone.rank, rank);

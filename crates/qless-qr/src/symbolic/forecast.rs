@@ -12,7 +12,7 @@
 use super::Symbolic;
 use super::fronts::Fronts;
 use crate::lists::NONE;
-use crate::staircase::PANEL;
+use crate::staircase::{PANEL, TASK};
 
 /// Sizes of one front.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,6 +41,8 @@ pub(crate) struct Forecast {
     pub flops: Vec<f64>,
     /// Work of each subtree.
     pub work: Vec<f64>,
+    /// Operations on the longest way from a leaf to a root, which no number of threads shortens.
+    pub span: f64,
     /// Entries of R, including peeled rows.
     pub entries: usize,
 }
@@ -51,9 +53,10 @@ impl Forecast {
         let mut run = FrontSimulation::new(symbolic);
         (0..fronts.len()).for_each(|f| run.front(symbolic, f));
         let work = summed(fronts, &run.flops, &run.shapes);
+        let span = longest(fronts, run.serial);
         let peeled = symbolic.pattern.start[symbolic.peeled];
         let entries = peeled + run.shapes.iter().map(|shape| shape.entries).sum::<usize>();
-        Self { shapes: run.shapes, flops: run.flops, work, entries }
+        Self { shapes: run.shapes, flops: run.flops, work, span, entries }
     }
 }
 
@@ -69,6 +72,18 @@ fn summed(fronts: &Fronts, flops: &[f64], shapes: &[FrontShape]) -> Vec<f64> {
     work
 }
 
+/// The longest way from a leaf to a root.
+fn longest(fronts: &Fronts, mut serial: Vec<f64>) -> f64 {
+    let mut below = vec![0.0_f64; serial.len()];
+    for f in 0..fronts.len() {
+        serial[f] += below[f];
+        if let Some(parent) = below.get_mut(fronts.parent[f] as usize) {
+            *parent = parent.max(serial[f]);
+        }
+    }
+    serial.into_iter().fold(0.0, f64::max)
+}
+
 /// Pattern of a contribution: its columns and, for each row, the index of its first column.
 #[derive(Default)]
 struct ContributionPattern {
@@ -79,6 +94,8 @@ struct ContributionPattern {
 struct FrontSimulation {
     shapes: Vec<FrontShape>,
     flops: Vec<f64>,
+    /// Operations of each front that wait for each other.
+    serial: Vec<f64>,
     contribution: Vec<ContributionPattern>,
     place: Vec<u32>,
     columns: Vec<u32>,
@@ -92,6 +109,7 @@ impl FrontSimulation {
         Self {
             shapes: Vec::with_capacity(count),
             flops: Vec::with_capacity(count),
+            serial: Vec::with_capacity(count),
             contribution,
             place: vec![NONE; symbolic.cols],
             columns: Vec::new(),
@@ -120,9 +138,10 @@ impl FrontSimulation {
             child.lead.iter().for_each(|&at| begins[place[child.columns[at as usize] as usize] as usize] += 1);
         }
         columns.iter().for_each(|&column| place[column as usize] = NONE);
-        let (shape, flops, contribution) = eliminated(begins, columns, pivots);
+        let (shape, [flops, serial], contribution) = eliminated(begins, columns, pivots);
         self.shapes.push(shape);
         self.flops.push(flops);
+        self.serial.push(if flops > TASK as f64 { serial } else { flops });
         self.contribution[f] = contribution;
     }
 
@@ -135,10 +154,11 @@ impl FrontSimulation {
     }
 }
 
-/// Size, operations and contribution of a front with `begins[k]` rows that begin at column k.
-fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, f64, ContributionPattern) {
+/// Size, operations and contribution of a front with `begins[k]` rows that begin at column k; of the operations also those that wait for
+/// each other: a column is reflected with half a panel and with the next one, while the columns behind are updated.
+fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, [f64; 2], ContributionPattern) {
     let cols = columns.len();
-    let (mut stair, mut g, mut flops) = (0, 0, 0.0);
+    let (mut stair, mut g, mut flops, mut serial) = (0, 0, 0.0, 0.0);
     let mut shape = FrontShape { cols, ..FrontShape::default() };
     let mut lead = Vec::new();
     for k in 0..cols {
@@ -146,6 +166,7 @@ fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, 
         if stair > g {
             if stair > g + 1 {
                 flops += 4.0 * (stair - g) as f64 * (cols - k) as f64;
+                serial += 4.0 * (stair - g) as f64 * (cols - k).min(3 * PANEL / 2) as f64;
                 shape.reflections += 1;
                 shape.vector_entries += stair - g;
             }
@@ -164,7 +185,7 @@ fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, 
     shape.passed_rows = lead.len();
     shape.passed_cols = if lead.is_empty() { 0 } else { cols - first };
     shape.passed_entries = lead.iter().map(|&k| shape.passed_cols - k as usize).sum();
-    (shape, flops, ContributionPattern { columns: columns[first..].to_vec(), lead })
+    (shape, [flops, serial], ContributionPattern { columns: columns[first..].to_vec(), lead })
 }
 
 const NUMBER: usize = size_of::<f64>();

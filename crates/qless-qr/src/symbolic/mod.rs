@@ -56,6 +56,13 @@ impl Symbolic {
         self.forecast.flops.iter().fold(0.0, |sum, flops| sum + flops)
     }
 
+    /// Bound of the speed-up on so many threads: `min(threads, W / S)`, where W are all operations and S those on the longest way from a
+    /// leaf of the tree of fronts to its root, in large fronts those that wait for each other.
+    pub fn speedup(&self, threads: usize) -> f64 {
+        let bound = self.flops() / self.forecast.span;
+        if bound < threads as f64 { bound } else { threads as f64 }
+    }
+
     /// Entries of `[R1 R2]` if no column is dependent, including the zeros of merged fronts.
     pub fn entries(&self) -> usize {
         self.forecast.entries
