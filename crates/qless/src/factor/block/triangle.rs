@@ -137,11 +137,11 @@ impl Triangle {
         x
     }
 
-    /// `(R^T R)^-1 C_k x`: the combination of the rows that is nearest to x, in the order of [`Triangle::rows`].
-    pub fn projected(&self, block: &Block, x: &[f64]) -> Vec<f64> {
-        let mut z = self.times(block, &x.iter().map(|&x| [x]).collect());
+    /// `(R^T R)^-1 C_k X`: the combinations of the rows that are nearest to X, in the order of [`Triangle::rows`].
+    pub fn projected(&self, block: &Block, x: &Slab) -> Slab {
+        let mut z = self.times(block, x);
         self.normal(&mut z);
-        z.into_iter().map(|[z]| z).collect()
+        z
     }
 
     /// `Z <- (R^T R)^-1 Z`.

@@ -9,11 +9,14 @@
 //! is no combination if more than 1e-3 of the parts of a coefficient is left, the limit of presolve for pivots; rounding leaves less.
 //! Cost: the coefficients of the rows of each certificate; where certificates are computed late, of the dropped rows.
 
+use rayon::prelude::*;
+
 use super::dependent::Rows;
 use super::gathered::Block;
 use super::triangle::Triangle;
+use crate::factor::backend::many::{Slab, WIDTH};
 use crate::input::scale::ldexp;
-use crate::presolve::basis::BlockCertificate;
+use crate::presolve::basis::{BlockCertificate, BlockDependent};
 use crate::presolve::eliminate::SUSPECT;
 
 /// A product with a vector of the null space is rounding up to this part of its terms.
@@ -71,81 +74,100 @@ fn moved(block: &Block, k: usize, moves: &[Vec<f64>; 2]) -> f64 {
     moves.iter().map(of).fold(0.0, f64::max)
 }
 
+/// A dropped row of which its certificate leaves more than [`SUSPECT`].
+struct Unexplained {
+    /// Its place among the dependent rows, ...
+    place: usize,
+    /// ... and in the block.
+    k: usize,
+    /// Rows of the block and their coefficients.
+    certificate: Vec<(usize, f64)>,
+    error: f64,
+    /// Whether a refinement may still help.
+    is_open: bool,
+}
+
 /// Refines certificates that leave more than [`SUSPECT`] of their row; what they leave then counts as dropped. Returns the number of rows
 /// of which more is left.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> usize {
-    let mut rest = Rest::new(block.matrix.cols);
-    let mut count = 0;
     let Rows { dependent, triangle, left, .. } = rows;
-    for d in dependent {
-        let Ok(k) = block.rows.binary_search(&d.row) else { continue };
+    let new = || Rest::new(block.matrix.cols);
+    let found = dependent.par_iter_mut().enumerate().map_init(new, |rest, (place, d)| {
+        let k = block.rows.binary_search(&d.row).ok()?;
         if let BlockCertificate::Late(..) = d.because {
             let ratio = moved(block, k, moves);
             if ratio > NOISE {
                 d.dropped = d.dropped.max(*left);
             }
             if ratio <= SUSPECT {
-                continue;
+                return None;
             }
         }
         let own = |&(row, y): &(u32, f64)| {
             let i = block.rows.binary_search(&row).ok()?;
             Some((i, ldexp(y, block.exponents[k] - block.exponents[i])))
         };
-        let best: Vec<(usize, f64)> = d.because.terms().iter().filter_map(own).collect();
-        let error = rest.error(block, k, &best);
-        if error <= SUSPECT {
-            continue;
-        }
-        let (best, error) = refined(block, triangle, &mut rest, k, best, error);
-        let largest = best.iter().fold(0.0, |most: f64, (_, y)| most.max(y.abs()));
-        let error_of_y = d.units * best.len() as f64 * f64::EPSILON * largest;
-        let mut mismatch = block.effective[k];
-        for &(i, y) in &best {
-            mismatch.subtract(y, block.effective[i]);
-            mismatch.error += error_of_y * block.effective[i].size;
-        }
-        d.mismatch = mismatch.scaled(-block.exponents[k]);
-        let mut because: Vec<_> =
-            best.iter().map(|&(i, y)| (block.rows[i], ldexp(y, block.exponents[i] - block.exponents[k]))).collect();
-        because.sort_unstable_by_key(|&(row, _)| row);
-        d.because = BlockCertificate::Known(because);
-        if error > SUSPECT {
-            d.dropped = d.dropped.max(error);
-            count += 1;
-        }
-    }
-    count
+        let certificate: Vec<(usize, f64)> = d.because.terms().iter().filter_map(own).collect();
+        let error = rest.error(block, k, &certificate);
+        (error > SUSPECT).then_some(Unexplained { place, k, certificate, error, is_open: true })
+    });
+    let mut found: Vec<Unexplained> = found.flatten().collect();
+    found.par_chunks_mut(WIDTH).for_each_init(new, |rest, some| refine(block, triangle, rest, some));
+    found.iter().for_each(|row| write(block, &mut dependent[row.place], row));
+    found.iter().filter(|row| row.error > SUSPECT).count()
 }
 
-/// A certificate of row k with a smaller error, if there is one.
-fn refined(
-    block: &Block,
-    triangle: &Triangle,
-    rest: &mut Rest,
-    k: usize,
-    mut best: Vec<(usize, f64)>,
-    mut error: f64,
-) -> (Vec<(usize, f64)>, f64) {
+/// Writes a refined certificate, its mismatch and what it leaves.
+fn write(block: &Block, d: &mut BlockDependent, Unexplained { k, certificate, error, .. }: &Unexplained) {
+    let largest = certificate.iter().fold(0.0, |most: f64, (_, y)| most.max(y.abs()));
+    let error_of_y = d.units * certificate.len() as f64 * f64::EPSILON * largest;
+    let mut mismatch = block.effective[*k];
+    for &(i, y) in certificate {
+        mismatch.subtract(y, block.effective[i]);
+        mismatch.error += error_of_y * block.effective[i].size;
+    }
+    d.mismatch = mismatch.scaled(-block.exponents[*k]);
+    let of_user = |&(i, y): &(usize, f64)| (block.rows[i], ldexp(y, block.exponents[i] - block.exponents[*k]));
+    let mut because: Vec<_> = certificate.iter().map(of_user).collect();
+    because.sort_unstable_by_key(|&(row, _)| row);
+    d.because = BlockCertificate::Known(because);
+    if *error > SUSPECT {
+        d.dropped = d.dropped.max(*error);
+    }
+}
+
+/// Certificates with a smaller error, where there are any; at most [`WIDTH`] at a time.
+fn refine(block: &Block, triangle: &Triangle, rest: &mut Rest, some: &mut [Unexplained]) {
     for _ in 0..REFINEMENTS {
-        rest.error(block, k, &best);
-        let step = triangle.projected(block, &rest.left);
-        let mut y = vec![0.0; block.matrix.rows()];
-        best.iter().for_each(|&(i, v)| y[i] = v);
-        triangle.rows.iter().zip(step).for_each(|(&i, step)| y[i] += step);
-        let largest = y.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
-        let before = error;
-        for part in ROUNDING {
-            let large = y.iter().copied().enumerate().filter(|(_, v)| v.abs() > part * largest);
-            let candidate: Vec<_> = large.collect();
-            let found = rest.error(block, k, &candidate);
-            if found < error {
-                (error, best) = (found, candidate);
-            }
+        let mut left: Slab = vec![[0.0; WIDTH]; block.matrix.cols];
+        for (c, row) in some.iter().enumerate().filter(|(_, row)| row.is_open) {
+            rest.error(block, row.k, &row.certificate);
+            left.iter_mut().zip(&rest.left).for_each(|(left, &own)| left[c] = own);
         }
-        if error <= SUSPECT || error >= before {
+        let steps = triangle.projected(block, &left);
+        for (c, row) in some.iter_mut().enumerate().filter(|(_, row)| row.is_open) {
+            let before = row.error;
+            improve(block, triangle, rest, row, |i| steps[i][c]);
+            row.is_open = row.error > SUSPECT && row.error < before;
+        }
+        if !some.iter().any(|row| row.is_open) {
             break;
         }
     }
-    (best, error)
+}
+
+/// Takes a step, with or without the coefficients that may be rounding, if it leaves less of the row.
+fn improve(block: &Block, triangle: &Triangle, rest: &mut Rest, row: &mut Unexplained, step: impl Fn(usize) -> f64) {
+    let mut y = vec![0.0; block.matrix.rows()];
+    row.certificate.iter().for_each(|&(i, v)| y[i] = v);
+    triangle.rows.iter().enumerate().for_each(|(place, &i)| y[i] += step(place));
+    let largest = y.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    for part in ROUNDING {
+        let large = y.iter().copied().enumerate().filter(|(_, v)| v.abs() > part * largest);
+        let candidate: Vec<_> = large.collect();
+        let error = rest.error(block, row.k, &candidate);
+        if error < row.error {
+            (row.error, row.certificate) = (error, candidate);
+        }
+    }
 }
