@@ -30,7 +30,7 @@ const CLEAR: f64 = 1e3;
 /// Number of vectors at first, ...
 const BLOCK: usize = WIDTH;
 /// ... the factor by which it grows if those are not enough, ...
-const GROWTH: usize = 4;
+const GROWTH: usize = 2;
 /// ... and its maximum: a matrix with more small singular values is not nearly of full rank.
 const MOST: usize = 512;
 

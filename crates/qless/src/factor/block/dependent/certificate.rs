@@ -211,10 +211,30 @@ pub(super) fn later(candidate: u32, holder: u32) -> bool {
 pub(super) fn in_order(
     block: &Block,
     means: FactorContext,
+    tableau: Tableau,
+    choice: Choice,
+) -> Result<(Tableau, Choice), BackendError> {
+    let (tableau, choice) = sounder(block, means, tableau, choice)?;
+    let mut ordered = tableau.clone();
+    ordered.prefer(later);
+    if ordered.basic == tableau.basic {
+        return Ok((tableau, choice));
+    }
+    let found = Choice::of(block, &kept_of(&ordered), &[], means)?;
+    Ok(if 2.0 * found.near.sigma < choice.near.sigma { (tableau, choice) } else { (ordered, found) })
+}
+
+fn kept_of(tableau: &Tableau) -> Vec<usize> {
+    tableau.free.iter().map(|&k| k as usize).collect()
+}
+
+/// Where the kept rows seem nearly dependent, steep certificates are exchanged if others are better.
+pub(super) fn sounder(
+    block: &Block,
+    means: FactorContext,
     mut tableau: Tableau,
     mut choice: Choice,
 ) -> Result<(Tableau, Choice), BackendError> {
-    let kept_of = |tableau: &Tableau| tableau.free.iter().map(|&k| k as usize).collect::<Vec<_>>();
     if !choice.near.is_sound() {
         // Where certificates are small, no other choice of rows is much better (Gu and Eisenstat 1996).
         let mut better = tableau.clone();
@@ -225,11 +245,5 @@ pub(super) fn in_order(
             }
         }
     }
-    let mut ordered = tableau.clone();
-    ordered.prefer(later);
-    if ordered.basic == tableau.basic {
-        return Ok((tableau, choice));
-    }
-    let found = Choice::of(block, &kept_of(&ordered), &[], means)?;
-    Ok(if 2.0 * found.near.sigma < choice.near.sigma { (tableau, choice) } else { (ordered, found) })
+    Ok((tableau, choice))
 }

@@ -9,7 +9,7 @@
 //! Two factorizations in all: which of equations that say the same are kept is settled between them, by these first certificates,
 //! good to some digits; the second factorization makes them good to all that there are.
 
-use super::certificate::{Choice, MANY, Rows, STEEP, in_order, later, over_kept, rest, rows};
+use super::certificate::{Choice, MANY, Rows, STEEP, in_order, later, over_kept, rest, rows, sounder};
 use crate::Csr;
 use crate::factor::backend::faer::Faer;
 use crate::factor::backend::null::Weak;
@@ -40,7 +40,10 @@ pub(super) fn without_weak(
     let (mut kept, mut dropped) = (kept.clone(), dropped.clone());
     let mut sure = vec![false; block.matrix.rows()];
     let Some(found) = factor.weak_columns(limit, dropped.len())? else { return Ok(None) };
-    match foreseen(first, &found) {
+    let foreseen = foreseen(first, &found);
+    // The order in which equations that say the same are kept is settled then.
+    let mut is_ordered = foreseen.is_some();
+    match foreseen {
         Some(Tableau { basic, free, .. }) => {
             let names = |some: Vec<u32>| some.into_iter().map(|k| k as usize).collect();
             (kept, dropped) = (names(free), names(basic));
@@ -57,6 +60,7 @@ pub(super) fn without_weak(
             if !weak.is_empty() {
                 dropped.clone_from(&choice.triangle.dropped);
                 drop_weak(weak, &mut kept, &mut dropped);
+                is_ordered = false;
                 continue;
             }
         }
@@ -64,11 +68,13 @@ pub(super) fn without_weak(
         let unexplained = unexplained(block, &tableau, choice.triangle.rests(), limit)?;
         if unexplained.is_empty() {
             let left = choice.remainder(block);
-            let (tableau, choice) = in_order(block, means, tableau, choice)?;
+            let settle = if is_ordered { sounder } else { in_order };
+            let (tableau, choice) = settle(block, means, tableau, choice)?;
             let sound = choice.near.distance >= NEAR || choice.weakest.left > limit;
             return Ok(sound.then(|| rows(block, &tableau, left, choice, order.to_vec())));
         }
         unexplained.iter().for_each(|&k| sure[k] = true);
+        is_ordered = false;
         dropped = choice.triangle.dropped.iter().copied().filter(|k| !unexplained.contains(k)).collect();
         kept.extend(unexplained);
     }
