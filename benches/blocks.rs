@@ -114,8 +114,10 @@ fn block(name: &str, system: &ConstraintSystem, rounds: usize) {
     );
 }
 
-/// Systems with one large block: name, how to build it, and rounds.
-fn blocks(test: bool) -> Vec<(String, Box<dyn Fn() -> Result<Scene, SceneError>>, usize)> {
+/// A system with one large block: name, how to build it, and rounds.
+type Block = (String, Box<dyn Fn() -> Result<Scene, SceneError>>, usize);
+
+fn blocks(test: bool) -> Vec<Block> {
     let flat = |side: usize, combos: usize| {
         let windows = Windows { extent: [side, side, 1], d: 1, window: 4, stride: 2, rows: 2, combos };
         (format!("windows {side} x {side}, {combos} combinations"), windows)
@@ -131,7 +133,7 @@ fn blocks(test: bool) -> Vec<(String, Box<dyn Fn() -> Result<Scene, SceneError>>
     };
     let surfaces = [("curved mortar", Surface::Sphere), ("mortar of waves", Surface::Waves)];
     let equations = if test { 300 } else { 12_000 };
-    let mut all: Vec<(String, Box<dyn Fn() -> Result<Scene, SceneError>>, usize)> = Vec::new();
+    let mut all: Vec<Block> = Vec::new();
     for (name, windows) in windows {
         let rounds = if test || windows.dofs() > 50_000 { 1 } else { 5 };
         all.push((name, Box::new(move || windows.scene(1)), rounds));

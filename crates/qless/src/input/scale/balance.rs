@@ -152,10 +152,10 @@ impl Component {
     /// q of the DOFs, and the balanced coefficients, as powers of two; none where all q lie within a power of two.
     fn balanced(&self, near: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let m = self.rows.len();
-        if m >= LARGE {
-            if let Some((q, powers)) = self.relaxed() {
-                return (range(&q) > near).then_some((q, powers));
-            }
+        if m >= LARGE
+            && let Some((q, powers)) = self.relaxed()
+        {
+            return (range(&q) > near).then_some((q, powers));
         }
         let mut powers: Vec<f64> = self.entries.iter().map(|&(_, _, power)| power).collect();
         let mut q = vec![0.0; self.dofs.len()];
