@@ -263,3 +263,34 @@ fn each_right_hand_side_holds_by_its_own_terms() {
         }
     }
 }
+
+/// A component that needs a refinement changes no bit of another: g and refreshed g of two systems side by side are those of each alone.
+#[test]
+fn refinement_stays_within_its_component() {
+    let mut random = SplitMix64::new(9);
+    for seed in 0..300_u32 {
+        let parts = [triangular(&mut random), triangular(&mut random)];
+        let n = parts[0].len();
+        let shifted = |row: &Vec<(usize, f64)>| row.iter().map(|&(j, v)| (j + n, v)).collect::<Vec<_>>();
+        let both: Vec<Vec<(usize, f64)>> = parts[0].iter().cloned().chain(parts[1].iter().map(shifted)).collect();
+        let mut sides = |count: usize| -> Vec<f64> {
+            (0..count).map(|_| [0.0, 1.0, -2.0, 1e-3, 1e4][below(&mut random, 5)]).collect()
+        };
+        let (b, next) = (sides(both.len()), sides(both.len()));
+        let solved = |equations: &[Vec<(usize, f64)>], b: &[f64], next: &[f64]| {
+            let mut builder = SystemBuilder::new(equations.len());
+            equations.iter().zip(b).for_each(|(row, &b)| _ = builder.equation(row.iter().copied(), b));
+            let analysis = analyse(&builder.build().expect("valid"), &Options::default()).expect("small");
+            let mut reduction = analysis.reduction().expect("independent");
+            let first = reduction.g().to_vec();
+            Refresher::new(analysis).expect("small").refresh(next, &[], &mut reduction).expect("independent");
+            [first, reduction.g().to_vec()]
+        };
+        let together = solved(&both, &b, &next);
+        let first = solved(&parts[0], &b[..n], &next[..n]);
+        let second = solved(&parts[1], &b[n..], &next[n..]);
+        for k in 0..2 {
+            assert_eq!(together[k], [first[k].as_slice(), &second[k]].concat(), "{seed}: {both:?} {b:?} {next:?}");
+        }
+    }
+}

@@ -8,12 +8,14 @@
 //!
 //! T, G, the slaves and the independent equations depend on C only and do not change.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::replay::{BlockSolver, Replay};
 use crate::common::argument::numbers;
 use crate::diagnosis::classify::{Dependent, Kind, MismatchRule, Source};
 use crate::factor::backend::BackendError;
+use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
@@ -230,7 +232,11 @@ impl Refresher {
         if found.worst > FINE {
             let mut u = vec![0.0; self.system().dofs()];
             reduction.slaves.iter().zip(&reduction.g).for_each(|(&j, &g)| u[j] = g);
-            let rest = self.rest(replay.rhs, &independent, |l| u[self.analysis.numbering.dofs[l] as usize]);
+            let mut rest = self.rest(replay.rhs, &independent, |l| u[self.analysis.numbering.dofs[l] as usize]);
+            // Components whose residuals are small keep their g to the last bit.
+            let labels = Labels::of(local);
+            let large: HashSet<u32> = found.above.iter().map(|&(row, _)| labels.of_row[row]).collect();
+            rest.iter_mut().zip(&labels.of_row).filter(|(_, label)| !large.contains(label)).for_each(|(r, _)| *r = 0.0);
             let correction = self.explicit(&Replay::new(&self.analysis, &rest, &[]), reduction);
             reduction.g.iter_mut().zip(correction).for_each(|(g, c)| *g += c);
             found = residuals(reduction);

@@ -3,10 +3,9 @@
 //! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random ones tell this without T:
 //! u_s is then zero to rounding, and for any other s with probability zero only.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 use crate::Csr;
-
 use crate::diagnosis::certificate::{CertificateTerm, History};
 use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys, probe};
 use crate::factor::backend::sparse;
@@ -74,21 +73,21 @@ pub(crate) fn evaluate(
 /// Where u misses the right-hand side of an equation by more than rounding of its own terms, the kept equations of the component are solved
 /// again, all together and with a step of refinement: an elimination row by row loses small terms beside large ones.
 fn solve_again(system: LocalSystem, scaling: &Scaling, is_kept: impl Fn(usize) -> bool, memory: usize, u: &mut [f64]) {
-    let misses = |&i: &usize| {
+    let missed = |i: usize, u: &[f64]| {
         let b = system.rhs()[i];
         let parts = system.row(i).map(|(j, v)| v * u[j]);
         let (sum, size) = parts.fold((-b, b.abs()), |(sum, size), part| (sum + part, size.max(part.abs())));
-        b != 0.0 && sum.abs() > NOISE * size
+        if b == 0.0 { 0.0 } else { sum.abs() / size }
     };
     let kept: Vec<usize> = (0..system.equations()).filter(|&i| is_kept(i)).collect();
-    let missed: Vec<usize> = kept.iter().copied().filter(misses).collect();
-    if missed.is_empty() {
+    if !kept.iter().any(|&i| missed(i, u) > NOISE) {
         return;
     }
     let labels = Labels::of(system);
-    let wanted: BTreeSet<u32> = missed.iter().map(|&i| labels.of_row[i]).collect();
-    for label in wanted {
-        let rows: Vec<usize> = kept.iter().copied().filter(|&i| labels.of_row[i] == label).collect();
+    let mut of_label: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    kept.iter().for_each(|&i| of_label.entry(labels.of_row[i]).or_default().push(i));
+    let worst = |rows: &[usize], u: &[f64]| rows.iter().map(|&i| missed(i, u)).fold(0.0, f64::max);
+    for rows in of_label.into_values().filter(|rows| worst(rows, u) > NOISE).collect::<Vec<_>>() {
         let mut dofs: Vec<usize> = rows.iter().flat_map(|&i| free(system, i)).map(|(j, _)| j).collect();
         dofs.sort_unstable();
         dofs.dedup();
@@ -104,10 +103,16 @@ fn solve_again(system: LocalSystem, scaling: &Scaling, is_kept: impl Fn(usize) -
         let Ok(order) = sparse::order(&matrix) else { continue };
         let Ok(lu) = lu::factor(&matrix, &order, |_| true, memory) else { continue };
         let solver = SlaveSolver::new(&matrix, lu);
+        let (before, old) = (worst(&rows, u), dofs.iter().map(|&j| u[j]).collect::<Vec<f64>>());
         dofs.iter().for_each(|&j| u[j] = 0.0);
         for (&slave, x) in solver.slaves().iter().zip(solver.solve_dense(&rhs)) {
             let j = dofs[slave as usize];
             u[j] = ldexp(x, scaling.col(j));
+        }
+        // What is no better, or no number, is not taken.
+        let is_better = worst(&rows, u) < before;
+        if !is_better {
+            dofs.iter().zip(old).for_each(|(&j, old)| u[j] = old);
         }
     }
 }

@@ -52,14 +52,14 @@ pub(crate) fn residuals(
     residuals_of(terms.into_iter().flatten(), (local, reduction), independent, scaling, above)
 }
 
-/// The residuals of g alone, for T and G that were checked before.
+/// The residuals of g alone, for T and G that were checked before; equations above [`FINE`] are listed.
 pub(crate) fn residuals_of_g(
     local: LocalSystem,
     reduction: &Reduction,
     independent: &[bool],
     scaling: &Scaling,
 ) -> Residuals {
-    residuals_of([ReductionTerm::Constant].into_iter(), (local, reduction), independent, scaling, f64::INFINITY)
+    residuals_of([ReductionTerm::Constant].into_iter(), (local, reduction), independent, scaling, FINE)
 }
 
 fn residuals_of(
