@@ -4,10 +4,11 @@
 //! Numbering -> Scaling -> Pipeline::run_verified -> keep_preferred -> generated -> Analysis
 //!
 //! run_verified   run_stages, probe what it kept
-//!                doubts?  run_stages again, the doubtful components the other way: by the backend, or by presolve
+//!                doubts, and what was kept is not far from dependence?  run_stages again, the doubtful components the other way: by
+//!                the backend, or by presolve
 //!                presolve keeps more?  its rank holds
 //!
-//! run_stages     peel -> gather -> eliminate -> Block::new -> diagnose -> classify
+//! run_stages     peel -> gather -> eliminate -> Block::gather -> diagnose -> classify
 //! ```
 //!
 //! Each stage is a plain function from one owned value to the next.
@@ -21,7 +22,7 @@ use super::certificate::History;
 use super::classify::{MismatchRule, classify};
 use super::confidence::{Confidence, Doubt};
 use super::consistent::{not_redundant, to_give_up};
-use super::distance::KeptRows;
+use super::distance::{CoreDistance, KeptRows};
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
 use super::preferred_equations::keep_preferred;
@@ -34,7 +35,7 @@ use crate::input::noise::of_right_hand_sides;
 use crate::input::numbering::{Column, Exponents, LocalSystem, Numbering};
 use crate::input::preferences::SlavePreferences;
 use crate::input::scale::{Scaling, balanced};
-use crate::presolve::basis::Diagnosed;
+use crate::presolve::basis::{Diagnosed, NEAR};
 use crate::presolve::eliminate::eliminate;
 use crate::presolve::eliminated::Eliminated;
 use crate::presolve::gather::gather;
@@ -145,22 +146,32 @@ impl Pipeline<'_> {
     fn run_verified(&self, presolve: bool) -> Result<VerifiedPass, AnalysisError> {
         let held_back = vec![!presolve; self.local.equations()];
         let first = self.run_and_probe(&held_back)?;
-        let doubtful = match presolve {
+        let (mut known, mut labels) = (None, None);
+        let doubtful: Vec<usize> = match presolve {
             _ if !self.context.check => Vec::new(),
-            true => first.doubtful_rows(),
+            // Steep multipliers are a sign only: how far what was kept is from dependence can be computed.
+            true if !first.probe.doubtful.is_empty() => {
+                let distances = known.insert(self.distances(&first));
+                let labels = labels.insert(Labels::of(self.local));
+                let near = distances.iter().filter(|core| !(core.distance >= NEAR));
+                let near: BTreeSet<u32> = near.map(|core| labels.of_row[core.row as usize]).collect();
+                let is_near = |&row: &usize| near.contains(&labels.of_row[row]);
+                first.steep_rows().filter(is_near).chain(first.far_rows()).collect()
+            }
+            true => first.far_rows().collect(),
             false => first.dependent.iter().map(|d| d.row).collect(),
         };
         if doubtful.is_empty() {
-            return Ok(self.with_confidence(first, held_back, (0.0, false)));
+            return Ok(self.with_confidence(first, held_back, (0.0, false), known));
         }
-        let labels = Labels::of(self.local);
+        let labels = labels.unwrap_or_else(|| Labels::of(self.local));
         let mut is_tried = vec![false; held_back.len()];
         labels.mark(&doubtful, &mut is_tried);
         let other: Vec<bool> = held_back.iter().zip(&is_tried).map(|(&held, &tried)| held != tried).collect();
         let second = match self.run_and_probe(&other) {
             Err(AnalysisError::Backend(BackendError::OverLimit { .. } | BackendError::OutOfMemory { .. })) => {
                 // The components are too large for the backend: the first result, in doubt.
-                return Ok(self.with_confidence(first, held_back, (0.0, presolve)));
+                return Ok(self.with_confidence(first, held_back, (0.0, presolve), None));
             }
             second => second?,
         };
@@ -178,7 +189,7 @@ impl Pipeline<'_> {
             decided if *decided == held_back => first,
             decided => self.run_and_probe(decided)?,
         };
-        Ok(self.with_confidence(pass, decided, (dropped, false)))
+        Ok(self.with_confidence(pass, decided, (dropped, false), None))
     }
 
     /// The result without equations that are given up; in components where that is worse they stay. Returns those that are given up.
@@ -225,16 +236,26 @@ impl Pipeline<'_> {
         Ok(pass)
     }
 
-    /// Adds the confidence, with what a second way of elimination has dropped, and a doubt where that was too large.
+    /// Of the cores of the kept equations from dependence; none without checks.
+    fn distances(&self, pass: &PassResult) -> Vec<CoreDistance> {
+        let PassResult { basis, blocks, triangles, history, .. } = pass;
+        let kept = KeptRows { system: self.local, basis, history, scaling: self.scaling, blocks, triangles };
+        if self.context.check { kept.distances() } else { Vec::new() }
+    }
+
+    /// Adds the confidence, with what a second way of elimination has dropped, and a doubt where that was too large. `known` are the
+    /// distances, where they were computed.
     fn with_confidence(
         &self,
         mut pass: PassResult,
         held_back: Vec<bool>,
         (dropped, is_unverified): (f64, bool),
+        known: Option<Vec<CoreDistance>>,
     ) -> VerifiedPass {
-        let (rule, PassResult { basis, blocks, triangles, history, dependent, .. }) = (self.rule, &pass);
-        let kept = KeptRows { system: self.local, basis, history, scaling: self.scaling, blocks, triangles };
-        let (distance, is_typed) = if self.context.check { kept.distance() } else { (1.0, false) };
+        let distances = known.unwrap_or_else(|| self.distances(&pass));
+        let distance = distances.iter().fold(1.0, |least: f64, core| least.min(core.distance));
+        let is_typed = distances.iter().any(|core| core.is_typed);
+        let (rule, dependent) = (self.rule, &pass.dependent);
         let typed = (is_typed && rule.reads_digits()).then_some(Doubt::Near);
         let error = dependent.iter().map(|d| d.dropped).fold(dropped, f64::max);
         let elimination = is_unverified.then_some(Doubt::Elimination);
@@ -266,8 +287,7 @@ impl Pipeline<'_> {
             RandomKeys::within_components(&Labels::of(local), local)
         };
         let random = if parts.is_empty() { Vec::new() } else { random_sides(&eliminated, &keys) };
-        let gather = |rows: &Vec<u32>| Block::new(&eliminated.rows, rows, local.free(), &random, !is_absolute);
-        let mut blocks: Vec<Block> = parts.par_iter().map(gather).collect();
+        let mut blocks = Block::gather(&eliminated.rows, &parts, local.free(), &random, !is_absolute);
         // Blocks are independent, so they run in parallel in the caller's pool; their order does not depend on the threads.
         let diagnose = |block: &mut Block| block::diagnose(block, context);
         let diagnosed: Result<Vec<(Diagnosed, Triangle)>, _> = match blocks.as_mut_slice() {

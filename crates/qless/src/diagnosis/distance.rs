@@ -19,7 +19,7 @@ use crate::factor::block::triangle::Triangle;
 use crate::input::noise::digits;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
-use crate::presolve::basis::Basis;
+use crate::presolve::basis::{Basis, Kept};
 
 /// Right-hand sides of random signs at a time.
 const SIGNS: usize = 8;
@@ -40,17 +40,31 @@ pub(crate) struct KeptRows<'a> {
     pub triangles: &'a [Triangle],
 }
 
+/// How far a core is from dependence.
+#[derive(Clone, Copy)]
+pub(crate) struct CoreDistance {
+    /// One of its equations.
+    pub row: u32,
+    /// The estimate of d, at most 1.
+    pub distance: f64,
+    /// Whether it is so near that the digits with which its coefficients were typed decide.
+    pub is_typed: bool,
+}
+
 impl KeptRows<'_> {
-    /// The estimate of d, at most 1; and whether a core is so near that the digits with which its coefficients were typed decide.
-    pub fn distance(&self) -> (f64, bool) {
+    /// Of each core.
+    pub fn distances(&self) -> Vec<CoreDistance> {
         let cores = cores(self.system, &self.candidates());
         if cores.is_empty() {
-            return (1.0, false);
+            return Vec::new();
         }
         let of_core = |rho: f64| if rho >= 1.0 { 1.0 / rho } else { f64::from(rho < 1.0) };
-        let distances: Vec<f64> = self.growths(&cores).into_iter().map(of_core).collect();
-        let is_typed = distances.iter().zip(&cores).any(|(&d, core)| d < precision(core, d));
-        (distances.into_iter().fold(1.0, f64::min), is_typed)
+        let distances = self.growths(&cores).into_iter().map(of_core);
+        let of = |(distance, core): (f64, &Core)| {
+            let is_typed = distance < precision(core, distance);
+            CoreDistance { row: core.rows[0], distance, is_typed }
+        };
+        distances.zip(&cores).map(of).collect()
     }
 
     /// Kept rows that were not peeled, ascending.
@@ -104,11 +118,12 @@ impl KeptRows<'_> {
             after.push(side(row, &after));
         }
         let mut u = vec![Lanes::default(); system.dofs()];
-        let of_block = |(block, triangle): (&Block, &Triangle)| {
+        let of_block = |((block, triangle), kept): ((&Block, &Triangle), &Kept)| {
             let right = |&i: &usize| side(block.rows[i], &after).map(|v| ldexp(v, block.exponents[i]));
-            triangle.shortest(block, &triangle.rows.iter().map(right).collect())
+            shortest(block, triangle, kept.nearness.sigma, &triangle.rows.iter().map(right).collect())
         };
-        let solved: Vec<Vec<Lanes>> = self.blocks.par_iter().zip(self.triangles).map(of_block).collect();
+        let blocks = self.blocks.par_iter().zip(self.triangles).zip(&basis.blocks);
+        let solved: Vec<Vec<Lanes>> = blocks.map(of_block).collect();
         for (block, x) in self.blocks.iter().zip(solved) {
             let restored = x.iter().zip(&block.units).map(|(x, &unit)| x.map(|x| ldexp(x, unit)));
             block.dofs.iter().zip(restored).for_each(|(&j, x)| u[j as usize] = x);
@@ -141,6 +156,22 @@ fn precision(core: &Core, distance: f64) -> f64 {
     let longest = |row: &Vec<(u32, f64)>| row.iter().map(|&(_, value)| digits(value)).max().unwrap_or_default();
     let typed = core.entries.iter().map(longest).filter(|digits| TYPED.contains(digits)).min();
     typed.map_or(0.0, unit)
+}
+
+/// The shortest solutions of a block; each half of the right-hand sides on a thread of its own, if there are some.
+fn shortest(block: &Block, triangle: &Triangle, sigma: f64, sides: &Vec<Lanes>) -> Vec<Lanes> {
+    if rayon::current_num_threads() == 1 {
+        return triangle.nearly_shortest(block, sides, sigma);
+    }
+    let half = |first: usize| {
+        let sides = sides.iter().map(|side| std::array::from_fn(|lane| side[first + lane])).collect();
+        triangle.nearly_shortest::<{ SIGNS / 2 }>(block, &sides, sigma)
+    };
+    let (first, second) = rayon::join(|| half(0), || half(SIGNS / 2));
+    let join = |(a, b): (&[f64; SIGNS / 2], &[f64; SIGNS / 2])| {
+        std::array::from_fn(|lane| if lane < SIGNS / 2 { a[lane] } else { b[lane - SIGNS / 2] })
+    };
+    first.iter().zip(&second).map(join).collect()
 }
 
 /// `a <- a + v b`.

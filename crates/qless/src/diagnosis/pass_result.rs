@@ -53,10 +53,14 @@ pub fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) ->
 }
 
 impl PassResult {
-    /// The user's rows on which presolve should not have decided.
-    pub fn doubtful_rows(&self) -> Vec<usize> {
-        let kept = self.probe.doubtful.iter().map(|&t| self.users_row(t));
-        kept.chain(self.far_dependent.iter().map(|&row| self.history.rows[row as usize] as usize)).collect()
+    /// The user's rows that presolve kept with steep multipliers.
+    pub fn steep_rows(&self) -> impl Iterator<Item = usize> {
+        self.probe.doubtful.iter().map(|&t| self.users_row(t))
+    }
+
+    /// The user's rows that it dropped far from where they started.
+    pub fn far_rows(&self) -> impl Iterator<Item = usize> {
+        self.far_dependent.iter().map(|&row| self.history.rows[row as usize] as usize)
     }
 
     /// The user's row of row t of the basis, peeled or eliminated.

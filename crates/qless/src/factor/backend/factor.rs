@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::Factor;
-use super::many::WIDTH;
-use crate::ArgumentError;
+use super::many::{Slab, WIDTH};
 use crate::common::argument::long;
+use crate::{ArgumentError, Csr};
 
 impl Factor {
     /// `R1^-1 z`.
@@ -35,32 +35,16 @@ impl Factor {
 
     /// `R1^-1 z` for z of length r.
     pub(crate) fn solved(&self, z: &[f64]) -> Vec<f64> {
-        let mut x = z.to_vec();
-        for i in (0..self.rank).rev() {
-            let mut diagonal = 1.0;
-            let mut sum = x[i];
-            for (j, v) in self.r.row(i).take_while(|&(j, _)| j < self.rank) {
-                if j == i {
-                    diagonal = v;
-                } else {
-                    sum -= v * x[j];
-                }
-            }
-            x[i] = sum / diagonal;
-        }
-        x
+        let mut x: Slab<1> = z.iter().map(|&z| [z]).collect();
+        self.solve_slab(&mut x);
+        x.into_flattened()
     }
 
     /// `R1^-T z` for z of length r.
     pub(crate) fn solve_transposed(&self, z: &[f64]) -> Vec<f64> {
-        let mut x = z.to_vec();
-        for i in 0..self.rank {
-            let mut row = self.r.row(i).take_while(|&(j, _)| j < self.rank);
-            x[i] /= row.next().map_or(1.0, |(_, diagonal)| diagonal);
-            let value = x[i];
-            row.for_each(|(j, v)| x[j] -= v * value);
-        }
-        x
+        let mut x: Slab<1> = z.iter().map(|&z| [z]).collect();
+        self.solve_slab_transposed(&mut x);
+        x.into_flattened()
     }
 
     /// [`Factor::coefficients`] without the check, for factors made by a backend.
@@ -70,15 +54,20 @@ impl Factor {
 
     /// Calls `job` for each slab of dependent columns, in parallel, with the number of its first dependent column and its vectors.
     pub(crate) fn each_coefficients<T: Send>(&self, job: impl Fn(usize, Vec<Vec<f64>>) -> T + Sync) -> Vec<T> {
-        let columns = self.r.transposed();
+        let mut behind = Csr::empty(self.r.cols - self.rank);
+        let entries = |i: usize| self.r.row(i).skip_while(|&(j, _)| j < self.rank).map(|(j, v)| (j - self.rank, v));
+        if behind.cols > 0 {
+            (0..self.rank).for_each(|i| behind.append(entries(i)));
+        }
+        let columns = behind.transposed();
         let slab = |first: usize| {
             let count = WIDTH.min(columns.rows() - first);
             let mut slab = vec![[0.0; WIDTH]; self.rank];
             (0..count).for_each(|c| columns.row(first + c).for_each(|(i, v)| slab[i][c] = v));
             self.solve_slab(&mut slab);
-            job(first - self.rank, (0..count).map(|c| slab.iter().map(|row| row[c]).collect()).collect())
+            job(first, (0..count).map(|c| slab.iter().map(|row| row[c]).collect()).collect())
         };
-        let first: Vec<usize> = (self.rank..columns.rows()).step_by(WIDTH).collect();
+        let first: Vec<usize> = (0..columns.rows()).step_by(WIDTH).collect();
         first.into_par_iter().map(slab).collect()
     }
 

@@ -1,5 +1,7 @@
 //! One block as a matrix, and what its factorization needs from the caller.
 
+use rayon::prelude::*;
+
 use crate::Csr;
 use crate::factor::backend::Backend;
 use crate::factor::backend::dense_or_sparse::DenseOrSparse;
@@ -64,23 +66,35 @@ impl Block {
         selected
     }
 
-    /// Gathers the given rows, scaled and in balanced units unless the tolerance is absolute; `random` has a number for every row.
-    pub fn new(rows: &[WorkingRow], block: &[u32], is_free: &[bool], random: &[f64], is_scaled: bool) -> Self {
-        let all = || block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|entry| entry.dof));
-        let sorted = |free: bool| {
-            let mut dofs: Vec<u32> = all().filter(|&j| is_free[j as usize] == free).collect();
-            dofs.sort_unstable();
-            dofs.dedup();
-            dofs
-        };
-        let (dofs, prescribed) = (sorted(true), sorted(false));
+    /// Gathers blocks of the given rows, scaled and in balanced units unless the tolerance is absolute; `random` has a number for every row.
+    /// A free DOF is in one block at most.
+    pub fn gather(
+        rows: &[WorkingRow],
+        blocks: &[Vec<u32>],
+        is_free: &[bool],
+        random: &[f64],
+        is_scaled: bool,
+    ) -> Vec<Self> {
+        let mut place = vec![u32::MAX; is_free.len()];
+        let of_block = |block: &Vec<u32>| numbered(rows, block, is_free, &mut place);
+        let dofs: Vec<Vec<u32>> = blocks.iter().map(of_block).collect();
+        let given = Given { rows, place: &place, random, is_scaled };
+        blocks.par_iter().zip(dofs).map(|(block, dofs)| Self::of(given, block, dofs)).collect()
+    }
+
+    fn of(given: Given, block: &[u32], dofs: Vec<u32>) -> Self {
+        let Given { rows, place, random, is_scaled } = given;
+        let all = block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|entry| entry.dof));
+        let mut prescribed: Vec<u32> = all.filter(|&j| place[j as usize] == u32::MAX).collect();
+        prescribed.sort_unstable();
+        prescribed.dedup();
         let mut gathered = Self {
             rows: block.to_vec(),
             exponents: Vec::new(),
             matrix: Csr::empty(dofs.len()),
             fixed: Csr::empty(prescribed.len()),
             balanced: vec![0; dofs.len()],
-            units: if is_scaled { balanced_units(rows, block, &dofs) } else { vec![0; dofs.len()] },
+            units: if is_scaled { balanced_units(rows, block, place, dofs.len()) } else { vec![0; dofs.len()] },
             dofs,
             prescribed,
             rhs: Vec::new(),
@@ -88,13 +102,14 @@ impl Block {
             certain: Vec::new(),
             random: Vec::new(),
         };
-        block.iter().for_each(|&i| gathered.push(&rows[i as usize], random[i as usize], is_scaled));
+        block.iter().for_each(|&i| gathered.push(&rows[i as usize], place, random[i as usize], is_scaled));
         gathered
     }
 
-    fn push(&mut self, row: &WorkingRow, random: f64, is_scaled: bool) {
-        let place = |entry: &Entry| self.dofs.binary_search(&entry.dof).ok();
-        let free = || row.entries.iter().filter_map(|entry| Some((place(entry)?, entry)));
+    fn push(&mut self, row: &WorkingRow, place: &[u32], random: f64, is_scaled: bool) {
+        let free =
+            || row.entries.iter().map(|entry| (place[entry.dof as usize], entry)).filter(|&(j, _)| j != u32::MAX);
+        let free = || free().map(|(j, entry)| (j as usize, entry));
         // A row of which nothing is left has no size.
         let largest = free().map(|(j, entry)| ldexp(entry.size(), self.units[j])).reduce(f64::max);
         let shift = if is_scaled { largest.map_or(0, |largest| -exponent(largest)) } else { 0 };
@@ -145,14 +160,40 @@ impl Block {
     }
 }
 
+/// What the blocks are gathered from.
+#[derive(Clone, Copy)]
+struct Given<'a> {
+    rows: &'a [WorkingRow],
+    /// By free DOF its column, `u32::MAX` for the others.
+    place: &'a [u32],
+    random: &'a [f64],
+    is_scaled: bool,
+}
+
+/// The free DOFs of a block, ascending; in `place`, the column of each.
+fn numbered(rows: &[WorkingRow], block: &[u32], is_free: &[bool], place: &mut [u32]) -> Vec<u32> {
+    let mut dofs = Vec::new();
+    for entry in block.iter().flat_map(|&i| &rows[i as usize].entries) {
+        let j = entry.dof as usize;
+        if is_free[j] && place[j] == u32::MAX {
+            place[j] = 0;
+            dofs.push(entry.dof);
+        }
+    }
+    dofs.sort_unstable();
+    dofs.iter().zip(0..).for_each(|(&j, at)| place[j as usize] = at);
+    dofs
+}
+
 /// Exponents of the DOFs of a block.
-fn balanced_units(rows: &[WorkingRow], block: &[u32], dofs: &[u32]) -> Vec<i32> {
+fn balanced_units(rows: &[WorkingRow], block: &[u32], place: &[u32], count: usize) -> Vec<i32> {
     let terms = |i: u32| {
         let certain = rows[i as usize].entries.iter().filter(|entry| entry.is_certain());
-        certain.filter_map(|entry| Some((dofs.binary_search(&entry.dof).ok()?, entry.value)))
+        let placed = certain.map(|entry| (place[entry.dof as usize] as usize, entry.value));
+        placed.filter(|&(j, _)| j < count)
     };
-    let component = Component::gather(block.to_vec(), terms, &mut vec![0; dofs.len()]);
-    let mut units = vec![0; dofs.len()];
+    let component = Component::gather(block.to_vec(), terms, &mut vec![0; count]);
+    let mut units = vec![0; count];
     // Where balanced numbers might leave the range of doubles, those of the user are taken.
     if let Some(found) = component.units().filter(|found| found.iter().all(|unit| unit.abs() < RANGE)) {
         component.dofs.iter().zip(found).for_each(|(&j, unit)| units[j as usize] = unit);

@@ -148,7 +148,8 @@ fn refine(block: &Block, triangle: &Triangle, rest: &mut Rest, some: &mut [Unexp
         for (c, row) in some.iter_mut().enumerate().filter(|(_, row)| row.is_open) {
             let before = row.error;
             improve(block, triangle, rest, row, |i| steps[i][c]);
-            row.is_open = row.error > SUSPECT && row.error < before;
+            // A step that does not halve the error is not the first of two that bring it down.
+            row.is_open = row.error > SUSPECT && row.error < before / 2.0;
         }
         if !some.iter().any(|row| row.is_open) {
             break;

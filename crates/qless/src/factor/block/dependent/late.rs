@@ -6,13 +6,14 @@
 //! y = R1^-1 R2_k                        the certificate of row k                one triangular solve for each
 //! ```
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
 use super::certificate::{CERTIFICATE_UNITS, Choice, NOISE, ROUNDING, Rows, small_row};
 use crate::Csr;
 use crate::common::random::signed;
+use crate::factor::backend::Factor;
 use crate::factor::block::gathered::Block;
 use crate::factor::block::triangle::Triangle;
 use crate::factor::solver::NOISE as ROUNDED;
@@ -30,8 +31,9 @@ const SURE: f64 = 4.0;
 /// What the certificates of a block are made of.
 #[derive(Debug)]
 struct LateCertificates {
-    /// `[R1 R2]` by columns.
-    columns: Csr,
+    factor: Arc<Factor>,
+    /// `[R1 R2]` by columns, from when the first certificate is read.
+    columns: OnceLock<Csr>,
     /// Name and exponent of the row of each column of R1, and its place in the order of the names.
     rows: Vec<(u32, i32)>,
     by_name: Vec<usize>,
@@ -44,12 +46,12 @@ struct LateCertificates {
 impl LateCertificates {
     fn new(block: &Block, triangle: &Triangle, noise: f64) -> Self {
         let rank = triangle.rows.len();
-        let columns = triangle.factor.r.transposed();
         let rows: Vec<(u32, i32)> = triangle.rows.iter().map(|&i| (block.rows[i], block.exponents[i])).collect();
         let mut by_name: Vec<usize> = (0..rank).collect();
         by_name.sort_unstable_by_key(|&k| rows[k].0);
         let exponents = triangle.dropped.iter().map(|&k| block.exponents[k]).collect();
-        Self { columns, rows, by_name, exponents, noise }
+        let factor = Arc::clone(&triangle.factor);
+        Self { factor, columns: OnceLock::new(), rows, by_name, exponents, noise }
     }
 }
 
@@ -57,15 +59,16 @@ impl LateCertificates {
     /// `R1^-1 R2_k`, from the last row up. What is rounding is not followed: so the cost is that of the terms that there are.
     fn solved(&self, k: usize) -> Vec<f64> {
         let rank = self.rows.len();
+        let columns = self.columns.get_or_init(|| self.factor.r.transposed());
         let mut y = vec![0.0; rank];
-        self.columns.row(rank + k).for_each(|(i, v)| y[i] = v);
+        columns.row(rank + k).for_each(|(i, v)| y[i] = v);
         let mut largest = y.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
         for j in (0..rank).rev() {
             if y[j] == 0.0 {
                 continue;
             }
-            let range = self.columns.start[j]..self.columns.start[j + 1];
-            let (rows, values) = (&self.columns.col[range.clone()], &self.columns.val[range]);
+            let range = columns.start[j]..columns.start[j + 1];
+            let (rows, values) = (&columns.col[range.clone()], &columns.val[range]);
             let Some((diagonal, above)) = values.split_last() else { continue };
             let value = y[j] / diagonal;
             if value.abs() <= ROUNDED * largest {
@@ -94,7 +97,7 @@ pub(super) fn late(block: &Block, left: f64, choice: Choice, order: Vec<usize>) 
     let noise = (ROUNDING * f64::EPSILON / nearness.sigma).max(NOISE);
     let certificates: Arc<dyn LateTerms> = Arc::new(LateCertificates::new(block, &triangle, noise));
     let units = CERTIFICATE_UNITS / nearness.sigma.min(1.0);
-    let mismatches = mismatches(block, &triangle);
+    let mismatches = mismatches(block, &triangle, nearness.sigma);
     let make = |((k, &row), mismatch): ((usize, &usize), Mismatch)| Dependent {
         row: block.rows[row],
         because: BlockCertificate::Late(Arc::clone(&certificates), k),
@@ -109,20 +112,20 @@ pub(super) fn late(block: &Block, left: f64, choice: Choice, order: Vec<usize>) 
 }
 
 /// `b_k - sum c_i b_i` of the dropped rows.
-fn mismatches(block: &Block, triangle: &Triangle) -> Vec<Mismatch> {
+fn mismatches(block: &Block, triangle: &Triangle, sigma: f64) -> Vec<Mismatch> {
     let signs = |lane: usize, i: usize| signed(SEED + lane as u64, i as u64).signum();
     let size = |lane: usize, i: usize| match lane {
         0 => block.effective[i].value,
         _ => signs(lane, i) * block.effective[i].size,
     };
-    let lanes = |of: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; LANES]> {
-        let sides = triangle.rows.iter().map(|&i| std::array::from_fn(|lane| of(lane, i))).collect();
-        triangle.shortest(block, &sides)
+    let sides = |of: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; LANES]> {
+        triangle.rows.iter().map(|&i| std::array::from_fn(|lane| of(lane, i))).collect()
     };
-    let x = lanes(&size);
+    let x = triangle.shortest(block, &sides(&size));
     let parts = |i: usize| block.matrix.row(i).map(|(j, v)| (v * x[j][0]).abs()).sum::<f64>();
     let rounding = |i: usize| f64::EPSILON * parts(i) + block.effective[i].error;
-    let errors = lanes(&|lane, i| signs(lane, i) * rounding(i));
+    let errors = sides(&|lane, i| signs(lane, i) * rounding(i));
+    let errors = triangle.nearly_shortest(block, &errors, sigma);
     let product =
         |x: &[[f64; LANES]], k: usize, lane: usize| block.matrix.row(k).map(|(j, v)| v * x[j][lane]).sum::<f64>();
     let rms = |x: &[[f64; LANES]], k: usize, first: usize| {
