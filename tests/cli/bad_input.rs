@@ -30,11 +30,7 @@ const USAGE: &[Refused] = &[
     ("reduce case -o out --growth 0.5", 2, &["--growth", "0.5", "at least 1"]),
     ("reduce case -o case", 2, &["case", "C.mtx", "overwritten", "another folder"]),
     ("reduce lone.mtx --prescribed out/prescribed.txt -o out", 2, &["out", "prescribed.txt", "part of the input"]),
-    (
-        "reduce lone.mtx --prescribed out/block2_prescribed.txt -o out",
-        2,
-        &["out", "block2_prescribed.txt", "part of the input"],
-    ),
+    ("reduce lone.mtx --prescribed out/qless.json -o out", 2, &["out", "qless.json", "part of the input"]),
     ("reduce case -o out --form sparse", 2, &["sparse", "--form", "explicit", "factored", "auto"]),
     ("reduce case -o file", 3, &["file", "not a folder", "another place"]),
     ("reduce case -o file/below", 3, &["file", "not a folder"]),
@@ -73,7 +69,7 @@ fn place() -> Place {
         .paper("case", 1.0)
         .file("lone.mtx", &lone)
         .file("out/prescribed.txt", "1 0\n")
-        .file("out/block2_prescribed.txt", "1 0\n")
+        .file("out/qless.json", "1 0\n")
         .file("file", "in the way")
         .file("empty/readme", "")
         .file("model.xyz", "")
@@ -153,4 +149,54 @@ fn a_folder_that_cannot_be_written_to_is_a_resource_failure() {
         assert!(run.err.contains("/proc/qless") && run.err.contains("nothing was written"), "{}", run.err);
     }
     assert!(place.everything() == before);
+}
+
+/// Names of cards, sets, includes, labels and files, in every report and message.
+#[test]
+fn no_name_moves_the_cursor_or_turns_the_text() {
+    let place = Place::new();
+    let bad = "\u{1b}]0;x\u{7}\u{1b}[31m\u{9b}2J\u{202e}\u{2066}";
+    let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n";
+    let tie = "*EQUATION\n2\n1,1,1.,2,1,-1.\n2\n1,1,1.,2,1,-1.\n";
+    let names = [
+        ("cards", format!("{nodes}*NOSUCH{bad}CARD\n1\n*MPC\nFOO{bad},1,2\n{tie}")),
+        ("set", format!("{nodes}*BOUNDARY\nSET{bad},1\n{tie}")),
+        ("include", format!("{nodes}*INCLUDE,INPUT=part{bad}.inc\n{tie}")),
+        ("elset", format!("{nodes}*NSET,NSET=A{bad}\n1,2\n*RIGID BODY,NSET=A{bad},REF NODE=3\n{tie}{tie}")),
+        ("amplitude", format!("{nodes}*BOUNDARY,AMPLITUDE=A{bad}\n1,1,1,.1\n{tie}")),
+    ];
+    for (name, text) in &names {
+        place.file(&format!("{name}.inp"), text);
+        place.file(&format!("{name}{bad}.inp"), text);
+    }
+    place.file("case/C.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 4\n1 1 1\n1 2 -1\n2 1 1\n2 2 -1\n");
+    place.file("case/rows.txt", format!("row{bad}\nother{bad}\n")).file("case/cols.txt", format!("a{bad}\nb{bad}\n"));
+    let decks = names.iter().flat_map(|(name, _)| [format!("{name}.inp"), format!("{name}{bad}.inp")]);
+    for input in decks.chain(["case".into(), format!("missing{bad}.inp")]) {
+        for command in [
+            format!("check {input}"),
+            format!("check {input} --format json"),
+            format!("check {input} --format html"),
+            format!("reduce {input} -o out{bad}"),
+            format!("clean {input} -o clean{bad}.inp"),
+            format!("check {input} --keep {bad}"),
+        ] {
+            let run = place.run(&command);
+            let is_harmful = |c: char| c.is_control() && c != '\n' || ('\u{202a}'..='\u{2069}').contains(&c);
+            for text in [&run.out, &run.err] {
+                let found = text.find(is_harmful).map(|at| text[at..].chars().take(20).collect::<String>());
+                assert!(found.is_none(), "{command:?}: {found:?}");
+            }
+        }
+    }
+    let run = place.run("check case --format json");
+    assert!(run.out.contains("\\u001b") && run.out.contains("\\u202e"), "JSON has the names as they are: {}", run.out);
+}
+
+#[test]
+fn a_device_is_written_to() {
+    let place = Place::new();
+    place.paper("case", 1.0);
+    assert_eq!(place.run("check case -o /dev/null").code, place.run("check case").code);
+    assert!(std::path::Path::new("/dev/null").metadata().is_ok_and(|null| !null.is_file()));
 }

@@ -1,13 +1,18 @@
-//! Killed runs leave the old or the new output, complete; signals that can be caught leave no temporary files.
+//! Killed runs leave the old or the new file, and the old or the new set of files or one whose manifest says that it is incomplete; the
+//! next run needs no help. Signals that can be caught leave no temporary files. Runs into one folder at once leave the set of one of
+//! them. No file of the user is touched.
 //!
 //! `QLESS_KILLS` sets the number of kills for each command; the default is small. A seed determines their times.
 
 mod folder;
 
+use std::fs;
 use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
+use qless_io::Manifest;
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::harness::{Place, lines};
@@ -37,20 +42,56 @@ const CASES: [Case; 5] = [
 ];
 
 #[test]
-fn what_is_killed_leaves_the_old_or_the_new_output() {
+fn what_is_killed_leaves_the_old_or_the_new_output_or_says_so() {
     let count = std::env::var("QLESS_KILLS").map_or(12, |count| count.parse().expect("a number"));
     for case in &CASES {
         let place = Place::new();
         prepare(&place, case);
-        let seen = (0..count).map(|k| kill(&place, case, k)).fold([0; 3], |mut seen, ended| {
-            seen[ended] += 1;
-            seen
-        });
+        let mut seen = [0; 4];
+        for k in 0..count {
+            seen[kill(&place, case, k) as usize] += 1;
+        }
+        let [old, new, incomplete, late] = seen;
         println!(
-            "{}: {} kills found the old output, {} the new one; {} came too late",
-            case.name, seen[0], seen[1], seen[2]
+            "{}: {old} kills found the old output, {new} the new one, {incomplete} an incomplete set; {late} came too late",
+            case.name
         );
     }
+}
+
+/// Both models have their own files; the folder ends with all files of one of them, and with all of the user's.
+#[test]
+fn runs_into_one_folder_at_once_leave_the_set_of_one_of_them() {
+    let place = Place::new();
+    let case = &CASES[0];
+    prepare(&place, case);
+    let folder = place.path(case.output);
+    let sets = [case.old, case.new].map(|command| {
+        assert_eq!(place.run(command).code, 0);
+        set(&folder)
+    });
+    let user =
+        || (content(&folder.join("deep")), fs::read(folder.join("notes")).expect("there"), numbers(&folder)["notes"]);
+    let before = user();
+    for runs in [2, 4, 8] {
+        let children: Vec<Child> = (0..runs).map(|k| start(&place, [case.old, case.new][k % 2])).collect();
+        for mut child in children {
+            assert!(child.wait().expect("it ends").success());
+        }
+        assert!(sets.contains(&set(&folder)), "{runs} at once");
+        assert_eq!(user(), before);
+        assert!(hidden(&folder).is_empty());
+    }
+}
+
+/// The files of the set in a folder, whose manifest is right.
+fn set(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let manifest = Manifest::check(folder).expect("a whole set");
+    manifest
+        .files
+        .into_iter()
+        .map(|file| (file.name.clone(), fs::read(folder.join(file.name)).expect("there")))
+        .collect()
 }
 
 /// A folder with models, and an output folder with files and folders of the user.
@@ -65,56 +106,72 @@ fn prepare(place: &Place, case: &Case) {
     place.file(&format!("{}/notes", case.output), "mine").file(&format!("{}/deep/notes", case.output), "mine too");
 }
 
-/// Kills one run. Returns whether the output is the old or the new one, or whether the run had ended.
-fn kill(place: &Place, case: &Case, k: usize) -> usize {
+/// What a kill found.
+#[derive(Clone, Copy)]
+enum Found {
+    Old,
+    New,
+    Incomplete,
+    /// The run had ended.
+    Late,
+}
+
+/// Kills one run, and runs it again.
+fn kill(place: &Place, case: &Case, k: usize) -> Found {
     let signal = SIGNALS[k / 4 % 3];
-    let number = signal.as_raw();
     let start_of_old = Instant::now();
     let run = place.run(case.old);
     let took = start_of_old.elapsed();
     assert!(run.code < 2, "{}", run.err);
     let folder = place.path(case.output);
     let (old, old_numbers) = (content(&folder), numbers(&folder));
-    // The temporary files that earlier kills left; a run removes them after a minute.
-    let before = [hidden(&place.path("")), hidden(&folder)];
-    let is_more_above = || !hidden(&place.path("")).is_subset(&before[0]);
-    let is_more = || is_more_above() || !hidden(&folder).is_subset(&before[1]);
+    assert!(hidden(&folder).is_empty(), "a run removes what a killed one left");
     let is_one = case.output == "sets";
     let mut child = start(place, case.new);
-    wait(k, took, || if is_one { is_more() } else { is_more_above() }, is_more);
+    wait(k, took, || !is_one && is_incomplete(&folder), || !hidden(&folder).is_empty());
     let sent = kill_process(Pid::from_child(&child), signal);
     assert!(sent.is_ok(), "a child that was not waited for can be sent signals");
     let status = child.wait().expect("it ends");
     let found = content(&folder);
     let what = format!("{} with {signal:?} at kill {k} ({status})", case.name);
-    assert!(status.signal() == Some(number) || status.code().is_some_and(|code| code < 2), "{what}");
-    assert!(signal == Signal::KILL || !is_more(), "{what}: temporary folders are left");
-    if numbers(&folder) == old_numbers {
-        assert!(found == old, "{what}: the old files have changed");
-        return if status.signal().is_some() { 0 } else { 2 };
-    }
-    // What the new output is, another run says; times are its own, but every file is another one than before.
+    assert!(status.signal() == Some(signal.as_raw()) || status.code().is_some_and(|code| code < 2), "{what}");
+    let is_whole = is_one || !is_incomplete(&folder);
+    assert!(signal == Signal::KILL || hidden(&folder).is_empty() && is_whole, "{what}: it was not ended in order");
     for path in ["notes", "deep/notes"] {
         assert_eq!(found.get(path), old.get(path), "{what}");
     }
-    let numbers = numbers(&folder);
-    let kept: Vec<_> = numbers.iter().filter(|(name, number)| old_numbers.get(*name) == Some(number)).collect();
-    assert!(kept.iter().all(|(name, _)| *name == "notes"), "{what}: of the old output are {kept:?}");
+    assert_eq!(numbers(&folder)["notes"], old_numbers["notes"], "{what}");
+    if is_whole && !is_one {
+        Manifest::check(&folder).unwrap_or_else(|error| panic!("{what}: {error}"));
+    }
+    let is_old = numbers(&folder) == old_numbers;
+    assert!(!is_old || found == old, "{what}: the old files have changed");
+    // What the new output is, another run says; times are its own.
     assert!(place.run(case.new).code < 2);
     let new = content(&folder);
-    assert!(new.keys().eq(found.keys()), "{what}: {:?} instead of {:?}", found.keys(), new.keys());
-    if !matches!(case.name, "bench" | "check") {
+    assert!(hidden(&folder).is_empty(), "{what}: temporary files are left");
+    if is_whole && !is_old && !matches!(case.name, "bench" | "check") {
         assert!(new == found, "{what}: the new output differs");
     }
-    if status.signal().is_some() { 1 } else { 2 }
+    match status.signal() {
+        _ if !is_whole => Found::Incomplete,
+        None => Found::Late,
+        Some(_) if is_old => Found::Old,
+        Some(_) => Found::New,
+    }
 }
 
-/// Commits are short and come late: every other kill waits for temporary folders, half of them for those of a switch, which are in
-/// the folder above. The others come at any time.
-fn wait(k: usize, took: Duration, is_switch: impl Fn() -> bool, is_stage: impl Fn() -> bool) {
+/// Whether the manifest of a folder says that its set is incomplete.
+fn is_incomplete(folder: &Path) -> bool {
+    Manifest::read(folder).expect("a manifest").is_some_and(|manifest| !manifest.complete)
+}
+
+/// Commits are short and come late: every other kill waits for temporary files, half of them for renames to begin. The others come at
+/// any time.
+fn wait(k: usize, took: Duration, is_renaming: impl Fn() -> bool, is_writing: impl Fn() -> bool) {
     let (of, is_due): (Duration, &dyn Fn() -> bool) = match k % 4 {
-        0 => (Duration::from_micros(500), &is_switch),
-        2 => (took / 5, &is_stage),
+        0 => (Duration::from_micros(200), &is_renaming),
+        2 => (took / 5, &is_writing),
         _ => (took * 4 / 5, &|| true),
     };
     let start = Instant::now();

@@ -91,7 +91,7 @@ fn a_file_with_several_names_is_refused() {
 fn a_set_of_files_changes_nothing_else_in_its_folder() {
     let place = Place::new();
     place.paper("case", 1.0).file("out/notes", "mine").file("out/deep/er/notes", "mine too");
-    place.file("out/T.mtx", "old").file("out/block1_L.mtx", "of an earlier run");
+    place.file("out/T.mtx", "old").file("out/block1_L.mtx", "of nobody known");
     symlink("notes", place.path("out/link")).expect("linked");
     let out = place.path("out");
     fs::set_permissions(out.join("T.mtx"), fs::Permissions::from_mode(0o600)).expect("set");
@@ -105,7 +105,9 @@ fn a_set_of_files_changes_nothing_else_in_its_folder() {
     assert_eq!(numbers(), before);
     assert_eq!(number("T.mtx").expect("written").2 & 0o7777, 0o600);
     assert!(fs::read_to_string(out.join("T.mtx")).expect("written").starts_with("%%MatrixMarket"));
-    assert!(!out.join("block1_L.mtx").exists());
+    assert!(out.join("block1_L.mtx").exists());
+    let manifest = qless_io::Manifest::check(&out).expect("a whole set");
+    assert_eq!(manifest.command, "qless reduce ../case -o .");
     assert!(place.everything().iter().all(|(path, _)| !path.to_string_lossy().contains(".qless-")));
 }
 

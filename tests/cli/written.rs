@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use qless_io::Manifest;
 use qless_io::matrix_market::{self, Triplets};
 
 use super::harness::Place;
@@ -18,6 +19,7 @@ struct Reduced {
 
 impl Reduced {
     fn read(place: &Place, folder: &str) -> Self {
+        Manifest::check(&place.path(folder)).expect("the files belong together");
         let path = |name: &str| place.path(folder).join(name);
         let text = |name: &str| fs::read_to_string(path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
         let indices = |name: &str| text(name).lines().map(|line| line.parse::<usize>().expect("whole") - 1).collect();

@@ -14,7 +14,6 @@
 //! linked with `-Bsymbolic-functions`, and on systems without ELF. There SuiteSparseQR behaves as without the guard.
 
 use core::ffi::c_char;
-use core::ops::{Deref, DerefMut};
 use core::ptr::{NonNull, fn_addr_eq};
 use core::sync::atomic::{AtomicI32, AtomicU64, Ordering::SeqCst};
 use std::alloc::{Layout, alloc, dealloc};
@@ -22,6 +21,14 @@ use std::alloc::{Layout, alloc, dealloc};
 use crate::cholmod_common;
 
 /// The parameters of one call and its failure. Drop it after everything that was allocated with it.
+///
+/// The struct that CHOLMOD knows owns memory by raw pointers, which the drop frees. So safe code gets no reference to it: it sets
+/// [`Common::set_task_tree`], and reads single numbers.
+///
+/// ```compile_fail
+/// let mut common = spqr_sys::memory::Common::start().expect("memory");
+/// common.Flag = 8 as *mut _; // The drop would free this pointer.
+/// ```
 #[derive(Debug)]
 pub struct Common(NonNull<AllocatorState>);
 
@@ -47,10 +54,51 @@ impl Common {
         };
         let mut common = Self(state);
         // SAFETY: the struct is as large as C's (`tests/layout.rs` checks that) and does not move.
-        unsafe { crate::cholmod_l_start(common.as_mut_ptr()) };
-        common.print = 0;
-        common.error_handler = Some(MARK);
+        unsafe {
+            crate::cholmod_l_start(common.as_mut_ptr());
+            (*common.as_mut_ptr()).print = 0;
+            (*common.as_mut_ptr()).error_handler = Some(MARK);
+        }
         Some(common)
+    }
+
+    /// The task tree of the next call: `SPQR_grain` (a tree if above 1) and `SPQR_small`, the least floating-point operations of a task.
+    pub fn set_task_tree(&mut self, grain: f64, small: f64) {
+        // SAFETY: initialized by `start`; both are plain numbers, and the library only accesses them during a call.
+        unsafe {
+            (*self.as_mut_ptr()).SPQR_grain = grain;
+            (*self.as_mut_ptr()).SPQR_small = small;
+        }
+    }
+
+    /// CHOLMOD's status after the last call.
+    pub fn status(&self) -> i32 {
+        self.get(|common| common.status)
+    }
+
+    /// Number of tasks of the last factorization.
+    pub fn tasks(&self) -> i64 {
+        self.get(|common| common.SPQR_istat[3])
+    }
+
+    /// Largest memory so far, in bytes.
+    pub fn memory_usage(&self) -> usize {
+        self.get(|common| common.memory_usage)
+    }
+
+    /// Seconds of the last analysis and of the last factorization.
+    pub fn times(&self) -> [f64; 2] {
+        self.get(|common| [common.SPQR_analyze_time, common.SPQR_factorize_time])
+    }
+
+    /// Norm of what the last factorization dropped.
+    pub fn dropped(&self) -> f64 {
+        self.get(|common| common.SPQR_norm_E_fro)
+    }
+
+    fn get<T: Copy>(&self, read: impl FnOnce(&cholmod_common) -> T) -> T {
+        // SAFETY: initialized by `start`. The library changes it only through `as_mut_ptr`, whose borrow has ended.
+        read(unsafe { &(*self.0.as_ptr()).common })
     }
 
     /// The pointer to pass to the library.
@@ -66,29 +114,13 @@ impl Common {
     }
 }
 
-impl Deref for Common {
-    type Target = cholmod_common;
-
-    fn deref(&self) -> &cholmod_common {
-        // SAFETY: initialized by `start`, and the library accesses it only during a mutable borrow.
-        unsafe { &(*self.0.as_ptr()).common }
-    }
-}
-
-impl DerefMut for Common {
-    fn deref_mut(&mut self) -> &mut cholmod_common {
-        // SAFETY: as above.
-        unsafe { &mut (*self.0.as_ptr()).common }
-    }
-}
-
 impl Drop for Common {
     fn drop(&mut self) {
         // SAFETY: started once and finished once; no pointer to it remains.
         unsafe {
             crate::cholmod_l_finish(self.as_mut_ptr());
             #[cfg(feature = "faults")]
-            faults::finished(self.malloc_count);
+            faults::finished(self.get(|common| common.malloc_count));
             dealloc(self.0.as_ptr().cast(), Layout::new::<AllocatorState>());
         }
     }

@@ -128,12 +128,13 @@ fn write(found: &SelectedMethods, args: &BenchArgs, mut output: Output) -> Resul
     if !levels.is_empty() {
         output.file(figure_15::CSV, |out| out.write_all(figure_15::csv(levels).as_bytes()))?;
     }
-    let page = page::markdown(samples, methods, levels, &command(args));
+    let command = command(args);
+    let page = page::markdown(samples, methods, levels, &command);
     output.file("trade.md", |out| out.write_all(page.as_bytes()))?;
     for (name, svg) in plots {
         output.file(name, |out| out.write_all(svg.as_bytes()))?;
     }
-    Ok(output.commit()?)
+    Ok(output.by(&command).commit()?)
 }
 
 /// The system of a size.

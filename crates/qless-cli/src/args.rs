@@ -18,6 +18,12 @@ use crate::scenes::SceneArgs;
 use crate::values::{NamedValue, number, one_of, threads};
 use crate::{exit_code, memory};
 
+/// The command as it was typed, for the manifest of what it writes.
+pub fn command() -> String {
+    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    std::iter::once("qless".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
 /// Finds redundant and conflicting constraint equations `C u = b` in finite-element models, says why, and reduces them.
 #[derive(Parser)]
 #[command(name = "qless", version = VERSION, propagate_version = false, after_help = exit_code::HELP)]

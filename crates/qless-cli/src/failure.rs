@@ -1,5 +1,6 @@
 //! Errors that stop a command: a message on standard error and an exit code of [`exit_code`](crate::exit_code).
 
+use std::borrow::Cow;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::Path;
@@ -10,7 +11,7 @@ use qless::{AnalysisError, ConstraintSystem, OptionError, ReductionError};
 use qless_io::deck::Deck;
 use qless_io::{ReadError, WriteError};
 
-use crate::wording;
+use crate::wording::{self, printable};
 use crate::{exit_code, memory};
 
 /// Why a command failed.
@@ -161,5 +162,14 @@ impl From<WriteError> for CliFailure {
 
 /// Writes a line to standard error. Ignores errors, which could not be reported anywhere.
 pub fn say(message: fmt::Arguments) {
-    let _ = writeln!(io::stderr(), "{message}");
+    let _ = writeln!(io::stderr(), "{}", printable::text(&message.to_string()));
+}
+
+/// Prints what is wrong with the command line, or help or version. The message repeats what was typed, so it is made harmless where it
+/// is not. Ignores errors, as [`say`] does.
+pub fn say_usage(error: &clap::Error) {
+    match printable::text(&error.render().to_string()) {
+        Cow::Borrowed(_) => drop(error.print()),
+        Cow::Owned(harmless) => say(format_args!("{}", harmless.trim_end())),
+    }
 }

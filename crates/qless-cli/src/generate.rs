@@ -4,10 +4,10 @@ use std::process::ExitCode;
 
 use clap::CommandFactory;
 use clap::error::ErrorKind;
-use qless_io::write_case;
+use qless_io::write::Output;
 use qless_scenes::{Scene, SceneError};
 
-use crate::args::Cli;
+use crate::args::{Cli, command};
 use crate::failure::CliFailure;
 use crate::memory;
 use crate::scenes::SceneArgs;
@@ -24,7 +24,9 @@ pub fn run(args: &SceneArgs) -> Result<ExitCode, CliFailure> {
     progress.stage("generating");
     let scene = args.scene.generate().map_err(|error| refused(&error))?;
     progress.stage("writing");
-    write_case(folder, &scene.system)?;
+    let mut output = Output::new(folder)?.by(&command());
+    output.case(&scene.system)?;
+    output.commit()?;
     drop(progress);
     terminal::write(|out| writeln!(out, "Wrote {}: {}", folder.display(), describe(&scene)))?;
     Ok(ExitCode::SUCCESS)

@@ -52,8 +52,15 @@ fn main() -> ExitCode {
     memory::on_out_of_memory(qless_io::write::abandon_unless_at_work);
     match ranks::Job::from_environment() {
         Some(job) => job.run(),
-        None => run(&Cli::parse().command).unwrap_or_else(|failure| failure.tell()),
+        None => run(&parse().command).unwrap_or_else(|failure| failure.tell()),
     }
+}
+
+fn parse() -> Cli {
+    Cli::try_parse().unwrap_or_else(|error| {
+        failure::say_usage(&error);
+        std::process::exit(error.exit_code())
+    })
 }
 
 /// Sets the memory limit and handles signals.

@@ -1,28 +1,22 @@
-//! `qless reduce`: writes `u_s = T u_q + G u_p + g` as files, all or none.
+//! `qless reduce`: writes `u_s = T u_q + G u_p + g` as a set of files with a manifest.
 
-use std::collections::BTreeSet;
-use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-use std::{fs, io};
 
 use qless::Reduction;
 use qless::reduction::{FactoredBlock, Parts};
-use qless_io::WriteError;
 use qless_io::write::Output;
+use qless_io::{Manifest, WriteError};
 
-use crate::args::ReduceArgs;
+use crate::args::{ReduceArgs, command};
 use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::failure::{CliFailure, say};
 use crate::report::{CommandOutcome, Reduced};
 use crate::terminal::Progress;
 
 /// Files of every reduction, without those of factors.
-const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
-
-/// Files of a part in factor form, such as `block1_L.mtx`: their names after the number of the block.
-const BLOCK_FILES: [&str; 9] =
-    ["L.mtx", "U.mtx", "C_M.mtx", "C_p.mtx", "b.txt", "equations.txt", "slaves.txt", "masters.txt", "prescribed.txt"];
+const FILES: [&str; 8] =
+    ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt", Manifest::NAME];
 
 /// Writes the files and prints the report; for conflicting or incomplete equations it only prints the report.
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
@@ -49,14 +43,11 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
 }
 
 fn write(args: &ReduceArgs, reduction: &Reduction, diagnosis: &Diagnosis) -> Result<(), CliFailure> {
-    let mut output = Output::new(&args.output)?.protecting(diagnosis.inputs());
+    let mut output = Output::new(&args.output)?.protecting(diagnosis.inputs()).by(&command());
     add(&mut output, reduction, diagnosis.system.dof_labels())?;
     for (block, k) in reduction.factored().iter().zip(1..) {
         let parts = block.parts().ok_or_else(|| beyond_range(args, k))?;
         add_block(&mut output, k, block, &parts)?;
-    }
-    for name in stale(&args.output, reduction.factored().len())? {
-        output.absent(&name)?;
     }
     Ok(output.commit()?)
 }
@@ -97,31 +88,6 @@ fn add_block(output: &mut Output, number: usize, block: &FactoredBlock, parts: &
     output.indices(&name("prescribed.txt"), block.prescribed())
 }
 
-/// Files in a folder that are named after blocks beyond the first `count`. An earlier run wrote them, and they would look
-/// like new ones.
-fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
-    let fail = |source| WriteError::Io { path: folder.to_path_buf(), source };
-    let entries = match fs::read_dir(folder) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeSet::new()),
-        entries => entries.map_err(fail)?,
-    };
-    let mut names = BTreeSet::new();
-    for entry in entries {
-        let entry = entry.map_err(fail)?;
-        let name = entry.file_name().into_string().ok();
-        let name = name.filter(|name| block_number(name).is_some_and(|k| k > count) && !entry.path().is_dir());
-        names.extend(name);
-    }
-    Ok(names)
-}
-
-/// Number of the block in a file name.
-fn block_number(name: &str) -> Option<usize> {
-    let (number, file) = name.strip_prefix("block")?.split_once('_')?;
-    let is_plain = number.bytes().all(|digit| digit.is_ascii_digit()) && !number.starts_with('0');
-    number.parse().ok().filter(|_| is_plain && BLOCK_FILES.contains(&file))
-}
-
 /// Refuses an output folder that cannot be written, or whose files would be lost.
 fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
     // A case and a reduction both have a prescribed.txt, with different meanings.
@@ -132,23 +98,6 @@ fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
         )));
     }
     let output = Output::new(&args.output)?.protecting(args.model.inputs());
-    for name in FILES.map(String::from).into_iter().chain(stale(&args.output, 0)?) {
-        output.check(&name)?;
-    }
+    FILES.into_iter().try_for_each(|name| output.check(name))?;
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{BLOCK_FILES, block_number};
-
-    #[test]
-    fn files_of_blocks_are_known_by_their_names() {
-        assert!(BLOCK_FILES.iter().all(|file| block_number(&format!("block12_{file}")) == Some(12)));
-        for other in
-            ["L.mtx", "block_L.mtx", "block0_L.mtx", "block01_L.mtx", "block+1_L.mtx", "block1_T.mtx", "block1L.mtx"]
-        {
-            assert_eq!(block_number(other), None, "{other}");
-        }
-    }
 }

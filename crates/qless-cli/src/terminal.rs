@@ -9,11 +9,19 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::failure::CliFailure;
 use crate::memory::threads;
+use crate::wording::printable;
 
-/// Calls `write` with standard output, and flushes it.
+/// Shows on standard output what `write` writes.
 pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
+    let mut text = Vec::new();
+    write(&mut text).map_err(|error| CliFailure::from_stdout(&error))?;
+    show(printable::text(&String::from_utf8_lossy(&text)).as_bytes())
+}
+
+/// Writes a report, whose characters are harmless, to standard output.
+pub fn show(report: &[u8]) -> Result<(), CliFailure> {
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    match write(&mut out).and_then(|()| out.flush()) {
+    match out.write_all(report).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliFailure::from_stdout(&error)),
         _ => Ok(()),
     }

@@ -6,7 +6,7 @@ use qless::{ConstraintSystem, Place, SystemError};
 
 use crate::fault::TextFault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
-use crate::{ReadError, matrix_market};
+use crate::{Manifest, ReadError, matrix_market};
 
 /// The files that [`read_case`](crate::read_case) reads, including optional ones that may be missing.
 ///
@@ -66,6 +66,10 @@ impl CaseFiles {
         };
         let [matrix, rhs, prescribed, rows, columns] = PARTS.map(part);
         let matrix = matrix.ok_or_else(|| ReadError::NoMatrix { path: folder.to_path_buf() })?;
+        // Files that were changed by hand since are a case too, and so is a folder with a file of this name of somebody else.
+        if Manifest::read(folder).is_ok_and(|manifest| manifest.is_some_and(|manifest| !manifest.complete)) {
+            return Err(ReadError::Interrupted { path: folder.join(Manifest::NAME) });
+        }
         Ok(Self { matrix, rhs, prescribed, rows, columns })
     }
 

@@ -71,6 +71,15 @@ pub enum ReadError {
         /// What it is, and what to do.
         problem: &'static str,
     },
+    /// A case whose writing was interrupted.
+    #[error(
+        "{}: writing this case was interrupted, or has not ended; write it again, or remove the file if C.mtx and all others are right",
+        path.display()
+    )]
+    Interrupted {
+        /// The manifest.
+        path: PathBuf,
+    },
     /// The library rejected a system that the reader accepted.
     #[error("{}: {source} (rows and DOFs counted from 0)", path.display())]
     System {
@@ -81,7 +90,7 @@ pub enum ReadError {
     },
 }
 
-/// Why an output was not written. No files are left behind.
+/// Why an output was not written. No temporary files are left behind.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
@@ -123,6 +132,15 @@ pub enum WriteError {
         /// Number of its names.
         names: u64,
     },
+    /// Another process that does not give the folder's lock back.
+    #[error("{}: another process has been writing to this folder for more than a minute; end it, or name another place", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A folder with a `qless.json` of somebody else.
+    #[error(transparent)]
+    Manifest(crate::ManifestError),
     /// A label with a line break.
     #[error("{}: label {index} ({label:?}) has a line break; a label is one line", path.display())]
     LabelLineBreak {

@@ -54,6 +54,27 @@ pub enum TextFault {
         /// Number of rows.
         rows: usize,
     },
+    /// A symmetric matrix that is not square.
+    #[error(
+        "a symmetric matrix has as many rows as columns, found {rows} and {columns}; correct the sizes or write `general`"
+    )]
+    NotSquare {
+        /// Number of rows.
+        rows: usize,
+        /// Number of columns.
+        columns: usize,
+    },
+    /// An entry of a symmetric matrix outside of the triangle that such files store.
+    #[error(
+        "row {row}, column {column} is not in the triangle that the header says is stored, the lower one (below the diagonal if \
+         skew-symmetric); remove the entry, or write all entries and `general`"
+    )]
+    OtherTriangle {
+        /// Row, 1-based.
+        row: usize,
+        /// Column, 1-based.
+        column: usize,
+    },
     /// A line that is no entry.
     #[error("expected `{expected}`, found {found}; correct or remove the line")]
     Entry {

@@ -1,11 +1,11 @@
-//! Reads and writes constraint systems `C u = b`. Everything read is checked; files are written completely or not at
-//! all.
+//! Reads and writes constraint systems `C u = b`. Everything read is checked; every file is written completely or not at
+//! all, and a [`Manifest`] says which files of a folder belong together.
 //!
 //! A case is a folder, or a single Matrix Market file:
 //!
 //! | file             | holds                                   | if absent              |
 //! | ---------------- | --------------------------------------- | ---------------------- |
-//! | `C.mtx`          | C, m x n, coordinate real general       | an error               |
+//! | `C.mtx`          | C, m x n, as in [`matrix_market`]       | an error               |
 //! | `b.txt`          | b, m numbers, one a line                | zeros                  |
 //! | `prescribed.txt` | `column value` a line, 1-based          | nothing is prescribed  |
 //! | `rows.txt`       | one label a line, for each equation     | `row 5`                |
@@ -34,6 +34,7 @@ mod error;
 mod fault;
 mod file_chunk;
 mod lines;
+mod manifest;
 pub mod matrix_market;
 mod number;
 mod opened;
@@ -44,6 +45,7 @@ pub use bytes::without_gz;
 pub use case::case_files;
 pub use error::{ReadError, WriteError};
 pub use fault::{NumberFault, Quantity, TextFault};
+pub use manifest::{FileRecord, Manifest, ManifestError};
 pub use opened::{FileContent, Opened, read_case};
 pub use write::write_case;
 

@@ -69,7 +69,7 @@ impl ChunkedRhs {
     fn parse_head(path: &Path, lines: &mut TextLines, rows: usize, has_head: bool) -> Result<Self, ReadError> {
         let mut head = Self { rows, is_integer: false, before: LineCount::default(), start: 0 };
         if has_head {
-            head.is_integer = header::read(path, lines, "array")?;
+            head.is_integer = header::read_vector(path, lines)?;
             check_sizes(path, lines, rows)?;
             head.before.lines = lines.number();
         }

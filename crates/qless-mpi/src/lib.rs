@@ -34,7 +34,7 @@ mod solve;
 
 pub use analysis::{Analysis, JobCounts, Term, WorkCounts, analyse};
 pub use elimination::DistributedElimination;
-pub use error::{CodedError, Error, ErrorWords, agree};
+pub use error::{CodedError, Error, ErrorWords, OptionName, agree};
 pub use exact::exact_sum;
 #[cfg(feature = "files")]
 pub use files::{Case, CaseError, Equation, Facts, GatheredFindings, read_case};

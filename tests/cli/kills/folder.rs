@@ -29,10 +29,11 @@ fn collect(folder: &Path, prefix: &str, all: &mut Content) {
     }
 }
 
-/// The inode numbers of the files, which distinguish files of equal content.
+/// The inode numbers of the files except temporary ones, which distinguish files of equal content.
 pub fn numbers(folder: &Path) -> BTreeMap<String, u64> {
     let entries = fs::read_dir(folder).expect("a folder").flatten().filter(|entry| !entry.path().is_dir());
-    entries.map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.ino())).collect()
+    let numbered = entries.map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.ino()));
+    numbered.filter(|(name, _)| !is_hidden(name)).collect()
 }
 
 /// The names of the temporary files.

@@ -16,6 +16,7 @@ use crate::args::{CheckArgs, Deny, ReportFormat};
 use crate::failure::CliFailure;
 use crate::preferences::{ListWord, WordList};
 use crate::terminal::Progress;
+use crate::wording::printable;
 use crate::{exit_code, memory, terminal};
 
 /// Runs the command; collective, with the same exit code on all ranks.
@@ -44,7 +45,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
             Findings { case: &case, analysis: &analysis, found: &found, options: &options, ranks: ranks.size() };
         let rendered = findings.render(model, (start, read));
         drop(progress);
-        rendered.and_then(|bytes| write(args, &bytes))
+        rendered.and_then(|bytes| write(args, bytes))
     } else {
         Ok(())
     };
@@ -90,10 +91,11 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
     Ok(())
 }
 
-fn write(args: &CheckArgs, bytes: &[u8]) -> Result<(), CliFailure> {
+fn write(args: &CheckArgs, bytes: Vec<u8>) -> Result<(), CliFailure> {
+    let bytes = printable::report(bytes, args.model.format == ReportFormat::Json);
     match &args.output {
-        None => terminal::write(|out| out.write_all(bytes)),
-        Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(bytes)?),
+        None => terminal::show(&bytes),
+        Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(&bytes)?),
     }
 }
 

@@ -16,7 +16,7 @@ use qless_mpi::{CodedError, Ranks, agree};
 use crate::args::Cli;
 #[cfg(feature = "mpi")]
 use crate::exit_code;
-use crate::failure::CliFailure;
+use crate::failure::{CliFailure, say_usage};
 
 /// One of several processes started by `mpirun`.
 #[derive(Clone, Copy)]
@@ -38,8 +38,7 @@ impl Job {
     fn parse(self) -> Result<Cli, ExitCode> {
         Cli::try_parse().map_err(|error| {
             if self.rank == 0 {
-                // A write error could not be reported anywhere.
-                let _ = error.print();
+                say_usage(&error);
             }
             ExitCode::from(error.exit_code() as u8)
         })

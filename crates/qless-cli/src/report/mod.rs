@@ -15,6 +15,7 @@ use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
 use crate::failure::CliFailure;
 use crate::terminal::{self, Progress};
+use crate::wording::printable;
 
 /// What the command did after the diagnosis.
 pub enum CommandOutcome<'a> {
@@ -59,11 +60,17 @@ impl Diagnosis<'_> {
         if self.args.format == ReportFormat::Text {
             self.deck.iter().for_each(DeckInput::warn);
         }
-        terminal::write(|out| out.write_all(&bytes))
+        terminal::show(&bytes)
     }
 
-    /// The report in the requested format.
+    /// The report in the requested format, without characters that could do harm where it is shown.
     pub fn render(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
+        let bytes = self.render_as_named(reduced, outcome)?;
+        Ok(printable::report(bytes, self.args.format == ReportFormat::Json))
+    }
+
+    /// The report with all names as they are in the files.
+    fn render_as_named(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
         let terms = if self.args.format == ReportFormat::Text { 0 } else { Report::TERMS };
         let misfit = |error| CliFailure::Resource(format!("the report cannot be made: {error}"));
         let report = self.report(reduced, terms).map_err(misfit)?;

@@ -31,11 +31,6 @@ fn take(text: impl Iterator<Item = char>, most: usize) -> String {
     text.take_while(fits).collect()
 }
 
-/// Replaces control characters, which could move the cursor, by question marks.
-pub fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
-}
-
 /// Fills at most `lines` lines of at most `most` columns with pieces, and counts the pieces that fit.
 ///
 /// The first line starts with `first`, the others with `indent`. If not all pieces fit, `reserve` columns of the last line stay

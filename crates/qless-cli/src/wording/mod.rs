@@ -1,10 +1,11 @@
 //! Writes equations, DOFs and numbers in limited space.
 
 pub mod layout;
+pub mod printable;
 
 use qless::ConstraintSystem;
 
-use layout::{printable, shorten};
+use layout::shorten;
 
 /// Labels and facts of equations, by index.
 pub trait EquationLookup {
@@ -59,7 +60,7 @@ pub fn equation(equations: &dyn EquationLookup, row: usize) -> String {
 
 /// A label without control characters, shortened.
 pub fn label(text: &str) -> String {
-    shorten(&printable(text), LABEL)
+    shorten(&printable::line(text), LABEL)
 }
 
 /// `1 equation`, `2 equations`.

@@ -3,7 +3,7 @@
 //!
 //! | module, lowest layer first | content |
 //! | --- | --- |
-//! | `format`, `error` | formats and solvers; errors in decks |
+//! | `format`, `error`, `limits` | formats and solvers; errors in decks; what a deck may be multiplied to |
 //! | `source`, `detect` | a deck and its included files; detection of the format |
 //! | `cards`, `model` | constraints of a deck of any format |
 //! | `kinematics` | equations of rigid bodies and weighted means |
@@ -30,6 +30,7 @@ mod error;
 mod faults;
 mod format;
 mod kinematics;
+mod limits;
 mod model;
 mod nastran;
 mod paged_list;

@@ -6,14 +6,10 @@ use std::sync::Arc;
 
 use super::{DeckError, Problem, Solver};
 use crate::bytes::is_too_much;
+use crate::deck::limits::{INCLUDE_DEPTH, INCLUDES};
 
 /// Callback that returns the bytes of a file.
 pub type Open<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
-
-/// Deepest nesting of includes.
-pub const INCLUDE_DEPTH: usize = 20;
-/// Most includes, over all passes through a deck.
-pub const INCLUDES: usize = 10_000;
 
 /// The files read so far, by number.
 pub struct Sources<'a> {

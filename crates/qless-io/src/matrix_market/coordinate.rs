@@ -1,9 +1,10 @@
-//! Parses `row column value` lines into triplets, in one pass over the bytes.
+//! Parses the lines below the sizes into triplets, in one pass over the bytes.
 
 use std::path::Path;
 
 use super::Triplets;
-use super::header::{self, FileHead};
+use super::array_places::Positions;
+use super::header::{self, FileHead, Header, Symmetry};
 use crate::ReadError;
 use crate::fault::{Quantity, TextFault, quote};
 use crate::file_chunk::{ChunkedFile, FileChunk, LineCount};
@@ -12,8 +13,10 @@ use crate::number::whole;
 
 const ENTRY: &str = "row column value";
 const SIZES: &str = "rows columns entries";
+const VALUE: &str = "value";
+const ARRAY_SIZES: &str = "rows columns";
 
-/// Bytes of the shortest entry, `1 1 1` and LF.
+/// Bytes of the shortest entry, `1 1 1` and LF. An array's are shorter; its list grows.
 const SHORTEST_ENTRY: usize = 6;
 
 /// Most empty rows or columns. Larger sizes are typing errors, and cost memory.
@@ -27,8 +30,9 @@ const SEARCHED: u64 = 1 << 24;
 pub struct ChunkedMatrix {
     rows: usize,
     columns: usize,
+    /// Lines below the sizes.
     entries: usize,
-    is_integer: bool,
+    header: Header,
     /// Line of the sizes.
     sizes_line: usize,
     start: u64,
@@ -37,8 +41,8 @@ pub struct ChunkedMatrix {
 pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<Triplets, ReadError> {
     let mut lines = TextLines::new(path, text);
     let head = ChunkedMatrix::parse_head(path, &mut lines)?;
-    let entries = head.parse_entries(&mut lines, 0)?;
-    head.check_count(path, entries.len())?;
+    let (entries, found) = head.parse_entries(&mut lines, 0)?;
+    head.check_count(path, found)?;
     Ok(Triplets { rows: head.rows, columns: head.columns, entries })
 }
 
@@ -54,19 +58,28 @@ impl ChunkedMatrix {
     }
 
     fn parse_head(path: &Path, lines: &mut TextLines) -> Result<Self, ReadError> {
-        let is_integer = header::read(path, lines, "coordinate")?;
+        let header = header::read_matrix(path, lines)?;
+        let expected = if header.is_array { ARRAY_SIZES } else { SIZES };
         let Some(line) = lines.content() else {
-            return Err(lines.fault(TextFault::Sizes { expected: SIZES, found: quote(b"") }));
+            return Err(lines.fault(TextFault::Sizes { expected, found: quote(b"") }));
         };
-        let malformed = || line.fault(TextFault::Sizes { expected: SIZES, found: line.quote() });
-        let [rows, columns, entries] = line.fields().ok_or_else(malformed)?;
-        let entries = whole(entries).ok_or_else(malformed)?;
+        let malformed = || line.fault(TextFault::Sizes { expected, found: line.quote() });
+        let (rows, columns, entries) = if header.is_array {
+            let [rows, columns] = line.fields().ok_or_else(malformed)?;
+            (rows, columns, header.symmetry.stored(rows, columns).ok_or_else(malformed)?)
+        } else {
+            let [rows, columns, entries] = line.fields().ok_or_else(malformed)?;
+            (rows, columns, whole(entries).ok_or_else(malformed)?)
+        };
         let size = |what, word| size(&line, what, word, entries)?.ok_or_else(malformed);
         let (rows, columns) = (size("rows", rows)?, size("columns", columns)?);
         if columns == 0 {
             return Err(line.fault(TextFault::NoColumns { rows }));
         }
-        Ok(Self { rows, columns, entries, is_integer, sizes_line: line.number, start: 0 })
+        if header.symmetry != Symmetry::General && rows != columns {
+            return Err(line.fault(TextFault::NotSquare { rows, columns }));
+        }
+        Ok(Self { rows, columns, entries, header, sizes_line: line.number, start: 0 })
     }
 
     /// Number of rows m.
@@ -94,19 +107,31 @@ impl ChunkedMatrix {
     /// # Errors
     /// [`ReadError::Malformed`] with the line.
     pub fn entries(&self, lines: &FileChunk, before: LineCount) -> Result<Vec<(usize, usize, f64)>, ReadError> {
-        self.parse_entries(&mut lines.after(before.lines), before.items)
+        self.parse_entries(&mut lines.after(before.lines), before.items).map(|(entries, _)| entries)
     }
 
-    fn parse_entries(&self, lines: &mut TextLines, before: usize) -> Result<Vec<(usize, usize, f64)>, ReadError> {
+    /// The entries of these lines, `before` of which came earlier, and the number of lines.
+    fn parse_entries(
+        &self,
+        lines: &mut TextLines,
+        before: usize,
+    ) -> Result<(Vec<(usize, usize, f64)>, usize), ReadError> {
         let room = self.entries.saturating_sub(before).min((lines.unread_bytes() + 1) / SHORTEST_ENTRY);
         let mut entries = Vec::with_capacity(room);
+        let mut positions = self.positions(before);
+        let mut found = 0;
         while let Some(line) = lines.content() {
-            if before + entries.len() >= self.entries {
+            if before + found >= self.entries {
                 return Err(line.fault(TextFault::TooMany { promised: self.entries }));
             }
-            entries.push(self.entry(&line)?);
+            found += 1;
+            entries.extend(self.both(self.entry(&line, &mut positions)?));
         }
-        Ok(entries)
+        Ok((entries, found))
+    }
+
+    fn positions(&self, before: usize) -> Positions {
+        Positions::after(before, self.rows, self.header.symmetry)
     }
 
     /// Checks that the whole file has all promised entries; `found` is their number.
@@ -125,12 +150,31 @@ impl ChunkedMatrix {
         Ok(())
     }
 
-    fn entry(&self, line: &TextLine) -> Result<(usize, usize, f64), ReadError> {
-        let [row, column, value] = line.fields().ok_or_else(|| line.malformed(ENTRY))?;
-        let row = index(line, "row", row, self.rows)?;
-        let column = index(line, "column", column, self.columns)?;
+    /// The entry of a line; `positions` gives that of an array's next value.
+    fn entry(&self, line: &TextLine, positions: &mut Positions) -> Result<(usize, usize, f64), ReadError> {
+        let (row, column, value) = if self.header.is_array {
+            let [value] = line.fields().ok_or_else(|| line.malformed(VALUE))?;
+            let (row, column) = positions.next_place();
+            (row, column, value)
+        } else {
+            let [row, column, value] = line.fields().ok_or_else(|| line.malformed(ENTRY))?;
+            let row = index(line, "row", row, self.rows)?;
+            (row, index(line, "column", column, self.columns)?, value)
+        };
+        self.header.symmetry.check(line, row, column)?;
         let what = Quantity::Coefficient { row: row + 1, column: column + 1 };
-        Ok((row, column, line.number(value, what, self.is_integer)?))
+        Ok((row, column, line.number(value, what, self.header.is_integer)?))
+    }
+
+    /// An entry and its mirror image, if it has one; a dense matrix has no entries where it is zero.
+    fn both(&self, (row, column, value): (usize, usize, f64)) -> impl Iterator<Item = (usize, usize, f64)> + use<> {
+        let mirrored = match self.header.symmetry {
+            Symmetry::General => None,
+            Symmetry::Symmetric => (row != column).then_some((column, row, value)),
+            Symmetry::Skew => Some((column, row, -value)),
+        };
+        let is_kept = !self.header.is_array || value != 0.0;
+        is_kept.then_some((row, column, value)).into_iter().chain(mirrored.filter(|_| is_kept))
     }
 }
 
@@ -139,12 +183,13 @@ pub(crate) fn find_entry(path: &Path, place: (usize, usize)) -> Result<Option<(u
     let file = ChunkedFile::open(path)?;
     let matrix = ChunkedMatrix::open(&file)?;
     let (mut before, mut start, mut found) = (matrix.sizes_line, matrix.start, None);
+    let mut positions = matrix.positions(0);
     while start < file.len() {
         let chunk = file.lines(start..start.saturating_add(SEARCHED))?;
         let mut lines = chunk.after(before);
         while let Some(line) = lines.content() {
-            let (row, column, _) = matrix.entry(&line)?;
-            if (row, column) == place {
+            let entry = matrix.entry(&line, &mut positions)?;
+            if matrix.both(entry).any(|(row, column, _)| (row, column) == place) {
                 found = Some((found.map_or(line.number, |(first, _)| first), line.number));
             }
         }

@@ -13,8 +13,37 @@ pub(crate) fn is_present(bytes: &[u8]) -> bool {
     TextLines::new(Path::new(""), bytes).not_blank().is_some_and(|line| is_banner(&line))
 }
 
-/// Reads the header of a file in this format, `coordinate` or `array`; returns whether it promises integers.
-pub(crate) fn read(path: &Path, lines: &mut TextLines, format: &str) -> Result<bool, ReadError> {
+/// What a header says of the lines below the sizes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Header {
+    /// Values only, column after column (`array`), instead of `row column value`.
+    pub is_array: bool,
+    pub is_integer: bool,
+    pub symmetry: Symmetry,
+}
+
+/// Which entries a file leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Symmetry {
+    /// None.
+    General,
+    /// Those above the diagonal: `a_ji = a_ij`.
+    Symmetric,
+    /// Those above and on the diagonal: `a_ji = -a_ij`.
+    Skew,
+}
+
+/// Reads the header of a vector; returns whether it promises integers.
+pub(crate) fn read_vector(path: &Path, lines: &mut TextLines) -> Result<bool, ReadError> {
+    read(path, lines, &["array"], &["general"]).map(|header| header.is_integer)
+}
+
+/// Reads the header of a matrix.
+pub(crate) fn read_matrix(path: &Path, lines: &mut TextLines) -> Result<Header, ReadError> {
+    read(path, lines, &["coordinate", "array"], &["general", "symmetric", "skew-symmetric"])
+}
+
+fn read(path: &Path, lines: &mut TextLines, formats: &[&str], symmetries: &[&str]) -> Result<Header, ReadError> {
     let Some(line) = lines.not_blank() else {
         return Err(ReadError::malformed(path, None, TextFault::Header { found: quote(b"") }));
     };
@@ -23,10 +52,16 @@ pub(crate) fn read(path: &Path, lines: &mut TextLines, format: &str) -> Result<b
         return Err(line.fault(TextFault::Header { found: line.quote() }));
     };
     accept(&line, object, &["matrix"])?;
-    accept(&line, format_found, &[format])?;
+    accept(&line, format_found, formats)?;
     accept(&line, field, &["real", "integer"])?;
-    accept(&line, symmetry, &["general"])?;
-    Ok(field.eq_ignore_ascii_case(b"integer"))
+    accept(&line, symmetry, symmetries)?;
+    let symmetry = match symmetry.to_ascii_lowercase().as_slice() {
+        b"symmetric" => Symmetry::Symmetric,
+        b"skew-symmetric" => Symmetry::Skew,
+        _ => Symmetry::General,
+    };
+    let is = |word: &[u8], known: &str| word.eq_ignore_ascii_case(known.as_bytes());
+    Ok(Header { is_array: is(format_found, "array"), is_integer: is(field, "integer"), symmetry })
 }
 
 /// Header and sizes of a file. Comments are replaced by blank lines, which keep the line numbers and take no memory.
@@ -85,11 +120,7 @@ fn advice(word: &[u8]) -> &'static str {
         b"pattern" => "there are no coefficients; add a value to each entry and write `real`",
         b"complex" => "coefficients must be real; split each equation in its real and imaginary part and write `real`",
         b"hermitian" => "only one triangle is stored, of a complex matrix; write all entries as `real general`",
-        b"symmetric" => "only one triangle is stored; write both triangles and `general`",
-        b"skew-symmetric" => {
-            "only one triangle is stored; write both triangles, the upper with the sign changed, and `general`"
-        }
-        b"array" => "the matrix is dense; write its nonzero entries as `row column value` and `coordinate`",
+        b"symmetric" | b"skew-symmetric" => "a vector has no triangles; write `general`",
         b"coordinate" => "the vector is sparse; write all its values, one a line, and `array`",
         _ => "unknown; expected `matrix coordinate real general` (`array` for a vector)",
     }

@@ -1,4 +1,5 @@
-//! Matrix Market files of an m x n sparse matrix: `coordinate`, `real` or `integer`, `general`.
+//! Matrix Market files of an m x n matrix: `coordinate` or `array`, `real` or `integer`, `general`, `symmetric` or
+//! `skew-symmetric`.
 //!
 //! ```text
 //! %%MatrixMarket matrix coordinate real general
@@ -13,10 +14,14 @@
 //! `row column value` a line, counted from 1. Repeated entries are kept; the library sums them. Exponents may use
 //! Fortran's `D`, and lines may end in CRLF.
 //!
-//! Refused, with the line: other headers (`pattern`, `complex`, `symmetric`, `skew-symmetric`, `hermitian`, `array`),
+//! An `array` lists `rows columns`, then all values column after column, one a line; zeros are dropped. A `symmetric` file
+//! stores the lower triangle with the diagonal, a `skew-symmetric` one (`a_ji = -a_ij`) the part below it.
+//!
+//! Refused, with the line: other headers (`pattern`, `complex`, `hermitian`), entries of the other triangle,
 //! malformed or out-of-range lines, `nan` and `inf`, numbers that overflow or underflow to zero, and a wrong number of
 //! entries. Memory is proportional to the file, not to the sizes it claims.
 
+mod array_places;
 mod coordinate;
 pub(crate) mod header;
 

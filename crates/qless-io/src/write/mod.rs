@@ -2,41 +2,31 @@
 //!
 //! Numbers have the fewest digits that read back as the same 64-bit float. Missing folders are created.
 //!
-//! All files of one call are first written to a hidden folder, and then put in place at once. Readers see either the
-//! old files or the new ones, even if the program is killed. After an error the old files are in place, and nothing
-//! else is left. A new file takes over the mode of the old one, and its owner and group if permitted.
+//! All files of one call are first written to hidden files beside their places, and then renamed. So no file is ever half
+//! written, and no other file or folder is touched. A set of files has a [`Manifest`](crate::Manifest), which says whether all are in
+//! place; [`Manifest::check`](crate::Manifest::check) compares them with it. A new file takes over the mode of the old one, and its
+//! owner and group if permitted.
+//!
+//! | the program ends | state of the folder |
+//! | --- | --- |
+//! | while files are written | the old files; by a signal that cannot be caught also hidden files, which the next writer removes |
+//! | while files are renamed, by such a signal or a failure | the manifest says that the set is incomplete; the next writer completes its own set, and removes what is left of the others |
+//! | after that | the new files |
 //!
 //! | module | content, lowest layer first |
 //! | --- | --- |
 //! | `inputs` | [`Inputs`]: files that no output may replace |
 //! | `metadata` | mode, owner, group and links of files |
-//! | `stage` | hidden folders for new files, and the lock of their writers; [`abandon`] removes them when a signal ends the program |
-//! | `moves`, `switch` | put files in place: one by one, or by an exchange of folders |
-//! | `commit` | chooses between the two, with a table of what a kill leaves behind |
+//! | `text` | matrices, numbers and indices as text |
+//! | `scratch` | hidden files and the locks of their writers; [`abandon`] removes them when a signal ends the program |
 //! | `output`, `one_file` | [`Output`], a set of files for a folder; [`OneFile`], a single file |
 
-mod commit;
 mod inputs;
 mod metadata;
-mod moves;
 mod one_file;
 mod output;
-mod stage;
-#[cfg(any(target_os = "linux", target_vendor = "apple"))]
-mod switch;
-/// Without exchange of folders, files are moved one by one.
-#[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
-mod switch {
-    use std::path::Path;
-
-    use super::moves::FolderChange;
-    use super::stage::{Stage, WriteLock};
-    use crate::WriteError;
-
-    pub(super) fn replace(_: &Path, _: &Stage, _: &FolderChange, _: &WriteLock) -> Option<Result<(), WriteError>> {
-        None
-    }
-}
+mod scratch;
+mod text;
 
 use std::path::Path;
 
@@ -46,8 +36,7 @@ use crate::WriteError;
 pub use inputs::Inputs;
 pub use one_file::OneFile;
 pub use output::Output;
-use output::write_prescribed;
-pub use stage::{abandon, abandon_unless_at_work, is_at_work};
+pub use scratch::{abandon, abandon_unless_at_work, is_at_work};
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///
@@ -55,7 +44,7 @@ pub use stage::{abandon, abandon_unless_at_work, is_at_work};
 /// the default, its number.
 ///
 /// # Errors
-/// [`WriteError`]; the folder is then unchanged.
+/// Those of [`Output::commit`].
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -70,16 +59,8 @@ pub use stage::{abandon, abandon_unless_at_work, is_at_work};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteError> {
-    let mut output = Output::new(folder)?;
-    output.matrix("C.mtx", system.matrix())?;
-    output.numbers("b.txt", system.rhs())?;
-    if system.prescribed().is_empty() {
-        output.absent("prescribed.txt")?;
-    } else {
-        output.file("prescribed.txt", |out| write_prescribed(out, system.prescribed()))?;
-    }
-    output.labels("rows.txt", system.equation_labels())?;
-    output.labels("cols.txt", system.dof_labels())?;
+    let mut output = Output::new(folder)?.by("qless_io::write_case");
+    output.case(system)?;
     output.commit()
 }
 
@@ -98,7 +79,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_matrix(path: &Path, matrix: &Csr) -> Result<(), WriteError> {
-    OneFile::at(path, Inputs::default())?.put(|output, name| output.matrix(name, matrix))
+    OneFile::at(path, Inputs::default())?.put(|out| text::matrix(out, matrix))
 }
 
 /// Writes numbers, one a line.
@@ -114,7 +95,7 @@ pub fn write_matrix(path: &Path, matrix: &Csr) -> Result<(), WriteError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_numbers(path: &Path, numbers: &[f64]) -> Result<(), WriteError> {
-    OneFile::at(path, Inputs::default())?.put(|output, name| output.numbers(name, numbers))
+    OneFile::at(path, Inputs::default())?.put(|out| text::numbers(out, numbers))
 }
 
 /// Writes 0-based indices, one a line, as 1-based ones.
@@ -130,5 +111,5 @@ pub fn write_numbers(path: &Path, numbers: &[f64]) -> Result<(), WriteError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_indices(path: &Path, indices: &[usize]) -> Result<(), WriteError> {
-    OneFile::at(path, Inputs::default())?.put(|output, name| output.indices(name, indices))
+    OneFile::at(path, Inputs::default())?.put(|out| text::indices(out, indices))
 }

@@ -1,14 +1,15 @@
 //! Writes one file, completely or not at all.
 
-use std::io;
-use std::path::Path;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
 use super::inputs::Inputs;
 use super::metadata::{check_names, follow};
 use super::output::Output;
 use crate::WriteError;
 
-/// A file to be written. Links are followed: their target is replaced.
+/// A file to be written. Links are followed: their target is replaced. A device or pipe, such as `/dev/null`, is written to.
 ///
 /// ```
 /// use qless_io::write::{Inputs, OneFile};
@@ -22,9 +23,12 @@ use crate::WriteError;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct OneFile {
-    output: Output,
-    name: String,
+pub struct OneFile(OutputPlace);
+
+#[derive(Debug)]
+enum OutputPlace {
+    File { output: Output, name: String },
+    Stream(PathBuf),
 }
 
 impl OneFile {
@@ -38,6 +42,9 @@ impl OneFile {
     /// there.
     pub fn at(path: &Path, inputs: Inputs) -> Result<Self, WriteError> {
         inputs.check_output(path)?;
+        if is_stream(path) {
+            return Ok(Self(OutputPlace::Stream(path.to_path_buf())));
+        }
         let path = follow(path).map_err(WriteError::io(path))?;
         let (Some(folder), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
             return Err(WriteError::NotAFile { path });
@@ -47,7 +54,7 @@ impl OneFile {
             return Err(WriteError::io(folder)(missing));
         }
         check_names(&path)?;
-        Ok(Self { output: Output::new(folder)?.protecting(inputs), name: name.to_owned() })
+        Ok(Self(OutputPlace::File { output: Output::new(folder)?.protecting(inputs), name: name.to_owned() }))
     }
 
     /// Writes the file.
@@ -55,14 +62,35 @@ impl OneFile {
     /// # Errors
     /// [`WriteError`]; nothing has then changed.
     pub fn write(self, bytes: &[u8]) -> Result<(), WriteError> {
-        self.put(|output, name| output.file(name, |out| out.write_all(bytes)))
+        self.put(|out| out.write_all(bytes))
     }
 
-    pub(super) fn put(
-        mut self,
-        add: impl FnOnce(&mut Output, &str) -> Result<(), WriteError>,
-    ) -> Result<(), WriteError> {
-        add(&mut self.output, &self.name)?;
-        self.output.commit()
+    pub(super) fn put(self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), WriteError> {
+        match self.0 {
+            OutputPlace::File { mut output, name } => {
+                output.file(&name, write)?;
+                output.commit_one()
+            }
+            OutputPlace::Stream(path) => {
+                let stream = |path| {
+                    let mut out = BufWriter::new(File::options().write(true).open(path)?);
+                    write(&mut out)?;
+                    out.flush()
+                };
+                stream(&path).map_err(WriteError::io(&path))
+            }
+        }
     }
+}
+
+/// Whether what is there keeps nothing that could be lost or half written.
+#[cfg(unix)]
+fn is_stream(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    fs::metadata(path).is_ok_and(|file| file.file_type().is_char_device() || file.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+fn is_stream(_: &Path) -> bool {
+    false
 }

@@ -1,56 +1,68 @@
-//! Writes a set of files, completely or not at all.
+//! Writes a set of files to a folder, with a manifest that says whether all are in place.
 
-use std::fs::{self, File};
+use std::collections::BTreeMap;
+use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Component, Path, PathBuf};
 
-use qless::Csr;
+use flate2::Crc;
+use qless::{ConstraintSystem, Csr};
 
-use super::commit;
 use super::inputs::Inputs;
-use super::moves::FolderChange;
-use super::stage::{NEW, Stage, WriteLock};
+use super::metadata;
+use super::scratch::{self, Scratch, WriteLock};
+use super::text;
 use crate::WriteError;
+use crate::manifest::{FileRecord, Manifest, ManifestError};
 
-/// Files to be written to a folder. [`Output::commit`] puts them in place; dropping removes them.
+/// Files to be written to a folder. [`Output::commit`] puts them in place, with a [`Manifest`]; dropping removes them.
 ///
 /// ```
-/// use qless_io::write::Output;
+/// use qless_io::{Manifest, write::Output};
 /// # let place = tempfile::tempdir()?;
 /// let folder = place.path().join("reduced");
 /// let mut output = Output::new(&folder)?;
 /// output.numbers("g.txt", &[0.5])?;
 /// output.indices("slaves.txt", &[0])?;
-/// assert!(!folder.exists());
+/// assert!(!folder.join("g.txt").exists());
 /// output.commit()?;
 /// assert_eq!(std::fs::read_to_string(folder.join("g.txt"))?, "0.5\n");
+/// assert_eq!(Manifest::check(&folder)?.files.len(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct Output {
-    /// The existing part of the target path.
-    base: PathBuf,
-    /// Folders below `base` that will be created.
-    missing: PathBuf,
-    /// A folder in `base`, on the same file system.
-    stage: Stage,
-    names: Vec<String>,
+    folder: PathBuf,
+    scratch: Scratch,
+    /// Names, temporary files, and what they hold.
+    files: BTreeMap<String, (PathBuf, FileRecord)>,
     absent: Vec<String>,
     inputs: Inputs,
+    command: String,
 }
 
 impl Output {
-    /// Starts a set of files for `folder`, which may not exist yet.
+    /// Starts a set of files for `folder`, which is created if it does not exist.
     ///
     /// # Errors
     /// [`WriteError`] if `folder` is no folder or is not writable.
     pub fn new(folder: &Path) -> Result<Self, WriteError> {
-        let (base, missing) = split(folder)?;
-        let lock = WriteLock::take();
-        let stage = Stage::new(&base, &lock).map_err(WriteError::io(folder))?;
-        let output = Self { base, missing, stage, names: Vec::new(), absent: Vec::new(), inputs: Inputs::default() };
-        fs::create_dir_all(output.staged()).map_err(WriteError::io(folder))?;
-        Ok(output)
+        let missing = missing(folder)?;
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        Ok(Self {
+            folder: folder.to_path_buf(),
+            scratch: Scratch::new(folder, &missing)?,
+            files: BTreeMap::new(),
+            absent: Vec::new(),
+            inputs: Inputs::default(),
+            command: String::new(),
+        })
+    }
+
+    /// The command that the manifest names.
+    #[must_use]
+    pub fn by(self, command: &str) -> Self {
+        Self { command: command.to_owned(), ..self }
     }
 
     /// Refuses files, added from now on, that would replace one of `inputs`.
@@ -64,7 +76,7 @@ impl Output {
     /// # Errors
     /// [`WriteError::IsInput`].
     pub fn check(&self, name: &str) -> Result<(), WriteError> {
-        self.inputs.check_output(&self.place(name))
+        self.inputs.check_output(&self.folder.join(name))
     }
 
     /// Adds a file with the text that `write` produces; `name` is a plain file name.
@@ -73,9 +85,29 @@ impl Output {
     /// [`WriteError::IsInput`], or [`WriteError::Io`] with the error of `write` or of the system.
     pub fn file(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), WriteError> {
         self.check(name)?;
-        fill(&self.staged().join(name), write).map_err(WriteError::io(&self.place(name)))?;
-        self.names.push(name.to_owned());
+        let place = self.folder.join(name);
+        if !is_plain(name) {
+            return Err(WriteError::NotAFile { path: place });
+        }
+        if self.files.contains_key(name) {
+            return Err(WriteError::io(&place)(ErrorKind::AlreadyExists.into()));
+        }
+        let file = self.fill(name, write).map_err(WriteError::io(&place))?;
+        self.files.insert(name.to_owned(), file);
         Ok(())
+    }
+
+    /// Creates and fills a temporary file. It is synchronised, because some systems report a full disk only then.
+    fn fill(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<(PathBuf, FileRecord)> {
+        let (file, path) = self.scratch.file()?;
+        let mut out = Summed { out: BufWriter::with_capacity(1 << 16, file), crc: Crc::new(), size: 0 };
+        write(&mut out)?;
+        out.out.into_inner()?.sync_all()?;
+        Ok((path, FileRecord::new(name, &out.crc, out.size)))
     }
 
     /// Adds a matrix as `coordinate real general`.
@@ -83,7 +115,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn matrix(&mut self, name: &str, matrix: &Csr) -> Result<(), WriteError> {
-        self.file(name, |out| write_matrix(out, matrix))
+        self.file(name, |out| text::matrix(out, matrix))
     }
 
     /// Adds numbers, one a line.
@@ -91,7 +123,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn numbers(&mut self, name: &str, numbers: &[f64]) -> Result<(), WriteError> {
-        self.file(name, |out| numbers.iter().try_for_each(|number| writeln!(out, "{number:?}")))
+        self.file(name, |out| text::numbers(out, numbers))
     }
 
     /// Adds 0-based indices, one a line, as 1-based ones.
@@ -99,7 +131,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn indices(&mut self, name: &str, indices: &[usize]) -> Result<(), WriteError> {
-        self.file(name, |out| indices.iter().try_for_each(|index| writeln!(out, "{}", *index as u128 + 1)))
+        self.file(name, |out| text::indices(out, indices))
     }
 
     /// Removes a file of this name, which an earlier run may have written.
@@ -112,88 +144,172 @@ impl Output {
         Ok(())
     }
 
+    /// Adds the files of [`write_case`](super::write_case).
+    ///
+    /// # Errors
+    /// Those of [`Output::file`], and [`WriteError::LabelLineBreak`].
+    pub fn case(&mut self, system: &ConstraintSystem) -> Result<(), WriteError> {
+        self.matrix("C.mtx", system.matrix())?;
+        self.numbers("b.txt", system.rhs())?;
+        if system.prescribed().is_empty() {
+            self.absent("prescribed.txt")?;
+        } else {
+            self.file("prescribed.txt", |out| text::prescribed(out, system.prescribed()))?;
+        }
+        self.labels("rows.txt", system.equation_labels())?;
+        self.labels("cols.txt", system.dof_labels())
+    }
+
     /// Adds labels, one a line; removes the file if there are none.
-    pub(super) fn labels(&mut self, name: &str, labels: &[String]) -> Result<(), WriteError> {
+    fn labels(&mut self, name: &str, labels: &[String]) -> Result<(), WriteError> {
         if labels.is_empty() {
             return self.absent(name);
         }
         if let Some(index) = labels.iter().position(|label| label.contains(['\n', '\r'])) {
             let label = labels[index].clone();
-            return Err(WriteError::LabelLineBreak { path: self.place(name), index: index + 1, label });
+            return Err(WriteError::LabelLineBreak { path: self.folder.join(name), index: index + 1, label });
         }
         self.file(name, |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))
     }
 
-    /// Puts the files in their place.
+    /// Puts the files in their place, one after another. The manifest says first that the set is incomplete, last that it is
+    /// complete. Files of an earlier set that this one has not are removed, unless they have changed since.
     ///
     /// # Errors
-    /// [`WriteError`]; the folder is then unchanged.
-    pub fn commit(self) -> Result<(), WriteError> {
-        let Self { base, missing, stage, names, absent, .. } = self;
-        let Some(first) = missing.components().next() else {
-            return commit::commit(&base, &stage, FolderChange { names, absent });
+    /// [`WriteError`]. If not even the first file could be put in its place, the folder is unchanged; else the manifest says that
+    /// the set is incomplete.
+    pub fn commit(mut self) -> Result<(), WriteError> {
+        let _folder = scratch::lock(&self.folder)?;
+        self.check(Manifest::NAME)?;
+        self.check_places()?;
+        let before = Manifest::read(&self.folder).map_err(WriteError::from)?.unwrap_or_default();
+        let mut manifest = Manifest {
+            program: concat!("qless ", env!("CARGO_PKG_VERSION")).to_owned(),
+            command: self.command.clone(),
+            complete: false,
+            files: self.files.values().map(|(_, record)| record.clone()).collect(),
+            replaces: before.files.into_iter().chain(before.replaces).collect(),
         };
-        let (_lock, target) = (WriteLock::take(), base.join(first));
-        fs::rename(stage.path().join(NEW).join(first), &target).map_err(WriteError::io(&target))
-    }
-
-    /// Folder for the new files.
-    fn staged(&self) -> PathBuf {
-        self.stage.path().join(NEW).join(&self.missing)
-    }
-
-    /// Final path of a file.
-    fn place(&self, name: &str) -> PathBuf {
-        self.base.join(&self.missing).join(name)
-    }
-}
-
-/// Creates and fills a file. It is synchronised, because some systems report a full disk only then.
-fn fill(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let file = {
+        // A signal ends the program when the set is complete, not before.
+        let incomplete = self.add_manifest(&manifest)?;
+        let replaced = std::mem::take(&mut manifest.replaces);
+        manifest.complete = true;
+        let complete = self.add_manifest(&manifest)?;
         let _lock = WriteLock::take();
-        File::create_new(path)?
-    };
-    let mut out = BufWriter::with_capacity(1 << 16, file);
-    write(&mut out)?;
-    out.into_inner()?.sync_all()
+        self.put(Manifest::NAME, &incomplete)?;
+        self.scratch.keep_folders();
+        for (name, (file, _)) in &self.files {
+            self.put(name, file)?;
+        }
+        self.remove(&replaced)?;
+        self.put(Manifest::NAME, &complete)
+    }
+
+    /// Puts a single file in its place, without a manifest.
+    pub(super) fn commit_one(self) -> Result<(), WriteError> {
+        self.check_places()?;
+        let _lock = WriteLock::take();
+        self.scratch.keep_folders();
+        self.files.iter().try_for_each(|(name, (file, _))| self.put(name, file))
+    }
+
+    fn add_manifest(&mut self, manifest: &Manifest) -> Result<PathBuf, WriteError> {
+        let place = self.folder.join(Manifest::NAME);
+        let text = manifest.text().map_err(WriteError::io(&place))?;
+        let filled = self.fill(Manifest::NAME, |out| out.write_all(text.as_bytes())).map_err(WriteError::io(&place))?;
+        Ok(filled.0)
+    }
+
+    /// A folder or a device is never replaced by a file.
+    fn check_places(&self) -> Result<(), WriteError> {
+        for name in self.files.keys().chain(&self.absent) {
+            let path = self.folder.join(name);
+            if fs::metadata(&path).is_ok_and(|kind| !kind.is_file()) {
+                return Err(WriteError::NotAFile { path });
+            }
+        }
+        Ok(())
+    }
+
+    fn put(&self, name: &str, file: &Path) -> Result<(), WriteError> {
+        let place = self.folder.join(name);
+        metadata::keep(&place, file).and_then(|()| fs::rename(file, &place)).map_err(WriteError::io(&place))
+    }
+
+    /// Removes the files that shall be absent, and those of earlier sets that are as they were written.
+    fn remove(&self, replaced: &[FileRecord]) -> Result<(), WriteError> {
+        let is_ours = |record: &&FileRecord| {
+            !self.files.contains_key(&record.name)
+                && self.check(&record.name).is_ok()
+                && record.is_of(&self.folder).unwrap_or(false)
+        };
+        let replaced = replaced.iter().filter(is_ours).map(|record| &record.name);
+        for name in self.absent.iter().chain(replaced) {
+            let place = self.folder.join(name);
+            match fs::remove_file(&place) {
+                Err(error) if error.kind() != ErrorKind::NotFound => return Err(WriteError::io(&place)(error)),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
 }
 
-/// Splits `folder` into its longest existing part and the rest.
-fn split(folder: &Path) -> Result<(PathBuf, PathBuf), WriteError> {
-    for base in folder.ancestors() {
-        let existing = if base.as_os_str().is_empty() { Path::new(".") } else { base };
+impl From<ManifestError> for WriteError {
+    fn from(error: ManifestError) -> Self {
+        match error {
+            ManifestError::Io { path, source } => Self::Io { path, source },
+            error => Self::Manifest(error),
+        }
+    }
+}
+
+/// A file with its size and checksum.
+struct Summed<W: Write> {
+    out: W,
+    crc: Crc,
+    size: u64,
+}
+
+impl<W: Write> Write for Summed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.out.write(bytes)?;
+        self.crc.update(&bytes[..count]);
+        self.size += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// Whether a name is that of a file in the folder, and not one of the writer's own.
+fn is_plain(name: &str) -> bool {
+    let mut parts = Path::new(name).components();
+    let is_one = matches!((parts.next(), parts.next()), (Some(Component::Normal(part)), None) if part == name);
+    is_one && name != Manifest::NAME && !name.starts_with(scratch::PREFIX)
+}
+
+/// The folders above and including `folder` that do not exist, outermost first. A `..` below one of them leads nowhere.
+fn missing(folder: &Path) -> Result<Vec<PathBuf>, WriteError> {
+    let mut missing = Vec::new();
+    for part in folder.ancestors() {
+        let existing = if part.as_os_str().is_empty() { Path::new(".") } else { part };
         match fs::metadata(existing) {
-            Ok(kind) if kind.is_dir() => return Ok((existing.to_path_buf(), rest(folder, base)?)),
+            Ok(kind) if kind.is_dir() => {
+                missing.reverse();
+                return Ok(missing);
+            }
             Ok(_) => return Err(WriteError::NotAFolder { path: existing.to_path_buf() }),
-            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
+            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+                if part.file_name().is_none() {
+                    return Err(WriteError::io(folder)(error));
+                }
+                missing.push(part.to_path_buf());
+            }
             Err(error) => return Err(WriteError::io(folder)(error)),
         }
     }
     Err(WriteError::io(folder)(ErrorKind::NotFound.into()))
-}
-
-/// `folder` relative to `base`. A `..` below a missing folder leads nowhere.
-fn rest(folder: &Path, base: &Path) -> Result<PathBuf, WriteError> {
-    let rest = folder.strip_prefix(base).unwrap_or(Path::new(""));
-    if rest.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
-        return Ok(rest.components().filter(|part| matches!(part, Component::Normal(_))).collect());
-    }
-    Err(WriteError::io(folder)(ErrorKind::NotFound.into()))
-}
-
-fn write_matrix(out: &mut dyn Write, matrix: &Csr) -> io::Result<()> {
-    writeln!(out, "%%MatrixMarket matrix coordinate real general")?;
-    writeln!(out, "{} {} {}", matrix.rows(), matrix.cols(), matrix.nnz())?;
-    for row in 0..matrix.rows() {
-        for (column, value) in matrix.row(row) {
-            writeln!(out, "{} {} {value:?}", row + 1, column + 1)?;
-        }
-    }
-    Ok(())
-}
-
-pub(super) fn write_prescribed(out: &mut dyn Write, prescribed: &[(usize, f64)]) -> io::Result<()> {
-    writeln!(out, "# column(1-based) value")?;
-    prescribed.iter().try_for_each(|(dof, value)| writeln!(out, "{} {value:?}", dof + 1))
 }

@@ -95,3 +95,33 @@ fn rounding_of_a_prescribed_value_is_no_other_meaning() {
     assert_eq!(plan.written.len(), 9);
     clean::write(&deck, &plan).expect("the same meaning");
 }
+
+/// A card that names no slave of the deck may name one of the cleaned equations. 2,000 decks of clashing equations with such cards.
+#[test]
+fn removals_remove_the_same_from_a_cleaned_deck() {
+    let mut state = 7_u64;
+    let mut draw = |most: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % most
+    };
+    let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n4,0.,0.,1.\n5,1.,1.,0.\n";
+    let mut cleaned = 0;
+    for seed in 0..2000 {
+        let mut text = format!("{nodes}*EQUATION\n");
+        for _ in 0..2 + draw(3) {
+            let slave = 1 + draw(5);
+            text += &format!("2\n{slave},1,1.,{},1,{}.\n", 1 + (slave + draw(4)) % 5, [-1, 2][draw(2) as usize]);
+        }
+        for _ in 0..1 + draw(2) {
+            text += &format!("*STEP\n*STATIC\n*EQUATION, REMOVE\n{},1,3\n*END STEP\n", 1 + draw(5));
+        }
+        let deck = parsed(Ccx, &text).expect("a deck");
+        let written = clean::plan(&deck, &qless::Options::default()).and_then(|plan| clean::write(&deck, &plan));
+        if let Err(error) = &written {
+            let is_known = !matches!(error, clean::CleanError::Unproven { .. });
+            assert!(is_known, "deck {seed}: {error}\n{text}");
+        }
+        cleaned += usize::from(written.is_ok());
+    }
+    assert!(cleaned > 500, "{cleaned} decks were cleaned");
+}

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use qless::{ConstraintSystem, SystemBuilder};
 use qless_io::write::{Output, write_indices, write_matrix, write_numbers};
-use qless_io::{WriteError, write_case};
+use qless_io::{Manifest, ManifestError, WriteError, read_case, write_case};
 
 fn labelled(label: &str) -> ConstraintSystem {
     let mut builder = SystemBuilder::new(2);
@@ -93,8 +93,59 @@ fn success_leaves_only_the_files() {
     fs::write(folder.join("notes.md"), "kept").expect("written");
     write_indices(&folder.join("slaves.txt"), &[1]).expect("written");
     let names: Vec<String> = content(&folder).into_keys().collect();
-    assert_eq!(names, ["C.mtx", "b.txt", "notes.md", "slaves.txt"]);
+    assert_eq!(names, ["C.mtx", "b.txt", "notes.md", "qless.json", "slaves.txt"]);
     assert_eq!(content(place.path()).into_keys().collect::<Vec<_>>(), ["deep"]);
+}
+
+/// A killed writer leaves a manifest that says so, and hidden files; the next one needs no help.
+#[test]
+fn an_interrupted_set_is_told_and_the_next_writer_completes_its_own() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let folder = place.path();
+    let write = |names: &[&str], number: f64| {
+        let mut output = Output::new(folder).expect("a folder").by("a test");
+        names.iter().for_each(|name| output.numbers(name, &[number]).expect("written"));
+        output.commit().expect("in place");
+    };
+    write(&["a.txt", "b.txt", "only_first.txt", "changed.txt"], 1.0);
+    fs::write(folder.join("changed.txt"), "mine").expect("written");
+    fs::write(folder.join("foreign.txt"), "mine").expect("written");
+    // The state after a kill between two renames.
+    let first = Manifest::read(folder).expect("readable").expect("there");
+    let text = fs::read_to_string(folder.join(Manifest::NAME)).expect("there");
+    let mut killed: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    killed["replaces"] = killed["files"].clone();
+    killed["files"] = serde_json::json!([{ "name": "b.txt", "size": 4, "crc32": 0 }]);
+    killed["complete"] = false.into();
+    fs::write(folder.join(Manifest::NAME), killed.to_string()).expect("written");
+    assert!(matches!(Manifest::check(folder), Err(ManifestError::Incomplete { .. })));
+
+    write(&["a.txt", "b.txt"], 2.0);
+    let second = Manifest::check(folder).expect("whole");
+    assert_eq!((first.files.len(), second.files.len()), (4, 2));
+    let names: Vec<String> = content(folder).into_keys().collect();
+    assert_eq!(names, ["a.txt", "b.txt", "changed.txt", "foreign.txt", "qless.json"]);
+    assert!(matches!(second.file(folder, "foreign.txt"), Err(ManifestError::NotListed { .. })));
+}
+
+#[test]
+fn a_manifest_of_somebody_else_is_not_replaced() {
+    let prepare = |place: &Path| fs::write(place.join("qless.json"), "{\"mine\": 1}").expect("written");
+    let error = assert_unchanged(prepare, |place| write_case(place, &labelled("tie")));
+    assert!(error.contains("qless.json: it is no manifest of qless"), "{error}");
+}
+
+#[test]
+fn an_incomplete_case_is_not_read() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    write_case(place.path(), &labelled("tie")).expect("written");
+    fs::write(place.path().join("b.txt"), "0.75\n").expect("changed by hand");
+    assert!(read_case(place.path(), None, None).is_ok());
+    let manifest = place.path().join("qless.json");
+    let text = fs::read_to_string(&manifest).expect("there").replace("\"complete\": true", "\"complete\": false");
+    fs::write(&manifest, text).expect("written");
+    let error = read_case(place.path(), None, None).expect_err("refused").to_string();
+    assert!(error.contains("qless.json: writing this case was interrupted"), "{error}");
 }
 
 #[cfg(unix)]

@@ -4,6 +4,8 @@
 mod atomic_writes;
 /// Real and extreme systems, if they are installed.
 mod corpus;
+/// Decks that ask for more than they hold.
+mod hostile;
 /// Every kind of malformed input and its message.
 mod malformed;
 /// Files read back bit for bit.

@@ -30,14 +30,30 @@ fn headers() {
         ("\n%%MatrixMarket matrix coordinate real\n", &["C.mtx:2:", "found `%%MatrixMarket matrix coordinate real`"]),
         ("\x1f\u{8b}\x08", &["C.mtx:1:", "expected the header", "\\u{1f}"]),
         ("%%MatrixMarket vector coordinate real general\n", &["C.mtx:1:", "`vector`: unknown"]),
-        ("%%MatrixMarket matrix array real general\n", &["`array`", "dense", "`coordinate`"]),
         ("%%MatrixMarket matrix coordinate pattern general\n", &["`pattern`", "no coefficients", "write `real`"]),
         ("%%MatrixMarket matrix coordinate complex general\n", &["`complex`", "must be real"]),
-        ("%%MatrixMarket matrix coordinate real symmetric\n", &["`symmetric`", "one triangle", "`general`"]),
-        ("%%MatrixMarket matrix coordinate real Skew-Symmetric\n", &["`Skew-Symmetric`", "sign changed"]),
         ("%%MatrixMarket matrix coordinate real hermitian\n", &["`hermitian`", "complex"]),
     ] {
         assert_names(&message(&[("C.mtx", text)]), parts);
+    }
+}
+
+#[test]
+fn symmetric_and_dense_matrices() {
+    const MARKET: &str = "%%MatrixMarket matrix";
+    for (text, parts) in [
+        ("coordinate real symmetric\n2 3 1\n1 1 1\n", &["C.mtx:2:", "as many rows as columns", "2 and 3"][..]),
+        ("coordinate real symmetric\n2 2 1\n1 2 1\n", &["C.mtx:3:", "row 1, column 2", "triangle", "`general`"]),
+        ("coordinate real skew-symmetric\n2 2 1\n2 2 1\n", &["C.mtx:3:", "row 2, column 2", "below the diagonal"]),
+        ("array real general\n2 2 4\n", &["C.mtx:2:", "`rows columns`", "found `2 2 4`"]),
+        ("array real general\n2 2\n1\n1\n1\n", &["C.mtx:2:", "4 entries are promised", "ends after 3"]),
+        ("array real symmetric\n2 2\n1\n1\n1\n1\n", &["C.mtx:6:", "one entry more than the 3"]),
+        ("array real general\n2 1\n1 1 1\n", &["C.mtx:3:", "expected `value`"]),
+        ("array real general\n2 1\n1\nnan\n", &["C.mtx:4:", "row 2, column 1"]),
+        ("array real general\n4000000000 4000000000\n1\n", &["C.mtx:2:", "promised"]),
+        ("array real general\n99999999999999999999 2\n1\n", &["C.mtx:2:", "`rows columns`"]),
+    ] {
+        assert_names(&message(&[("C.mtx", &format!("{MARKET} {text}"))]), parts);
     }
 }
 

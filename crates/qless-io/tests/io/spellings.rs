@@ -23,6 +23,27 @@ fn comments_line_ends_tabs_and_fortran_exponents() {
     assert_eq!(system.dof_label(2), "7:3");
 }
 
+/// SciPy writes a symmetric matrix as its lower triangle, and a dense one as an array, column after column.
+#[test]
+fn symmetric_and_dense_matrices_are_those_written_out() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let path = place.path().join("C.mtx");
+    let rows = |head: &str| {
+        std::fs::write(&path, format!("%%MatrixMarket matrix {head}")).expect("written");
+        let system = read_case(&path, None, None).expect(head);
+        (0..system.matrix().rows()).map(|row| system.matrix().row(row).collect()).collect::<Vec<Vec<_>>>()
+    };
+    let general = rows("coordinate real general\n2 2 4\n1 1 1\n1 2 -3\n2 1 -3\n2 2 2\n");
+    assert_eq!(rows("coordinate real symmetric\n%\n2 2 3\n1 1 1\n2 1 -3\n2 2 2\n"), general);
+    assert_eq!(rows("array real symmetric\n2 2\n1\n-3\n2\n"), general);
+    assert_eq!(rows("array integer general\n2 2\n1\n-3\n-3\n2\n"), general);
+    let skew = rows("coordinate real general\n3 3 4\n1 2 -4\n2 1 4\n2 3 -5\n3 2 5\n");
+    assert_eq!(rows("coordinate real skew-symmetric\n3 3 2\n2 1 4\n3 2 5\n"), skew);
+    assert_eq!(rows("array real skew-symmetric\n3 3\n4\n0\n5\n"), skew);
+    let wide = rows("coordinate real general\n2 3 4\n1 1 1\n1 2 -1\n2 2 1\n2 3 -1\n");
+    assert_eq!(rows("array real general\n%\n2 3\n1\n0\n-1\n1\n0\n-1\n"), wide);
+}
+
 #[test]
 fn files_named_explicitly_replace_those_of_the_folder() {
     let place = tempfile::tempdir().expect("a temporary folder");

@@ -6,7 +6,7 @@ use super::attempt::{Attempt, AttemptInput};
 use super::{Analysis, JobCounts};
 use crate::components::{ConnectedComponent, ConnectedComponents, Directory, Layout, TouchedDofs};
 use crate::distribute::{Sizes, sizes};
-use crate::error::{Error, agree};
+use crate::error::{Error, agree, agree_on_options};
 use crate::ranks::Ranks;
 use crate::share::{Share, check_numbers};
 use crate::solve::request_rows;
@@ -40,6 +40,7 @@ use crate::solve::request_rows;
 /// # Errors
 /// [`Error`], the same on all ranks.
 pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<Analysis, Error> {
+    agree_on_options(ranks, options)?;
     let layout = Layout::new(ranks, &share.owned)?;
     agree(ranks, check(ranks, &layout, share, options))?;
     let rows = &share.rows;

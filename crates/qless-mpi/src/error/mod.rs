@@ -1,11 +1,14 @@
 //! The errors of an analysis across ranks: all ranks return the same error.
 
+mod option_names;
 mod words;
 
 use qless::OptionError;
 
 use crate::ranks::{Message, Ranks};
 use crate::share::ShareError;
+pub use option_names::OptionName;
+pub(crate) use option_names::agree_on_options;
 pub(crate) use words::{text, text_of};
 
 /// Why the ranks could not analyse their equations.
@@ -15,6 +18,14 @@ pub enum Error {
     /// A setting out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),
+    /// Ranks with different options.
+    #[error("rank {rank} has another {setting} in its options than rank 0; pass the same options on all ranks")]
+    Options {
+        /// The first rank that differs from rank 0.
+        rank: usize,
+        /// The first setting in which it does.
+        setting: OptionName,
+    },
     /// The share of a rank is not valid.
     #[error(transparent)]
     Share(#[from] ShareError),

@@ -2,7 +2,7 @@
 
 use qless::OptionError;
 
-use super::{Error, ErrorWords};
+use super::{Error, ErrorWords, OptionName};
 use crate::share::{ShareError, SharePlace};
 
 /// Text as words: its length in bytes, then eight bytes a word.
@@ -59,6 +59,7 @@ impl ErrorWords for Error {
             Self::Option(OptionError::Tolerance(value)) => vec![9, value.to_bits()],
             Self::Option(OptionError::Growth(value)) => vec![10, value.to_bits()],
             Self::Option(OptionError::Contradiction(dof)) => vec![11, *dof as u64],
+            Self::Options { rank, setting } => vec![12, *rank as u64, *setting as u64],
             Self::Option(other) => [vec![0, 0], text(&other.to_string())].concat(),
         }
     }
@@ -77,6 +78,7 @@ impl ErrorWords for Error {
             9 => OptionError::Tolerance(real(1)).into(),
             10 => OptionError::Growth(real(1)).into(),
             11 => OptionError::Contradiction(rank).into(),
+            12 => Self::Options { rank, setting: OptionName::ALL[words[2] as usize] },
             _ => Self::Failed { rank, message: text_of(&words[2..]) },
         }
     }

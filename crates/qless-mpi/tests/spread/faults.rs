@@ -1,7 +1,7 @@
 //! What one rank does wrong, all hear: the same error, and nobody waits.
 
-use qless::{OptionError, Options, Tolerance};
-use qless_mpi::{DistributedElimination, Error, Ranks, Share, ShareError, SharePlace, analyse, on_threads};
+use qless::{BackendChoice, Noise, OptionError, Options, Preferences, Tolerance};
+use qless_mpi::{DistributedElimination, Error, OptionName, Ranks, Share, ShareError, SharePlace, analyse, on_threads};
 
 /// Three ranks with two DOFs and an equation each, and what one of them adds.
 fn errors(add: impl Fn(usize, &mut Share) + Sync, options: &Options) -> Vec<Option<Error>> {
@@ -60,6 +60,35 @@ fn every_fault_of_one_rank_is_the_error_of_all() {
     all_say(&twice, &ShareError::PrescribedTwice { dof: 4, first: 0.0, second: 1.0 }.into());
     let options = Options { tolerance: Tolerance::Relative(2.0), ..Options::default() };
     all_say(&errors(|_, _| (), &options), &OptionError::Tolerance(2.0).into());
+}
+
+#[test]
+fn options_that_differ_between_ranks_are_refused_by_all() {
+    let same = Options::default();
+    let preferences = Preferences { masters: vec![1], ..Preferences::default() };
+    for (setting, other) in [
+        (OptionName::Tolerance, Options { tolerance: Tolerance::Relative(1e-3), ..same.clone() }),
+        (OptionName::Tolerance, Options { tolerance: Tolerance::Paper, ..same.clone() }),
+        (OptionName::Backend, Options { backend: BackendChoice::Gauss, ..same.clone() }),
+        (OptionName::Presolve, Options { presolve: false, ..same.clone() }),
+        (OptionName::Check, Options { check: false, ..same.clone() }),
+        (OptionName::Growth, Options { growth: 8.0, ..same.clone() }),
+        (OptionName::Noise, Options { noise: Noise::None, ..same.clone() }),
+        (OptionName::Noise, Options { noise: Noise::Relative(1e-9), ..same.clone() }),
+        (OptionName::Preferences, Options { preferences, ..same.clone() }),
+    ] {
+        let found = on_threads(3, |ranks| {
+            let share = Share::new(2 * ranks.rank() as u64..2 * ranks.rank() as u64 + 2);
+            analyse(ranks, &share, if ranks.rank() == 1 { &other } else { &same }).err()
+        });
+        assert_eq!(found, vec![Some(Error::Options { rank: 1, setting }); 3]);
+    }
+    let more = Options { memory: 1 << 20, ..same.clone() };
+    let found = on_threads(2, |ranks| {
+        let share = Share::new(2 * ranks.rank() as u64..2 * ranks.rank() as u64 + 2);
+        analyse(ranks, &share, if ranks.rank() == 1 { &more } else { &same }).err()
+    });
+    assert_eq!(found, vec![None; 2]);
 }
 
 #[test]

@@ -14,6 +14,11 @@ use crate::linkages::{Outcome, random};
 
 type Place = [f64; 2];
 
+/// A quarter of the seeds, which is a minute less; all with `QLESS_THOROUGH`.
+fn share(count: usize) -> usize {
+    if std::env::var_os("QLESS_THOROUGH").is_some() { count } else { count / 4 }
+}
+
 const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
 /// If it comes closer to folding than this fraction of the shorter bar, a linkage may change its branch.
 const FLAT: f64 = 0.02;
@@ -72,7 +77,7 @@ impl FourBar {
 #[test]
 fn cranks_driven_through_whole_turns_keep_their_branch() -> Outcome {
     let (mut sound, mut steps) = (0, 0);
-    for seed in 0..600 {
+    for seed in 0..share(600) {
         let (bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);
         let (crank, first) = (0.2 + 2.0 * random(17 * seed + 5).abs(), 6.0 * random(17 * seed + 6));
         let angle = [0.3, 1.0, 3.0, -2.2][seed / 3 % 4] * TAU + random(17 * seed + 7);
@@ -95,7 +100,7 @@ fn cranks_driven_through_whole_turns_keep_their_branch() -> Outcome {
         steps += found.steps.len();
     }
     println!("{sound} linkages, {} load steps each", steps / sound);
-    assert!(sound > 100, "{sound}");
+    assert!(sound > share(100), "{sound}");
     Ok(())
 }
 
@@ -103,7 +108,7 @@ fn cranks_driven_through_whole_turns_keep_their_branch() -> Outcome {
 #[test]
 fn cranks_prescribed_from_far_keep_their_branch() -> Outcome {
     let mut sound = 0;
-    for seed in 0..800 {
+    for seed in 0..share(800) {
         let (bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);
         let corner = |k: usize| [4 * k, 4 * k + 2].map(|k| 4.0 * random(29 * seed + k));
         let Ok(builder) = bar.builder(corner(0), unit) else { continue };
@@ -126,7 +131,7 @@ fn cranks_prescribed_from_far_keep_their_branch() -> Outcome {
         }
     }
     println!("{sound} ways");
-    assert!(sound > 100, "{sound}");
+    assert!(sound > share(100), "{sound}");
     Ok(())
 }
 
@@ -160,7 +165,7 @@ fn what_folds_on_the_way_is_refused() -> Outcome {
 #[test]
 fn whole_turns_that_do_not_close_are_refused() -> Outcome {
     let (mut open, mut said) = (0, 0);
-    for seed in 0..500 {
+    for seed in 0..share(500) {
         let (bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);
         let (crank, first) = (0.2 + 2.0 * random(17 * seed + 5).abs(), 6.0 * random(17 * seed + 6));
         let turns = [1.0, -1.0, 2.0, 3.0, 7.0, 25.0, 60.0][seed % 7];
@@ -189,7 +194,7 @@ fn whole_turns_that_do_not_close_are_refused() -> Outcome {
         open += 1;
     }
     println!("{open} linkages that do not close, {said} of them found to close again");
-    assert!(open > 100 && said <= open / 100, "{open} {said}");
+    assert!(open > share(100) && said <= 1.max(open / 100), "{open} {said}");
     Ok(())
 }
 
@@ -199,7 +204,7 @@ fn where_branches_meet_is_said() -> Outcome {
     let (mut right, mut refused) = (0, 0);
     // How many paths pass meeting branches, among those far from folding and those near to it.
     let mut said = [[0, 0]; 2];
-    for seed in 0..2000 {
+    for seed in 0..share(2000) {
         let (mut bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);
         let (crank, first) = (0.2 + 2.0 * random(17 * seed + 5).abs(), 6.0 * random(17 * seed + 6));
         let margin = 10_f64.powf(-3.0 - 8.0 * random(13 * seed).abs());
@@ -229,7 +234,7 @@ fn where_branches_meet_is_said() -> Outcome {
     }
     println!("{right} on their branch, {said:?} through where branches meet, {refused} refused");
     let [far, near] = said;
-    assert!(right > 100 && refused < right / 10, "{right} {refused}");
+    assert!(right > share(100) && refused < right / 10, "{right} {refused}");
     assert!(near[1] * 4 > near[0] && far[1] * 8 < far[0], "{said:?}");
     Ok(())
 }

@@ -8,7 +8,8 @@ use super::super::CommandOutcome;
 use super::EquationList;
 use crate::deck_input::DeckInput;
 use crate::wording::count;
-use crate::wording::layout::{printable, shorten, width};
+use crate::wording::layout::{shorten, width};
+use crate::wording::printable;
 use crate::wording::{number, rough};
 
 /// One or two lines.
@@ -27,7 +28,7 @@ pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> 
 /// The folder of the files, and the quality of T.
 fn written(report: &Report, folder: &Path) -> Vec<String> {
     let Some(reduction) = &report.reduction else { return Vec::new() };
-    let folder = shorten(&printable(&folder.display().to_string()), 60);
+    let folder = shorten(&printable::line(&folder.display().to_string()), 60);
     vec![
         format!(
             "Reduced to {} and {}: max |T_ij| {}, relative residual {}.",
@@ -45,7 +46,7 @@ fn written(report: &Report, folder: &Path) -> Vec<String> {
 
 /// The cleaned deck, and how many equations were removed or rewritten.
 fn cleaned(output: &Path, removed: usize, written: usize) -> String {
-    let output = shorten(&printable(&output.display().to_string()), 60);
+    let output = shorten(&printable::line(&output.display().to_string()), 60);
     match (removed, written) {
         (0, 0) => format!("Wrote {output}: nothing had to be changed."),
         (_, 0) => format!("Wrote {output}: without {}.", count(removed, "redundant equation")),

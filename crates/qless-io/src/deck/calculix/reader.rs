@@ -21,6 +21,10 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
         has_mpc |= card.is("*MPC");
         Ok(())
     })?;
+    definitions.check_nodes().map_err(|(line, (field, problem))| {
+        let (path, line) = (sources.paths()[line.file as usize].clone(), line.number as usize);
+        DeckError { path, line, card: "*NODE".into(), field, problem }
+    })?;
     if !definitions.instances.is_empty() {
         // Only Abaqus has instances of parts.
         sources.set_solver(Solver::Abaqus);

@@ -140,8 +140,7 @@ impl Spqr {
         let blas = spqr_sys::blas::hold(spqr_sys::tree::runners(wanted)).ok_or_else(no_memory)?;
         let threads = blas.callers();
         if threads > 1 {
-            call.common.SPQR_grain = self.grain;
-            call.common.SPQR_small = self.small;
+            call.common.set_task_tree(self.grain, self.small);
         }
         let rank = spqr_sys::tree::with_threads(threads, || call.run(columns, b, tolerance));
         drop(blas);

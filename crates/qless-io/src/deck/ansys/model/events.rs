@@ -4,12 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::nodes::AnsysNodes;
+use crate::deck::limits::{HELD, VALUES};
 use crate::deck::{Dof, Load, LoadCase, Model, Origin, Prescribed, Problem};
-
-/// Limit on the values of all commands together: bounds the time.
-const VALUES: usize = 50_000_000;
-/// Limit on the values and loads of all load cases together: bounds the memory.
-const HELD: usize = 20_000_000;
 
 /// The nodes of a command.
 #[derive(Clone, Debug)]

@@ -5,9 +5,7 @@
 use super::command::AnsysCommand;
 use super::parameters::ApdlParameters;
 use crate::deck::Problem;
-
-/// Limit on the bytes that loops read again: bounds the time.
-const AGAIN: usize = 1 << 24;
+use crate::deck::limits::{ITERATION, REREAD};
 
 /// A position in the text: byte, and line from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,10 +153,11 @@ impl FlowControl {
         if !repeated.continues() {
             return Ok(());
         }
-        self.again = self.again.saturating_add(command.range.end.saturating_sub(repeated.body.start));
-        if self.again > AGAIN {
+        let body = command.range.end.saturating_sub(repeated.body.start);
+        self.again = self.again.saturating_add(body + ITERATION);
+        if self.again > REREAD {
             let advice = "write the commands out, or reduce the iterations";
-            return Err(Problem::Limit { what: "the text that loops read again", limit: AGAIN, advice });
+            return Err(Problem::Limit { what: "the text that loops read again", limit: REREAD, advice });
         }
         self.jump = Some(repeated.body);
         self.blocks.push(FlowBlock::Loop(repeated));

@@ -1,14 +1,12 @@
 //! APDL parameters: sets them by `A = 1.5`, `*SET` and `*DIM`, and replaces them by their values in the fields of commands.
 
+use crate::deck::limits::ELEMENTS;
 use std::borrow::Cow;
 
 use rustc_hash::FxHashMap;
 
 use super::command::AnsysCommand;
 use super::expression::{ApdlArray, NameLookup, NoValue, is_first, is_later, value};
-
-/// Limit on the elements of all arrays together.
-const ELEMENTS: usize = 4_000_000;
 
 /// The value of a parameter.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,7 +10,9 @@ use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumb
 use crate::deck::calculix::model::{
     AxesCard, ElementDefinition, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
 };
-use crate::deck::calculix::syntax::{DataLines, DataPiece, KeywordCard, Scope, float, number};
+use crate::deck::calculix::syntax::{
+    DataFields, DataLine, DataLines, DataPiece, FieldFault, KeywordCard, Scope, float, number,
+};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::body::Poses;
@@ -152,6 +154,17 @@ impl DeckDefinitions {
         let name = self.assemblies.iter().find_map(inner).unwrap_or(name);
         let split = |dot: usize| self.by_instance.get(&name[..dot]).map(|scope| (*scope, &name[dot + 1..]));
         name.match_indices('.').find_map(|(dot, _)| split(dot))
+    }
+
+    /// The first line of a `*NODE` card that is no node: its file and line, and the field at fault. Later on, positions are read
+    /// only if a card needs them, for all nodes at once, and no fault would be said of its own line.
+    pub fn check_nodes(&self) -> Result<(), (DataLine<'_>, FieldFault)> {
+        for line in self.nodes.iter().flat_map(|pieces| DataLines::new(pieces)) {
+            let mut fields = DataFields::new(&line);
+            let read = number(fields.next().unwrap_or_default(), "a node").map_err(|problem| (Some(1), problem));
+            read.and_then(|_| (0..3).try_for_each(|_| fields.real().map(drop))).map_err(|fault| (line, fault))?;
+        }
+        Ok(())
     }
 
     /// Numbers in the deck for the nodes of instances.

@@ -7,10 +7,8 @@ use rustc_hash::FxHashSet;
 use crate::deck::Problem;
 use crate::deck::calculix::model::{DeckDefinitions, ParsedSet, SetMembers, SetPart, folded};
 use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
+use crate::deck::limits::MEMBERS;
 use crate::fault::quote;
-
-/// Most members of a set.
-const MEMBERS: usize = 200_000_000;
 
 impl DeckDefinitions {
     /// Number in the deck of node `own` of a scope.

@@ -3,6 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use super::new_nodes::{NewNodes, RotationNodes};
+use crate::deck::calculix::syntax::walk::{keyword_end, next_keyword};
 use crate::deck::plan::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model};
 
@@ -66,7 +67,9 @@ fn error(text: &str, value: f64) -> f64 {
 pub fn ends(deck: &Deck, plan: &Plan, rotations: &RotationNodes) -> Option<Vec<String>> {
     let cases = &deck.model.cases;
     let ends_sooner = !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
-    if !ends_sooner && cases.iter().all(|case| case.removed.is_empty()) {
+    // A card that names no slave of the deck may name one of the written equations.
+    let may_meet_new = !plan.written.is_empty() && deck.texts.iter().any(|text| removes(text));
+    if !ends_sooner && !may_meet_new && cases.iter().all(|case| case.removed.is_empty()) {
         return None;
     }
     let mut slaves: Vec<Vec<Dof>> = vec![Vec::new(); cases.len()];
@@ -83,6 +86,24 @@ pub fn ends(deck: &Deck, plan: &Plan, rotations: &RotationNodes) -> Option<Vec<S
     }
     let card = |slaves: Vec<Dof>| removal_card(slaves.into_iter().map(|dof| rotations.name(dof)));
     Some(slaves.into_iter().map(card).collect())
+}
+
+/// Whether a file has a card that removes equations.
+fn removes(text: &[u8]) -> bool {
+    let mut at = next_keyword(text, 0);
+    while at < text.len() {
+        let end = keyword_end(text, at).0;
+        if is_removal(&text[at..end]) {
+            return true;
+        }
+        at = next_keyword(text, end);
+    }
+    false
+}
+
+fn is_removal(keyword: &[u8]) -> bool {
+    let word: Vec<u8> = keyword.iter().filter(|b| !b.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
+    word.starts_with(b"*EQUATION,REMOVE")
 }
 
 fn removal_card(slaves: impl Iterator<Item = Dof>) -> String {

@@ -2,6 +2,7 @@
 
 use super::bulk::BulkData;
 use super::quick::QuickCard;
+use crate::deck::limits::COPIES;
 use crate::deck::nastran::syntax::card::{BulkCard, CardRefusal, NamedRefusal};
 use crate::deck::nastran::syntax::continuations::{Continuations, LineBefore, is_always_one_line, name_of};
 use crate::deck::nastran::syntax::copies::{self, CopyRule};
@@ -21,6 +22,8 @@ pub struct CardAssembly {
     continuations: Continuations,
     /// Rule of the last copies, if the last line made copies.
     copies: Option<CopyRule>,
+    /// Copies made so far.
+    copied: usize,
     solver: Solver,
 }
 
@@ -33,6 +36,7 @@ impl CardAssembly {
             mark: Vec::new(),
             continuations: Continuations::default(),
             copies: None,
+            copied: 0,
             solver,
         }
     }
@@ -135,6 +139,12 @@ impl CardAssembly {
         }
         let read = copies::read(line.text, self.copies.as_ref(), line.at());
         let (count, change) = read.map_err(|refused| self.failed(refused))?;
+        self.copied = self.copied.saturating_add(count);
+        if self.copied > COPIES {
+            let advice = "write fewer of them";
+            let problem = Problem::Limit { what: "the number of copies", limit: COPIES, advice };
+            return Err(self.failed(CardRefusal::of_line(line.at(), problem)));
+        }
         self.bulk.fixed.insert(line.at());
         for _ in 0..count {
             change.apply(&mut self.card, line.at()).map_err(|refused| self.failed(refused))?;

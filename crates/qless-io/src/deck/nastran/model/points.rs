@@ -6,6 +6,7 @@ use super::frames::Frames;
 use crate::deck::kinematics::body::{Pose, Poses};
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::vector::Vector;
+use crate::deck::limits::POINTS;
 use crate::deck::nastran::cards::grids::{GridPoint, Grids};
 use crate::deck::nastran::cards::points::{
     BASIC, FrameDefinitions, GridDefaults, PointSpan, unknown_frame, unknown_grid,
@@ -161,7 +162,6 @@ impl Points {
 
 /// Limits the points that lists expand to.
 pub fn limited(count: usize) -> Result<(), Problem> {
-    const POINTS: usize = 50_000_000;
     let advice = "shorten the lists with THRU";
     if count > POINTS {
         Err(Problem::Limit { what: "the number of constrained points", limit: POINTS, advice })

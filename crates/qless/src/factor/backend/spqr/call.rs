@@ -67,8 +67,8 @@ impl Call {
             return Err(status);
         }
         let complete = !self.r.is_null() && self.z.is_null() == z_out.is_null();
-        let accepted = self.common.status >= spqr_sys::CHOLMOD_OK && complete;
-        usize::try_from(rank).ok().filter(|_| accepted).ok_or(self.common.status)
+        let accepted = self.common.status() >= spqr_sys::CHOLMOD_OK && complete;
+        usize::try_from(rank).ok().filter(|_| accepted).ok_or(self.common.status())
     }
 
     /// Copies the results, on this number of threads of the caller's pool.
@@ -86,19 +86,19 @@ impl Call {
         if !all_finite(&r.val) || !all_finite(z.values) {
             return Err(failed(format!("the {m} x {n} block overflows: scale it")));
         }
-        let dropped = without_last_bits(self.common.SPQR_norm_E_fro);
+        let dropped = without_last_bits(self.common.dropped());
         let order = self.order(n).map_err(no_memory)?;
         let (rhs, rest) = (z.head(rank).map_err(no_memory)?, z.rest(rank).map_err(no_memory)?);
         Ok(Factor { rank, order, r, rhs, rest, dropped })
     }
 
     pub fn statistics(&self) -> Statistics {
-        let common = &self.common;
+        let [analysis, factorization] = self.common.times();
         Statistics {
-            tasks: common.SPQR_istat[3].max(1) as usize,
-            memory: common.memory_usage,
-            analysis: common.SPQR_analyze_time,
-            factorization: common.SPQR_factorize_time,
+            tasks: self.common.tasks().max(1) as usize,
+            memory: self.common.memory_usage(),
+            analysis,
+            factorization,
             total: 0.0,
         }
     }

@@ -1,0 +1,34 @@
+//! Limits on what a few bytes of a deck can be multiplied to. A deck beyond one is refused as [`Problem::Limit`](super::Problem).
+//!
+//! | multiplied by | limit | bounds |
+//! | --- | --- | --- |
+//! | includes | [`INCLUDE_DEPTH`], [`INCLUDES`] | time |
+//! | copies of Nastran cards | [`COPIES`], of all lines together | memory: about 120 bytes each |
+//! | `THRU` of Nastran | [`POINTS`] of a list | memory: 8 bytes each |
+//! | `GENERATE` of CalculiX and Abaqus | [`MEMBERS`] of a set | memory: 4 bytes each |
+//! | `*DO` of ANSYS | [`REREAD`], with [`ITERATION`] for each iteration | time |
+//! | arrays of ANSYS | [`ELEMENTS`] | memory: 8 bytes each |
+//! | ranges of nodes of ANSYS | [`VALUES`] of a command, [`HELD`] in all load steps | time, memory |
+//!
+//! Those of memory allow about 100 MB to 200 MB, which a deck that is written out would take as well.
+
+/// Deepest nesting of includes.
+pub const INCLUDE_DEPTH: usize = 20;
+/// Most includes, over all passes through a deck.
+pub const INCLUDES: usize = 10_000;
+/// Most copies of Nastran cards in a deck.
+pub const COPIES: usize = 1_000_000;
+/// Most points that a list of Nastran expands to.
+pub const POINTS: usize = 20_000_000;
+/// Most members of a set.
+pub const MEMBERS: usize = 40_000_000;
+/// Most bytes that loops of ANSYS read again.
+pub const REREAD: usize = 1 << 24;
+/// Bytes that count for an iteration besides its own: executing a command takes as long as reading about as many.
+pub const ITERATION: usize = 64;
+/// Most elements of all arrays of ANSYS together.
+pub const ELEMENTS: usize = 4_000_000;
+/// Most values that all commands of ANSYS set together.
+pub const VALUES: usize = 50_000_000;
+/// Most values and loads of all load cases of ANSYS together.
+pub const HELD: usize = 20_000_000;

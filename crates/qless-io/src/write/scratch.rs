@@ -1,0 +1,296 @@
+//! Temporary files beside the places of new ones, and the locks of their writers.
+//!
+//! A writer marks its folder by a file `.qless-XXXXXX`, which it keeps locked. Its new files are `.qless-XXXXXX-1`,
+//! `.qless-XXXXXX-2`, and so on, until they are renamed. If the program is killed, the lock ends with it, and the next writer
+//! removes these files. Nothing else is ever removed.
+//!
+//! | lock | held | between |
+//! | --- | --- | --- |
+//! | of the folder | while a mark is made, and while files are renamed | processes |
+//! | of the mark | as long as the writer lives | processes |
+//! | [`WriteLock`] | while files are created or renamed | threads; [`abandon`] takes it and never releases it |
+
+use std::cell::Cell;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::WriteError;
+
+static WRITING: Mutex<()> = Mutex::new(());
+
+thread_local! {
+    static AT_WORK: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Exclusive right of one thread to create files and to put them in place.
+pub(super) struct WriteLock(#[expect(dead_code, reason = "it is held")] MutexGuard<'static, ()>);
+
+impl WriteLock {
+    /// Waits for the lock; forever, if the program is ending.
+    pub fn take() -> Self {
+        let guard = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+        AT_WORK.set(true);
+        Self(guard)
+    }
+}
+
+impl Drop for WriteLock {
+    fn drop(&mut self) {
+        AT_WORK.set(false);
+    }
+}
+
+/// Whether this thread is creating files, putting them in place, or removing them at the end.
+///
+/// A program whose allocator has a reserve may use it then, since an interruption would leave files behind. Does not
+/// allocate.
+///
+/// ```
+/// assert!(!qless_io::write::is_at_work());
+/// ```
+pub fn is_at_work() -> bool {
+    AT_WORK.get()
+}
+
+/// Prefix of the names of all temporary files, and the number of letters that `tempfile` adds to that of a mark.
+pub(super) const PREFIX: &str = ".qless-";
+const LETTERS: usize = 6;
+/// Content of a mark, by which it is told from a file of the user.
+const MARK: &[u8] = b"qless writes files here. The next run removes this file and its numbered neighbours.\n";
+/// A writer holds the lock of a folder for some renames, each of which takes milliseconds. After a minute it is not waited for.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Another writer that fails may remove a folder that it has just created, once for each writer.
+const TRIES: usize = 100;
+
+/// What [`abandon`] removes: a writer's mark with its files, and folders that it created. Lock order: [`WriteLock`] first.
+static TRACES: Mutex<Vec<Traces>> = Mutex::new(Vec::new());
+
+#[derive(Debug)]
+struct Traces {
+    mark: PathBuf,
+    created: Vec<PathBuf>,
+}
+
+/// Removes all files that are not yet in place, and blocks every thread that wants to write another one.
+///
+/// For a program that a signal is about to end; call it from a separate thread. A commit in progress is finished
+/// first. Threads that call functions of [`write`](super) afterwards wait until the program ends.
+///
+/// ```no_run
+/// // In the thread that waits for signals:
+/// qless_io::write::abandon();
+/// std::process::exit(128 + 15);
+/// ```
+pub fn abandon() {
+    let lock = WriteLock::take();
+    let traces = known();
+    traces.iter().for_each(Traces::remove);
+    std::mem::forget((lock, traces));
+}
+
+/// [`abandon`], unless this thread [is at work](super::is_at_work) itself: its work cannot be finished.
+///
+/// For a program that ends on the thread that failed.
+pub fn abandon_unless_at_work() {
+    if !is_at_work() {
+        abandon();
+    }
+}
+
+fn known() -> MutexGuard<'static, Vec<Traces>> {
+    TRACES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Traces {
+    /// Folders are removed if they are empty. Errors are ignored: nothing more can be done.
+    fn remove(&self) {
+        remove_marked(&self.mark);
+        for folder in self.created.iter().rev() {
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+/// Removes the numbered files of a mark, then the mark.
+fn remove_marked(mark: &Path) {
+    let (Some(folder), Some(name)) = (mark.parent(), mark.file_name().and_then(|name| name.to_str())) else { return };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let number = entry.file_name();
+        let number = number.to_str().and_then(|other| other.strip_prefix(name)?.strip_prefix('-'));
+        if number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit())) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+    let _ = fs::remove_file(mark);
+}
+
+/// Waits for the lock of a folder; `None` if the file system has no locks.
+pub(super) fn lock(folder: &Path) -> Result<Option<File>, WriteError> {
+    let Ok(file) = File::open(folder) else { return Ok(None) };
+    let start = Instant::now();
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(Some(file)),
+            Err(TryLockError::Error(_)) => return Ok(None),
+            Err(TryLockError::WouldBlock) if start.elapsed() > PATIENCE => {
+                return Err(WriteError::Busy { path: folder.to_path_buf() });
+            }
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(2)),
+        }
+    }
+}
+
+/// A writer's mark in a folder; dropping it removes all that is not in place.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    mark: PathBuf,
+    /// Held while the writer lives.
+    _lock: File,
+    files: usize,
+}
+
+impl Scratch {
+    /// Marks a folder, of which the parts in `missing` are created first.
+    pub fn new(folder: &Path, missing: &[PathBuf]) -> Result<Self, WriteError> {
+        let mut tries = 0;
+        loop {
+            match Self::try_new(folder, missing) {
+                Err(WriteError::Io { source, .. })
+                    if source.kind() == ErrorKind::NotFound && !missing.is_empty() && tries < TRIES =>
+                {
+                    tries += 1;
+                }
+                other => return other,
+            }
+        }
+    }
+
+    fn try_new(folder: &Path, missing: &[PathBuf]) -> Result<Self, WriteError> {
+        let created = Created::new(missing).map_err(WriteError::io(folder))?;
+        let _folder = lock(folder)?;
+        let _lock = WriteLock::take();
+        sweep(folder);
+        let mut known = known();
+        // Reserves memory first: a mark that is not in the list would not be removed.
+        known.reserve(1);
+        let (mut file, mark) = mark(folder).map_err(WriteError::io(folder))?;
+        known.push(Traces { mark: mark.clone(), created: created.keep() });
+        drop(known);
+        let _ = file.try_lock();
+        let written = file.write_all(MARK);
+        let scratch = Self { mark, _lock: file, files: 0 };
+        written.map_err(WriteError::io(folder))?;
+        Ok(scratch)
+    }
+
+    /// A new temporary file.
+    pub fn file(&mut self) -> io::Result<(File, PathBuf)> {
+        self.files += 1;
+        let mut path = self.mark.clone().into_os_string();
+        path.push(format!("-{}", self.files));
+        let _lock = WriteLock::take();
+        Ok((File::create_new(&path)?, path.into()))
+    }
+
+    /// Keeps the folders that were created.
+    pub fn keep_folders(&self) {
+        known().iter_mut().filter(|traces| traces.mark == self.mark).for_each(|traces| traces.created.clear());
+    }
+}
+
+impl Drop for Scratch {
+    /// The mark stays in the list until it is removed.
+    fn drop(&mut self) {
+        let mut known = known();
+        known.extract_if(.., |traces| traces.mark == self.mark).for_each(|traces| traces.remove());
+    }
+}
+
+fn mark(folder: &Path) -> io::Result<(File, PathBuf)> {
+    let file = tempfile::Builder::new().prefix(PREFIX).rand_bytes(LETTERS).tempfile_in(folder)?;
+    file.keep().map_err(|error| error.error)
+}
+
+/// Folders created for a writer; dropped, they are removed again if they are empty.
+struct Created(Vec<PathBuf>);
+
+impl Created {
+    fn new(missing: &[PathBuf]) -> io::Result<Self> {
+        let mut created = Self(Vec::new());
+        for folder in missing {
+            match fs::create_dir(folder) {
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                done => {
+                    done?;
+                    created.0.push(folder.clone());
+                }
+            }
+        }
+        Ok(created)
+    }
+
+    fn keep(mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.0)
+    }
+}
+
+impl Drop for Created {
+    fn drop(&mut self) {
+        self.0.iter().rev().for_each(|folder| _ = fs::remove_dir(folder));
+    }
+}
+
+/// Removes the files of killed programs. The caller holds the folder's lock, so that no mark is without its own.
+fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let letters = name.to_str().and_then(|name| name.strip_prefix(PREFIX));
+        if letters.is_some_and(|letters| letters.len() == LETTERS) && is_abandoned(&entry.path()).unwrap_or(false) {
+            remove_marked(&entry.path());
+        }
+    }
+}
+
+/// Whether a file is a mark whose writer is gone. One that was killed at once had no time to write all of it.
+fn is_abandoned(path: &Path) -> io::Result<bool> {
+    if !fs::symlink_metadata(path)?.is_file() {
+        return Ok(false);
+    }
+    let mut file = File::open(path)?;
+    let mut content = Vec::new();
+    Read::by_ref(&mut file).take(MARK.len() as u64 + 1).read_to_end(&mut content)?;
+    Ok(MARK.starts_with(&content) && file.try_lock().is_ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_files_of_killed_writers_are_removed() {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let file = |name: &str, text: &[u8]| {
+            fs::write(place.path().join(name), text).expect("written");
+            place.path().join(name)
+        };
+        let mut living = Scratch::new(place.path(), &[]).expect("a mark");
+        let (_, unfinished) = living.file().expect("a file");
+        let killed = [file(".qless-killed", MARK), file(".qless-killed-1", b"half"), file(".qless-young1", b"")];
+        let others = [
+            file(".qless-users1", b"mine"),
+            file(".qless-notes", MARK),
+            file(".qless-killed-old", b"mine"),
+            file(".qless-other1-1", b"mine"),
+        ];
+        sweep(place.path());
+        assert!(killed.iter().all(|path| !path.exists()), "{killed:?}");
+        assert!(others.iter().all(|path| path.exists()), "{others:?}");
+        assert!(unfinished.exists());
+        drop(living);
+        assert!(!unfinished.exists());
+        assert_eq!(fs::read_dir(place.path()).expect("a folder").count(), others.len());
+    }
+}
