@@ -1,0 +1,265 @@
+//! The diagnosis: rank, kinds, explanations, digits.
+
+use std::ffi::c_int;
+use std::sync::Arc;
+
+use qless::{Analysis, Kind, SystemBuilder, analyse};
+
+use crate::arrays::{CIndex, IndexBase, length, read, set, write};
+use crate::handles::{get, insert, qless_analysis, qless_options, remove};
+use crate::options;
+use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
+
+/// An analysis, and where the indices of its caller start.
+#[derive(Debug)]
+pub(crate) struct HeldAnalysis {
+    pub(crate) analysis: Arc<Analysis>,
+    pub(crate) base: IndexBase,
+}
+
+/// The equations of the caller.
+struct Given<I> {
+    sizes: [i64; 3],
+    base: c_int,
+    starts: *const I,
+    columns: *const I,
+    values: *const f64,
+    rhs: *const f64,
+    dofs: *const I,
+    prescribed: *const f64,
+}
+
+impl<I: CIndex> Given<I> {
+    /// # Safety
+    /// The arrays are as long as the sizes say; `starts` has one number more than there are equations, and its last one counts the entries.
+    unsafe fn analyse(
+        &self,
+        options: *const qless_options,
+        analysis: *mut *mut qless_analysis,
+    ) -> Result<c_int, CallFailure> {
+        let base = IndexBase::new(self.base)?;
+        let [rows, dofs, count] = self.sizes;
+        let rows = length("the number of equations", rows)?;
+        let mut builder = SystemBuilder::new(length("the number of DOFs", dofs)?);
+        // SAFETY: as the caller states, also below.
+        let starts = unsafe { read("starts", self.starts, rows + 1) }?;
+        let starts = starts.iter().map(|&start| base.read(start, "a start")).collect::<Result<Vec<_>, _>>()?;
+        if starts[0] != 0 || starts.windows(2).any(|pair| pair[0] > pair[1]) {
+            return Err(CallFailure::input("starts must begin at the base and never decrease"));
+        }
+        let nnz = starts[rows];
+        let (columns, values) = unsafe { (read("columns", self.columns, nnz)?, read("values", self.values, nnz)?) };
+        let rhs = if self.rhs.is_null() { None } else { Some(unsafe { read("rhs", self.rhs, rows) }?) };
+        let columns = columns.iter().map(|&column| base.read(column, "a column")).collect::<Result<Vec<_>, _>>()?;
+        for row in 0..rows {
+            let entries = (starts[row]..starts[row + 1]).map(|k| (columns[k], values[k]));
+            builder.equation(entries, rhs.map_or(0.0, |rhs| rhs[row]));
+        }
+        let count = length("the number of prescribed DOFs", count)?;
+        let given = unsafe { (read("dofs", self.dofs, count)?, read("prescribed", self.prescribed, count)?) };
+        for (&dof, &value) in given.0.iter().zip(given.1) {
+            builder.prescribe(base.read(dof, "a prescribed DOF")?, value);
+        }
+        let found = Arc::new(analyse(&builder.build()?, &options::of(options)?)?);
+        let status = if found.confidence().ambiguous { AMBIGUOUS } else { OK };
+        let handle = insert(HeldAnalysis { analysis: found, base });
+        let written = unsafe { set("analysis", analysis, handle) };
+        written.inspect_err(|_| _ = remove::<_, HeldAnalysis>(handle))?;
+        Ok(status)
+    }
+}
+
+/// Diagnoses `C u = b`, with C in compressed rows.
+///
+/// # Safety
+/// The arrays have the lengths that the header states.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_analyse(
+    equations: i64,
+    dofs: i64,
+    base: c_int,
+    starts: *const i32,
+    columns: *const i32,
+    values: *const f64,
+    rhs: *const f64,
+    prescribed_count: i64,
+    prescribed_dofs: *const i32,
+    prescribed_values: *const f64,
+    options: *const qless_options,
+    analysis: *mut *mut qless_analysis,
+) -> c_int {
+    let (sizes, dofs, prescribed) = ([equations, dofs, prescribed_count], prescribed_dofs, prescribed_values);
+    let given = Given { sizes, base, starts, columns, values, rhs, dofs, prescribed };
+    // SAFETY: as the caller states.
+    guard(|| unsafe { given.analyse(options, analysis) })
+}
+
+/// [`qless_analyse`] with 64-bit indices.
+///
+/// # Safety
+/// As [`qless_analyse`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_analyse_64(
+    equations: i64,
+    dofs: i64,
+    base: c_int,
+    starts: *const i64,
+    columns: *const i64,
+    values: *const f64,
+    rhs: *const f64,
+    prescribed_count: i64,
+    prescribed_dofs: *const i64,
+    prescribed_values: *const f64,
+    options: *const qless_options,
+    analysis: *mut *mut qless_analysis,
+) -> c_int {
+    let (sizes, dofs, prescribed) = ([equations, dofs, prescribed_count], prescribed_dofs, prescribed_values);
+    let given = Given { sizes, base, starts, columns, values, rhs, dofs, prescribed };
+    // SAFETY: as the caller states.
+    guard(|| unsafe { given.analyse(options, analysis) })
+}
+
+/// Frees an analysis; null is allowed. Eliminations made from it stay valid.
+#[unsafe(no_mangle)]
+pub extern "C" fn qless_analysis_free(analysis: *mut qless_analysis) -> c_int {
+    guard(|| remove::<_, HeldAnalysis>(analysis).map(|()| OK))
+}
+
+/// Number of equations, of DOFs, the rank, and the numbers of redundant and conflicting equations.
+///
+/// # Safety
+/// Each pointer may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_counts(
+    analysis: *const qless_analysis,
+    equations: *mut i64,
+    dofs: *mut i64,
+    rank: *mut i64,
+    redundant: *mut i64,
+    conflicting: *mut i64,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldAnalysis> = get(analysis)?;
+        let found = &held.analysis;
+        let count = |kind: Kind| found.dependent().iter().filter(|d| d.kind == kind).count();
+        let counts = [
+            ("equations", equations, found.kinds().len()),
+            ("dofs", dofs, found.system().dofs()),
+            ("rank", rank, found.rank()),
+            ("redundant", redundant, count(Kind::Redundant)),
+            ("conflicting", conflicting, count(Kind::Conflicting)),
+        ];
+        // SAFETY: as the caller states.
+        counts.into_iter().try_for_each(|(what, place, count)| unsafe { set(what, place, count as i64) })?;
+        Ok(OK)
+    })
+}
+
+/// The kind of each equation: 0 independent, 1 redundant, 2 conflicting.
+///
+/// # Safety
+/// `kinds` has room for `length` numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mut i8, length: i64) -> c_int {
+    guard(|| {
+        let held: Arc<HeldAnalysis> = get(analysis)?;
+        // SAFETY: as the caller states.
+        let out = unsafe { write("kinds", kinds, length, held.analysis.kinds().len()) }?;
+        for (out, kind) in out.iter_mut().zip(held.analysis.kinds()) {
+            *out = match kind {
+                Kind::Independent => 0,
+                Kind::Redundant => 1,
+                Kind::Conflicting => 2,
+            };
+        }
+        Ok(OK)
+    })
+}
+
+/// How sure the rank is, in digits, and whether it is ambiguous.
+///
+/// # Safety
+/// Each pointer may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_digits(
+    analysis: *const qless_analysis,
+    kept: *mut f64,
+    dropped: *mut f64,
+    ambiguous: *mut c_int,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldAnalysis> = get(analysis)?;
+        let confidence = held.analysis.confidence();
+        // SAFETY: as the caller states.
+        unsafe {
+            set("kept", kept, confidence.digits_kept())?;
+            set("dropped", dropped, confidence.digits_dropped())?;
+            set("ambiguous", ambiguous, c_int::from(confidence.ambiguous))?;
+        }
+        Ok(OK)
+    })
+}
+
+/// # Safety
+/// `rows` and `coefficients` have room for `room` numbers, and `count` may be written.
+unsafe fn explain<I: CIndex>(
+    analysis: *const qless_analysis,
+    row: i64,
+    (rows, coefficients): (*mut I, *mut f64),
+    room: i64,
+    count: *mut i64,
+) -> Result<c_int, CallFailure> {
+    let held: Arc<HeldAnalysis> = get(analysis)?;
+    let terms = held.analysis.because(held.base.read(row, "the row")?)?;
+    // SAFETY: as the caller states, also below.
+    unsafe { set("count", count, terms.len() as i64) }?;
+    if length("rows", room)? < terms.len() {
+        // The caller asks for the number first.
+        return if room == 0 {
+            Ok(OK)
+        } else {
+            Err(CallFailure::input(format!("there is room for {room} terms; {} are needed", terms.len())))
+        };
+    }
+    let needed = terms.len();
+    let out = unsafe {
+        (write("rows", rows, needed as i64, needed)?, write("coefficients", coefficients, needed as i64, needed)?)
+    };
+    held.base.write(terms.iter().map(|term| term.row), out.0)?;
+    out.1.iter_mut().zip(&terms).for_each(|(out, term)| *out = term.coefficient);
+    Ok(OK)
+}
+
+/// Why an equation is dependent: `row = sum coefficients_k rows_k`. With room 0 only `count` is set.
+///
+/// # Safety
+/// `rows` and `coefficients` have room for `room` numbers, and `count` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_explanation(
+    analysis: *const qless_analysis,
+    row: i64,
+    rows: *mut i32,
+    coefficients: *mut f64,
+    room: i64,
+    count: *mut i64,
+) -> c_int {
+    // SAFETY: as the caller states.
+    guard(|| unsafe { explain(analysis, row, (rows, coefficients), room, count) })
+}
+
+/// [`qless_explanation`] with 64-bit indices.
+///
+/// # Safety
+/// As [`qless_explanation`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_explanation_64(
+    analysis: *const qless_analysis,
+    row: i64,
+    rows: *mut i64,
+    coefficients: *mut f64,
+    room: i64,
+    count: *mut i64,
+) -> c_int {
+    // SAFETY: as the caller states.
+    guard(|| unsafe { explain(analysis, row, (rows, coefficients), room, count) })
+}

@@ -1,0 +1,118 @@
+//! Arrays of C as slices, and indices of either width, counted from 0 or 1.
+
+use std::ffi::c_int;
+
+use crate::status::CallFailure;
+
+/// An index type of C.
+pub trait CIndex: Copy {
+    /// As a 64-bit number.
+    fn wide(self) -> i64;
+    /// From a 64-bit number, if it fits.
+    fn narrow(value: i64) -> Option<Self>;
+}
+
+impl CIndex for i32 {
+    fn wide(self) -> i64 {
+        self.into()
+    }
+    fn narrow(value: i64) -> Option<Self> {
+        value.try_into().ok()
+    }
+}
+
+impl CIndex for i64 {
+    fn wide(self) -> i64 {
+        self
+    }
+    fn narrow(value: i64) -> Option<Self> {
+        Some(value)
+    }
+}
+
+/// Whether indices count from 0 or from 1.
+#[derive(Clone, Copy, Debug)]
+pub struct IndexBase(usize);
+
+impl IndexBase {
+    pub fn new(base: c_int) -> Result<Self, CallFailure> {
+        match base {
+            0 | 1 => Ok(Self(base as usize)),
+            _ => Err(CallFailure::input(format!("the base is {base}; indices count from 0 or from 1"))),
+        }
+    }
+
+    /// The number that counts from 0.
+    pub fn read<I: CIndex>(self, index: I, what: &str) -> Result<usize, CallFailure> {
+        let from_zero = index.wide() - self.0 as i64;
+        let below = || CallFailure::input(format!("{what} is {}; it counts from {}", index.wide(), self.0));
+        usize::try_from(from_zero).map_err(|_| below())
+    }
+
+    /// Writes numbers that count from 0 into an array of the caller.
+    pub fn write<I: CIndex>(
+        self,
+        list: impl ExactSizeIterator<Item = usize>,
+        out: &mut [I],
+    ) -> Result<(), CallFailure> {
+        for (place, value) in out.iter_mut().zip(list) {
+            let index = I::narrow((value + self.0) as i64);
+            *place = index.ok_or_else(|| {
+                CallFailure::input("a number does not fit into 32 bits; call the function that ends in _64")
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// A length that is not negative.
+pub fn length(what: &str, given: i64) -> Result<usize, CallFailure> {
+    usize::try_from(given).map_err(|_| CallFailure::input(format!("{what}: the length is {given}")))
+}
+
+/// An array of the caller.
+///
+/// # Safety
+/// `start` is null or leads to `length` readable numbers that nobody changes while the slice lives.
+pub unsafe fn read<'a, T>(what: &str, start: *const T, length: usize) -> Result<&'a [T], CallFailure> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    if start.is_null() {
+        return Err(CallFailure::input(format!("{what} is null, but {length} numbers are needed")));
+    }
+    // SAFETY: not null, and the caller states the length.
+    Ok(unsafe { std::slice::from_raw_parts(start, length) })
+}
+
+/// An array of the caller that is written, with the length that it must have.
+///
+/// # Safety
+/// `start` is null or leads to `found` writable numbers that nobody else uses while the slice lives.
+pub unsafe fn write<'a, T>(what: &str, start: *mut T, found: i64, needed: usize) -> Result<&'a mut [T], CallFailure> {
+    let found = length(what, found)?;
+    if found != needed {
+        return Err(CallFailure::input(format!("{what} has room for {found} numbers; {needed} are needed")));
+    }
+    if needed == 0 {
+        return Ok(&mut []);
+    }
+    if start.is_null() {
+        return Err(CallFailure::input(format!("{what} is null, but {needed} numbers are needed")));
+    }
+    // SAFETY: not null, and the caller states the length.
+    Ok(unsafe { std::slice::from_raw_parts_mut(start, needed) })
+}
+
+/// One value of the caller that is written.
+///
+/// # Safety
+/// `place` is null or leads to a writable value that nobody else uses.
+pub unsafe fn set<T>(what: &str, place: *mut T, value: T) -> Result<(), CallFailure> {
+    if place.is_null() {
+        return Err(CallFailure::input(format!("{what} is null; give the address of a variable")));
+    }
+    // SAFETY: not null, and the caller states that it may be written.
+    unsafe { place.write(value) };
+    Ok(())
+}

@@ -1,0 +1,358 @@
+//! The reduced form: slaves, masters, T, G, g, and its uses.
+
+use std::ffi::c_int;
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+
+use qless::{Csr, Elimination, Form};
+
+use crate::analysis;
+use crate::arrays::{CIndex, IndexBase, length, read, set, write};
+use crate::handles::{get, insert, qless_analysis, qless_elimination, remove};
+use crate::status::{CallFailure, OK, guard};
+
+/// Readers share it; a refresh has it alone.
+#[derive(Debug)]
+struct HeldElimination {
+    elimination: RwLock<Elimination>,
+    base: IndexBase,
+}
+
+impl HeldElimination {
+    fn read(&self) -> RwLockReadGuard<'_, Elimination> {
+        self.elimination.read().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Chooses slaves and solves for them; an error if equations conflict.
+///
+/// # Safety
+/// `elimination` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_eliminate(
+    analysis: *const qless_analysis,
+    elimination: *mut *mut qless_elimination,
+) -> c_int {
+    guard(|| {
+        let held: Arc<analysis::HeldAnalysis> = get(analysis)?;
+        let made = Elimination::from_analysis(Arc::clone(&held.analysis), Form::Explicit)?;
+        let handle = insert(HeldElimination { elimination: RwLock::new(made), base: held.base });
+        // SAFETY: as the caller states.
+        let written = unsafe { set("elimination", elimination, handle) };
+        written.inspect_err(|_| _ = remove::<_, HeldElimination>(handle))?;
+        Ok(OK)
+    })
+}
+
+/// Frees an elimination; null is allowed.
+#[unsafe(no_mangle)]
+pub extern "C" fn qless_elimination_free(elimination: *mut qless_elimination) -> c_int {
+    guard(|| remove::<_, HeldElimination>(elimination).map(|()| OK))
+}
+
+/// Numbers of slaves, masters and prescribed DOFs, and of the entries of T and G.
+///
+/// # Safety
+/// Each pointer may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_sizes(
+    elimination: *const qless_elimination,
+    slaves: *mut i64,
+    masters: *mut i64,
+    prescribed: *mut i64,
+    t_entries: *mut i64,
+    g_entries: *mut i64,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
+        let known = held.read();
+        let reduction = known.reduction();
+        let sizes = [
+            ("slaves", slaves, known.slaves().len()),
+            ("masters", masters, known.masters().len()),
+            ("prescribed", prescribed, known.prescribed().len()),
+            ("t_entries", t_entries, reduction.t().nnz()),
+            ("g_entries", g_entries, reduction.g_matrix().nnz()),
+        ];
+        // SAFETY: as the caller states.
+        sizes.into_iter().try_for_each(|(what, place, size)| unsafe { set(what, place, size as i64) })?;
+        Ok(OK)
+    })
+}
+
+/// # Safety
+/// The arrays have room for as many numbers as [`qless_sizes`] says.
+unsafe fn dofs<I: CIndex>(elimination: *const qless_elimination, arrays: [*mut I; 3]) -> Result<c_int, CallFailure> {
+    let held: Arc<HeldElimination> = get(elimination)?;
+    let known = held.read();
+    let lists = [("slaves", known.slaves()), ("masters", known.masters()), ("prescribed", known.prescribed())];
+    for ((what, list), array) in lists.into_iter().zip(arrays).filter(|(_, array)| !array.is_null()) {
+        // SAFETY: as the caller states.
+        let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
+        held.base.write(list.iter().copied(), out)?;
+    }
+    Ok(OK)
+}
+
+/// Slaves, masters and prescribed DOFs, each ascending; null for a list that is not wanted.
+///
+/// # Safety
+/// The arrays are null or have room for as many numbers as [`qless_sizes`] says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_dofs(
+    elimination: *const qless_elimination,
+    slaves: *mut i32,
+    masters: *mut i32,
+    prescribed: *mut i32,
+) -> c_int {
+    // SAFETY: as the caller states.
+    guard(|| unsafe { dofs(elimination, [slaves, masters, prescribed]) })
+}
+
+/// [`qless_dofs`] with 64-bit indices.
+///
+/// # Safety
+/// As [`qless_dofs`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_dofs_64(
+    elimination: *const qless_elimination,
+    slaves: *mut i64,
+    masters: *mut i64,
+    prescribed: *mut i64,
+) -> c_int {
+    // SAFETY: as the caller states.
+    guard(|| unsafe { dofs(elimination, [slaves, masters, prescribed]) })
+}
+
+/// # Safety
+/// The arrays have the lengths that the matrix needs.
+unsafe fn rows<I: CIndex>(
+    matrix: &Csr,
+    base: IndexBase,
+    starts: *mut I,
+    columns: *mut I,
+    values: *mut f64,
+) -> Result<c_int, CallFailure> {
+    let (count, nnz) = (matrix.rows() + 1, matrix.nnz());
+    // SAFETY: as the caller states.
+    let (starts, columns, values) = unsafe {
+        (
+            write("starts", starts, count as i64, count)?,
+            write("columns", columns, nnz as i64, nnz)?,
+            write("values", values, nnz as i64, nnz)?,
+        )
+    };
+    base.write(matrix.starts().iter().copied(), starts)?;
+    base.write(matrix.columns().iter().map(|&j| j as usize), columns)?;
+    values.copy_from_slice(matrix.values());
+    Ok(OK)
+}
+
+/// T in compressed rows: row i is slave i, column q is master q.
+///
+/// # Safety
+/// `starts` has room for one number more than there are slaves; `columns` and `values` for the entries of T.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_t(
+    elimination: *const qless_elimination,
+    starts: *mut i32,
+    columns: *mut i32,
+    values: *mut f64,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
+        // SAFETY: as the caller states.
+        unsafe { rows(held.read().reduction().t(), held.base, starts, columns, values) }
+    })
+}
+
+/// [`qless_t`] with 64-bit indices.
+///
+/// # Safety
+/// As [`qless_t`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_t_64(
+    elimination: *const qless_elimination,
+    starts: *mut i64,
+    columns: *mut i64,
+    values: *mut f64,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
+        // SAFETY: as the caller states.
+        unsafe { rows(held.read().reduction().t(), held.base, starts, columns, values) }
+    })
+}
+
+/// G in compressed rows: row i is slave i, column p is prescribed DOF p.
+///
+/// # Safety
+/// As [`qless_t`], with the entries of G.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_g_matrix(
+    elimination: *const qless_elimination,
+    starts: *mut i32,
+    columns: *mut i32,
+    values: *mut f64,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
+        // SAFETY: as the caller states.
+        unsafe { rows(held.read().reduction().g_matrix(), held.base, starts, columns, values) }
+    })
+}
+
+/// [`qless_g_matrix`] with 64-bit indices.
+///
+/// # Safety
+/// As [`qless_g_matrix`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_g_matrix_64(
+    elimination: *const qless_elimination,
+    starts: *mut i64,
+    columns: *mut i64,
+    values: *mut f64,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
+        // SAFETY: as the caller states.
+        unsafe { rows(held.read().reduction().g_matrix(), held.base, starts, columns, values) }
+    })
+}
+
+/// g, one number per slave, for the current b and prescribed values.
+///
+/// # Safety
+/// `g` has room for `length` numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_g(elimination: *const qless_elimination, g: *mut f64, length: i64) -> c_int {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
+        let known = held.read();
+        // SAFETY: as the caller states.
+        let out = unsafe { write("g", g, length, known.reduction().g().len()) }?;
+        out.copy_from_slice(known.reduction().g());
+        Ok(OK)
+    })
+}
+
+/// New b and prescribed values; slaves and T stay. Nothing changes if equations conflict then.
+///
+/// # Safety
+/// The arrays have the lengths that are given.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_refresh(
+    elimination: *mut qless_elimination,
+    rhs: *const f64,
+    rhs_length: i64,
+    prescribed: *const f64,
+    prescribed_length: i64,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
+        let lengths = (length("rhs", rhs_length)?, length("prescribed", prescribed_length)?);
+        // SAFETY: as the caller states.
+        let (rhs, prescribed) = unsafe { (read("rhs", rhs, lengths.0)?, read("prescribed", prescribed, lengths.1)?) };
+        let mut known = held.elimination.write().unwrap_or_else(PoisonError::into_inner);
+        known.update(rhs, prescribed)?;
+        Ok(OK)
+    })
+}
+
+/// A function of [`Elimination`] from numbers to numbers.
+type ApplyCall = fn(&Elimination, &[f64], &mut [f64]) -> Result<(), CallFailure>;
+
+/// # Safety
+/// The arrays have the lengths that are given and do not overlap.
+unsafe fn apply(
+    elimination: *const qless_elimination,
+    (input, input_length): (*const f64, i64),
+    (output, output_length): (*mut f64, i64),
+    work: ApplyCall,
+) -> Result<c_int, CallFailure> {
+    let held: Arc<HeldElimination> = get(elimination)?;
+    let (input_length, room) = (length("the input", input_length)?, length("the output", output_length)?);
+    // SAFETY: as the caller states. `work` checks the lengths.
+    let (input, output) =
+        unsafe { (read("the input", input, input_length)?, write("the output", output, output_length, room)?) };
+    work(&held.read(), input, output)?;
+    Ok(OK)
+}
+
+/// `u = L u_q + u_0`: all DOFs from the masters.
+///
+/// # Safety
+/// The arrays have the lengths that are given and do not overlap.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_expand(
+    elimination: *const qless_elimination,
+    masters: *const f64,
+    masters_length: i64,
+    u: *mut f64,
+    u_length: i64,
+) -> c_int {
+    let work: ApplyCall = |known, masters, u| Ok(known.expand_into(masters, u)?);
+    // SAFETY: as the caller states.
+    guard(|| unsafe { apply(elimination, (masters, masters_length), (u, u_length), work) })
+}
+
+/// `du = L du_q`: an increment of all DOFs from one of the masters.
+///
+/// # Safety
+/// As [`qless_expand`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_expand_increment(
+    elimination: *const qless_elimination,
+    masters: *const f64,
+    masters_length: i64,
+    du: *mut f64,
+    du_length: i64,
+) -> c_int {
+    let work: ApplyCall = |known, masters, du| Ok(known.expand_increment_into(masters, du)?);
+    // SAFETY: as the caller states.
+    guard(|| unsafe { apply(elimination, (masters, masters_length), (du, du_length), work) })
+}
+
+/// `f_q = L^T f`: forces on all DOFs, transferred to the masters.
+///
+/// # Safety
+/// As [`qless_expand`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_restrict(
+    elimination: *const qless_elimination,
+    forces: *const f64,
+    forces_length: i64,
+    masters: *mut f64,
+    masters_length: i64,
+) -> c_int {
+    let work: ApplyCall = |known, forces, masters| Ok(known.restrict_into(forces, masters)?);
+    // SAFETY: as the caller states.
+    guard(|| unsafe { apply(elimination, (forces, forces_length), (masters, masters_length), work) })
+}
+
+/// lambda of `K u + C^T lambda = f` by equation from `residual = f - K u`.
+///
+/// # Safety
+/// As [`qless_expand`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_multipliers(
+    elimination: *const qless_elimination,
+    residual: *const f64,
+    residual_length: i64,
+    lambda: *mut f64,
+    lambda_length: i64,
+) -> c_int {
+    let work: ApplyCall = |known, residual, out| {
+        let found = known.multipliers(residual)?;
+        if found.len() != out.len() {
+            return Err(CallFailure::input(format!(
+                "lambda has room for {} numbers; {} are needed",
+                out.len(),
+                found.len()
+            )));
+        }
+        out.copy_from_slice(&found);
+        Ok(())
+    };
+    // SAFETY: as the caller states.
+    guard(|| unsafe { apply(elimination, (residual, residual_length), (lambda, lambda_length), work) })
+}

@@ -1,0 +1,110 @@
+//! The header declares exactly the functions of the library, with the same arguments, and the numbers of its version.
+
+use std::collections::BTreeMap;
+
+const HERE: &str = env!("CARGO_MANIFEST_DIR");
+
+fn header() -> String {
+    std::fs::read_to_string(format!("{HERE}/include/qless.h")).expect("the header")
+}
+
+/// Declarations by name, white space and comments taken out.
+fn declared() -> BTreeMap<String, String> {
+    let text = header();
+    let statements = text.split("\nQLESS_API ").skip(1).filter_map(|rest| rest.split(';').next());
+    let words = statements.map(|one| one.split_whitespace().collect::<Vec<_>>().join(" "));
+    words.filter(|one| one.contains('(')).map(|one| (name_of(&one), one)).collect()
+}
+
+fn name_of(declaration: &str) -> String {
+    let before = declaration.split('(').next().unwrap_or_default();
+    before.rsplit([' ', '*']).next().unwrap_or_default().to_owned()
+}
+
+/// The declarations that the source means.
+fn defined() -> BTreeMap<String, String> {
+    let files = std::fs::read_dir(format!("{HERE}/src")).expect("the source").flatten();
+    let mut functions = BTreeMap::new();
+    for file in files {
+        let source = syn::parse_file(&std::fs::read_to_string(file.path()).expect("a file")).expect("Rust");
+        for item in source.items {
+            let syn::Item::Fn(function) = item else { continue };
+            if function.sig.abi.is_some() {
+                let declaration = declaration(&function.sig);
+                functions.insert(function.sig.ident.to_string(), declaration);
+            }
+        }
+    }
+    functions
+}
+
+fn declaration(signature: &syn::Signature) -> String {
+    let argument = |argument: &syn::FnArg| {
+        let syn::FnArg::Typed(argument) = argument else { panic!("a function of C has no self") };
+        let syn::Pat::Ident(name) = &*argument.pat else { panic!("an argument without a name") };
+        joined(&in_c(&argument.ty), &name.ident.to_string())
+    };
+    let arguments: Vec<String> = signature.inputs.iter().map(argument).collect();
+    let arguments = if arguments.is_empty() { "void".to_owned() } else { arguments.join(", ") };
+    let syn::ReturnType::Type(_, result) = &signature.output else { panic!("a function without a status") };
+    format!("{}({arguments})", joined(&in_c(result), &signature.ident.to_string()))
+}
+
+fn joined(kind: &str, name: &str) -> String {
+    if kind.ends_with('*') { format!("{kind}{name}") } else { format!("{kind} {name}") }
+}
+
+fn in_c(kind: &syn::Type) -> String {
+    match kind {
+        syn::Type::Ptr(pointer) => {
+            let to = in_c(&pointer.elem);
+            let is_const = if pointer.const_token.is_some() { "const " } else { "" };
+            if to.ends_with('*') { format!("{is_const}{to}*") } else { format!("{is_const}{to} *") }
+        }
+        syn::Type::Path(path) => {
+            let name = path.path.segments.last().expect("a name").ident.to_string();
+            match name.as_str() {
+                "f64" => "double",
+                "i8" => "int8_t",
+                "i32" => "int32_t",
+                "i64" => "int64_t",
+                "c_int" => "int",
+                "c_char" => "char",
+                handle if handle.starts_with("qless_") => handle,
+                other => panic!("{other} has no name in C"),
+            }
+            .to_owned()
+        }
+        _ => panic!("a type that C does not know"),
+    }
+}
+
+#[test]
+fn the_header_declares_every_function_as_it_is() {
+    let (declared, defined) = (declared(), defined());
+    assert!(defined.len() > 20, "{} functions", defined.len());
+    for (name, declaration) in &defined {
+        assert_eq!(declared.get(name), Some(declaration), "{name}");
+    }
+    assert_eq!(declared.len(), defined.len());
+}
+
+#[test]
+fn the_header_has_the_version_of_the_library() {
+    let text = header();
+    for (part, value) in [
+        ("MAJOR", env!("CARGO_PKG_VERSION_MAJOR")),
+        ("MINOR", env!("CARGO_PKG_VERSION_MINOR")),
+        ("PATCH", env!("CARGO_PKG_VERSION_PATCH")),
+    ] {
+        assert!(text.contains(&format!("#define QLESS_VERSION_{part} {value}\n")), "{part}");
+    }
+}
+
+/// The names that programs link against; a name that goes, or whose arguments change, needs a new number of the shared library.
+#[test]
+fn the_list_of_names_is_that_of_the_file() {
+    let listed = std::fs::read_to_string(format!("{HERE}/abi.txt")).expect("abi.txt");
+    let defined: Vec<String> = defined().into_values().collect();
+    assert_eq!(listed.lines().collect::<Vec<_>>(), defined, "abi.txt");
+}

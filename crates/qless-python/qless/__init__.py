@@ -1,0 +1,80 @@
+"""Linear constraint equations ``C u = b``: which are redundant or conflicting and why, and their reduced form.
+
+    >>> import qless
+    >>> r = qless.analyse([[1, -1, 2], [1, 2, -1], [2, 1, 1]], b=[1, 0, 1])
+    >>> r.rank, r.redundant.tolist(), str(r.because(2))
+    (2, [2], 'row 2 = 1 * row 0 + 1 * row 1')
+    >>> r.slaves.tolist(), r.masters.tolist(), r.T.toarray().round(12).tolist()
+    ([0, 1], [2], [[-1.0], [1.0]])
+
+Rows and DOFs count from 0. scipy is needed where a result is a sparse matrix, and nowhere else.
+"""
+
+from __future__ import annotations
+
+import warnings as _warnings
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from . import _qless, _result
+from ._constraints import Constraints
+from ._errors import Conflict, Error, FactorError, InputError, ReadError, ReductionError
+from ._presolve import Presolved, presolve
+from ._qless import __version__
+from ._result import Digits, Explanation, Kind, Result, load
+
+__all__ = [
+    "Conflict",
+    "Constraints",
+    "Digits",
+    "Error",
+    "Explanation",
+    "FactorError",
+    "InputError",
+    "Kind",
+    "Presolved",
+    "ReadError",
+    "ReductionError",
+    "Result",
+    "__version__",
+    "analyse",
+    "load",
+    "presolve",
+    "read",
+]
+
+
+def analyse(
+    C: Any,  # noqa: N803
+    b: Any = None,
+    prescribed: Mapping[int, float] | tuple[Any, Any] | None = None,
+    labels: Sequence[str] | None = None,
+    dof_labels: Sequence[str] | None = None,
+    **options: Any,
+) -> Result:
+    """Diagnoses ``C u = b``.
+
+    C is m x n, a dense array or a matrix of scipy.sparse, of f32 or f64; b is zero if it is not given. `prescribed` has the values of
+    DOFs that are given, as a mapping or as (DOFs, values).
+
+    Options: `tolerance` (relative, 1e-10), `noise` ("auto", "none", a relative size, or floors for the coefficients and right-hand side
+    of each row), `backend` ("faer", "sparse", "gauss"), `presolve`, `growth` (bound of ``max |T_ij|``, 4), `memory` (bytes for one block),
+    `masters` and `slaves` (DOFs that should be such), `keep` (rows to keep where there is a choice).
+
+    Raises :class:`InputError` with row, DOF and label for numbers that are not finite and indices out of range.
+    """
+    return _result.make(C, b, prescribed, labels, dof_labels, **options)
+
+
+def read(path: Any, solver: str | None = None, case: str | None = None) -> Constraints:
+    """Reads the equations of a deck of CalculiX, Abaqus, Nastran or ANSYS, a Matrix Market file or a case folder.
+
+    `case` names a load case where several constrain differently. Constraints that are not understood are left out with a warning and
+    listed in ``left_out``.
+    """
+    system, warnings, left_out = _qless.read(str(path), solver, case)
+    constraints = Constraints._of(system)
+    constraints.warnings, constraints.left_out = warnings, left_out
+    for one in left_out:
+        _warnings.warn(f"{path}: left out: {one}", stacklevel=2)
+    return constraints

@@ -1,0 +1,42 @@
+//! Long calls without the interpreter lock, which Ctrl-C ends.
+//!
+//! The library has no point at which a factorization can be stopped. So a long call runs on a thread of its own while the calling thread
+//! waits for signals. After Ctrl-C the caller gets `KeyboardInterrupt` at once, and the thread ends when its work is done; its result is
+//! dropped.
+
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+/// Number of coefficients below which a call takes less than a few milliseconds, and a thread would cost more than it gives.
+const SHORT: usize = 20_000;
+/// Time between two looks for signals: a person does not notice it.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Runs `work` on `size` coefficients without the interpreter lock.
+pub fn run<R: Send + 'static>(py: Python<'_>, size: usize, work: impl FnOnce() -> R + Send + 'static) -> PyResult<R> {
+    if size < SHORT {
+        return Ok(py.detach(work));
+    }
+    let (sender, receiver) = channel();
+    // The receiver is gone after Ctrl-C.
+    let worker = std::thread::Builder::new().name("qless".to_owned()).spawn(move || _ = sender.send(work()))?;
+    // A receiver may not be shared between threads; a lock that nobody else takes makes it so.
+    let receiver = std::sync::Mutex::new(receiver);
+    loop {
+        let received = py.detach(|| match receiver.lock() {
+            Ok(receiver) => receiver.recv_timeout(LOOK),
+            Err(_) => Err(RecvTimeoutError::Disconnected),
+        });
+        match received {
+            Ok(result) => return Ok(result),
+            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            Err(RecvTimeoutError::Disconnected) => {
+                drop(worker.join());
+                return Err(PyRuntimeError::new_err("qless stopped on an internal error; please report it"));
+            }
+        }
+    }
+}

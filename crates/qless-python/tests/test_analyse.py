@@ -1,0 +1,161 @@
+"""Diagnosis: inputs of all types, options, errors, conflicts, texts."""
+
+import pickle
+import threading
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import qless
+
+C = np.array([[1.0, -1, 2], [1, 2, -1], [2, 1, 1]])
+B = np.array([1.0, 0, 1])
+
+
+def forms(dense):
+    """The same matrix in every form that is taken."""
+    yield dense
+    yield np.asfortranarray(dense)
+    yield dense.tolist()
+    for make in (sp.csr_matrix, sp.csr_array, sp.csc_matrix, sp.coo_array, sp.lil_matrix):
+        yield make(dense)
+    wide = sp.csr_array(dense)
+    wide.indices, wide.indptr = wide.indices.astype(np.int64), wide.indptr.astype(np.int64)
+    yield wide
+    yield dense.astype(np.float32)
+    yield sp.csr_array(dense.astype(np.float32))
+    yield dense.astype(int)
+    yield np.repeat(dense, 2, axis=1)[:, ::2]
+
+
+@pytest.mark.parametrize("matrix", list(forms(C)))
+def test_every_form_of_a_matrix_gives_the_same(matrix):
+    r = qless.analyse(matrix, B)
+    assert (r.rank, r.kinds.tolist(), r.status) == (2, [0, 0, 1], "redundant")
+    assert [row for row, _ in r.because(2).terms] == [0, 1]
+    np.testing.assert_allclose([c for _, c in r.because(2).terms], 1.0, rtol=1e-14)
+    assert (r.slaves.tolist(), r.masters.tolist()) == ([0, 1], [2])
+    np.testing.assert_allclose(r.g, [2 / 3, -1 / 3], rtol=1e-14)
+    np.testing.assert_allclose(r.T.toarray(), [[-1.0], [1.0]], rtol=1e-14)
+
+
+def test_repeated_entries_are_summed():
+    twice = sp.csr_array((np.array([1.0, 1.0, -2.0]), np.array([0, 0, 1]), np.array([0, 3])), shape=(1, 2))
+    assert qless.analyse(twice).T.toarray().tolist() == [[1.0]]
+
+
+def test_conflicts_carry_rows_and_explanations():
+    r = qless.analyse(C, [1, 0, 2], labels=["weld", "bolt", "glue"])
+    assert (r.conflicting.tolist(), r.independent.tolist()) == ([2], [0, 1])
+    with pytest.raises(qless.Conflict, match=r'row 2 "glue" = 1 \* row 0 "weld" \+ 1 \* row 1 "bolt".*differ by 1') as raised:
+        _ = r.slaves
+    assert raised.value.rows == [2]
+    y = raised.value.multipliers[0]
+    y = np.array([y.get(i, 0.0) for i in range(3)])
+    assert np.abs(y @ C).max() < 1e-14 and abs(y @ [1, 0, 2] - 1) < 1e-14
+    assert qless.analyse(C, B).raise_if_conflicting().rank == 2
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: qless.analyse([[1, np.nan]], labels=["weld"]), 'row 0, DOF 1 is NaN.*row 0 is "weld"'),
+        (lambda: qless.analyse(C, [0, np.inf, 0]), "right-hand side of row 1 is inf"),
+        (lambda: qless.analyse(C, [0, 0]), "3"),
+        (lambda: qless.analyse(C, prescribed={7: 0.0}), "DOF 7"),
+        (lambda: qless.analyse(C, prescribed={-1: 0.0}), "-1"),
+        (lambda: qless.analyse(C, prescribed=([1, 1], [0.0, 2.0])), "prescribed twice"),
+        (lambda: qless.analyse(C, tolerance=2.0), "tolerance"),
+        (lambda: qless.analyse(C, backend="spqr"), "this build has"),
+        (lambda: qless.analyse(C, colour=1), "no option `colour`"),
+        (lambda: qless.analyse(C * 1j), "complex"),
+        (lambda: qless.analyse(np.ones(3)), "dimensions"),
+        (lambda: qless.analyse(C, labels=["a"]), "labels"),
+        (lambda: qless.analyse(np.zeros((2, 0))), "no DOFs"),
+        (lambda: qless.analyse(C).because(3), "out of range"),
+        (lambda: qless.analyse(C).because(-1), "-1"),
+        (lambda: qless.analyse(C).expand([1.0, 2.0]), "list of masters"),
+        (lambda: qless.analyse(C).expand([np.nan]), "finite"),
+        (lambda: qless.analyse(C).condense(np.eye(2)), "2 x 2"),
+    ],
+)
+def test_bad_input_is_named(call, message):
+    with pytest.raises(qless.InputError, match=message):
+        call()
+
+
+def test_an_error_names_row_and_dof():
+    broken = sp.csr_array((np.ones(2), np.array([0, 5]), np.array([0, 1, 2])), shape=(2, 6))
+    broken._shape = (2, 3)
+    with pytest.raises(qless.InputError) as raised:
+        qless.analyse(broken, labels=["a", "b"])
+    assert (raised.value.row, raised.value.dof) == (1, 5)
+
+
+def test_options():
+    for backend in ("faer", "sparse", "gauss"):
+        assert qless.analyse(C, B, backend=backend, presolve=False).rank == 2
+    assert qless.analyse(C, B, masters=[0]).masters.tolist() == [0]
+    assert qless.analyse(C, B, keep=[2]).independent.tolist() in ([0, 2], [1, 2])
+    # The four-bar linkage with a row of rounding: a caller who knows the floor settles it.
+    noisy = np.array([[1.0, 0.5], [3e-17, -2e-17]])
+    assert qless.analyse(noisy, noise="none").rank == 2
+    assert qless.analyse(noisy, noise=1e-12).rank == 1
+    assert qless.analyse(noisy, noise=(np.full(2, 1e-15), np.full(2, 1e-15))).rank == 1
+
+
+def test_prescribed_and_fixed():
+    r = qless.analyse([[1, -1, 0], [0, 1, -1]], [0.5, 0], prescribed={2: 1.0})
+    assert r.fixed == {0: 1.5, 1: 1.0}
+    assert (r.prescribed.tolist(), r.masters.tolist(), r.u0.tolist()) == ([2], [], [1.5, 1.0, 1.0])
+    assert r.G.toarray().tolist() == [[1.0], [1.0]]
+    assert r.because_fixed(1)
+    r.refresh(prescribed={2: 3.0})
+    assert r.u0.tolist() == [3.5, 3.0, 3.0]
+    r.refresh(b=[0.0, 0.0], prescribed=[4.0])
+    assert r.u0.tolist() == [4.0, 4.0, 4.0]
+    with pytest.raises(qless.InputError, match="not prescribed"):
+        r.refresh(prescribed={0: 1.0})
+
+
+def test_refresh_refuses_conflicts_and_changes_nothing():
+    r = qless.analyse([[1, -1], [2, -2]], [0, 0])
+    r.refresh([1, 2])
+    before = r.g.tolist()
+    with pytest.raises(qless.Conflict) as raised:
+        r.refresh([1, 1])
+    assert raised.value.rows == [1] and raised.value.explanations[0].terms == [(0, 2.0)]
+    assert r.g.tolist() == before == [1.0]
+
+
+def test_texts():
+    r = qless.analyse(C, B)
+    assert repr(r) == r.report() and "row 2 = 1 * row 0 + 1 * row 1" in r.report() and "Rank 2 on 3 DOFs" in r.report()
+    assert "<td>redundant</td>" in r._repr_html_()
+    assert "&lt;b&gt;" in qless.analyse(C, B, labels=["<b>", "x", "y"])._repr_html_()
+    assert '"status":"redundant"' in r.to_json()
+    assert "All 1 equations are independent." in repr(qless.analyse([[1, 1]]))
+
+
+def test_pickle_and_save(tmp_path):
+    r = qless.analyse(C, B, prescribed={2: 0.5}, labels=["a", "b", "c"], growth=2.0)
+    r.refresh(prescribed={2: 0.75})
+    r.save(tmp_path / "r.pickle")
+    for same in (pickle.loads(pickle.dumps(r)), qless.load(tmp_path / "r.pickle")):
+        assert same.u0.tolist() == r.u0.tolist() and same.labels == r.labels and same.because(2) == r.because(2)
+
+
+def test_threads_share_a_result():
+    r = qless.analyse(sp.random_array((200, 400), density=0.02, rng=np.random.default_rng(1)).tocsr())
+    x, found = np.ones(len(r.masters)), []
+    work = lambda: found.append((r.expand(x).tobytes(), r.multipliers(np.ones(400)).tobytes(), r.refresh(np.zeros(200))))
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert len({(u, y) for u, y, _ in found}) == 1 and len(found) == 4
+
+
+def test_without_equations():
+    r = qless.analyse(np.zeros((0, 3)))
+    assert (r.rank, r.masters.tolist(), r.L.toarray().tolist()) == (0, [0, 1, 2], np.eye(3).tolist())
