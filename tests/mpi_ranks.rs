@@ -77,7 +77,7 @@ fn a_report_is_written_once_and_faults_are_told_once() {
     assert!(said.contains("b.txt:3:") && said.matches(by_one.trim()).count() == 1, "{said}\n{by_one}");
     let refused: [(&[&str], &str); 4] = [
         (&["check", "deck.inp"], "read Matrix Market only"),
-        (&["check", "--exact", "case"], "--exact runs in one process only"),
+        (&["check", "--effort", "exact", "case"], "--effort exact runs in one process only"),
         (&["reduce", "case", "-o", "out"], "only `qless check` runs on more than one"),
         (&["check", "--no-such", "case"], "--no-such"),
     ];

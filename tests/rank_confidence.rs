@@ -11,6 +11,8 @@ mod rank_confidence {
     mod checks;
     /// Two unconnected systems analysed together give the results that each gives alone.
     mod component_law;
+    /// What each effort promises.
+    mod efforts;
     /// Exact arithmetic confirms what is sure.
     mod exact;
     /// Doubt never disappears as a system gets worse.

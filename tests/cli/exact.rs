@@ -1,4 +1,4 @@
-//! `check --exact`: the rank of the numbers as typed, in every form of the report.
+//! `check --effort exact`: the rank of the numbers as typed, in every form of the report.
 
 use serde_json::json;
 
@@ -45,12 +45,12 @@ fn where_both_agree_one_line_says_so() {
     let place = Place::new();
     place.paper("case", 1.0);
     typed(&place, "tenths", &["0.1 1 0.1", "0.2 2 0.2", "0.3 3 0.3"], "");
-    let run = place.run("check case --exact");
+    let run = place.run("check case --effort exact");
     assert_eq!(run.code, 0);
     assert_says(&run, &["\nExact arithmetic on the numbers as typed: rank 2 of 3, as in floating point.\n"]);
-    assert_eq!(run.out.lines().count(), place.run("check case").out.lines().count() + 1);
+    assert_eq!(run.out.lines().count(), place.run("check case").out.lines().count() + 2);
 
-    let exact = &place.run("check tenths --exact --format json").json()["exact_rank"];
+    let exact = &place.run("check tenths --effort exact --format json").json()["exact_rank"];
     let primes: Vec<u64> = exact["primes"]
         .as_array()
         .expect("a list")
@@ -59,7 +59,7 @@ fn where_both_agree_one_line_says_so() {
         .collect();
     assert!(primes.len() == 2 && primes.iter().all(|p| p >> 60 == 1));
     let expected = json!({"reading": "typed", "rank": 1, "augmented_rank": 1, "solvable": true,
-        "primes": exact["primes"], "differences": []});
+        "error_chance": 0.0, "primes": exact["primes"], "differences": []});
     assert_eq!(exact, &expected);
 }
 
@@ -67,11 +67,11 @@ fn where_both_agree_one_line_says_so() {
 fn the_exact_rank_of_a_recurrence_is_full() {
     let place = Place::new();
     recurrence(&place);
-    let report = place.run("check recurrence --exact --format json").json();
+    let report = place.run("check recurrence --effort exact --format json").json();
     let exact = &report["exact_rank"];
     assert_eq!((&exact["rank"], &exact["augmented_rank"], &exact["solvable"]), (&json!(40), &json!(40), &json!(true)));
     // The text states whether the exact rank is that of the analysis.
-    let text = place.run("check recurrence --exact");
+    let text = place.run("check recurrence --effort exact");
     let rank = report["rank"].as_u64().expect("a number");
     let said =
         if rank == 40 { ", as in floating point.".to_owned() } else { format!(" (floating point says {rank}).") };
@@ -85,13 +85,13 @@ fn a_difference_names_its_connected_part() {
     let place = Place::new();
     typed(&place, "near", &["0 0 1 1 0", "1 1 0 0 0", "1 1.0000000000001 0 0 0"], "");
     place.file("near/rows.txt", "tie A\ntie B\ntie C\n");
-    let run = place.run("check near --exact --format json");
+    let run = place.run("check near --effort exact --format json");
     let report = run.json();
     assert_eq!((run.code, &report["rank"], &report["exact_rank"]["rank"]), (0, &json!(2), &json!(3)));
     let expected = json!([{"row": 2, "label": "tie B", "equations": 2, "rank": 2, "analysis_rank": 1,
         "solvable": true, "analysis_solvable": true}]);
     assert_eq!(report["exact_rank"]["differences"], expected);
-    let text = place.run("check near --exact");
+    let text = place.run("check near --effort exact");
     let parts = ["rank 3 of 3 (floating point says 2).", "part of row 2 \"tie B\" (2 equations)."];
     assert_says(&text, &parts);
 }
@@ -102,26 +102,26 @@ fn numbers_are_read_as_typed_or_as_stored() {
     let place = Place::new();
     typed(&place, "tenths", &["0.1 1 0.1", "0.2 2 0.2", "0.3 3 0.3"], "");
     assert_says(
-        &place.run("check tenths --exact=typed"),
+        &place.run("check tenths --effort exact"),
         &["on the numbers as typed: rank 1 of 3, as in floating point."],
     );
     assert_says(
-        &place.run("check tenths --exact=stored"),
+        &place.run("check tenths --effort exact --numbers stored"),
         &["on the numbers as stored: rank 2 of 3 (floating point says 1)."],
     );
-    assert_eq!(place.run("check tenths --exact=binary").code, 2);
+    assert_eq!(place.run("check tenths --effort exact --numbers binary").code, 2);
 }
 
 #[test]
 fn a_doubtful_rank_is_confirmed_or_settled() {
     let place = Place::new();
     typed(&place, "third", &["0.333333 1 0", "1 3 0"], "");
-    let confirmed = place.run("check third --exact");
+    let confirmed = place.run("check third --effort exact");
     assert_says(
         &confirmed,
         &["AMBIGUOUS", "rank 2 of 2, as in floating point.", "  That confirms rank 2, for numbers meant as typed."],
     );
-    let settled = place.run("check third --exact --tolerance 1e-5");
+    let settled = place.run("check third --effort exact --tolerance 1e-5");
     assert_says(
         &settled,
         &[
@@ -136,24 +136,25 @@ fn a_doubtful_rank_is_confirmed_or_settled() {
 fn a_solution_that_only_one_of_the_two_finds_is_said() {
     let place = Place::new();
     typed(&place, "off", &["1 1 1", "2 2 2.0000000000001"], "");
-    let run = place.run("check off --exact");
+    let run = place.run("check off --effort exact");
     assert_eq!(run.code, 0, "the exit code is that of the analysis");
     assert_says(&run, &["rank 1 of 2, as in floating point.", "As typed the equations have no solution"]);
-    let exact = &place.run("check off --exact --format json").json()["exact_rank"];
+    let exact = &place.run("check off --effort exact --format json").json()["exact_rank"];
     assert_eq!((&exact["augmented_rank"], &exact["solvable"]), (&json!(2), &json!(false)));
     // As typed, 1000 * 0.1 = 100. In doubles the sum is off by 1e-12, which exceeds this small tolerance.
     let n = 1000;
     let entries: Vec<_> = (1..=n).flat_map(|i| [(i, i, 1.0), (n + 1, i, 1.0)]).collect();
     let b: Vec<f64> = (0..=n).map(|i| if i < n { 0.1 } else { 100.0 }).collect();
     place.case("sum", [n + 1, n], &entries, &b, &[]);
-    let run = place.run("check sum --exact --tolerance 1e-15 --noise none");
+    let run = place.run("check sum --effort exact --tolerance 1e-15 --noise none");
     assert_eq!(run.code, 1);
     assert_says(&run, &["rank 1000 of 1001, as in floating point.", "As typed the equations have a solution"]);
-    let exact = &place.run("check sum --exact --tolerance 1e-15 --noise none --format json").json()["exact_rank"];
+    let exact =
+        &place.run("check sum --effort exact --tolerance 1e-15 --noise none --format json").json()["exact_rank"];
     let part = &exact["differences"][0];
     assert_eq!((&part["solvable"], &part["analysis_solvable"]), (&json!(true), &json!(false)));
     // A conflict that both find is not a difference.
-    let exact = &place.paper("conflict", 0.0).run("check conflict --exact --format json").json()["exact_rank"];
+    let exact = &place.paper("conflict", 0.0).run("check conflict --effort exact --format json").json()["exact_rank"];
     assert_eq!((&exact["solvable"], &exact["differences"]), (&json!(false), &json!([])));
 }
 
@@ -161,17 +162,17 @@ fn a_solution_that_only_one_of_the_two_finds_is_said() {
 fn what_does_not_fit_into_memory_is_a_resource_failure() {
     let place = Place::new();
     assert_eq!(place.run("generate cycle --nodes 40000 -o ring").code, 0);
-    let run = place.run("check ring --exact --memory 16MiB");
+    let run = place.run("check ring --effort exact --memory 16MiB");
     assert!(run.code == 3 && run.out.is_empty(), "{}{}", run.out, run.err);
     assert!(run.err.contains("--memory allows 16.0 MiB"), "{}", run.err);
-    assert_says(&place.run("check ring --exact --memory 4GiB"), &["rank 39999 of 40000, as in floating point."]);
+    assert_says(&place.run("check ring --effort exact --memory 4GiB"), &["rank 39999 of 40000, as in floating point."]);
 }
 
 #[test]
 fn the_page_for_a_browser_has_it_too() {
     let place = Place::new();
     typed(&place, "third", &["0.333333 1 0", "1 3 0"], "");
-    let run = place.run("check third --exact --format html");
+    let run = place.run("check third --effort exact --format html");
     assert_says(
         &run,
         &[

@@ -35,8 +35,8 @@ const CASES: [Case; 5] = [
     Case { name: "check", old: "check a -q -o sets/c.txt", new: "check b -q -o sets/c.txt", output: "sets" },
     Case {
         name: "bench",
-        old: "bench --short -q --runs 1 --family ring --method default -o trade",
-        new: "bench --short -q --runs 1 --family grid --method default -o trade",
+        old: "bench --short -q --runs 1 --family ring --method checked -o trade",
+        new: "bench --short -q --runs 1 --family grid --method checked -o trade",
         output: "trade",
     },
 ];

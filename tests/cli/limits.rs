@@ -58,7 +58,7 @@ fn more_threads_than_the_machine_has_are_not_started() {
 #[test]
 fn a_bench_names_what_there_is_where_one_name_is_wrong() {
     for (arguments, wrong, known) in [
-        ("--method default --method nosuch", "no method is called `nosuch`", "gauss alone"),
+        ("--method checked --method nosuch", "no method is called `nosuch`", "gauss alone"),
         ("--family nosuch", "no family is called `nosuch`", "tie; mortar; chain"),
         ("--family tie --family ring --family Tie", "no family is called `Tie`", "tie; mortar; chain"),
     ] {

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::harness::{Place, Run, lines};
 
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 13] = [
     "schema",
     "input",
     "status",
@@ -12,6 +12,8 @@ const KEYS: [&str; 11] = [
     "counts",
     "dependent",
     "generated_boundary_conditions",
+    "effort",
+    "promise",
     "confidence",
     "presolve",
     "backend",
@@ -136,7 +138,7 @@ fn crowded(place: &Place, gap: f64) -> Run {
     };
     place.case("crowded", [504, 8], &entries, &b, &[(1, 2.0)]);
     place.file("crowded/rows.txt", long("tie", 504)).file("crowded/cols.txt", long("node", 8));
-    place.run("check crowded --exact")
+    place.run("check crowded --effort exact")
 }
 
 #[test]
@@ -147,7 +149,7 @@ fn the_text_report_fits_a_screen_whatever_the_input() {
     for (k, scene) in scenes.iter().enumerate() {
         assert_eq!(place.run(&format!("generate {scene} -o scene{k}")).code, 0, "{scene}");
         runs.push(place.run(&format!("check scene{k}")));
-        runs.push(place.run(&format!("check scene{k} --exact")));
+        runs.push(place.run(&format!("check scene{k} --effort exact")));
         runs.push(place.run(&format!("reduce scene{k} -o reduced{k}")));
     }
     for run in runs {
@@ -171,7 +173,7 @@ fn help_and_version_succeed() {
     for (arguments, part) in [
         ("--help", "Exit codes"),
         ("check --help", "--paper-tolerance"),
-        ("check --help", "--exact"),
+        ("check --help", "--effort"),
         ("reduce --help", "u_s = C_S^-1 (b - C_M u_q - C_p u_p)"),
         ("reduce --help", "As factors where it would have more than 4096 numbers"),
         ("generate --help", "fssi"),

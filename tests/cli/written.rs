@@ -184,14 +184,17 @@ fn a_short_bench_writes_its_page_table_and_plots() {
     for column in ["peak_bytes", "false_drops", "false_keeps", "error", "times_first"] {
         assert!(head.contains(&column), "{head:?}");
     }
-    let default: Vec<String> = csv.lines().filter(|line| line.contains(",default,")).map(String::from).collect();
+    let default: Vec<String> = csv.lines().filter(|line| line.contains(",checked,")).map(String::from).collect();
     assert!(default.len() >= 9 && default.iter().all(|line| line.contains(",right,")), "{default:?}");
-    assert!(text("trade.md").contains("![Error against time](trade.svg)"));
+    assert!(text("trade.md").contains("![Certainty against time](trade.svg)"));
+    for effort in ["checked", "proved", "exact"] {
+        assert!(text("trade.md").contains(&format!("| {effort} | 0 |")), "never wrong without a word");
+    }
     assert!(text("trade.md").contains("![Times of the bare factorizations](figure-15.svg)"));
     assert!(text("figure-15.csv").contains("tie,50 %,7580,7412,305,Gauss,C,"));
     assert!(text("figure-15.svg").contains("Gauss, C^T"));
     for plot in ["trade.svg", "growth.svg"] {
-        assert!(text(plot).starts_with("<svg") && text(plot).contains("default"), "{plot}");
+        assert!(text(plot).starts_with("<svg") && text(plot).contains("checked"), "{plot}");
     }
 }
 
@@ -200,14 +203,14 @@ fn a_short_bench_writes_its_page_table_and_plots() {
 fn a_bench_of_chosen_methods_compares_with_the_first_and_counts_memory() {
     let place = Place::new();
     let mut command = place.command("bench --short -q --runs 1 --memory -o trade");
-    command.args(["--family", "planted", "--method", "sparse alone", "--method", "tolerance 1e-8"]);
+    command.args(["--family", "planted", "--method", "checked", "--method", "proved"]);
     let output = command.output().expect("the program starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let csv = fs::read_to_string(place.path("trade/trade.csv")).expect("written");
     let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(lines.len(), 3, "{csv}");
     let at = |name: &str| lines[0].iter().position(|head| *head == name).expect(name);
-    for (line, method) in lines[1..].iter().zip(["sparse alone", "tolerance 1e-8"]) {
+    for (line, method) in lines[1..].iter().zip(["checked", "proved"]) {
         assert_eq!((line[at("family")], line[at("method")], line[at("verdict")]), ("planted", method, "right"));
         assert_eq!((line[at("rank")], line[at("false_drops")], line[at("false_keeps")]), ("200", "0", "0"));
         let number = |name: &str| line[at(name)].parse::<f64>().expect(name);
@@ -224,7 +227,7 @@ fn a_bench_of_chosen_methods_compares_with_the_first_and_counts_memory() {
 fn other_libraries_are_stopped_at_the_limit() {
     let place = Place::new();
     let mut command = place.command("bench --short -q --runs 1 --family ring --limit 0.01 -o trade");
-    command.args(["--method", "default", "--method", "Eigen SparseQR", "--method", "LAPACK dgeqp3"]);
+    command.args(["--method", "checked", "--method", "Eigen SparseQR", "--method", "LAPACK dgeqp3"]);
     let output = command.output().expect("the program starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let csv = fs::read_to_string(place.path("trade/trade.csv")).expect("written");
@@ -235,7 +238,7 @@ fn other_libraries_are_stopped_at_the_limit() {
     let run = place.run("bench --short -q --runs 1 --family planted --limit 30 -o found");
     assert_eq!(run.code, 0, "{}", run.err);
     let csv = fs::read_to_string(place.path("found/trade.csv")).expect("written");
-    for method in ["Eigen SparseQR", "\"Eigen SparseQR, paper's tolerance\"", "LAPACK dgeqp3"] {
+    for method in ["Eigen SparseQR", "LAPACK dgeqp3"] {
         let line = csv.lines().find(|line| line.contains(&format!(",{method},"))).expect(method);
         assert!(line.contains(",200,200,right,0,0,"), "{line}");
     }

@@ -2,7 +2,7 @@
 
 use ::faer::Mat;
 use ::faer::linalg::solvers::DenseSolveCore;
-use qless::{BackendChoice, ConstraintSystem, Options, SystemBuilder, Tolerance};
+use qless::{BackendChoice, ConstraintSystem, Effort, Options, SystemBuilder, Tolerance};
 use qless_scenes::families::{self, Near};
 use qless_scenes::oracle::singular_values;
 use qless_scenes::{Rng, Scene};
@@ -179,7 +179,7 @@ fn without_the_check_nobody_is_told_of_a_doubt() {
     let system = families::near(10, 1e-9, Near::Shared).expect("in range").system;
     for presolve in [true, false] {
         let checked = diagnose(&system, &Options { presolve, ..Options::default() });
-        let unchecked = diagnose(&system, &Options { presolve, check: false, ..Options::default() });
+        let unchecked = diagnose(&system, &Options { presolve, effort: Effort::Quick, ..Options::default() });
         assert_eq!(checked.kinds(), unchecked.kinds());
         assert!(checked.confidence().ambiguous && !unchecked.confidence().ambiguous);
     }

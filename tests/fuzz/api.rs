@@ -6,8 +6,8 @@ use arbitrary::{Arbitrary, Unstructured};
 use qless::change::{EquationId, Refresher};
 use qless::exact::{self, Reading, Settings};
 use qless::{
-    Analysis, BackendChoice, ChangingSystem, ConstraintSystem, Csr, Form, Options, Preferences, Reduction, Report,
-    SystemBuilder, Tolerance, analyse,
+    Analysis, BackendChoice, ChangingSystem, ConstraintSystem, Csr, Effort, Form, Options, Preferences, Reduction,
+    Report, SystemBuilder, Tolerance, analyse,
 };
 
 /// A list of at most 16 values: a count, then the values.
@@ -98,7 +98,12 @@ impl Settled {
                 _ => qless::Noise::Auto,
             },
             presolve: self.presolve,
-            check: !self.unchecked,
+            effort: match (self.unchecked, self.backend & 64) {
+                (true, _) => Effort::Quick,
+                (false, 0) => Effort::Checked,
+                (false, _) => Effort::Proved,
+            },
+            numbers: if self.backend & 128 == 0 { Reading::Typed } else { Reading::Stored },
             growth: self.growth.map_or(default.growth, |v| v.get().abs() + 1.0),
             memory: self.memory.map_or(default.memory, |bytes| bytes as usize),
             preferences: Preferences { slaves: slaves.collect(), masters, equations: all(&self.equations, equations) },
@@ -217,9 +222,7 @@ fn calls(system: &ConstraintSystem, analysis: Analysis, calls: &[Call]) {
                 let reading = if *typed { Reading::Typed } else { Reading::Stored };
                 let standard = Settings::from(reading);
                 let fill = fill.map_or(standard.fill, usize::from);
-                if let Ok(found) = exact::rank(system, Settings { seed: *seed, fill, ..standard }) {
-                    Report::new(&analysis, 0).with_exact(&analysis, &found).expect("of this system");
-                }
+                exact::rank(system, Settings { seed: *seed, fill, ..standard }).ok();
             }
             Call::Parts(start, col, val) => {
                 let start = start.iter().map(|&k| usize::from(k)).collect();

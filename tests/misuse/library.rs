@@ -331,14 +331,6 @@ fn equations_of_another_changing_set() {
 fn findings_of_another_system_are_not_reported() {
     let (analysis, system) = (analysed(&ring(4)), ring(6));
     let report = || Report::new(&analysis, 0);
-    let exact = exact::rank(&system, Reading::Stored).expect("small");
-    refused("exact", || report().with_exact(&analysis, &exact));
-    let own = exact::rank(analysis.system(), Reading::Stored).expect("small");
-    let (mut no_parts, mut strange_parts) = (own.clone(), own);
-    no_parts.parts = Vec::new();
-    strange_parts.part_of = vec![u32::MAX; 4];
-    refused("no parts", || report().with_exact(&analysis, &no_parts));
-    refused("part", || report().with_exact(&analysis, &strange_parts));
     let near = NearDependent { row: usize::MAX, digits: 0, distance: f64::NAN, because: Vec::new() };
     refused("meant", || {
         report().with_near_dependence(&analysis, &NearDependence { rank: 1, equations: vec![near] }, usize::MAX)

@@ -12,7 +12,7 @@ const COUNT: u64 = 5_000;
 const DOUBTS: f64 = 0.02;
 
 /// Sparse equations of whole numbers, every third a combination of earlier ones, one in eight of these with another right-hand side.
-fn system(rng: &mut Rng) -> ConstraintSystem {
+pub fn system(rng: &mut Rng) -> ConstraintSystem {
     let (m, n) = (2 + rng.below(30), 2 + rng.below(30));
     let unit = |rng: &mut Rng| 2_f64.powi(rng.below(41) as i32 - 20);
     let dofs: Vec<f64> = (0..n).map(|_| unit(rng)).collect();

@@ -1,115 +1,53 @@
-//! A table of options for given needs, with the measurements of each option.
+//! What each effort costs, as measured, and five sentences of advice.
 
 use std::fmt::Write;
 
-use super::methods::BenchMethod;
-use super::sample::{Measured, Sample};
+use super::methods::{BenchMethod, EFFORTS, UNIT};
+use super::sample::{Measured, Sample, verdict};
 
-/// A need, the option for it, the methods with this option, and its risk.
-struct Advice {
-    need: &'static str,
-    option: &'static str,
-    methods: &'static [&'static str],
-    risk: &'static str,
-}
+const SENTENCES: &str = "
+- Take `checked`, the default, for models that are solved once they are sound: doubt is said, and where presolve settles all it costs less than one factorization.
+- Take `quick` where the same model was checked before and only its numbers changed, as in a parameter study: a wrong rank passes without a word.
+- Take `proved` where a verdict must not rest on an estimate, as for a report that others sign: what has no proof is called ambiguous.
+- Take `exact` where numbers were typed and are meant as typed, as in a benchmark or a dispute over one equation; computed coefficients are independent to the last digit, and it says so.
+- If `checked` says ambiguous, `exact` settles it for typed numbers; for computed ones only their author can.
+";
 
-const ADVICE: [Advice; 9] = [
-    Advice {
-        need: "the usual",
-        option: "none: the defaults",
-        methods: &["default"],
-        risk: "doubtful ranks are reported as such",
-    },
-    Advice {
-        need: "coefficients typed with few digits",
-        option: "`--tolerance 1e-6` or `1e-4`",
-        methods: &["tolerance 1e-6", "tolerance 1e-4"],
-        risk: "real constraints that nearly repeat others are dropped",
-    },
-    Advice {
-        need: "coefficients exact to the last digit",
-        option: "`--tolerance 1e-12`",
-        methods: &["tolerance 1e-12"],
-        risk: "rounding in the input counts as independence",
-    },
-    Advice {
-        need: "T with smaller entries",
-        option: "`--growth 2`, down to 1",
-        methods: &["growth 2"],
-        risk: "none of its own; the nearer to 1, the more exchanges and the fuller T",
-    },
-    Advice {
-        need: "a second opinion",
-        option: "`--no-presolve`, with `--backend sparse` or `spqr`",
-        methods: &["sparse alone", "spqr alone"],
-        risk: "none of its own: ranks are checked in the same way",
-    },
-    Advice {
-        need: "to see what the checks of the rank are worth",
-        option: "`--no-check`",
-        methods: &["rank unchecked", "sparse alone, rank unchecked"],
-        risk: "a wrong or doubtful rank passes without a word",
-    },
-    Advice {
-        need: "the paper's results",
-        option: "`--paper-tolerance`",
-        methods: &["paper's tolerance"],
-        risk: "its answer changes with the units",
-    },
-    Advice {
-        need: "the paper's elimination on what presolve leaves",
-        option: "`--backend gauss`",
-        methods: &["gauss"],
-        risk: "nothing bounds the fill of what presolve leaves but the memory it may have",
-    },
-    Advice {
-        need: "the paper's elimination of the whole",
-        option: "`--backend gauss --no-presolve`",
-        methods: &["gauss alone"],
-        risk: "nothing bounds the fill but the memory it may have",
-    },
-];
-
-/// The page's section.
+/// The section of the page.
 pub fn advice(samples: &[Sample], methods: &[BenchMethod]) -> String {
-    let mut text =
-        "## Which option for which need\n\n| need | option | time over the default's: median, least to most | ranks: \
-                    wrong and not doubted, wrong, of | what it risks |\n| --- | --- | --- | --- | --- |\n"
-            .to_owned();
-    for Advice { need, option, methods: measured, risk } in ADVICE {
-        let of = |cell: fn(&[(f64, &Sample, Measured)]) -> String| {
-            let names = measured.iter().filter(|name| methods.iter().any(|method| method.name == **name));
-            let cells: Vec<String> = names.map(|name| cell(&compared(samples, methods.len(), name))).collect();
-            cells.join("; ")
-        };
-        _ = writeln!(text, "| {need} | {option} | {} | {} | {risk} |", of(times), of(ranks));
+    let mut text = "## Which effort\n\n| method | median time in bare QRs, least to most | systems | wrong without a word | in doubt | worst residual | peak MiB |\n\
+                    | --- | --- | --- | --- | --- | --- | --- |\n"
+        .to_owned();
+    for name in EFFORTS.map(qless::Effort::name) {
+        if methods.iter().any(|method| method.name == name) {
+            line(&mut text, name, &compared(samples, methods.len(), name));
+        }
     }
-    text + "\nIf a need has several methods, each has its numbers, in this order. `alone` means without presolve: the \
-            whole system goes to that backend. The other methods change one option of the default.\n"
+    text + SENTENCES
 }
 
-/// The results of a method on the systems that it and the first method finished, with the ratio of their times.
+fn line(text: &mut String, name: &str, compared: &[(f64, &Sample, Measured)]) {
+    let mut ratios: Vec<f64> = compared.iter().map(|&(ratio, ..)| ratio).filter(|ratio| ratio.is_finite()).collect();
+    ratios.sort_by(f64::total_cmp);
+    let times = match ratios.as_slice() {
+        [] => "-".to_owned(),
+        all => format!("{:.2}, {:.2} to {:.2}", all[all.len() / 2], all[0], all[all.len() - 1]),
+    };
+    let silent = compared.iter().filter(|(_, sample, own)| verdict(sample, own) != "right" && !own.ambiguous).count();
+    let doubtful = compared.iter().filter(|(.., own)| own.ambiguous).count();
+    let residual = compared.iter().map(|(.., own)| own.residual).fold(0.0, f64::max);
+    let peak = compared.iter().filter_map(|(.., own)| own.memory).max();
+    let peak = peak.map_or_else(|| "-".to_owned(), |bytes| format!("{:.0}", bytes as f64 / f64::from(1 << 20)));
+    _ = writeln!(text, "| {name} | {times} | {} | {silent} | {doubtful} | {residual:.0e} | {peak} |", compared.len());
+}
+
+/// The results of a method on the systems on which the unit was measured too, with the ratio of their times.
 fn compared<'a>(samples: &'a [Sample], methods: usize, name: &str) -> Vec<(f64, &'a Sample, Measured)> {
     let pairs = samples.chunks(methods).filter_map(|block| {
+        let unit = block.iter().find(|sample| sample.method == UNIT)?.measured()?;
         let sample = block.iter().find(|sample| sample.method == name)?;
-        let (first, own) = (block[0].measured()?, sample.measured()?);
-        Some((own.time / first.time, sample, own))
+        let own = sample.measured()?;
+        Some((own.time / unit.time, sample, own))
     });
     pairs.collect()
-}
-
-fn times(compared: &[(f64, &Sample, Measured)]) -> String {
-    let mut ratios: Vec<f64> = compared.iter().map(|&(ratio, ..)| ratio).collect();
-    ratios.sort_by(f64::total_cmp);
-    match ratios.as_slice() {
-        [] => "-".to_owned(),
-        [least, .., most] => format!("{:.2}, {least:.2} to {most:.2}", ratios[ratios.len() / 2]),
-        [only] => format!("{only:.2}"),
-    }
-}
-
-fn ranks(compared: &[(f64, &Sample, Measured)]) -> String {
-    let wrong = || compared.iter().filter(|(_, sample, own)| own.rank != sample.rank);
-    let silent = wrong().filter(|(.., own)| !own.ambiguous).count();
-    format!("{silent}, {}, {}", wrong().count(), compared.len())
 }

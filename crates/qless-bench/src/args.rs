@@ -16,7 +16,7 @@ pub struct BenchArgs {
     #[arg(long)]
     pub short: bool,
     /// Runs of each method on each system
-    #[arg(long, value_name = "N", default_value = "5", value_parser = runs)]
+    #[arg(long, value_name = "N", default_value = "7", value_parser = runs)]
     pub runs: NonZeroUsize,
     /// The paper's Figure 15 only: bare factorizations by Gauss elimination and by QR; else it follows tie and mortar
     #[arg(long, conflicts_with_all = ["method", "memory"])]

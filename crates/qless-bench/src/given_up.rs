@@ -3,8 +3,6 @@
 use qless::backend::BackendError;
 use qless::{AnalysisError, ReductionError};
 
-use super::labels::thousands;
-
 /// The reason why a method has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GivenUpReason {
@@ -41,6 +39,19 @@ fn of_dense(rows: usize, cols: usize) -> String {
     let mib = 8.0 * rows as f64 * cols as f64 / f64::from(1 << 20);
     let size = if mib < 1024.0 { format!("{mib:.0} MiB") } else { format!("{:.1} GiB", mib / 1024.0) };
     format!("dense {} x {} are {size}", thousands(rows), thousands(cols))
+}
+
+/// `31,832`.
+pub fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let mut out = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
 }
 
 impl From<BackendError> for GivenUpReason {

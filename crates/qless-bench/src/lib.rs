@@ -1,4 +1,4 @@
-//! `qless bench`: time and accuracy of every option on this machine.
+//! `qless bench`: what certainty costs on this machine, in time and memory.
 //!
 //! Every method runs on every system, in turns in one process; times are medians. The rank is known by construction. A method
 //! that was stopped on a smaller system of its family does not run on a larger one. A slow method runs in a process of its own,
@@ -11,11 +11,11 @@ mod child;
 mod figure_15;
 mod given_up;
 mod gradients;
-mod labels;
 mod linkages;
 mod measure;
 mod methods;
 mod page;
+mod panels;
 #[cfg(feature = "peers")]
 mod peers;
 mod plan;
@@ -23,6 +23,7 @@ mod plot;
 mod quality;
 mod run;
 mod sample;
+mod share;
 mod spring;
 mod systems;
 mod table;
@@ -55,6 +56,7 @@ pub enum BenchError {
 struct SelectedMethods {
     methods: Vec<methods::BenchMethod>,
     samples: Vec<sample::Sample>,
+    shares: Vec<share::WrongShare>,
     levels: Vec<figure_15::FigureLevel>,
 }
 
@@ -96,7 +98,7 @@ fn find(
     args: &BenchArgs,
     mut stage: impl FnMut(&'static str),
 ) -> Result<SelectedMethods, String> {
-    let mut found = SelectedMethods { methods, samples: Vec::new(), levels: Vec::new() };
+    let mut found = SelectedMethods { methods, samples: Vec::new(), shares: Vec::new(), levels: Vec::new() };
     for family in families {
         stage(family.name);
         if !args.figure_15 {
@@ -106,11 +108,20 @@ fn find(
             found.levels.extend(figure_15::measure(family, args)?);
         }
     }
+    // With names, only what they name is measured.
+    if args.method.is_empty() && args.family.is_empty() && !args.figure_15 {
+        stage("seeded systems");
+        found.shares = share::measure(&found.methods, args.short)?;
+    }
     Ok(found)
 }
 
 fn text(found: &SelectedMethods) -> String {
     let mut text = table::text(&found.samples, &found.methods);
+    if !found.shares.is_empty() {
+        text += "\nSeeded systems of known rank\n\n";
+        text += &share::table(&found.shares);
+    }
     if !found.levels.is_empty() {
         text += "\nFigure 15\n\n";
         text += &figure_15::text(&found.levels);
@@ -119,7 +130,7 @@ fn text(found: &SelectedMethods) -> String {
 }
 
 fn write(found: &SelectedMethods, args: &BenchArgs, mut output: Output) -> Result<(), BenchError> {
-    let SelectedMethods { methods, samples, levels } = found;
+    let SelectedMethods { methods, samples, shares, levels } = found;
     let mut plots = plot::all(samples, methods).map_err(BenchError::Resource)?;
     plots.extend(figure_15::plots(levels).map_err(BenchError::Resource)?);
     if !samples.is_empty() {
@@ -129,7 +140,7 @@ fn write(found: &SelectedMethods, args: &BenchArgs, mut output: Output) -> Resul
         output.file(figure_15::CSV, |out| out.write_all(figure_15::csv(levels).as_bytes()))?;
     }
     let command = command(args);
-    let page = page::markdown(samples, methods, levels, &command);
+    let page = page::markdown((samples, shares), methods, levels, &command);
     output.file("trade.md", |out| out.write_all(page.as_bytes()))?;
     for (name, svg) in plots {
         output.file(name, |out| out.write_all(svg.as_bytes()))?;

@@ -1,12 +1,14 @@
-//! The measurements as a page in Markdown: plots, advice, and crossings of Gauss elimination and QR.
+//! The measurements as a page in Markdown: pictures, the share of wrong verdicts, advice, and crossings of Gauss elimination and QR.
 
 use std::fmt::Write;
 
 use super::advice::advice;
 use super::figure_15::{self, FigureLevel};
 use super::methods::BenchMethod;
-use super::plot::{GROWTH, TRADE, front, has_growth, points};
+use super::panels;
+use super::plot::{GROWTH, has_growth};
 use super::sample::Sample;
+use super::share::{WrongShare, table};
 use super::table::exponents;
 
 /// Legend of the tables.
@@ -15,7 +17,7 @@ const COLUMNS: &str = "
 
 | column | content |
 | --- | --- |
-| ms, quartiles | median and quartiles of the runs; for runs below 0.25 s the same method has warmed the caches |
+| ms, quartiles | median and quartiles of the runs, of the verdict alone; other libraries with T, G and g; for runs below 0.25 s the same method has warmed the caches |
 | x | time relative to that of the first line |
 | MiB | peak memory beyond that of the system itself, in a process of its own (`--memory`); `-` if it was not measured |
 | rank | whether the rank is right, and whether the report states that it is ambiguous (`unsure`) |
@@ -25,15 +27,20 @@ const COLUMNS: &str = "
 | error | of a solved problem, `max abs(u - u*) / max abs(u*)`: springs of stiffness 1 from each DOF to the ground and to the next, f_j = 1 + j mod 7, solved with T, G, g against Lagrange multipliers refined in twice the precision; `-` if T has more than 200,000 entries, if the defaults find a wrong rank, or if conjugate gradients (for more than 3,000 DOFs) do not converge |
 
 Other libraries, and methods whose ranks are not checked, run in processes of their own, which are stopped at the limit. Other
-libraries have no scaling, presolve or checks of the rank: one factorization C P = Q R, then T = -R1^-1 R2 and g = R1^-1 Q^T b. Eigen's own tolerance is 20 (m + n) eps times the largest column, the paper's is
-absolute 1e-5; dgeqp3 has none, so max(m, n) eps abs(R_11) is used.
+libraries have no scaling, presolve or checks of the rank: one factorization C P = Q R, then T = -R1^-1 R2 and g = R1^-1 Q^T b. Eigen's own tolerance is 20 (m + n) eps times the largest column; dgeqp3 has none, so max(m, n) eps abs(R_11) is used.
 ";
 
 /// The page; `command` is the command that repeats the measurements.
-pub fn markdown(samples: &[Sample], methods: &[BenchMethod], levels: &[FigureLevel], command: &str) -> String {
+pub fn markdown(
+    (samples, shares): (&[Sample], &[WrongShare]),
+    methods: &[BenchMethod],
+    levels: &[FigureLevel],
+    command: &str,
+) -> String {
     let mut text = format!(
-        "# The trade of speed for accuracy\n\nMade by `{command}` (qless {}) on {}, {} threads. Times are medians of the \
-         whole elimination, from the validated system to T, G, g.\n\n",
+        "# The trade of time for certainty\n\nMade by `{command}` (qless {}) on {}, {} threads. Times are those of the verdict, \
+         as multiples of the bare QR: one sparse QR of C or of its transpose, whichever is faster, without presolve, scaling or \
+         checks. Methods run in turns; times are medians.\n\n",
         env!("CARGO_PKG_VERSION"),
         processor(),
         rayon::current_num_threads()
@@ -43,6 +50,11 @@ pub fn markdown(samples: &[Sample], methods: &[BenchMethod], levels: &[FigureLev
         return text + &figure_15::markdown(levels);
     }
     text += &advice(samples, methods);
+    if !shares.is_empty() {
+        text += "\n## Wrong without a word\n\nSystems of a few dozen equations and known rank, each with its seed: combinations, rings, equations typed with \
+                 few digits, rigid links, triples near dependence, rows in other units.\n\n";
+        text += &table(shares);
+    }
     if !levels.is_empty() {
         text += "\n";
         text += &figure_15::markdown(levels);
@@ -53,13 +65,12 @@ pub fn markdown(samples: &[Sample], methods: &[BenchMethod], levels: &[FigureLev
 
 /// The available plots with their main numbers.
 fn plots(text: &mut String, samples: &[Sample], methods: &[BenchMethod]) {
-    let all = points(samples, methods);
-    if !all.is_empty() {
-        let best: Vec<&str> = front(&all).iter().map(|point| point.method).collect();
+    if panels::svg(samples, methods).is_some() {
         _ = writeln!(
             text,
-            "![Error against time]({TRADE})\n\nOn its Pareto front, of the methods that did every system: {}.\n",
-            best.join("; ")
+            "![Certainty against time]({})\n\nA panel for each family, on its largest system: a line for each method, the median as a dot and the \
+             quartiles as a bar. A dot is empty where a rank is wrong without a word. The line joins the four efforts.\n",
+            panels::FILE
         );
     }
     if has_growth(samples, methods) {
@@ -67,7 +78,7 @@ fn plots(text: &mut String, samples: &[Sample], methods: &[BenchMethod]) {
     }
     let exponents = exponents(samples, methods);
     if !exponents.is_empty() {
-        _ = writeln!(text, "Its exponents: {exponents}.\n");
+        _ = writeln!(text, "Time against equations: {exponents}.\n");
     }
 }
 

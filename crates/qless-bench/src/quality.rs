@@ -10,7 +10,7 @@
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 
-use qless::{Analysis, ConstraintSystem, Kind, Options, analyse};
+use qless::{Analysis, ConstraintSystem, Kind, Options, Reduction, analyse};
 use qless_scenes::{Scene, oracle};
 
 use super::run::Done;
@@ -39,7 +39,7 @@ impl<'a> Reference<'a> {
     /// Evaluates everything except memory. Other libraries do not name the rows that they keep, so only their number counts.
     pub fn judge(&self, done: &Done) -> Measured {
         let Self { scene, rank, .. } = self;
-        let found = done.reduction.slaves().len();
+        let found = done.rank;
         let own = done.analysis.as_ref();
         let true_rank = own.map_or(found.min(*rank), |analysis| self.rank_of(kept(analysis)));
         let standard = || self.analysis.get_or_init(|| analyse(&scene.system, &Options::default()).ok()).as_ref();
@@ -51,8 +51,10 @@ impl<'a> Reference<'a> {
             ambiguous: own.is_some_and(|analysis| analysis.confidence().ambiguous),
             false_drops: rank - true_rank,
             false_keeps: found - true_rank,
-            residual: judge.map_or(f64::NAN, |analysis| analysis.residual(&done.reduction).unwrap_or(f64::NAN)),
-            growth: done.reduction.growth(),
+            residual: judge
+                .zip(done.reduction.as_ref())
+                .map_or(0.0, |(analysis, reduction)| analysis.residual(reduction).unwrap_or(f64::MAX)),
+            growth: done.reduction.as_ref().map_or(0.0, Reduction::growth),
             error: self.springs.as_ref().and_then(|springs| springs.error(done)),
             memory: None,
         }
@@ -84,10 +86,10 @@ fn part(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem {
 
 #[cfg(test)]
 mod tests {
-    use qless::Options;
+    use qless::{Options, Tolerance};
     use qless_scenes::families::{Near, near, path};
 
-    use super::super::methods;
+    use super::super::methods::{self, BenchMethod, Engine};
     use super::super::run::once;
     use super::Reference;
 
@@ -95,11 +97,12 @@ mod tests {
     fn equations_that_are_wrongly_dropped_are_counted() {
         let scene = near(10, 1e-5, Near::Shared).expect("a scene");
         let reference = Reference::new(&scene);
-        let judge = |name: &str| {
-            let methods = methods::all(&[name.to_owned()]);
-            reference.judge(&once(&scene.system, &methods[0]).expect("small"))
+        let judge = |tolerance: f64| {
+            let options = Options { tolerance: Tolerance::Relative(tolerance), ..Options::default() };
+            let method = BenchMethod { engine: Engine::Qless(options), ..methods::all(&[]).swap_remove(0) };
+            reference.judge(&once(&scene.system, &method).expect("small"))
         };
-        let (right, wrong) = (judge("default"), judge("tolerance 1e-4"));
+        let (right, wrong) = (judge(1e-10), judge(1e-4));
         assert_eq!((right.rank, right.false_drops, right.false_keeps), (30, 0, 0));
         assert_eq!((wrong.rank, wrong.false_drops, wrong.false_keeps), (20, 10, 0));
         let (right, wrong) = (right.error.expect("small"), wrong.error.expect("small"));
@@ -122,7 +125,7 @@ mod tests {
         let scene = path(20).expect("a scene");
         let analysis = qless::analyse(&scene.system, &Options::default()).expect("valid");
         let reduction = analysis.reduction().expect("within the gate");
-        let done = super::Done { time: 1.0, reduction, analysis: Some(analysis) };
+        let done = super::Done { time: 1.0, rank: 19, reduction: Some(reduction), analysis: Some(analysis) };
         let measured = Reference::new(&scene).judge(&done);
         assert!(measured.error.expect("small") < 1e-14 && measured.residual == 0.0);
     }

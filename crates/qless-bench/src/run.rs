@@ -1,17 +1,22 @@
-//! The whole elimination by one method, from the validated system to T, G, g.
+//! One method on one system: the time of its verdict, and what is judged of it.
 
+use std::hint::black_box;
 use std::time::Instant;
 
-use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
+use qless::backend::BackendError;
+use qless::{Analysis, BackendChoice, ConstraintSystem, Options, Reduction, analyse};
 
+use super::figure_15::{FigureBlock, FigureSide, blocks};
 use super::given_up::GivenUpReason;
 use super::methods::{BenchMethod, Engine};
 
 /// The result of one run of a method.
 pub struct Done {
-    /// Seconds.
+    /// Seconds: of the analysis, of the bare factorization, or of all that another library does.
     pub time: f64,
-    pub reduction: Reduction,
+    pub rank: usize,
+    /// `None` for a bare factorization.
+    pub reduction: Option<Reduction>,
     /// `None` for other libraries.
     pub analysis: Option<Analysis>,
 }
@@ -45,13 +50,14 @@ pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &BenchMethod) -
 /// One run. The error is that of the method, mostly insufficient memory.
 pub fn once(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     match &method.engine {
-        Engine::Qless(options, None) => qless(system, options),
-        Engine::Qless(options, Some(pool)) => pool.install(|| qless(system, options)),
+        Engine::BareQr => bare(system),
+        Engine::Qless(options) => qless(system, options),
         #[cfg(feature = "peers")]
         Engine::Peer(backend, tolerance) => {
             let start = Instant::now();
             let reduction = super::peers::eliminate::eliminate(system, backend.as_ref(), *tolerance)?;
-            Ok(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: None })
+            let time = start.elapsed().as_secs_f64();
+            Ok(Done { time, rank: reduction.slaves().len(), reduction: Some(reduction), analysis: None })
         }
     }
 }
@@ -59,6 +65,41 @@ pub fn once(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, Giv
 fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, GivenUpReason> {
     let start = Instant::now();
     let analysis = analyse(system, options)?;
+    let time = start.elapsed().as_secs_f64();
     let reduction = analysis.reduction()?;
-    Ok(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: Some(analysis) })
+    Ok(Done { time, rank: analysis.rank(), reduction: Some(reduction), analysis: Some(analysis) })
+}
+
+/// The rank that a method finds, and whether it is in doubt; no reduction is made.
+pub fn verdict(system: &ConstraintSystem, method: &BenchMethod) -> Result<(usize, bool), GivenUpReason> {
+    match &method.engine {
+        Engine::Qless(options) => {
+            let analysis = analyse(system, options)?;
+            Ok((analysis.rank(), analysis.confidence().ambiguous))
+        }
+        _ => once(system, method).map(|done| (done.rank, false)),
+    }
+}
+
+/// The tolerance of the bare factorization, absolute as in the paper but as small as the default.
+const TOLERANCE: f64 = 1e-10;
+
+/// The faster of a QR of every block and of its transpose. The time to split into blocks is not included.
+fn bare(system: &ConstraintSystem) -> Result<Done, GivenUpReason> {
+    let backend = BackendChoice::Sparse.get(Options::default().memory)?;
+    let blocks = blocks(system);
+    let factored = |side: FigureSide| -> Result<(f64, usize), BackendError> {
+        let start = Instant::now();
+        let rank = |block: &FigureBlock| match side {
+            FigureSide::C => backend.factor(&block.c, &block.rhs, TOLERANCE),
+            FigureSide::Transposed => backend.factor(&block.transposed, &[], TOLERANCE),
+        };
+        let rank: Result<usize, BackendError> =
+            blocks.iter().map(|block| rank(block).map(|factor| black_box(factor).rank)).sum();
+        Ok((start.elapsed().as_secs_f64(), rank?))
+    };
+    let [of_c, transposed] = FigureSide::BOTH.map(factored);
+    let (of_c, transposed) = (of_c?, transposed?);
+    let (time, rank) = if of_c.0 < transposed.0 { of_c } else { transposed };
+    Ok(Done { time, rank, reduction: None, analysis: None })
 }

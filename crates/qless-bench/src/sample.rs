@@ -47,15 +47,46 @@ pub fn verdict(sample: &Sample, measured: &Measured) -> &'static str {
     }
 }
 
-/// Sizes and times of a method on the paper's tie, and the exponent by least squares of logarithms.
-pub fn series(samples: &[Sample], method: &str) -> (Vec<(f64, f64)>, Option<f64>) {
-    let of = samples.iter().filter(|sample| sample.family == TIE && sample.method == method);
-    let points: Vec<(f64, f64)> =
-        of.filter_map(|sample| Some((sample.equations as f64, 1e3 * sample.measured()?.time))).collect();
+/// Times of a method on the paper's tie against the number of equations.
+pub struct Series {
+    /// Equations and milliseconds.
+    pub points: Vec<(f64, f64)>,
+    /// The exponent of the least-squares line through the logarithms, and its standard error; none where they say nothing.
+    pub slope: Option<(f64, f64)>,
+}
+
+/// Least number of sizes; two of them are on every line.
+const SIZES: usize = 4;
+/// Runs below this many milliseconds are as long as what the machine does beside them.
+const SHORT: f64 = 0.05;
+/// An exponent that is off by more than this does not tell linear from quadratic growth.
+const VAGUE: f64 = 0.25;
+
+impl Series {
+    pub fn new(samples: &[Sample], method: &str) -> Self {
+        let of = samples.iter().filter(|sample| sample.family == TIE && sample.method == method);
+        let points: Vec<(f64, f64)> =
+            of.filter_map(|sample| Some((sample.equations as f64, 1e3 * sample.measured()?.time))).collect();
+        let is_short = points.iter().any(|&(_, time)| time < SHORT);
+        let slope = slope(&points).filter(|&(_, error)| points.len() >= SIZES && !is_short && error <= VAGUE);
+        Self { points, slope }
+    }
+
+    /// `1.02 ± 0.05`, or why there is none.
+    pub fn words(&self) -> String {
+        match self.slope {
+            Some((exponent, error)) => format!("exponent {exponent:.2} ± {error:.2}"),
+            None => "runs too short, few or noisy for an exponent".to_owned(),
+        }
+    }
+}
+
+fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
     let (x, y) = (mean(&|p| p.0.ln()), mean(&|p| p.1.ln()));
     let (xy, xx) = (mean(&|p| (p.0.ln() - x) * (p.1.ln() - y)), mean(&|p| (p.0.ln() - x).powi(2)));
-    let exponent = (xx > 0.0).then(|| xy / xx);
-    (points, exponent)
+    let exponent = xy / xx;
+    let rest = mean(&|p| (p.1.ln() - y - exponent * (p.0.ln() - x)).powi(2));
+    (n > 2.0 && xx > 0.0).then(|| (exponent, (rest / xx / (n - 2.0)).sqrt()))
 }

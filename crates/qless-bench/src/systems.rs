@@ -1,6 +1,6 @@
 //! Systems with a known rank, by family and in ascending size.
 
-use qless_scenes::families::{Near, cycle, grid_2d, ladder, near, path, planted, rve};
+use qless_scenes::families::{MortarSurface, Near, Surface, Windows, cycle, grid_2d, ladder, near, path, planted, rve};
 use qless_scenes::fssi::{Level, Mesh, mortar, tie};
 use qless_scenes::{Scene, SceneError};
 
@@ -65,12 +65,17 @@ fn coupled(family: &'static str, size: String, mesh: Mesh) -> BenchCase {
     BenchCase { family, size, make: Box::new(move || Ok(scene(&mesh, 1)?)) }
 }
 
-fn sized() -> [Family; 7] {
+fn sized() -> [Family; 10] {
     [
         family("chain", &[1_000, 100_000], |n| Ok(path(n)?)),
         family("ring", &[1_000, 100_000], |n| Ok(cycle(n, 0.0)?)),
         family("grid", &[20, 60], |n| Ok(grid_2d(n, n)?)),
         family("periodic cube", &[4, 8, 16], |n| Ok(rve(n)?)),
+        family("windows, many combinations", &[20, 60], |n| {
+            Ok(Windows { extent: [n, n, 1], d: 1, window: 4, stride: 2, rows: 2, combos: n * n / 10 }.scene(1)?)
+        }),
+        family("curved mortar", &[500, 2_000], |n| Ok(MortarSurface::with_equations(Surface::Sphere, n).scene(1)?)),
+        family("mortar on waves", &[500, 2_000], |n| Ok(MortarSurface::with_equations(Surface::Waves, n).scene(1)?)),
         family("planted", &[200, 1_000], |n| Ok(planted(n, n + n / 2, n / 10, 1, false)?)),
         family("four-bar linkages", &[1, 100], four_bar),
         family("Bricard linkages", &[1, 100], bricard),

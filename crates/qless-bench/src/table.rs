@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::methods::BenchMethod;
-use super::sample::{Measured, Sample, series, verdict};
+use super::sample::{Measured, Sample, Series, verdict};
 use super::systems::TIE;
 
 /// Columns of the CSV file.
@@ -29,7 +29,7 @@ pub fn text(samples: &[Sample], methods: &[BenchMethod]) -> String {
     }
     let exponents = exponents(samples, methods);
     if !exponents.is_empty() {
-        _ = writeln!(text, "\n{TIE}: time grows with the equations to the power of: {exponents}");
+        _ = writeln!(text, "\n{TIE}: time against equations: {exponents}");
     }
     text
 }
@@ -78,11 +78,13 @@ fn times(measured: &Measured, first: &Sample) -> Option<f64> {
     Some(measured.time / first.measured()?.time)
 }
 
-/// `method exponent` of all drawn methods on the paper's tie; empty for fewer than two sizes.
+/// `method: exponent` of all methods on the paper's tie; empty without times.
 pub fn exponents(samples: &[Sample], methods: &[BenchMethod]) -> String {
-    let exponent = |method: &BenchMethod| Some(format!("{} {:.2}", method.name, series(samples, method.name).1?));
-    let drawn = methods.iter().filter(|method| method.is_drawn);
-    drawn.filter_map(exponent).collect::<Vec<_>>().join("; ")
+    let exponent = |method: &BenchMethod| {
+        let series = Series::new(samples, method.name);
+        (!series.points.is_empty()).then(|| format!("{}: {}", method.name, series.words()))
+    };
+    methods.iter().filter_map(exponent).collect::<Vec<_>>().join("; ")
 }
 
 /// One line for each sample; methods that were given up have no numbers.

@@ -1,7 +1,7 @@
 //! The written texts and plots contain the measured numbers.
 
 use super::sample::{Measured, Sample};
-use super::{methods, page, plot, systems, table};
+use super::{methods, page, panels, plot, systems, table};
 
 /// Samples of one system: method k took k + 1 milliseconds, and the last one was given up.
 fn samples(methods: &[methods::BenchMethod]) -> Vec<Sample> {
@@ -111,44 +111,26 @@ fn the_table_for_people_has_the_same_numbers() {
 }
 
 #[test]
-fn the_plots_show_every_method_that_was_measured() {
+fn the_pictures_show_every_method_that_was_measured() {
     let methods = methods::all(&[]);
     let samples = samples(&methods);
     let plots = plot::all(&samples, &methods).expect("drawn");
-    for (k, method) in methods.iter().enumerate() {
+    for (k, method) in methods.iter().enumerate().skip(1) {
+        assert!(plots[0].1.contains(&format!(">{}</text>", method.name)), "{} in trade.svg", method.name);
         let is_measured = k + 1 < methods.len();
-        let name = format!("\n{}\n", method.name.replace('\'', "&apos;"));
-        assert_eq!(plots[0].1.contains(&name), is_measured, "{name} in trade.svg");
-        assert_eq!(plots[1].1.contains(&name), method.is_drawn, "{name} in growth.svg");
-        let series = super::sample::series(&samples, method.name).0;
-        let expected: Vec<_> = is_measured.then_some((9.0, (k + 1) as f64)).into_iter().collect();
-        assert_eq!(series.len(), expected.len(), "{name}");
-        for (found, expected) in series.iter().zip(&expected) {
-            assert!(found.0 == expected.0 && (found.1 - expected.1).abs() < 1e-12, "{found:?} for {expected:?}");
-        }
+        assert_eq!(plots[1].1.contains(&format!("\n{}: ", method.name)), is_measured, "{} in growth.svg", method.name);
     }
-    let points = plot::points(&samples, &methods);
-    assert_eq!((points[1].time, points[1].error), (2.0, 1.0), "a wrong rank is an error of 1");
-    assert!((points[2].time - 3.0).abs() < 1e-12);
+    // Of six methods beside the unit the last has no dot, and the one with a wrong rank an empty one.
+    assert_eq!(plots[0].1.matches("<circle").count(), methods.len() - 2);
+    assert_eq!(plots[0].1.matches("fill=\"none\" stroke=\"#").count(), 1);
 }
 
 #[test]
-fn the_advice_has_the_numbers_of_its_methods() {
+fn the_advice_has_the_numbers_of_each_effort() {
     let methods = methods::all(&[]);
-    let mut all = samples(&methods);
-    let place = |name: &str| methods.iter().position(|method| method.name == name).expect(name);
-    let (first, again) = (place("gauss"), samples(&methods));
-    // On a second system one method takes ten times as long and finds a wrong rank; then this rank is ambiguous.
-    all.extend(again);
-    let second = methods.len() + first;
-    all[second].result = all[second].result.clone().map(|found| Measured { time: 10.0 * found.time, rank: 5, ..found });
-    let page = page::markdown(&all, &methods, &[], "qless bench");
-    let n = (first + 1) as f64;
-    let row = format!("| `--backend gauss` | {:.2}, {n:.2} to {:.2} | 1, 1, 2 |", 10.0 * n, 10.0 * n);
-    assert!(page.contains(&row), "{row} is not in the page");
-    all[second].result = all[second].result.clone().map(|found| Measured { ambiguous: true, ..found });
-    let page = page::markdown(&all, &methods, &[], "qless bench");
-    assert!(page.contains(&row.replace("1, 1, 2", "0, 1, 2")));
+    let page = page::markdown((&samples(&methods), &[]), &methods, &[], "qless bench");
+    assert!(page.contains("| quick | 2.00, 2.00 to 2.00 | 1 | 1 | 0 | 2e-16 | 1 |"), "{page}");
+    assert!(page.contains("| checked | 3.00, 3.00 to 3.00 | 1 | 0 | 1 | 3e-16 | 2 |"), "{page}");
 }
 
 #[test]
@@ -158,29 +140,27 @@ fn there_is_no_plot_without_data() {
     samples.iter_mut().for_each(|sample| sample.family = "chain");
     let names =
         |samples: &[Sample]| plot::all(samples, &methods).expect("drawn").iter().map(|p| p.0).collect::<Vec<_>>();
-    assert_eq!(names(&samples), [plot::TRADE]);
-    let page = page::markdown(&samples, &methods, &[], "qless bench");
-    assert!(page.contains(plot::TRADE) && !page.contains(plot::GROWTH));
+    assert_eq!(names(&samples), [panels::FILE]);
     samples.iter_mut().for_each(|sample| sample.result = Err("no reason".to_owned()));
     assert!(names(&samples).is_empty());
-    assert!(!page::markdown(&samples, &methods, &[], "qless bench").contains(".svg"));
+    assert!(!page::markdown((&samples, &[]), &methods, &[], "qless bench").contains(".svg"));
 }
 
 #[test]
-fn the_exponent_is_that_of_the_series() {
-    let methods = methods::all(&["default".to_owned()]);
-    let mut samples: Vec<Sample> = Vec::new();
-    for (size, time) in [(100, 1e-3), (200, 4e-3), (400, 16e-3)] {
-        let mut sample = samples_of_one();
-        sample.equations = size;
-        sample.result = sample.result.map(|result| Measured { time, ..result });
-        samples.push(sample);
-    }
-    assert_eq!(table::exponents(&samples, &methods), "default 2.00");
-    assert!(table::text(&samples, &methods).ends_with("to the power of: default 2.00\n"));
-}
-
-fn samples_of_one() -> Sample {
-    let methods = methods::all(&[]);
-    samples(&methods).swap_remove(0)
+fn an_exponent_comes_with_its_error_or_not_at_all() {
+    let methods = methods::all(&["checked".to_owned()]);
+    let with_times = |times: &[f64]| {
+        let sample = |(k, &time): (i32, &f64)| {
+            let mut sample = samples(&methods::all(&[])).swap_remove(2);
+            sample.equations = 100 << k;
+            sample.result = sample.result.map(|result| Measured { time, ..result });
+            sample
+        };
+        table::exponents(&(0..).zip(times).map(sample).collect::<Vec<_>>(), &methods)
+    };
+    assert_eq!(with_times(&[1e-3, 4e-3, 16e-3, 64e-3]), "checked: exponent 2.00 ± 0.00");
+    let none = "checked: runs too short, few or noisy for an exponent";
+    assert_eq!(with_times(&[1e-3, 4e-3, 16e-3]), none);
+    assert_eq!(with_times(&[1e-3, 30e-3, 2e-3, 64e-3]), none);
+    assert_eq!(with_times(&[1e-6, 2e-6, 4e-6, 8e-6]), none);
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use qless::exact::Reading;
-use qless::{BackendChoice, Form, Noise, Options, Tolerance};
+use qless::{BackendChoice, Effort, Form, Noise, Options, Tolerance};
 use qless_bench::BenchArgs;
 use qless_io::case_files;
 use qless_io::deck::Solver;
@@ -57,7 +57,7 @@ pub enum Command {
     Clean(CleanArgs),
     /// Writes a test model of known rank
     Generate(SceneArgs),
-    /// Measures what speed costs in accuracy on this machine
+    /// Measures what certainty costs in time on this machine
     Bench(BenchArgs),
 }
 
@@ -78,18 +78,6 @@ impl Command {
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Also compute the rank in exact arithmetic, where no tolerance decides: of the numbers as typed (0.1 is 1/10), or as stored (the
-    /// doubles themselves, for computed data). This settles an ambiguous rank if no coefficient was rounded before; verdict and exit code
-    /// stay those of the analysis
-    #[arg(
-        long,
-        value_name = "READING",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "typed",
-        value_parser = one_of(&READINGS)
-    )]
-    pub exact: Option<Reading>,
     /// Load case of a deck: its name (`step 2`), the number in the name, or `all`, which reports the worst one [default: all]
     #[arg(long, value_name = "CASE")]
     pub case: Option<String>,
@@ -152,7 +140,6 @@ pub struct CleanArgs {
 
 /// The model, and options of its analysis.
 #[derive(Args)]
-#[expect(clippy::struct_excessive_bools, reason = "the options are independent of each other")]
 pub struct ModelArgs {
     /// Deck (CalculiX, Abaqus, Nastran or ANSYS; its first cards decide), matrix C (.mtx), or folder with C.mtx and, if needed, b.txt,
     /// prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is standard input
@@ -163,8 +150,14 @@ pub struct ModelArgs {
     /// Prescribed DOFs, `column value` per line, columns from 1 [default: prescribed.txt of a folder, else none]
     #[arg(long, value_name = "FILE")]
     pub prescribed: Option<PathBuf>,
+    /// How certain the verdict is to be, and so what it may cost
+    #[arg(long, value_parser = one_of(&EFFORTS), value_name = "EFFORT", default_value = "checked")]
+    pub effort: Effort,
+    /// What a number means to the efforts proved and exact
+    #[arg(long, value_parser = one_of(&READINGS), value_name = "READING", default_value = "typed")]
+    pub numbers: Reading,
     /// Factorization of the equations that remain after presolve
-    #[arg(long, value_parser = one_of(&BACKENDS), value_name = "NAME", default_value = "faer")]
+    #[arg(long, value_parser = one_of(&BACKENDS), value_name = "NAME", default_value = "faer", help_heading = FOR_COMPARISON)]
     pub backend: BackendChoice,
     /// Size below which a number counts as zero, relative to the largest coefficient of its equation; between 0 and 1 [default: 1e-10]
     #[arg(long, value_name = "X", value_parser = tolerance)]
@@ -174,21 +167,18 @@ pub struct ModelArgs {
     #[arg(long, value_name = "NOISE", default_value = "auto", value_parser = noise)]
     pub noise: Noise,
     /// Use the paper's tolerance: absolute 1e-5 without scaling (the answer then depends on the units)
-    #[arg(long, conflicts_with = "tolerance")]
+    #[arg(long, conflicts_with = "tolerance", help_heading = FOR_COMPARISON)]
     pub paper_tolerance: bool,
     /// Largest number of threads; never more than the machine runs at a time
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
     /// Memory limit of the whole run, such as 512MiB or 2GiB; MiB without a unit [default: the machine's memory, but 16GiB for one
-    /// factorization and 1536MiB for --exact]
+    /// factorization and for exact arithmetic]
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     pub memory: Option<NonZeroUsize>,
     /// Skip presolve: the backend factors all equations
-    #[arg(long)]
+    #[arg(long, help_heading = FOR_COMPARISON)]
     pub no_presolve: bool,
-    /// Skip the checks of the rank: a wrong rank is then not detected
-    #[arg(long)]
-    pub no_check: bool,
     /// Equations to keep if others can be called dependent instead, such as 3,7,10-20 (rows, from 1). For a deck also line 41, 5:3
     /// (equations that begin with this DOF), and names of node sets; for a folder also labels of rows.txt
     #[arg(long, value_name = "LIST", value_parser = words)]
@@ -243,6 +233,20 @@ pub enum Deny {
     Redundant,
 }
 
+/// Heading of the options that measurements and the paper's results need.
+const FOR_COMPARISON: &str = "For comparison with other methods";
+
+const EFFORTS: [NamedValue<Effort>; 4] = [
+    ("quick", "Rank by tolerance, not checked: it may be wrong", Effort::Quick),
+    ("checked", "The verdict in digits, by estimates: doubt is said", Effort::Checked),
+    ("proved", "Bounds instead of estimates: what has no proof is ambiguous", Effort::Proved),
+    (
+        "exact",
+        "Also the rank in exact arithmetic, where no tolerance decides: a difference is ambiguous",
+        Effort::Exact,
+    ),
+];
+
 const READINGS: [NamedValue<Reading>; 2] = [
     ("typed", "The shortest decimal of each number: 0.1 is 1/10", Reading::Typed),
     ("stored", "The double itself, a whole number times a power of two", Reading::Stored),
@@ -279,9 +283,9 @@ impl ModelArgs {
         let standard = Options::default();
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
-        let (presolve, check) = (!self.no_presolve, !self.no_check);
+        let (presolve, effort, numbers) = (!self.no_presolve, self.effort, self.numbers);
         let noise = self.noise.clone();
-        Options { backend: self.backend, tolerance, noise, presolve, check, ..standard }
+        Options { backend: self.backend, tolerance, noise, presolve, effort, numbers, ..standard }
     }
 
     /// Equations to keep.

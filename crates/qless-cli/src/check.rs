@@ -13,11 +13,6 @@ use crate::terminal::Progress;
 
 /// Prints the report; exit code 0, 1 or 4.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
-    if args.exact.is_some() && args.model.format == ReportFormat::Vtu {
-        return Err(CliFailure::Input(
-            "--exact needs --format text, json or html; a vtu file shows no rank".to_owned(),
-        ));
-    }
     if let Some(file) = &args.output {
         if file.as_os_str() == "-" {
             return Err(CliFailure::Input(
@@ -32,10 +27,6 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
         Question { options: args.model.options(), preferences: args.model.preferences(), choice: args.choice() };
     let mut diagnosis = diagnose(&args.model, question, &progress)?;
     diagnosis.add_near_dependence();
-    if let Some(reading) = args.exact {
-        progress.stage("exact arithmetic");
-        diagnosis.add_exact_rank(reading)?;
-    }
     // The plan takes time, and only the text report shows it.
     let obstacle = if args.model.format == ReportFormat::Text { clean::obstacle(&diagnosis) } else { None };
     let outcome = CommandOutcome::Checked(obstacle.as_deref());

@@ -3,7 +3,6 @@
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use qless::exact::{self, ExactRank, Reading, Settings};
 use qless::{Analysis, ConstraintSystem, Kind, NearDependence, Options, Report, analyse};
 use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
@@ -24,8 +23,6 @@ pub struct Diagnosis<'a> {
     pub analysis: Analysis,
     /// The deck of the system, if the input is a deck.
     pub deck: Option<DeckInput>,
-    /// The rank in exact arithmetic, with `--exact`.
-    pub exact: Option<ExactRank>,
     /// If the rank is ambiguous: the analysis in which nearly dependent equations count as dependent.
     pub near_dependence: Option<NearDependence>,
     pub start: Instant,
@@ -69,7 +66,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
         return Err(CliFailure::from_overflow(&args.input, dof, &system.dof_label(dof)));
     }
-    Ok(Diagnosis { args, options, system, analysis, deck, exact: None, near_dependence: None, start, read })
+    Ok(Diagnosis { args, options, system, analysis, deck, near_dependence: None, start, read })
 }
 
 /// Analyses a system, which may be that of a load case of a deck.
@@ -129,19 +126,6 @@ impl Diagnosis<'_> {
             Some(deck) => Inputs::new(deck.deck.model().files()),
             None => self.args.inputs(),
         }
-    }
-
-    /// Adds the rank in exact arithmetic.
-    pub fn add_exact_rank(&mut self, reading: Reading) -> Result<(), CliFailure> {
-        let standard = Settings::from(reading);
-        // Each coefficient takes 24 bytes, for each of two primes.
-        let fill = memory::remaining().map_or(standard.fill, |bytes| bytes / 48);
-        let exact = exact::rank(&self.system, Settings { fill, ..standard }).map_err(|error| {
-            let input = self.args.input.display();
-            CliFailure::Resource(format!("{input}: {error}; leave out --exact, or allow more with --memory"))
-        })?;
-        self.exact = Some(exact);
-        Ok(())
     }
 
     /// Adds the near-dependence, if the rank is ambiguous and memory allows it.

@@ -68,6 +68,10 @@ impl CliFailure {
                  or rebuild with `cargo build --features {backend}`"
             )),
             AnalysisError::Backend(error) => Self::from_backend(&error, input),
+            AnalysisError::Exact(error) => Self::Resource(format!(
+                "{}: {error}; use another --effort, or allow more with --memory",
+                input.display()
+            )),
             error => Self::Input(format!("{}: {error}", input.display())),
         }
     }

@@ -48,7 +48,7 @@ pub use factor::backend;
 pub use input::noise::Noise;
 pub use input::preferences::{OptionError, Preferences};
 pub use input::system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
-pub use options::{BackendChoice, Options, Tolerance};
+pub use options::{BackendChoice, Effort, Options, Tolerance};
 pub use reduction::{Form, Reduction, ReductionError};
 pub use report::{Report, Status};
 

@@ -3,6 +3,7 @@
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::noise::Noise;
 use crate::input::preferences::{OptionError, Preferences};
+use crate::input::reading::Reading;
 
 /// How small is zero.
 ///
@@ -71,6 +72,68 @@ impl BackendChoice {
     }
 }
 
+/// How certain a verdict is to be, and so what it may cost.
+///
+/// | effort | does | promises |
+/// | --- | --- | --- |
+/// | `Quick` | rank by tolerance; no distance, no second reading of numbers | T, G and g meet the kept equations; the rank may be wrong |
+/// | `Checked` | the verdict in digits, by estimates | wrong only if an estimate over random signs fails; doubt is said |
+/// | `Proved` | bounds instead of estimates: [`crate::diagnosis::Proof`] | no verdict without a proof; what cannot be proved is ambiguous |
+/// | `Exact` | the rank in exact arithmetic: [`crate::exact`] | true of the numbers as read; a verdict that differs is ambiguous |
+///
+/// ```
+/// use qless::{Effort, Options, SystemBuilder, analyse};
+/// let mut builder = SystemBuilder::new(2);
+/// builder.equation([(0, 0.1), (1, 0.2)], 0.3);
+/// builder.equation([(0, 0.2), (1, 0.4)], 0.6);
+/// let options = Options { effort: Effort::Exact, ..Options::default() };
+/// let analysis = analyse(&builder.build()?, &options)?;
+/// let exact = analysis.exact_rank().expect("asked for");
+/// assert_eq!((analysis.rank(), exact.rank, analysis.confidence().ambiguous), (1, 1, false));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+pub enum Effort {
+    /// The rank is not checked.
+    Quick,
+    /// The rank is checked by estimates.
+    #[default]
+    Checked,
+    /// The rank is proved, or ambiguous.
+    Proved,
+    /// The rank is proved or ambiguous, and compared with that of exact arithmetic.
+    Exact,
+}
+
+impl Effort {
+    /// What a verdict of this effort promises, in one sentence.
+    pub fn promise(self) -> &'static str {
+        match self {
+            Self::Quick => "not checked: the rank may be wrong",
+            Self::Checked => "by estimates; a doubtful rank is called ambiguous",
+            Self::Proved => "by proofs that count rounding; what has none is called ambiguous",
+            Self::Exact => "by comparison with exact arithmetic; a difference is called ambiguous",
+        }
+    }
+
+    /// The name, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Quick => "quick",
+            Self::Checked => "checked",
+            Self::Proved => "proved",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// Whether the rank is checked.
+    pub(crate) fn checks(self) -> bool {
+        self > Self::Quick
+    }
+}
+
 /// Settings of [`crate::analyse`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -82,13 +145,14 @@ pub struct Options {
     pub noise: Noise,
     /// Whether equations that need no factorization are taken out first. Default: true.
     pub presolve: bool,
-    /// Whether what presolve and the backend keep is checked for near dependence, and chosen anew where it is not sound. Default:
-    /// true. Without, the rank can be wrong and nothing says so: [`crate::Confidence::distance`] is then 1 unseen.
-    pub check: bool,
+    /// How certain the verdict is to be. Default: `Checked`. With `Quick` [`crate::Confidence::distance`] is 1 unseen.
+    pub effort: Effort,
+    /// What number a double means to [`Effort::Proved`] and [`Effort::Exact`]. Default: `Typed`.
+    pub numbers: Reading,
     /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1, which is met to 1e-9; default 4.
     /// The nearer to 1, the more exchanges.
     pub growth: f64,
-    /// Bytes that the factorization of one block may allocate. More is refused: before the work by `faer`, `sparse` and `spqr`, as
+    /// Bytes that the factorization of one block, and exact arithmetic, may allocate. More is refused: before the work by `faer`, `sparse` and `spqr`, as
     /// soon as rows have filled in beyond it by `gauss`. Default: 16 GiB.
     pub memory: usize,
     /// DOFs that should or should not be slaves, equations to keep. Default: none.
@@ -102,7 +166,8 @@ impl Default for Options {
             tolerance: Tolerance::Relative(1e-10),
             noise: Noise::Auto,
             presolve: true,
-            check: true,
+            effort: Effort::Checked,
+            numbers: Reading::Typed,
             growth: 4.0,
             memory: 16 << 30,
             preferences: Preferences::default(),

@@ -1,6 +1,6 @@
 //! Crossings of the times of Gauss elimination and of a QR, and a sentence about them; the paper's own times.
 
-use super::super::labels::thousands;
+use super::super::given_up::thousands;
 use super::{FigureLevel, FigureSide, GAUSS};
 
 /// The times of Gauss elimination and of a QR on one system.

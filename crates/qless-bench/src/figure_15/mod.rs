@@ -12,6 +12,7 @@ mod section;
 mod tests;
 mod time;
 
+pub use blocks::{FigureBlock, blocks};
 pub use plot::plots;
 pub use section::{CSV, csv, markdown, text};
 pub use time::measure;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::super::labels::thousands;
+use super::super::given_up::thousands;
 use super::crossing::{pairs, papers_pairs, sentence};
 use super::plot::FILE;
 use super::{FigureLevel, FigureSide, GAUSS, Way, backends, families};

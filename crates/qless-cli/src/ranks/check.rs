@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use qless::{AnalysisError, OptionError, Options, Report};
+use qless::{AnalysisError, Effort, OptionError, Options, Report};
 use qless_io::deck::Format;
 use qless_io::write::OneFile;
 use qless_mpi::{Analysis, CaseError, Error, Ranks, analyse, read_case};
@@ -59,9 +59,9 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
 fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
     let model = &args.model;
     let input = model.input.display();
-    if args.exact.is_some() {
+    if model.effort == Effort::Exact {
         return Err(CliFailure::Input(
-            "--exact runs in one process only: leave it out, or leave out mpirun".to_owned(),
+            "--effort exact runs in one process only: use another, or leave out mpirun".to_owned(),
         ));
     }
     if !matches!(model.format, ReportFormat::Text | ReportFormat::Json) {

@@ -95,7 +95,8 @@ impl Findings<'_> {
         let [independent, redundant, conflicting] =
             [counts.rank(), counts.redundant, counts.conflicting].map(|count| count as usize);
         let counts = Counts::new(independent, redundant, conflicting);
-        let mut report = Report::of_ranks(self.ranks, input, counts, self.analysis.confidence(), self.backend()?);
+        let certainty = (self.options.effort, self.analysis.confidence());
+        let mut report = Report::of_ranks(self.ranks, input, counts, certainty, self.backend()?);
         report.dependent = self.found.dependent.iter().map(|equation| dependent(equation, known)).collect();
         report.generated_boundary_conditions = self.generated()?;
         report.unmet_preferences.equations = self.found.unmet_equations.iter().map(|row| *row as usize + 1).collect();

@@ -94,9 +94,6 @@ impl Diagnosis<'_> {
         if let Some(deck) = &self.deck {
             report = report.with_left_out(deck.left_out());
         }
-        if let Some(exact) = &self.exact {
-            report = report.with_exact(&self.analysis, exact)?;
-        }
         if let Some(near) = &self.near_dependence {
             report = report.with_near_dependence(&self.analysis, near, terms)?;
         }

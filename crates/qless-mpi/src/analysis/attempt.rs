@@ -183,7 +183,8 @@ impl AttemptInput<'_> {
 }
 
 /// What is said if several components are in doubt, the last first, as the serial analysis does.
-const DOUBTS: [Doubt; 5] = [Doubt::Mismatch, Doubt::Elimination, Doubt::NoGap, Doubt::Near, Doubt::Noise];
+const DOUBTS: [Doubt; 7] =
+    [Doubt::Unproved, Doubt::Exact, Doubt::Mismatch, Doubt::Elimination, Doubt::NoGap, Doubt::Near, Doubt::Noise];
 
 /// The same threshold as in the serial confidence.
 const SMALL_MISMATCH: f64 = 1e-6;

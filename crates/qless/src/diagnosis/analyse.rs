@@ -73,7 +73,7 @@ pub(super) fn read(
         rule: &rule,
         is_absolute: options.tolerance.is_absolute(),
         absent: &BTreeSet::new(),
-        context: FactorContext::new(backend.as_ref(), rule.tolerance, options.check, options.memory),
+        context: FactorContext::new(backend.as_ref(), rule.tolerance, options.effort.checks(), options.memory),
         started,
     };
     let first = pipeline.run_verified(options.presolve)?;

@@ -41,7 +41,7 @@ impl Analysis {
     }
 
     /// Error of [`Analysis::because`]: `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs; 0 if it is at
-    /// most the tolerance, and without [`Options::check`](crate::Options::check), which is no check at all.
+    /// most the tolerance, and with [`Effort::Quick`](crate::Effort::Quick), which does not check it.
     /// Costs as much as the certificate.
     ///
     /// ```
@@ -73,12 +73,17 @@ impl Analysis {
 
     /// The certificate with its error, refined while that brings it nearer to the tolerance.
     pub(crate) fn checked(&self, dependent: &Dependent) -> (Vec<CertificateTerm>, f64) {
+        self.refined(dependent, self.options.tolerance.value())
+    }
+
+    /// The same, refined while that brings its error nearer to a limit.
+    pub(super) fn refined(&self, dependent: &Dependent, limit: f64) -> (Vec<CertificateTerm>, f64) {
         let terms = dependent.source.explain(&self.history);
-        if !self.options.check {
+        if !self.options.effort.checks() {
             return (terms, 0.0);
         }
-        let is_good = |(_, error): &(Vec<CertificateTerm>, f64)| *error <= self.options.tolerance.value();
-        let mut best = self.best_of(dependent.row, terms);
+        let is_good = |(_, error): &(Vec<CertificateTerm>, f64)| *error <= limit;
+        let mut best = self.best_of(dependent.row, terms, limit);
         for _ in 0..REFINEMENTS {
             if is_good(&best) || self.blocks.iter().any(|block| block.rows.len() * block.dofs.len() > SMALL) {
                 break;
@@ -87,7 +92,7 @@ impl Analysis {
             let Ok(correction) = self.expressed(left) else { break };
             let mut sum = best.0.iter().map(|term| (term.row, term.coefficient)).collect();
             correction.iter().for_each(|term| add(&mut sum, term.row, term.coefficient));
-            let better = self.best_of(dependent.row, terms_of(sum));
+            let better = self.best_of(dependent.row, terms_of(sum), limit);
             if better.1 >= best.1 {
                 break;
             }
@@ -98,11 +103,11 @@ impl Analysis {
 
     /// With or without terms that may be rounding, whichever has the smaller error: each costs the whole error in a DOF that no other
     /// term has.
-    fn best_of(&self, row: usize, terms: Vec<CertificateTerm>) -> (Vec<CertificateTerm>, f64) {
+    fn best_of(&self, row: usize, terms: Vec<CertificateTerm>, limit: f64) -> (Vec<CertificateTerm>, f64) {
         let parts = [f64::EPSILON * terms.len() as f64, 1e-13, 1e-11];
         let mut best = self.with_error(row, terms);
         for part in parts {
-            if best.1 <= self.options.tolerance.value() {
+            if best.1 <= limit {
                 break;
             }
             let pruned = self.with_error(row, self.pruned(&best.0, part));
@@ -120,7 +125,7 @@ impl Analysis {
 
     /// What a certificate leaves of its equation, by local DOF, and the sum of the sizes of the parts. Summed with twice the digits, so
     /// that a refinement sees what is really left.
-    fn parts(&self, row: usize, terms: &[CertificateTerm]) -> BTreeMap<u32, (f64, f64)> {
+    pub(super) fn parts(&self, row: usize, terms: &[CertificateTerm]) -> BTreeMap<u32, (f64, f64)> {
         let local = self.numbering.view(&self.system, self.system.rhs());
         let mut parts: BTreeMap<u32, (f64, f64, f64)> = BTreeMap::new();
         let own = CertificateTerm { row, coefficient: -1.0 };

@@ -26,6 +26,10 @@ pub enum Doubt {
     Noise,
     /// A second way of elimination, by which the rank would have been verified, needs more memory than is allowed.
     Elimination,
+    /// Some equation has no proof that it is what the analysis says.
+    Unproved,
+    /// Exact arithmetic finds another rank, or another answer to whether the equations have a solution.
+    Exact,
 }
 
 /// How sure a verdict is, in relative changes of coefficients: units of equations and DOFs have no part in it.
@@ -75,6 +79,11 @@ impl Confidence {
         let near = (distance < NEAR).then_some(Doubt::Near);
         let doubt = near.or((error > 0.0).then_some(Doubt::NoGap)).or(other);
         Self { distance, error, ambiguous: doubt.is_some(), doubt }
+    }
+
+    /// The same with another doubt, if there is none yet.
+    pub(crate) fn or(self, other: Doubt) -> Self {
+        Self::of(self.distance, self.error, self.doubt.or(Some(other)))
     }
 
     /// `-log10 d`: the verdict stands unless coefficients are wrong in a digit before this one. Infinite, `null` in JSON, where d is 0.

@@ -14,6 +14,7 @@ mod near_dependence;
 pub(crate) mod nullspace_probe;
 mod pass_result;
 mod preferred_equations;
+mod proof;
 mod readings;
 
 use std::sync::OnceLock;
@@ -29,9 +30,12 @@ use crate::{ConstraintSystem, OptionError, Options};
 use certificate::History;
 use classify::{Dependent, Kind};
 use confidence::Confidence;
+use exact::{ExactError, ExactRank};
 
 pub use crate::input::noise::NoiseTerm;
 pub use near_dependence::{NearDependence, NearDependent};
+pub use proof::Proof;
+pub(crate) use readings::analysed_parts;
 pub use readings::{OtherReading, analyse};
 
 /// Why an analysis could not be made.
@@ -44,6 +48,9 @@ pub enum AnalysisError {
     /// The backend failed.
     #[error(transparent)]
     Backend(#[from] BackendError),
+    /// Exact arithmetic was given up.
+    #[error(transparent)]
+    Exact(#[from] ExactError),
     /// An equation whose coefficients are all below 2.2e-308, where doubles lose their digits.
     #[error(
         "row {row}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation"
@@ -106,6 +113,8 @@ pub struct Analysis {
     pub(crate) confidence: Confidence,
     pub(crate) noise: Vec<NoiseTerm>,
     pub(crate) other: Option<OtherReading>,
+    pub(crate) exact: Option<ExactRank>,
+    pub(crate) proof: Option<Proof>,
     pub(crate) presolve: PresolveStatistics,
     pub(crate) timings: Timings,
     pub(crate) backend: (&'static str, String),
@@ -180,6 +189,23 @@ impl Analysis {
     /// Another rank or verdict, if numbers that may be rounding are read the other way.
     pub fn other_reading(&self) -> Option<&OtherReading> {
         self.other.as_ref()
+    }
+
+    /// The rank in exact arithmetic, with [`crate::Effort::Exact`].
+    pub fn exact_rank(&self) -> Option<&ExactRank> {
+        self.exact.as_ref()
+    }
+
+    /// The chance that [`Analysis::exact_rank`] is wrong: 0 if certificates prove the same rank from above, else what two primes leave.
+    pub fn exact_error_chance(&self) -> Option<f64> {
+        let (exact, proof) = (self.exact.as_ref()?, self.proof.as_ref()?);
+        let is_certain = exact.rank == self.rank() && proof.exact == self.dependent.len();
+        Some(if is_certain { 0.0 } else { exact.error_chance() })
+    }
+
+    /// How the verdict was proved, with [`crate::Effort::Proved`] and [`crate::Effort::Exact`].
+    pub fn proof(&self) -> Option<&Proof> {
+        self.proof.as_ref()
     }
 
     /// What presolve did.

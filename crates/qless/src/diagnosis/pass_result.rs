@@ -126,6 +126,8 @@ impl PassResult {
             solved: OnceLock::new(),
             noise: Vec::new(),
             other: None,
+            exact: None,
+            proof: None,
         }
     }
 }

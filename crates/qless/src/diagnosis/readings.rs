@@ -4,11 +4,12 @@ use std::collections::HashSet;
 
 use super::analyse::read;
 use super::confidence::{Confidence, Doubt};
-use super::{Analysis, AnalysisError};
+use super::exact::{self, ExactRank, PartRank, Settings};
+use super::{Analysis, AnalysisError, Proof};
 use crate::input::components::Labels;
 use crate::input::noise::{NoiseTerm, Suspects};
 use crate::input::numbering::Numbering;
-use crate::{ConstraintSystem, Kind, Noise, Options, Tolerance};
+use crate::{ConstraintSystem, Effort, Kind, Noise, Options, Tolerance};
 
 /// What a system is if numbers that may be rounding are read the other way.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,10 +55,47 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         Tolerance::Paper => Suspects::default(),
         Tolerance::Relative(_) => Suspects::find(local, &numbered.2, &options.noise),
     };
-    if suspects.rows.is_empty() && suspects.single.is_empty() {
-        return read(system.clone(), numbered, options);
+    let mut analysis = if suspects.rows.is_empty() && suspects.single.is_empty() {
+        read(system.clone(), numbered, options)?
+    } else {
+        read_twice(system, options, &suspects)?
+    };
+    match options.effort {
+        Effort::Quick | Effort::Checked => {}
+        Effort::Proved => analysis.prove(),
+        Effort::Exact => analysis.compare_with_exact(system)?,
     }
-    read_twice(system, options, &suspects)
+    Ok(analysis)
+}
+
+/// Bytes of a coefficient of exact elimination, modulo each of two primes at a time.
+const BYTES: usize = 48;
+
+impl Analysis {
+    /// Adds the exact rank of the system as given; a part with another result is in doubt.
+    fn compare_with_exact(&mut self, system: &ConstraintSystem) -> Result<(), AnalysisError> {
+        let settings = Settings { fill: self.options.memory / BYTES, ..self.options.numbers.into() };
+        let exact = exact::rank(system, settings)?;
+        if analysed_parts(&self.kinds, &exact) != exact.parts {
+            self.confidence = self.confidence.or(Doubt::Exact);
+        }
+        self.exact = Some(exact);
+        // Where exact arithmetic agrees, what has no proof is in no doubt.
+        self.proof = Some(Proof::of(self));
+        Ok(())
+    }
+}
+
+/// The result of the analysis for each part of an exact rank.
+pub(crate) fn analysed_parts(kinds: &[Kind], exact: &ExactRank) -> Vec<PartRank> {
+    let mut parts = vec![PartRank { equations: 0, rank: 0, solvable: true }; exact.parts.len()];
+    for (&kind, &part) in kinds.iter().zip(&exact.part_of) {
+        let part = &mut parts[part as usize];
+        part.equations += 1;
+        part.rank += usize::from(kind == Kind::Independent);
+        part.solvable &= kind != Kind::Conflicting;
+    }
+    parts
 }
 
 /// Analyses the system without equations that are rounding, and the components concerned once more, with every suspect number the
@@ -93,7 +131,7 @@ fn read_twice(system: &ConstraintSystem, options: &Options, suspects: &Suspects)
         }
         Ok::<(), AnalysisError>(())
     };
-    if options.noise == Noise::Auto {
+    if options.noise == Noise::Auto && options.effort.checks() {
         if !suspects.rows.is_empty() {
             read_otherwise(&[], suspects.rows.clone(), false)?;
         }

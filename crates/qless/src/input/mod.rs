@@ -4,5 +4,6 @@ pub mod components;
 pub mod noise;
 pub mod numbering;
 pub mod preferences;
+pub mod reading;
 pub mod scale;
 pub mod system;

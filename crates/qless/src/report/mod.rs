@@ -16,11 +16,11 @@ mod sizes;
 use std::time::Duration;
 
 use crate::diagnosis::PresolveStatistics;
-use crate::{Analysis, Confidence, Form, Kind, Reduction};
+use crate::{Analysis, Confidence, Effort, Form, Kind, Reduction};
 use budget::Budget;
 use sizes::{from_one, milliseconds};
 
-pub use exact::{ExactDifference, ExactFinding};
+pub use exact::{ExactDifference, ExactFinding, ProofFinding};
 pub use findings::{
     Certificate, DependentEquation, GeneratedCondition, NoiseCoefficient, Omitted, OtherReadingFinding, Term,
 };
@@ -87,14 +87,21 @@ pub struct Report {
     pub dependent: Vec<DependentEquation>,
     /// Free DOFs that the equations fix, ascending.
     pub generated_boundary_conditions: Vec<GeneratedCondition>,
+    /// How certain the verdict is to be, ...
+    pub effort: Effort,
+    /// ... and what that promises, in one sentence.
+    pub promise: &'static str,
     /// The confidence in the rank.
     pub confidence: Confidence,
     /// Constraints that were skipped; the key is absent if there are none. The rest of the report is about the constraints that were read.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub incomplete: Vec<String>,
-    /// The rank in exact arithmetic, if it was computed.
+    /// The rank in exact arithmetic, with [`Effort::Exact`].
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub exact_rank: Option<ExactFinding>,
+    /// How the verdict was proved, with [`Effort::Proved`] and [`Effort::Exact`].
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub proof: Option<ProofFinding>,
     /// Near-dependences: the rank that the user probably meant, if it is less than the rank of the typed numbers.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub meant: Option<NearDependenceFinding>,
@@ -150,6 +157,8 @@ impl Report {
             unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
             noise: analysis.noise.iter().map(NoiseCoefficient::new).collect(),
             other_reading: analysis.other.as_ref().map(OtherReadingFinding::new),
+            proof: analysis.proof.as_ref().map(ProofFinding::new),
+            exact_rank: analysis.exact.as_ref().map(|exact| ExactFinding::new(analysis, exact)),
             presolve: Some(analysis.presolve),
             ranks: None,
             timings_ms: Milliseconds {
@@ -159,7 +168,7 @@ impl Report {
                 total: presolve + factor + classify,
                 ..Milliseconds::default()
             },
-            ..Self::of_ranks(1, sizes, counts, analysis.confidence, backend)
+            ..Self::of_ranks(1, sizes, counts, (analysis.options.effort, analysis.confidence), backend)
         }
     }
 
@@ -231,11 +240,12 @@ impl Report {
     /// A report of an analysis over `ranks` MPI ranks, with empty lists and without statistics of presolve; the caller fills the lists.
     ///
     /// ```
-    /// use qless::{Confidence, Kind, Report, Status};
+    /// use qless::{Confidence, Effort, Kind, Report, Status};
     /// use qless::report::{BackendUsed, Certificate, Counts, DependentEquation, InputSizes, Term};
     /// let (input, counts) = (InputSizes::new(2, 3, 4, 0), Counts::new(1, 1, 0));
     /// let backend = BackendUsed::new("faer", 1, "faer 0.24".to_owned());
-    /// let mut report = Report::of_ranks(2, input, counts, Confidence::of(1.0, 0.0, None), backend);
+    /// let certainty = (Effort::Checked, Confidence::of(1.0, 0.0, None));
+    /// let mut report = Report::of_ranks(2, input, counts, certainty, backend);
     /// let because = Certificate::complete(vec![Term::new(1, "tie 7".to_owned(), 2.0)]);
     /// report.dependent.push(DependentEquation::new(2, "tie 8".to_owned(), Kind::Redundant, 0.0, because));
     /// assert_eq!((report.rank, report.status, report.ranks), (1, Status::Redundant, Some(2)));
@@ -244,7 +254,7 @@ impl Report {
         ranks: usize,
         input: InputSizes,
         counts: Counts,
-        confidence: Confidence,
+        (effort, confidence): (Effort, Confidence),
         backend: BackendUsed,
     ) -> Self {
         Self {
@@ -255,9 +265,12 @@ impl Report {
             counts,
             dependent: Vec::new(),
             generated_boundary_conditions: Vec::new(),
+            effort,
+            promise: effort.promise(),
             confidence,
             incomplete: Vec::new(),
             exact_rank: None,
+            proof: None,
             meant: None,
             reduction: None,
             unmet_preferences: Unmet::default(),

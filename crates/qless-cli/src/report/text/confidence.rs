@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use qless::diagnosis::NearDependent;
 use qless::exact::Reading;
 use qless::report::ExactFinding;
-use qless::{Doubt, Kind, Report, Tolerance};
+use qless::{Doubt, Effort, Kind, Report, Tolerance};
 
 use super::EquationList;
 use super::combination;
@@ -21,6 +21,9 @@ const NEAR: f64 = 1e-6;
 pub fn rank(list: &EquationList, report: &Report) -> Vec<String> {
     let rank = report.rank;
     let digit = ordinal(report.confidence.digits_kept());
+    if report.effort == Effort::Quick {
+        return vec![format!("Rank {rank}, NOT CHECKED: it may be wrong. --effort checked checks it.")];
+    }
     if !report.confidence.ambiguous {
         let line = format!("Rank {rank}. It stands unless coefficients are wrong in their {digit} digit.");
         return [line].into_iter().chain(dropped(report)).collect();
@@ -57,10 +60,23 @@ fn dropped(report: &Report) -> Option<String> {
 fn advice(list: &EquationList, report: &Report) -> Vec<String> {
     let reasons = [nearly_dependent(report), remainder(list), other_reading(report), small_mismatch(list)];
     let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();
-    if lines.is_empty() {
+    if report.confidence.doubt == Some(Doubt::Unproved) {
+        lines = unproved(list, report).into_iter().collect();
+    } else if report.confidence.doubt == Some(Doubt::Exact) {
+        lines.push("  Exact arithmetic has another result:".to_owned());
+    } else if lines.is_empty() {
         lines.push("  The rank could not be verified within the memory allowed: more memory settles it.".to_owned());
     }
     lines
+}
+
+/// How many equations have no proof, and the first of them.
+fn unproved(list: &EquationList, report: &Report) -> Option<String> {
+    let unproved = &report.proof.as_ref()?.unproved;
+    let name = wording::equation(list.equations, unproved.first()? - 1);
+    let have = if unproved.len() == 1 { "has" } else { "have" };
+    let many = count(unproved.len(), "equation");
+    Some(format!("  {many} {have} no proof, first {name}. --effort exact may settle it."))
 }
 
 fn nearly_dependent(report: &Report) -> Option<String> {
@@ -125,7 +141,7 @@ pub fn near_dependence(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     lines
 }
 
-/// The result of `--exact`: one line if it agrees with the analysis and the rank is not ambiguous, otherwise up to four.
+/// The result of `--effort exact`: one line if it agrees with the analysis and the rank is not ambiguous, otherwise up to four.
 pub fn exact_rank(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let Some(exact) = &report.exact_rank else { return Vec::new() };
     let mut lines = vec![rank_line(report, exact)];
@@ -159,7 +175,8 @@ fn same_ranks(exact: &ExactFinding) -> bool {
 /// The conclusion from the two ranks.
 fn meaning(report: &Report, exact: &ExactFinding) -> Option<String> {
     let rank = exact.rank;
-    match (report.confidence.ambiguous, same_ranks(exact), rank.cmp(&report.rank)) {
+    let is_in_doubt = report.confidence.ambiguous && report.confidence.doubt != Some(Doubt::Exact);
+    match (is_in_doubt, same_ranks(exact), rank.cmp(&report.rank)) {
         (true, true, _) => Some(format!("That confirms rank {rank}, for numbers meant {}.", as_read(exact))),
         (true, false, _) => {
             Some(format!("That settles the doubt, for numbers meant {}: the rank is {rank}.", as_read(exact)))

@@ -108,6 +108,8 @@ fn rest(list: &EquationList, report: &Report, outcome: &CommandOutcome, doubts: 
     let mut lines = Vec::new();
     if report.input.rows > 0 {
         lines.extend(confidence::rank(list, report));
+        lines.push(summary::effort(report));
+        lines.extend(summary::proof(report));
         lines.extend(doubts);
         lines.push(summary::presolve(report));
         lines.extend(summary::backend(report));

@@ -61,6 +61,29 @@ pub fn input(report: &Report) -> String {
     format!("Input: {rows} with {coefficients} on {}, {prescribed}.", count(input.dofs, "DOF"))
 }
 
+/// `Effort checked: by estimates; a doubtful rank is called ambiguous.`
+pub fn effort(report: &Report) -> String {
+    format!("Effort {}: {}.", report.effort.name(), report.promise)
+}
+
+/// What was proved; of exact arithmetic how far it can be wrong.
+pub fn proof(report: &Report) -> Option<String> {
+    let proof = report.proof.as_ref()?;
+    Some(match &report.exact_rank {
+        Some(exact) if exact.error_chance == 0.0 => "Certificates prove the exact rank: no chance of error.".to_owned(),
+        Some(exact) => {
+            format!("Two primes drawn at random miss the exact rank with a chance of {:.0e}.", exact.error_chance)
+        }
+        None => format!(
+            "Proved: {} triangular, {} more independent; {} dependent exactly, {} to rounding.",
+            proof.triangular,
+            proof.bounded + proof.modular,
+            proof.exact,
+            proof.enclosed
+        ),
+    })
+}
+
 /// `Presolve settled 12 of 16 equations; faer factored 4, in 1 block.`
 pub fn presolve(report: &Report) -> String {
     let (rows, name) = (report.input.rows, report.backend.name);

@@ -8,15 +8,15 @@ use super::field::Field;
 use super::row::{Change, ModularEntry, ModularRow};
 
 /// What became of the rows, by their numbers in the order given.
-pub(super) struct Eliminated {
+pub(in crate::diagnosis) struct Eliminated {
     /// Rows that served as pivots: as many as the rank.
-    pub(super) pivots: Vec<u32>,
+    pub(in crate::diagnosis) pivots: Vec<u32>,
     /// Rows that say `0 = c` with c other than 0 in the end.
-    pub(super) contradicting: Vec<u32>,
+    pub(in crate::diagnosis) contradicting: Vec<u32>,
 }
 
 /// Eliminates `cols` columns of rows with right-hand sides, which may hold at most `limit` coefficients at a time.
-pub(super) fn eliminate(
+pub(in crate::diagnosis) fn eliminate(
     field: Field,
     rows: Vec<Vec<ModularEntry>>,
     rhs: Vec<u64>,

@@ -1,10 +1,10 @@
 //! `Z / p`: whole numbers modulo a prime below 2^62, kept as `a 2^64 mod p` (Montgomery 1985), so that no product is divided.
 
-use super::number::Number;
+use crate::input::reading::Number;
 
 /// Arithmetic on residues. Zero is 0; what stands for another number is of no interest outside.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Field {
+pub(in crate::diagnosis) struct Field {
     p: u64,
     /// `-1 / p mod 2^64`.
     inverse: u64,
@@ -17,7 +17,7 @@ pub(super) struct Field {
 
 impl Field {
     /// For an odd p below 2^62. Inverses ask for a prime; the rest holds for every odd p.
-    pub(super) fn new(p: u64) -> Self {
+    pub(in crate::diagnosis) fn new(p: u64) -> Self {
         debug_assert!(p % 2 == 1 && p < 1 << 62);
         // Newton's step doubles the right bits: 3, 6, 12, 24, 48, 96.
         let inverse = (0..5).fold(p, |x, _| x.wrapping_mul(2_u64.wrapping_sub(p.wrapping_mul(x))));
@@ -28,12 +28,12 @@ impl Field {
     }
 
     /// The residue of a whole number.
-    pub(super) fn of(&self, number: u64) -> u64 {
+    pub(in crate::diagnosis) fn of(&self, number: u64) -> u64 {
         self.mul(number, self.square)
     }
 
     /// The residue of `± digits base^exponent`.
-    pub(super) fn residue(&self, number: Number) -> u64 {
+    pub(in crate::diagnosis) fn residue(&self, number: Number) -> u64 {
         let base = match (number.decimal, number.exponent < 0) {
             (true, true) => self.tenth,
             (true, false) => self.of(10),
@@ -47,29 +47,29 @@ impl Field {
     }
 
     /// a + b.
-    pub(super) fn add(&self, a: u64, b: u64) -> u64 {
+    pub(in crate::diagnosis) fn add(&self, a: u64, b: u64) -> u64 {
         self.below(a + b)
     }
 
     /// a - b.
-    pub(super) fn sub(&self, a: u64, b: u64) -> u64 {
+    pub(in crate::diagnosis) fn sub(&self, a: u64, b: u64) -> u64 {
         self.below(a + self.p - b)
     }
 
     /// -a.
-    pub(super) fn negative(&self, a: u64) -> u64 {
+    pub(in crate::diagnosis) fn negative(&self, a: u64) -> u64 {
         self.sub(0, a)
     }
 
     /// a b.
-    pub(super) fn mul(&self, a: u64, b: u64) -> u64 {
+    pub(in crate::diagnosis) fn mul(&self, a: u64, b: u64) -> u64 {
         let product = u128::from(a) * u128::from(b);
         let multiple = (product as u64).wrapping_mul(self.inverse);
         self.below(((product + u128::from(multiple) * u128::from(self.p)) >> 64) as u64)
     }
 
     /// a^exponent.
-    pub(super) fn power(&self, mut a: u64, mut exponent: u64) -> u64 {
+    pub(in crate::diagnosis) fn power(&self, mut a: u64, mut exponent: u64) -> u64 {
         let mut result = self.of(1);
         while exponent > 0 {
             if exponent & 1 == 1 {
@@ -82,7 +82,7 @@ impl Field {
     }
 
     /// 1 / a for a != 0, by Fermat.
-    pub(super) fn inverse(&self, a: u64) -> u64 {
+    pub(in crate::diagnosis) fn inverse(&self, a: u64) -> u64 {
         self.power(a, self.p - 2)
     }
 

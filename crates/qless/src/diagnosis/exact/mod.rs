@@ -40,17 +40,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod eliminate;
-mod field;
-mod number;
+pub(super) mod eliminate;
+pub(super) mod field;
 mod peel;
-mod prime;
+pub(super) mod prime;
 mod row;
 mod run;
 
 use crate::ConstraintSystem;
 
-pub use number::Reading;
+pub use crate::input::reading::Reading;
 
 /// How to take a rank; made from a [`Reading`] with the default of the rest.
 ///
@@ -152,6 +151,11 @@ pub struct PartRank {
 }
 
 impl ExactRank {
+    /// Largest chance that the rank is too small: `(40 (r + 3) / 2.7e16)^2`, over all draws of the primes.
+    pub fn error_chance(&self) -> f64 {
+        (40.0 * (self.rank as f64 + 3.0) / 2.7e16).powi(2)
+    }
+
     /// Whether `C_f u_f = b - C_p u_p` has a solution.
     pub fn is_solvable(&self) -> bool {
         self.augmented_rank == self.rank

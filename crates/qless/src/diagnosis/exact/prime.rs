@@ -1,5 +1,7 @@
 //! Primes between 2^60 and 2^61, drawn at random.
 
+use std::sync::OnceLock;
+
 use super::field::Field;
 use crate::common::SplitMix64;
 
@@ -7,7 +9,7 @@ use crate::common::SplitMix64;
 const BASES: [u64; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
 
 /// Two different primes in `2^60..2^61`, the same for the same seed; each is as likely as any other.
-pub(super) fn two(seed: u64) -> [u64; 2] {
+pub(in crate::diagnosis) fn two(seed: u64) -> [u64; 2] {
     let mut numbers = SplitMix64::new(seed);
     let first = draw(&mut numbers);
     loop {
@@ -16,6 +18,27 @@ pub(super) fn two(seed: u64) -> [u64; 2] {
             return [first, second];
         }
     }
+}
+
+/// Primes that [`first`] has.
+const KNOWN: usize = 64;
+/// Of these primes.
+const SEED: u64 = 0x7072_696d;
+
+/// Different primes in `2^60..2^61`, at most 64, always the same.
+pub(in crate::diagnosis) fn first(count: usize) -> &'static [u64] {
+    static ALL: OnceLock<Vec<u64>> = OnceLock::new();
+    let make = || {
+        let (mut numbers, mut all) = (SplitMix64::new(SEED), Vec::with_capacity(KNOWN));
+        while all.len() < KNOWN {
+            let prime = draw(&mut numbers);
+            if !all.contains(&prime) {
+                all.push(prime);
+            }
+        }
+        all
+    };
+    &ALL.get_or_init(make)[..count.min(KNOWN)]
 }
 
 fn draw(numbers: &mut SplitMix64) -> u64 {
@@ -28,7 +51,7 @@ fn draw(numbers: &mut SplitMix64) -> u64 {
 }
 
 /// Whether n is prime, without a doubt, for n below 2^62.
-pub(super) fn is_prime(n: u64) -> bool {
+pub(in crate::diagnosis) fn is_prime(n: u64) -> bool {
     if n < 2 || BASES.iter().any(|base| n.is_multiple_of(*base)) {
         return BASES.contains(&n);
     }

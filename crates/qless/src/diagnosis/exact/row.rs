@@ -5,21 +5,21 @@ use std::cmp::Ordering;
 use super::field::Field;
 
 /// `(column, residue)`.
-pub(super) type ModularEntry = (u32, u64);
+pub(in crate::diagnosis) type ModularEntry = (u32, u64);
 
 /// A row is so many times longer than another where looking its columns up is cheaper than merging.
 const LONG: usize = 8;
 
 /// What happened to a coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Change {
+pub(in crate::diagnosis) enum Change {
     Appeared,
     Vanished,
 }
 
 /// A sparse row. Coefficients that cancel stay as zeros and new ones stand apart, until either are many.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ModularRow {
+pub(in crate::diagnosis) struct ModularRow {
     /// Ascending by column.
     entries: Vec<ModularEntry>,
     /// Ascending by column; none is in `entries`.
@@ -30,39 +30,39 @@ pub(super) struct ModularRow {
 
 impl ModularRow {
     /// From entries that ascend by column, none of them 0.
-    pub(super) fn new(entries: Vec<ModularEntry>) -> Self {
+    pub(in crate::diagnosis) fn new(entries: Vec<ModularEntry>) -> Self {
         Self { live: entries.len(), entries, late: Vec::new() }
     }
 
     /// Number of coefficients that are not zero.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::diagnosis) fn len(&self) -> usize {
         self.live
     }
 
     /// Entries for which memory is taken.
-    pub(super) fn room(&self) -> usize {
+    pub(in crate::diagnosis) fn room(&self) -> usize {
         self.entries.capacity() + self.late.capacity()
     }
 
     /// The columns of coefficients that are not zero.
-    pub(super) fn columns(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(in crate::diagnosis) fn columns(&self) -> impl Iterator<Item = u32> + '_ {
         self.entries.iter().chain(&self.late).filter(|entry| entry.1 != 0).map(|entry| entry.0)
     }
 
     /// A coefficient that is not zero.
-    pub(super) fn get(&self, col: u32) -> Option<u64> {
+    pub(in crate::diagnosis) fn get(&self, col: u32) -> Option<u64> {
         let find = |list: &[ModularEntry]| list.binary_search_by_key(&col, |entry| entry.0).ok().map(|k| list[k].1);
         find(&self.entries).or_else(|| find(&self.late)).filter(|&value| value != 0)
     }
 
     /// The row as one list, ascending by column.
-    pub(super) fn into_entries(mut self) -> Vec<ModularEntry> {
+    pub(in crate::diagnosis) fn into_entries(mut self) -> Vec<ModularEntry> {
         self.settle();
         self.entries
     }
 
     /// `row += factor pivot`; says which coefficients appear and vanish.
-    pub(super) fn add(
+    pub(in crate::diagnosis) fn add(
         &mut self,
         field: &Field,
         factor: u64,

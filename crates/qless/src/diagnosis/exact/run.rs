@@ -2,11 +2,11 @@
 
 use super::eliminate::eliminate;
 use super::field::Field;
-use super::number::Number;
 use super::peel::{Peeled, peel};
 use super::row::ModularEntry;
 use super::{ExactError, ExactRank, PartRank, Settings, prime};
 use crate::common::DisjointSets;
+use crate::input::reading::Number;
 use crate::{ConstraintSystem, Csr};
 
 /// See [`super::rank()`].

@@ -40,7 +40,7 @@ pub(crate) struct Block {
 pub(crate) struct FactorContext<'a> {
     pub backend: &'a dyn Backend,
     pub tolerance: f64,
-    /// As in [`crate::Options`].
+    /// Whether the rank is checked.
     pub check: bool,
     /// What finds singular values where the backend does not.
     pub reference: DenseOrSparse,

@@ -17,18 +17,18 @@ pub enum Reading {
 
 /// A number that is not rounded any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Number {
-    pub(super) negative: bool,
+pub(crate) struct Number {
+    pub(crate) negative: bool,
     /// Below 10^17, hence below every prime of 61 bits: no coefficient but 0 has the residue 0.
-    pub(super) digits: u64,
+    pub(crate) digits: u64,
     /// Whether the base is ten, else two.
-    pub(super) decimal: bool,
-    pub(super) exponent: i32,
+    pub(crate) decimal: bool,
+    pub(crate) exponent: i32,
 }
 
 impl Number {
     /// The number that a finite double means.
-    pub(super) fn read(value: f64, reading: Reading) -> Self {
+    pub(crate) fn read(value: f64, reading: Reading) -> Self {
         let (negative, size) = (value.is_sign_negative(), value.abs());
         // Whole and below 2^53: both readings are the number itself.
         if size < (1_u64 << 53) as f64 && size.fract() == 0.0 {

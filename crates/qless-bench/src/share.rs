@@ -1,0 +1,78 @@
+//! How often each effort is wrong without a word, over seeded systems of known rank.
+
+use std::fmt::Write;
+
+use qless_scenes::families::{Near, near, planted, random_graph, rbe2, typed_twice};
+use qless_scenes::{Scene, SceneError};
+use rayon::prelude::*;
+
+use super::methods::{BenchMethod, UNIT};
+use super::run::verdict;
+
+/// Systems, and those of the short form.
+const COUNT: u64 = 2_000;
+const SHORT: u64 = 200;
+
+/// The verdicts of a method.
+pub struct WrongShare {
+    pub method: &'static str,
+    pub systems: usize,
+    /// Wrong ranks that are not in doubt, and failures.
+    pub wrong: usize,
+    /// Ranks in doubt.
+    pub doubtful: usize,
+}
+
+/// A system of a few dozen equations: combinations, rings, equations typed with 4 to 11 digits, rigid links, and triples at a distance of
+/// 1e-2 to 1e-9 from dependence, some of them with rows in other units.
+fn scene(seed: u64) -> Result<Scene, SceneError> {
+    let n = 6 + (seed / 6 % 20) as usize;
+    match seed % 6 {
+        0 => planted(n, 2 * n, n / 2, seed, seed % 12 == 6),
+        1 => Ok(planted(n, 2 * n, n / 2, seed, false)?.scale_rows(40, seed)?.0),
+        2 => random_graph(n, 2 * n, seed),
+        3 => typed_twice(n, 4 + (seed / 6 % 8) as usize, seed),
+        4 => near(1 + n / 4, 10_f64.powi(-2 - (seed / 6 % 8) as i32), Near::Shared),
+        _ => rbe2(n, 1 + (seed / 6 % 2) as usize, seed),
+    }
+}
+
+/// All methods but the unit of time; an error if a system cannot be generated.
+pub fn measure(methods: &[BenchMethod], is_short: bool) -> Result<Vec<WrongShare>, String> {
+    let count = if is_short { SHORT } else { COUNT };
+    let scenes: Result<Vec<Scene>, SceneError> = (0..count).into_par_iter().map(scene).collect();
+    let scenes = scenes.map_err(|error| error.to_string())?;
+    Ok(methods.iter().filter(|method| method.name != UNIT).map(|method| share(method, &scenes)).collect())
+}
+
+fn share(method: &BenchMethod, scenes: &[Scene]) -> WrongShare {
+    let of = |scene: &Scene| match verdict(&scene.system, method) {
+        Ok((rank, is_doubtful)) => (is_doubtful, Some(rank) != scene.truth.rank_free && !is_doubtful),
+        Err(_) => (false, true),
+    };
+    let found: Vec<(bool, bool)> = scenes.par_iter().map(of).collect();
+    let count = |pick: fn(&(bool, bool)) -> bool| found.iter().filter(|one| pick(one)).count();
+    WrongShare { method: method.name, systems: found.len(), wrong: count(|one| one.1), doubtful: count(|one| one.0) }
+}
+
+/// A table in Markdown, which can be read as text too.
+pub fn table(shares: &[WrongShare]) -> String {
+    let mut text = "| method | wrong without a word | in doubt | of |\n| --- | --- | --- | --- |\n".to_owned();
+    for WrongShare { method, systems, wrong, doubtful } in shares {
+        _ = writeln!(text, "| {method} | {wrong} | {doubtful} | {systems} |");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::methods;
+
+    #[test]
+    fn only_efforts_that_check_are_never_wrong_without_a_word() {
+        let names = ["checked", "proved", "exact"].map(str::to_owned);
+        for share in super::measure(&methods::all(&names), true).expect("scenes") {
+            assert_eq!((share.wrong, share.systems), (0, 200), "{}", share.method);
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Certificates in exact arithmetic: modulo primes whose product is larger than what has to be zero.
+
+use std::collections::{BTreeSet, HashMap};
+
+use super::number_size::NumberSize;
+use super::rational::Rational;
+use crate::diagnosis::Analysis;
+use crate::diagnosis::certificate::CertificateTerm;
+use crate::diagnosis::exact::eliminate::eliminate;
+use crate::diagnosis::exact::field::Field;
+use crate::diagnosis::exact::prime;
+use crate::exact::Reading;
+use crate::input::numbering::LocalSystem;
+use crate::input::reading::Number;
+
+/// What an explanation is in exact arithmetic.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Whether the equation is a combination of the rows of its certificate.
+    pub is_combination: bool,
+    /// Whether its right-hand side is the same combination.
+    pub sides_agree: bool,
+}
+
+/// Bits of a prime above `2^60`.
+const BITS: f64 = 60.0;
+/// Most primes: 64 of them hold numbers of 3,840 bits, three times the range of doubles.
+const PRIMES: usize = 64;
+/// Most rows of a certificate whose minors are looked at: each row adds up to two primes, and each prime an elimination.
+const ROWS: usize = 32;
+/// Coefficients that such an elimination may hold.
+const FILL: usize = 1 << 20;
+
+/// Different primes whose product has more than so many bits; none if they would be too many.
+fn primes(bits: f64) -> Option<&'static [u64]> {
+    let count = (bits.max(0.0) / BITS).floor() + 1.0;
+    (count <= PRIMES as f64).then(|| &prime::first(PRIMES)[..count as usize])
+}
+
+/// The system in which certificates are read.
+pub(super) struct Explanation<'a> {
+    system: LocalSystem<'a>,
+    reading: Reading,
+    prescribed: HashMap<usize, f64>,
+}
+
+impl<'a> Explanation<'a> {
+    pub fn new(analysis: &'a Analysis) -> Self {
+        let system = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+        let prescribed = system.prescribed().iter().copied().collect();
+        Self { system, reading: analysis.options.numbers, prescribed }
+    }
+
+    fn read(&self, value: f64) -> Number {
+        Number::read(value, self.reading)
+    }
+
+    /// `row_k = sum_i c_i row_i` with the fractions that the coefficients stand for; none if they stand for none.
+    pub fn identity(&self, row: usize, terms: &[CertificateTerm]) -> Option<Found> {
+        let own =
+            Rational { numerator: Number { negative: true, digits: 1, decimal: false, exponent: 0 }, denominator: 1 };
+        let mut scaled = vec![(row, -1.0, own)];
+        for term in terms {
+            scaled.push((term.row, term.coefficient, Rational::near(term.coefficient)?));
+        }
+        let mut common = 1_u128;
+        let (mut factors, mut of_dofs, mut of_sides) = <(NumberSize, NumberSize, NumberSize)>::default();
+        for &(i, c, Rational { numerator, denominator }) in &scaled {
+            common = least_common_multiple(common, denominator)?;
+            factors.add(numerator, 0.0);
+            let [dofs, sides] = self.sizes(i, c);
+            of_dofs.join(dofs);
+            of_sides.join(sides);
+        }
+        let bits = of_dofs.times(factors).bits().max(of_sides.times(factors).bits()) + (common as f64).log2();
+        let mut found = Found { is_combination: true, sides_agree: true };
+        for &p in primes(bits)? {
+            let field = Field::new(p);
+            let (mut sums, mut side) = (HashMap::new(), 0);
+            for &(i, _, Rational { numerator, denominator }) in &scaled {
+                let c = field.mul(field.residue(numerator), field.inverse(field.of(denominator)));
+                let (entries, own) = self.residues(&field, i);
+                for (j, v) in entries {
+                    let sum = sums.entry(j).or_insert(0);
+                    *sum = field.add(*sum, field.mul(c, v));
+                }
+                side = field.add(side, field.mul(c, own));
+            }
+            found.is_combination &= sums.values().all(|&sum| sum == 0);
+            found.sides_agree &= side == 0;
+            if !found.is_combination {
+                break;
+            }
+        }
+        Some(found)
+    }
+
+    /// The same by the ranks of the rows and of the rows with their right-hand sides; none if they are too many or too large.
+    pub fn minors(&self, row: usize, terms: &[CertificateTerm]) -> Option<Found> {
+        if terms.len() > ROWS {
+            return None;
+        }
+        let rows: Vec<usize> = terms.iter().map(|term| term.row).chain([row]).collect();
+        let of_row = |&i: &usize| {
+            let [mut size, sides] = self.sizes(i, 1.0);
+            size.join(sides);
+            size.bits()
+        };
+        // Hadamard: a minor is at most the product of the lengths of its rows.
+        let bits: f64 = rows.iter().map(of_row).sum();
+        let free = |i: &usize| self.system.row(*i).filter(|&(j, _)| self.system.free()[j]).map(|(j, _)| j);
+        let dofs: BTreeSet<usize> = rows.iter().flat_map(free).collect();
+        let place: HashMap<usize, u32> = dofs.into_iter().zip(0..).collect();
+        let mut found = Found { is_combination: true, sides_agree: true };
+        for &p in primes(bits)? {
+            let field = Field::new(p);
+            let (matrix, sides): (Vec<_>, Vec<_>) = rows.iter().map(|&i| self.residues(&field, i)).unzip();
+            let placed = |row: Vec<(usize, u64)>| {
+                let mut row: Vec<(u32, u64)> = row.into_iter().map(|(j, v)| (place[&j], v)).collect();
+                row.sort_unstable();
+                row
+            };
+            let done = eliminate(field, matrix.into_iter().map(placed).collect(), sides, place.len(), FILL).ok()?;
+            found.is_combination &= done.pivots.len() <= terms.len();
+            // Fewer pivots modulo a prime prove nothing of the right-hand sides.
+            if done.pivots.len() != terms.len() && !done.contradicting.is_empty() {
+                return None;
+            }
+            found.sides_agree &= done.contradicting.is_empty();
+        }
+        Some(found)
+    }
+
+    /// The coefficients of free DOFs, and `b_i - sum_p row_ip u_p`.
+    fn residues(&self, field: &Field, i: usize) -> (Vec<(usize, u64)>, u64) {
+        let residue = |value| field.residue(self.read(value));
+        let (mut entries, mut side) = (Vec::with_capacity(self.system.length(i)), residue(self.system.rhs()[i]));
+        for (j, v) in self.system.row(i) {
+            match self.prescribed.get(&j) {
+                Some(&value) => side = field.sub(side, field.mul(residue(v), residue(value))),
+                None => entries.push((j, residue(v))),
+            }
+        }
+        (entries, side)
+    }
+
+    /// Sizes of the coefficients of free DOFs, and of the parts of the right-hand side, both times c.
+    fn sizes(&self, i: usize, c: f64) -> [NumberSize; 2] {
+        let (mut of_dofs, mut of_sides) = (NumberSize::default(), NumberSize::default());
+        let b = self.system.rhs()[i];
+        of_sides.add(self.read(b), c * b);
+        for (j, v) in self.system.row(i) {
+            match self.prescribed.get(&j) {
+                Some(&value) => {
+                    let (mut own, mut other) = (NumberSize::default(), NumberSize::default());
+                    own.add(self.read(v), c * v * value);
+                    other.add(self.read(value), 0.0);
+                    of_sides.join(own.times(other));
+                }
+                None => of_dofs.add(self.read(v), c * v),
+            }
+        }
+        [of_dofs, of_sides]
+    }
+}
+
+fn least_common_multiple(a: u128, b: u64) -> Option<u128> {
+    let (mut x, mut y) = (a, u128::from(b));
+    while y > 0 {
+        (x, y) = (y, x % y);
+    }
+    (a / x).checked_mul(u128::from(b))
+}

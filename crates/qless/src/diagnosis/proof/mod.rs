@@ -1,0 +1,189 @@
+//! Proofs of a verdict, with rounding counted: the kept equations are independent, and every other one is a combination of them.
+//!
+//! ```text
+//! kept      triangular   a DOF in one equation only, or an equation with one DOF: taken away until only cores are left. Their numbers
+//!                        do not count, so this comes first and needs no arithmetic
+//!           bounded      A holds the equations of a core in scaled rows and columns, s is a small part of the diagonal of A A^T:
+//!                        fl(A A^T) - diag(s) = L L^T   runs to its end, and for every i
+//!                        s_i > (gamma |L| |L|^T e + gamma |A| |A|^T e + 2 u diag(A A^T))_i       gamma_n = n u / (1 - n u)
+//!                        so  x^T A A^T x > 0  for every x, and A^T (A A^T)^-1 is a right inverse
+//!           modular      the rank of A modulo a prime, which is never above the rank
+//! dropped   exact        sum_i c_i row_i = row_k  with rational c_i, modulo primes whose product is above every numerator;
+//!                        or all minors of the size s + 1 of row_k and the s rows of its certificate, in the same way
+//!           enclosed     |row_kj - sum_i c_i row_ij| <= 2^-46 (|row_kj| + sum_i |c_i row_ij|),  if numbers have more than 12 digits
+//! ```
+//!
+//! Right-hand sides, with prescribed DOFs moved into them, are one more column: a redundant equation agrees in it, a conflicting one does
+//! not. Numbers are read as [`crate::Options::numbers`] says. The bound holds for both readings, since a decimal differs from its double by
+//! a rounding, which gamma counts. Numbers of more than 12 digits were computed: no sum of them is zero to the last digit, so their
+//! combinations are enclosed. 2^-46 is the size below which a number may be rounding of others ([`crate::Noise`]).
+//!
+//! Cost: a sparse Cholesky factorization of each core, and O(nnz) of each certificate for each prime. Which DOFs the equations fix is not
+//! part of the proof.
+
+mod exactly;
+mod gram;
+mod number_size;
+mod rational;
+mod rounded_sides;
+
+use rayon::prelude::*;
+
+use super::classify::{Dependent, Kind};
+use super::confidence::Doubt;
+use super::core::{Core, cores};
+use super::exact::eliminate::eliminate;
+use super::exact::field::Field;
+use super::exact::prime;
+use super::{Analysis, certificate::CertificateTerm};
+use crate::input::reading::Number;
+use exactly::{Explanation, Found};
+use rounded_sides::{has_computed_sides, is_computed, sides_agree};
+
+/// How the verdict on every equation was proved; [`crate::Effort::Proved`] and [`crate::Effort::Exact`].
+///
+/// ```
+/// use qless::{Effort, Options, SystemBuilder, analyse};
+/// let mut builder = SystemBuilder::new(3);
+/// builder.equation([(0, 0.1), (1, 0.2)], 0.0);
+/// builder.equation([(1, 0.3), (2, 1.0)], 0.0);
+/// builder.equation([(0, 0.1), (1, 0.5), (2, 1.0)], 0.0);
+/// let options = Options { effort: Effort::Proved, ..Options::default() };
+/// let analysis = analyse(&builder.build()?, &options)?;
+/// let proof = analysis.proof().expect("asked for");
+/// assert_eq!((proof.triangular, proof.exact, proof.unproved.len()), (2, 1, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Proof {
+    /// Kept equations that are triangular, whatever their numbers are.
+    pub triangular: usize,
+    /// Kept equations that a bound with rounding counted proves to be independent.
+    pub bounded: usize,
+    /// Kept equations that have full rank modulo a prime.
+    pub modular: usize,
+    /// Dependent equations that are exactly the combination of their certificate, and whose right-hand side exactly agrees or differs.
+    pub exact: usize,
+    /// Dependent equations with computed numbers, which are their combination to rounding.
+    pub enclosed: usize,
+    /// Equations without a proof, 0-based and ascending.
+    pub unproved: Vec<usize>,
+}
+
+impl Analysis {
+    /// Proves what the analysis says; what has no proof is in doubt.
+    pub(super) fn prove(&mut self) {
+        let proof = Proof::of(self);
+        if !proof.unproved.is_empty() {
+            self.confidence = self.confidence.or(Doubt::Unproved);
+        }
+        self.proof = Some(proof);
+    }
+}
+
+impl Proof {
+    /// What can be proved of an analysis.
+    pub(super) fn of(analysis: &Analysis) -> Self {
+        let mut proof = Self::default();
+        proof.add_kept(analysis);
+        let explainer = Explanation::new(analysis);
+        let found: Vec<_> = analysis.dependent.par_iter().map(|d| dropped(analysis, &explainer, d)).collect();
+        for (found, dependent) in found.into_iter().zip(&analysis.dependent) {
+            match found {
+                Some(true) => proof.exact += 1,
+                Some(false) => proof.enclosed += 1,
+                None => proof.unproved.push(dependent.row),
+            }
+        }
+        proof.unproved.sort_unstable();
+        proof
+    }
+
+    fn add_kept(&mut self, analysis: &Analysis) {
+        let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+        let is_kept = |i: &usize| analysis.kinds[*i] == Kind::Independent;
+        let kept: Vec<u32> = (0..analysis.kinds.len()).filter(is_kept).map(|i| i as u32).collect();
+        let cores = cores(local, &kept);
+        self.triangular = kept.len() - cores.iter().map(|core| core.rows.len()).sum::<usize>();
+        let memory = analysis.options.memory;
+        let is_bounded: Vec<bool> = cores.par_iter().map(|core| gram::is_independent(core, memory)).collect();
+        for (core, is_bounded) in cores.iter().zip(is_bounded) {
+            if is_bounded {
+                self.bounded += core.rows.len();
+            } else if has_full_rank(core, analysis) {
+                self.modular += core.rows.len();
+            } else {
+                self.unproved.extend(core.rows.iter().map(|&row| row as usize));
+            }
+        }
+    }
+}
+
+/// Bytes of a coefficient during modular elimination.
+const BYTES: usize = 24;
+
+/// Whether a core has full row rank modulo a prime; false too if elimination would take too much memory.
+fn has_full_rank(core: &Core, analysis: &Analysis) -> bool {
+    let field = Field::new(prime::first(1)[0]);
+    let mut dofs: Vec<u32> = core.entries.iter().flatten().map(|&(j, _)| j).collect();
+    dofs.sort_unstable();
+    dofs.dedup();
+    let place = |j: u32| dofs.partition_point(|&other| other < j) as u32;
+    let residue = |value| field.residue(Number::read(value, analysis.options.numbers));
+    let row = |entries: &Vec<(u32, f64)>| {
+        let mut row: Vec<_> = entries.iter().map(|&(j, v)| (place(j), residue(v))).collect();
+        row.sort_unstable();
+        row
+    };
+    let (rows, count) = (core.entries.iter().map(row).collect(), core.rows.len());
+    let done = eliminate(field, rows, vec![0; count], dofs.len(), analysis.options.memory / BYTES);
+    done.is_ok_and(|done| done.pivots.len() == count)
+}
+
+/// Whether the verdict on a dependent equation is exact (`true`), or true to rounding (`false`); none without a proof.
+fn dropped(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent) -> Option<bool> {
+    let terms = analysis.checked(dependent).0;
+    if terms.iter().any(|term| analysis.kinds[term.row] != Kind::Independent) {
+        return None;
+    }
+    let row = dependent.row;
+    let is_exact = |found: &Found| found.is_combination;
+    let found = explanation.identity(row, &terms).filter(is_exact);
+    match found.or_else(|| explanation.minors(row, &terms).filter(is_exact)) {
+        Some(Found { sides_agree, .. }) if sides_agree == (dependent.kind == Kind::Redundant) => Some(true),
+        // A right-hand side that was computed agrees to rounding.
+        Some(_) if dependent.kind == Kind::Redundant && has_computed_sides(analysis, row, &terms) => {
+            is_enclosed(analysis, dependent, &terms).then_some(false)
+        }
+        None if is_computed(analysis, row, &terms) => is_enclosed(analysis, dependent, &terms).then_some(false),
+        _ => None,
+    }
+}
+
+/// Whether the verdict is true to rounding by the certificate as it is, or refined.
+fn is_enclosed(analysis: &Analysis, dependent: &Dependent, terms: &[CertificateTerm]) -> bool {
+    let (row, is_redundant) = (dependent.row, dependent.kind == Kind::Redundant);
+    let holds = |terms: &[CertificateTerm]| {
+        is_combination(analysis, row, terms) && sides_agree(analysis, row, terms) == Some(is_redundant)
+    };
+    holds(terms) || {
+        let refined = analysis.refined(dependent, ROUNDING / 4.0).0;
+        refined.iter().all(|term| analysis.kinds[term.row] == Kind::Independent) && holds(&refined)
+    }
+}
+
+/// Numbers below this part of others may be rounding of them.
+const ROUNDING: f64 = f64::EPSILON * 64.0;
+
+/// Whether a certificate gives its equation to rounding, with the error of the sums counted: sums of n parts of twice the digits are off by
+/// at most a unit in the last place and `(n u)^2` of their parts (Ogita, Rump, Oishi 2005).
+fn is_combination(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
+    let n = (terms.len() + 2) as f64 * f64::EPSILON;
+    let is_rounding = |&(left, size): &(f64, f64)| {
+        // Products below this lose digits.
+        let is_in_range = size == 0.0 || size > 1e-290 && size.is_finite();
+        is_in_range && left.abs() * (1.0 + 2.0 * f64::EPSILON) + n * n * size <= ROUNDING * size
+    };
+    analysis.parts(row, terms).values().all(is_rounding)
+}

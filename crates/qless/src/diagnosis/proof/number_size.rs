@@ -1,0 +1,39 @@
+//! How large whole numbers become once fractions are cleared: `sum of sizes * 10^tens * 2^twos`, in bits.
+
+use crate::input::reading::Number;
+
+/// Common denominator `10^tens 2^twos` of some numbers, and the sum of their sizes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NumberSize {
+    tens: i32,
+    twos: i32,
+    sum: f64,
+}
+
+impl NumberSize {
+    /// Takes a number in; `size` is at least its part of the sum.
+    pub fn add(&mut self, number: Number, size: f64) {
+        let below = if number.decimal { &mut self.tens } else { &mut self.twos };
+        *below = (*below).max(-number.exponent);
+        self.sum += size.abs();
+    }
+
+    /// Both together.
+    pub fn join(&mut self, other: Self) {
+        (self.tens, self.twos) = (self.tens.max(other.tens), self.twos.max(other.twos));
+        self.sum += other.sum;
+    }
+
+    /// The denominators of products of the numbers of both; the sum is that of the first.
+    pub fn times(self, other: Self) -> Self {
+        Self { tens: self.tens + other.tens, twos: self.twos + other.twos, ..self }
+    }
+
+    /// Bits of the sum times the common denominator, with its sign and the rounding of the sum; infinite out of range.
+    pub fn bits(&self) -> f64 {
+        if self.sum == 0.0 {
+            return 0.0;
+        }
+        f64::from(self.tens) * std::f64::consts::LOG2_10 + f64::from(self.twos) + self.sum.log2() + 2.0
+    }
+}

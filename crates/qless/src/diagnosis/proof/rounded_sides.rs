@@ -1,0 +1,65 @@
+//! Right-hand sides of a certificate, to rounding: `b_k - sum_i c_i b_i - sum_p (row_kp - sum_i c_i row_ip) u_p`.
+
+use super::ROUNDING;
+use crate::diagnosis::Analysis;
+use crate::diagnosis::certificate::CertificateTerm;
+use crate::input::noise::digits;
+
+/// Numbers of more digits were computed; 12 are the most with which a number counts as typed.
+const TYPED: usize = 12;
+
+/// Whether a coefficient of free DOFs in an explanation was computed.
+pub(super) fn is_computed(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
+    let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+    let of_row = |i: usize| local.row(i).any(|(j, v)| local.free()[j] && digits(v) > TYPED);
+    std::iter::once(row).chain(terms.iter().map(|term| term.row)).any(of_row)
+}
+
+/// Whether a number that its right-hand sides are made of was computed.
+pub(super) fn has_computed_sides(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
+    let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+    let computed = |v: f64| digits(v) > TYPED;
+    let of_row = |i: usize| computed(local.rhs()[i]) || local.row(i).any(|(j, v)| !local.free()[j] && computed(v));
+    std::iter::once(row).chain(terms.iter().map(|term| term.row)).any(of_row)
+        || local.prescribed().iter().any(|&(_, value)| computed(value))
+}
+
+/// Whether the right-hand sides agree to rounding (`true`), or differ by more whatever the rounding was (`false`); none if neither is sure.
+pub(super) fn sides_agree(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
+    let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+    let mut value = vec![];
+    let prescribed: std::collections::HashMap<usize, f64> = local.prescribed().iter().copied().collect();
+    let own = CertificateTerm { row, coefficient: -1.0 };
+    for &CertificateTerm { row: i, coefficient } in terms.iter().chain([&own]) {
+        value.push(coefficient * local.rhs()[i]);
+        let known = local.row(i).filter_map(|(j, v)| Some(v * prescribed.get(&j)?));
+        value.extend(known.map(|part| -coefficient * part));
+    }
+    let (sum, size) =
+        value.iter().fold((Compensated::default(), 0.0), |(sum, size), &part| (sum.add(part), size + part.abs()));
+    let n = value.len() as f64 * f64::EPSILON;
+    // Each part has at most three roundings, and their sum one.
+    let error = (2.0 * f64::EPSILON + n * n) * size;
+    let difference = (sum.value + sum.lost).abs();
+    match difference {
+        _ if !(size == 0.0 || size > 1e-290 && size.is_finite()) => None,
+        difference if difference + error <= ROUNDING * size => Some(true),
+        difference if difference - error > ROUNDING * size => Some(false),
+        _ => None,
+    }
+}
+
+/// A sum, and what it lost (Neumaier 1974).
+#[derive(Clone, Copy, Default)]
+struct Compensated {
+    value: f64,
+    lost: f64,
+}
+
+impl Compensated {
+    fn add(self, part: f64) -> Self {
+        let sum = self.value + part;
+        let second = sum - self.value;
+        Self { value: sum, lost: self.lost + ((self.value - (sum - second)) + (part - second)) }
+    }
+}

@@ -1,0 +1,76 @@
+//! The four efforts over 2,000 seeded systems of known rank: how often each is wrong without a word, and in doubt.
+
+use qless::exact::Reading;
+use qless::{Effort, Kind, Options, analyse};
+use qless_scenes::Rng;
+use qless_scenes::oracle::{consistent, rank_free};
+use rayon::prelude::*;
+
+use super::checks::{Law, faults, tolerance};
+use super::exact::system;
+use super::random;
+use super::svd_reference::Truth;
+
+const COUNT: u64 = 2_000;
+const EFFORTS: [Effort; 4] = [Effort::Quick, Effort::Checked, Effort::Proved, Effort::Exact];
+
+/// Systems with a wrong verdict that is not in doubt, and systems in doubt.
+#[derive(Debug, Default, PartialEq)]
+struct Tally {
+    wrong: Vec<u64>,
+    doubtful: usize,
+}
+
+/// Rank and solvability of systems of whole numbers in units of powers of two, against exact arithmetic.
+fn tally(effort: Effort) -> Tally {
+    let of = |seed: u64| {
+        let system = system(&mut Rng::new(seed ^ 0x0eff_0075));
+        // Powers of two are exact as stored; as decimals of 17 digits they are not.
+        let numbers = Reading::Stored;
+        let options = Options { effort, numbers, presolve: seed.is_multiple_of(2), ..Options::default() };
+        let analysis = analyse(&system, &options).expect("small");
+        let exact = (rank_free(&system).expect("small"), consistent(&system).expect("small"));
+        let found = (analysis.rank(), !analysis.kinds().contains(&Kind::Conflicting));
+        (analysis.confidence().ambiguous, found == exact)
+    };
+    let found: Vec<(bool, bool)> = (0..COUNT).into_par_iter().map(of).collect();
+    let wrong = (0..).zip(&found).filter(|(_, (doubt, right))| !doubt && !right).map(|(seed, _)| seed).collect();
+    Tally { wrong, doubtful: found.iter().filter(|(doubt, _)| *doubt).count() }
+}
+
+#[test]
+fn only_quick_may_be_wrong_without_a_word() {
+    let tallies = EFFORTS.map(tally);
+    for (effort, tally) in EFFORTS.iter().zip(&tallies) {
+        println!("{}: {} of {COUNT} wrong, {} in doubt", effort.name(), tally.wrong.len(), tally.doubtful);
+    }
+    let [_, checked, proved, exact] = &tallies;
+    assert!(checked.wrong.is_empty() && proved.wrong.is_empty() && exact.wrong.is_empty(), "{tallies:?}");
+    assert!(proved.doubtful <= checked.doubtful + COUNT as usize / 100, "{tallies:?}");
+}
+
+/// Eleven classes of systems, decimals and near dependence among them, against the singular values.
+#[test]
+fn what_is_proved_is_what_the_svd_says() {
+    let of = |seed: u64| {
+        let case = random::case(seed);
+        let options = Options { effort: Effort::Proved, ..Options::default() };
+        let truth = Truth::new(&case.base, tolerance(&options));
+        let wrong: Vec<String> = faults(&case, &truth, &options)
+            .into_iter()
+            .filter(|(law, _)| matches!(law, Law::Ends | Law::Rank | Law::Conflict))
+            .map(|(_, text)| text)
+            .collect();
+        let is_doubtful = |effort| {
+            let analysis = analyse(&case.system, &Options { effort, ..Options::default() });
+            analysis.expect("small").confidence().ambiguous
+        };
+        (wrong, is_doubtful(Effort::Checked), is_doubtful(Effort::Proved), case.name)
+    };
+    let found: Vec<_> = (0..random::COUNT).into_par_iter().map(of).collect();
+    let wrong: Vec<&String> = found.iter().flat_map(|one| &one.0).collect();
+    assert!(wrong.is_empty(), "{} faults: {wrong:#?}", wrong.len());
+    let more: Vec<&String> = found.iter().filter(|one| !one.1 && one.2).map(|one| &one.3).collect();
+    println!("{} of {} in doubt without proof only", more.len(), random::COUNT);
+    assert!(more.len() as u64 <= random::COUNT / 100, "{} more in doubt: {more:#?}", more.len());
+}
