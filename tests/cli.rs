@@ -7,6 +7,7 @@ mod cli {
     pub mod case;
     pub mod decks;
     pub mod exact;
+    pub mod explain;
     pub mod factors;
     pub mod form;
     pub mod formats;

@@ -72,13 +72,11 @@ fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, GivenUpRe
 
 /// The rank that a method finds, and whether it is in doubt; no reduction is made.
 pub fn verdict(system: &ConstraintSystem, method: &BenchMethod) -> Result<(usize, bool), GivenUpReason> {
-    match &method.engine {
-        Engine::Qless(options) => {
-            let analysis = analyse(system, options)?;
-            Ok((analysis.rank(), analysis.confidence().ambiguous))
-        }
-        _ => once(system, method).map(|done| (done.rank, false)),
-    }
+    let Engine::Qless(options) = &method.engine else {
+        return once(system, method).map(|done| (done.rank, false));
+    };
+    let analysis = analyse(system, options)?;
+    Ok((analysis.rank(), analysis.confidence().ambiguous))
 }
 
 /// The tolerance of the bare factorization, absolute as in the paper but as small as the default.

@@ -23,7 +23,7 @@ pub struct WrongShare {
     pub doubtful: usize,
 }
 
-/// A system of a few dozen equations: combinations, rings, equations typed with 4 to 11 digits, rigid links, and triples at a distance of
+/// A system of a few dozen equations: combinations, rings, equations typed with 4 to 8 digits, rigid links, and triples at a distance of
 /// 1e-2 to 1e-9 from dependence, some of them with rows in other units.
 fn scene(seed: u64) -> Result<Scene, SceneError> {
     let n = 6 + (seed / 6 % 20) as usize;
@@ -31,7 +31,7 @@ fn scene(seed: u64) -> Result<Scene, SceneError> {
         0 => planted(n, 2 * n, n / 2, seed, seed % 12 == 6),
         1 => Ok(planted(n, 2 * n, n / 2, seed, false)?.scale_rows(40, seed)?.0),
         2 => random_graph(n, 2 * n, seed),
-        3 => typed_twice(n, 4 + (seed / 6 % 8) as usize, seed),
+        3 => typed_twice(n, 4 + (seed / 6 % 5) as usize, seed),
         4 => near(1 + n / 4, 10_f64.powi(-2 - (seed / 6 % 8) as i32), Near::Shared),
         _ => rbe2(n, 1 + (seed / 6 % 2) as usize, seed),
     }

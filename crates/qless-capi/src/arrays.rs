@@ -70,6 +70,21 @@ pub fn length(what: &str, given: i64) -> Result<usize, CallFailure> {
     usize::try_from(given).map_err(|_| CallFailure::input(format!("{what}: the length is {given}")))
 }
 
+/// Whether an array of this length can stand at this address; Rust has no slice otherwise.
+fn check<T>(what: &str, start: *const T, length: usize) -> Result<(), CallFailure> {
+    if start.is_null() {
+        return Err(CallFailure::input(format!("{what} is null, but {length} numbers are needed")));
+    }
+    if length > isize::MAX as usize / size_of::<T>() {
+        return Err(CallFailure::input(format!("{what}: {length} numbers are more than any memory has")));
+    }
+    if start.is_aligned() {
+        Ok(())
+    } else {
+        Err(CallFailure::input(format!("{what} does not start at the address of a number")))
+    }
+}
+
 /// An array of the caller.
 ///
 /// # Safety
@@ -78,10 +93,8 @@ pub unsafe fn read<'a, T>(what: &str, start: *const T, length: usize) -> Result<
     if length == 0 {
         return Ok(&[]);
     }
-    if start.is_null() {
-        return Err(CallFailure::input(format!("{what} is null, but {length} numbers are needed")));
-    }
-    // SAFETY: not null, and the caller states the length.
+    check(what, start, length)?;
+    // SAFETY: checked, and the caller states the length.
     Ok(unsafe { std::slice::from_raw_parts(start, length) })
 }
 
@@ -97,10 +110,8 @@ pub unsafe fn write<'a, T>(what: &str, start: *mut T, found: i64, needed: usize)
     if needed == 0 {
         return Ok(&mut []);
     }
-    if start.is_null() {
-        return Err(CallFailure::input(format!("{what} is null, but {needed} numbers are needed")));
-    }
-    // SAFETY: not null, and the caller states the length.
+    check(what, start, needed)?;
+    // SAFETY: checked, and the caller states the length.
     Ok(unsafe { std::slice::from_raw_parts_mut(start, needed) })
 }
 

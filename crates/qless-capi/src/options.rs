@@ -3,7 +3,7 @@
 use std::ffi::{CStr, c_char, c_int};
 use std::sync::{Arc, PoisonError, RwLock};
 
-use qless::{BackendChoice, Noise, Options, Tolerance};
+use qless::{BackendChoice, Effort, Noise, Options, Tolerance};
 
 use crate::arrays::set;
 use crate::handles::{get, insert, qless_options, remove};
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn qless_options_set_number(
     })
 }
 
-/// Sets a word: "backend" ("faer", "sparse", "gauss"), "noise" ("auto", "none"), "tolerance" ("paper").
+/// Sets a word: "effort" ("quick", "checked", "proved", "exact"), "backend" ("faer", "sparse", "gauss"), "noise" ("auto", "none"), "tolerance" ("paper").
 ///
 /// # Safety
 /// `name` and `value` are null or texts that end in a zero.
@@ -89,6 +89,10 @@ pub unsafe extern "C" fn qless_options_set_word(
                 ("backend", "faer") => options.backend = BackendChoice::Faer,
                 ("backend", "sparse") => options.backend = BackendChoice::Sparse,
                 ("backend", "gauss") => options.backend = BackendChoice::Gauss,
+                ("effort", "quick") => options.effort = Effort::Quick,
+                ("effort", "checked") => options.effort = Effort::Checked,
+                ("effort", "proved") => options.effort = Effort::Proved,
+                ("effort", "exact") => options.effort = Effort::Exact,
                 ("noise", "auto") => options.noise = Noise::Auto,
                 ("noise", "none") => options.noise = Noise::None,
                 ("tolerance", "paper") => options.tolerance = Tolerance::Paper,

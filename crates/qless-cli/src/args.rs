@@ -55,6 +55,10 @@ pub enum Command {
     Reduce(ReduceArgs),
     /// Writes a deck with an equivalent, independent set of constraints
     Clean(CleanArgs),
+    /// Says why an equation is redundant or a DOF fixed or a slave, and what would free it
+    Explain(ExplainArgs),
+    /// Says whether two sets of equations mean the same, and which equations tell them apart; exit code 1 if they do not
+    Diff(DiffArgs),
     /// Writes a test model of known rank
     Generate(SceneArgs),
     /// Measures what certainty costs in time on this machine
@@ -68,6 +72,8 @@ impl Command {
             Self::Check(args) => &args.model,
             Self::Reduce(args) => &args.model,
             Self::Clean(args) => &args.model,
+            Self::Explain(args) => &args.model,
+            Self::Diff(args) => &args.model,
             Self::Generate(_) | Self::Bench(_) => return None,
         };
         model.memory.map(NonZeroUsize::get)
@@ -138,8 +144,33 @@ pub struct CleanArgs {
     pub output: PathBuf,
 }
 
-/// The model, and options of its analysis.
 #[derive(Args)]
+pub struct ExplainArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// What to explain: `row 17`, `column 3`, a label; in a deck also `5:3` (node:component) or `line 41`
+    #[arg(value_name = "WHAT")]
+    pub what: String,
+    /// Load case of a deck: its name (`step 2`) or the number in the name [default: the worst one]
+    #[arg(long, value_name = "CASE")]
+    pub case: Option<String>,
+}
+
+#[derive(Args)]
+pub struct DiffArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// The set to compare with: a deck, a matrix or a folder
+    #[arg(value_name = "OTHER")]
+    pub other: PathBuf,
+    /// Load case of decks: its name (`step 2`) or the number in the name; required if load cases constrain differently
+    #[arg(long, value_name = "CASE")]
+    pub case: Option<String>,
+}
+
+/// The model, and options of its analysis.
+#[derive(Args, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "the options are independent of each other")]
 pub struct ModelArgs {
     /// Deck (CalculiX, Abaqus, Nastran or ANSYS; its first cards decide), matrix C (.mtx), or folder with C.mtx and, if needed, b.txt,
     /// prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is standard input
@@ -193,9 +224,9 @@ pub struct ModelArgs {
     /// Format of the report
     #[arg(long, value_enum, default_value = "text")]
     pub format: ReportFormat,
-    /// Also exit with 1 if equations are redundant; reduce then writes nothing
-    #[arg(long, value_enum, value_name = "WHAT")]
-    pub deny: Option<Deny>,
+    /// Also exit with 1 if one of these is found, such as redundant,ambiguous; reduce and clean then write nothing
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
+    pub deny: Vec<Deny>,
     /// No progress display
     #[arg(long, short)]
     pub quiet: bool,
@@ -227,10 +258,20 @@ const FORMS: [NamedValue<Form>; 3] = [
     ),
 ];
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Deny {
     /// Equations that are combinations of others
     Redundant,
+    /// Claims that make the solver stop
+    Refused,
+    /// Claims that the solver drops without a message
+    Dropped,
+    /// Dropped claims that do not follow from the others, so that the solver solves another problem
+    Lost,
+    /// A rank that may be wrong
+    Ambiguous,
+    /// Constraints that were left out; instead of exit code 4
+    Incomplete,
 }
 
 /// Heading of the options that measurements and the paper's results need.
@@ -308,6 +349,13 @@ impl ReduceArgs {
     /// The load case; the user has to name it if load cases constrain differently.
     pub fn choice(&self) -> LoadCaseChoice {
         LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::Any)
+    }
+}
+
+impl ExplainArgs {
+    /// The load case: of several, the worst one.
+    pub fn choice(&self) -> LoadCaseChoice {
+        LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::All)
     }
 }
 

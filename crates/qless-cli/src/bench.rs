@@ -11,7 +11,7 @@ use crate::terminal::{self, Progress};
 pub fn run(args: &BenchArgs) -> Result<ExitCode, CliFailure> {
     let mut progress = None;
     let stage = move |name| progress.get_or_insert_with(|| Progress::new(args.quiet)).stage(name);
-    qless_bench::run(args, stage, |text| terminal::write(|out| text(out)))?;
+    qless_bench::run(args, stage, |text| terminal::stream(|out| text(out)))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,5 +1,7 @@
 //! Reads and analyses a model, for check, reduce and clean. `report` renders the result.
 
+mod gates;
+
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -10,7 +12,7 @@ use qless_io::{FileContent, Opened, read_case};
 
 use crate::args::{Deny, ModelArgs, ReportFormat};
 use crate::deck_input::{DeckInput, LoadCaseChoice};
-use crate::failure::CliFailure;
+use crate::failure::{CliFailure, say};
 use crate::preferences::PreferenceLists;
 use crate::terminal::Progress;
 use crate::{exit_code, memory};
@@ -135,14 +137,14 @@ impl Diagnosis<'_> {
         }
     }
 
-    /// Whether equations conflict, or are redundant under `--deny redundant`.
+    /// Whether equations conflict, or something is found that `--deny` names.
     pub fn is_refused(&self) -> bool {
-        let denied = |kind| match kind {
-            Kind::Independent => false,
-            Kind::Redundant => self.args.deny == Some(Deny::Redundant),
-            Kind::Conflicting => true,
-        };
-        self.analysis.dependent().iter().any(|dependent| denied(dependent.kind))
+        self.is_conflicting() || !self.denied().is_empty()
+    }
+
+    /// Whether equations conflict.
+    pub fn is_conflicting(&self) -> bool {
+        self.analysis.dependent().iter().any(|dependent| dependent.kind == Kind::Conflicting)
     }
 
     /// Whether constraints were left out without `--allow-incomplete`.
@@ -151,8 +153,13 @@ impl Diagnosis<'_> {
         !self.args.allow_incomplete && self.deck.as_ref().is_some_and(is_left_out)
     }
 
-    /// The exit code.
+    /// The exit code; says what was denied.
     pub fn code(&self) -> ExitCode {
+        let denied = self.denied();
+        // That equations are redundant is the first line of every report.
+        if !denied.is_empty() && self.args.deny.iter().any(|what| *what != Deny::Redundant) {
+            say(format_args!("error: found what --deny names: {}", denied.join(", ")));
+        }
         exit_code::for_diagnosis(self.is_refused(), self.is_incomplete())
     }
 }

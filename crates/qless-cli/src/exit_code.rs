@@ -4,7 +4,7 @@
 
 use std::process::ExitCode;
 
-/// Conflicting equations, or redundant ones with `--deny redundant`.
+/// Conflicting equations, or something that `--deny` names.
 pub const REFUSED: u8 = 1;
 /// Bad usage or bad input, which the user can correct.
 pub const INPUT: u8 = 2;
@@ -17,7 +17,7 @@ pub const INCOMPLETE: u8 = 4;
 pub const HELP: &str = "\
 Exit codes:
   0  solvable: independent, or redundant but consistent
-  1  conflicting equations (with --deny redundant: redundant ones too), even if constraints were left out
+  1  conflicting equations, or something that --deny names, even if constraints were left out
   2  bad usage, bad input, or input in an unknown format
   3  out of memory, or the output cannot be written
   4  incomplete: constraints of the deck were left out, so that equations may be missing (with --allow-incomplete: 0)";

@@ -155,7 +155,10 @@ impl From<ReadError> for CliFailure {
 
 impl From<WriteError> for CliFailure {
     fn from(error: WriteError) -> Self {
-        let message = format!("{error} (nothing was written)");
+        let message = match &error {
+            WriteError::Incomplete { .. } => error.to_string(),
+            _ => format!("{error} (nothing was written)"),
+        };
         match &error {
             WriteError::IsInput { .. } | WriteError::Linked { .. } => Self::Input(message),
             WriteError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory => Self::from_memory(&message),

@@ -3,7 +3,7 @@
 //! | module | holds |
 //! | --- | --- |
 //! | [`args`] | the command line |
-//! | [`check`], [`reduce`], [`clean`], [`generate`], [`bench`] | the commands, one each |
+//! | [`check`], [`reduce`], [`clean`], [`explain`], [`diff`], [`generate`], [`bench`] | the commands, one each |
 //! | [`diagnose`] | reads and analyses a model, for check, reduce and clean |
 //! | [`deck_input`] | load cases of a deck, constraints that were left out, reactions of the solver |
 //! | [`preferences`] | lists of equations and DOFs, by numbers or names |
@@ -23,7 +23,9 @@ mod check;
 mod clean;
 mod deck_input;
 mod diagnose;
+mod diff;
 mod exit_code;
+mod explain;
 mod failure;
 mod generate;
 mod memory;
@@ -79,6 +81,8 @@ fn run(command: &Command) -> Result<ExitCode, CliFailure> {
         Command::Check(args) => check::run(args),
         Command::Reduce(args) => reduce::run(args),
         Command::Clean(args) => clean::run(args),
+        Command::Explain(args) => explain::run(args),
+        Command::Diff(args) => diff::run(args),
         Command::Generate(args) => generate::run(args),
         Command::Bench(args) => bench::run(args),
     }

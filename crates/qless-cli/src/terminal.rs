@@ -20,8 +20,13 @@ pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(),
 
 /// Writes a report, whose characters are harmless, to standard output.
 pub fn show(report: &[u8]) -> Result<(), CliFailure> {
+    stream(|out| out.write_all(report))
+}
+
+/// Calls `write` with standard output, and flushes it: for text without foreign names, the lines of which somebody may wait for.
+pub fn stream(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    match out.write_all(report).and_then(|()| out.flush()) {
+    match write(&mut out).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliFailure::from_stdout(&error)),
         _ => Ok(()),
     }

@@ -102,6 +102,14 @@ pub enum WriteError {
         /// The system's reason.
         source: io::Error,
     },
+    /// Some files of a set are in their place and others are not; its manifest says so.
+    #[error("{}: {source}; the files of this folder are incomplete, which qless.json says: remove the cause and run again", folder.display())]
+    Incomplete {
+        /// The folder.
+        folder: PathBuf,
+        /// What went wrong.
+        source: Box<WriteError>,
+    },
     /// The output folder is something else.
     #[error("{}: is not a folder; name another place or remove it", path.display())]
     NotAFolder {

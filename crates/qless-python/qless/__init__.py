@@ -58,7 +58,7 @@ def analyse(
     DOFs that are given, as a mapping or as (DOFs, values).
 
     Options: `tolerance` (relative, 1e-10), `noise` ("auto", "none", a relative size, or floors for the coefficients and right-hand side
-    of each row), `backend` ("faer", "sparse", "gauss"), `presolve`, `growth` (bound of ``max |T_ij|``, 4), `memory` (bytes for one block),
+    of each row), `effort` ("quick", "checked", "proved", "exact"), `backend` ("faer", "sparse", "gauss"), `presolve`, `growth` (bound of ``max |T_ij|``, 4), `memory` (bytes for one block),
     `masters` and `slaves` (DOFs that should be such), `keep` (rows to keep where there is a choice).
 
     Raises :class:`InputError` with row, DOF and label for numbers that are not finite and indices out of range.

@@ -3,7 +3,7 @@
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use qless::{BackendChoice, Noise, Options, Preferences, Tolerance};
+use qless::{BackendChoice, Effort, Noise, Options, Preferences, Tolerance};
 
 use crate::errors::plain;
 
@@ -16,6 +16,7 @@ pub fn options(given: &Bound<'_, PyDict>) -> PyResult<Options> {
             "tolerance" => options.tolerance = tolerance(&value)?,
             "noise" => options.noise = noise(&value)?,
             "backend" => options.backend = backend(&value.extract::<String>()?)?,
+            "effort" => options.effort = effort(&value.extract::<String>()?)?,
             "presolve" => options.presolve = value.extract()?,
             "growth" => options.growth = value.extract()?,
             "memory" => options.memory = value.extract()?,
@@ -71,4 +72,10 @@ fn backend(name: &str) -> PyResult<BackendChoice> {
         "gauss" => Ok(BackendChoice::Gauss),
         _ => Err(refused(&format!("backend \"{name}\": this build has \"faer\", \"sparse\" and \"gauss\""))),
     }
+}
+
+fn effort(name: &str) -> PyResult<Effort> {
+    let all = [Effort::Quick, Effort::Checked, Effort::Proved, Effort::Exact];
+    let found = all.into_iter().find(|effort| effort.name() == name);
+    found.ok_or_else(|| refused(&format!("effort \"{name}\": give \"quick\", \"checked\", \"proved\" or \"exact\"")))
 }

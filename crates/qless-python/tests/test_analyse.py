@@ -96,6 +96,10 @@ def test_an_error_names_row_and_dof():
 def test_options():
     for backend in ("faer", "sparse", "gauss"):
         assert qless.analyse(C, B, backend=backend, presolve=False).rank == 2
+    for effort in ("quick", "checked", "proved", "exact"):
+        assert qless.analyse(C, B, effort=effort).rank == 2
+    with pytest.raises(qless.InputError):
+        qless.analyse(C, B, effort="thorough")
     assert qless.analyse(C, B, masters=[0]).masters.tolist() == [0]
     assert qless.analyse(C, B, keep=[2]).independent.tolist() in ([0, 2], [1, 2])
     # The four-bar linkage with a row of rounding: a caller who knows the floor settles it.

@@ -29,6 +29,7 @@ pub mod change;
 pub mod common;
 pub mod diagnosis;
 pub mod elimination;
+pub mod explanation;
 mod factor;
 mod input;
 mod options;

@@ -43,6 +43,8 @@ static void bad_systems(void)
     NEED(strstr(qless_message(), "row 0, DOF 1 is NaN"));
     NEED(qless_analyse(2, 3, 0, starts, outside, values, NULL, 0, NULL, NULL, NULL, &analysis) == QLESS_INPUT);
     NEED(strstr(qless_message(), "row 1, DOF 3 names DOF 3"));
+    NEED(qless_analyse(INT64_MAX, 3, 0, starts, columns, values, NULL, 0, NULL, NULL, NULL, &analysis) == QLESS_INPUT);
+    NEED(qless_analyse(2, 3, 0, (const int32_t *)((const char *)starts + 1), columns, values, NULL, 0, NULL, NULL, NULL, &analysis) == QLESS_INPUT);
     NEED(analysis == NULL);
 }
 

@@ -21,6 +21,7 @@ pub struct CaseResult {
     /// Ignores constraints that were left out of the deck.
     pub status: Status,
     pub rank: usize,
+    pub is_ambiguous: bool,
     pub counts: Counts,
     /// With certificates, if a report shows them.
     pub dependent: Vec<DependentEquation>,
@@ -45,6 +46,7 @@ impl CaseResult {
         Self {
             status,
             rank: analysis.rank(),
+            is_ambiguous: analysis.confidence().ambiguous,
             counts: Counts::new(analysis.rank(), redundant, conflicting),
             dependent: if terms == 0 { Vec::new() } else { Report::new(analysis, terms).dependent },
             claims: Claims::new(deck, case),

@@ -90,6 +90,16 @@ impl DeckInput {
         claims
     }
 
+    /// Whether the rank of a load case is ambiguous.
+    pub fn is_ambiguous(&self) -> bool {
+        self.results.iter().any(|result| result.is_ambiguous)
+    }
+
+    /// Indices of the load cases that were analysed.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> {
+        self.cases.iter().map(|case| case.number)
+    }
+
     /// Whether the solver stops or computes unreliable results in any load case.
     pub fn needs_cleaning(&self) -> bool {
         self.results.iter().any(|result| !result.claims.refused.is_empty() || !result.claims.unsound.is_empty())

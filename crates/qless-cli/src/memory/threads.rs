@@ -1,6 +1,7 @@
 //! Starts as many threads as the user asks for and the address space allows.
 
 use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::thread::{Builder, JoinHandle};
 
@@ -14,12 +15,18 @@ const STACK: usize = 2 << 20;
 /// Stacks may take this fraction of the address space: one eighth.
 const STACKS: usize = 8;
 
+/// Whether [`start`] was called before.
+static IS_STARTED: AtomicBool = AtomicBool::new(false);
+
 /// Creates the global thread pool with `wanted` threads, by default one for each core. It has fewer threads if the system does not
-/// start as many, but at least the current one.
+/// start as many, but at least the current one. A second call does nothing: a command that reads two models has one pool.
 ///
 /// # Errors
-/// The pool exists already.
+/// Something else has created the pool.
 pub fn start(wanted: Option<NonZeroUsize>) -> Result<(), ThreadPoolBuildError> {
+    if IS_STARTED.swap(true, Ordering::Relaxed) {
+        return Ok(());
+    }
     let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let count = wanted.map_or_else(cores, NonZeroUsize::get);
     let room = system::address_space_allowed().map_or(usize::MAX, |bytes| bytes / STACKS / STACK);

@@ -16,7 +16,6 @@ use qless_io::deck::{Deck, LoadCase};
 
 use crate::failure::CliFailure;
 use resolve::{NameIndex, Wanted};
-#[cfg_attr(not(feature = "mpi"), expect(unused_imports, reason = "ranks take numbers only"))]
 pub use word::ListWord;
 pub use word::{WordList, words};
 
@@ -26,6 +25,57 @@ pub struct PreferenceLists<'a> {
     pub keep: Option<&'a WordList>,
     pub prefer_slaves: Option<&'a WordList>,
     pub avoid_slaves: Option<&'a WordList>,
+}
+
+/// An equation or a DOF, 0-based.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    Equation(usize),
+    Dof(usize),
+}
+
+/// What a text such as `row 17`, `column 3`, `5:3`, `line 41` or a label names: equations, or else DOFs.
+pub fn find(text: &str, system: &ConstraintSystem, deck: Option<(&Deck, &LoadCase)>) -> Result<Vec<Place>, CliFailure> {
+    let numbered = |word: &str, count: usize| {
+        let start = text.get(..word.len()).filter(|start| start.eq_ignore_ascii_case(word))?;
+        let number: usize = text[start.len()..].trim().parse().ok()?;
+        Some(if (1..=count).contains(&number) {
+            Ok(number - 1)
+        } else {
+            Err(CliFailure::Input(format!("{text}: there are {count}, from 1 to {count}")))
+        })
+    };
+    if let Some(row) = numbered("row ", system.equations()) {
+        return Ok(vec![Place::Equation(row?)]);
+    }
+    for word in ["column ", "DOF "] {
+        if let Some(dof) = numbered(word, system.dofs()) {
+            return Ok(vec![Place::Dof(dof?)]);
+        }
+    }
+    if text.trim().parse::<usize>().is_ok() {
+        return Err(CliFailure::Input(format!("{text}: say `row {text}` for an equation, `column {text}` for a DOF")));
+    }
+    let names = NameIndex::new(system, deck);
+    let words = WordList(vec![ListWord::Name(text.trim().to_owned())]);
+    // `5:3` is a DOF; `line 41` is its equations, or its prescribed values if there are none.
+    let is_dof = text.split_once(':').is_some_and(|(node, _)| node.trim().parse::<u32>().is_ok());
+    let equations = if is_dof { Ok(Vec::new()) } else { names.all("WHAT", &words, Wanted::Equations) };
+    match equations {
+        Ok(rows) if !rows.is_empty() => Ok(rows.into_iter().map(Place::Equation).collect()),
+        equations => {
+            let mut dofs = names.all("WHAT", &words, Wanted::Dofs).unwrap_or_default();
+            dofs.sort_unstable();
+            dofs.dedup();
+            match (dofs.is_empty(), equations) {
+                (false, _) => Ok(dofs.into_iter().map(Place::Dof).collect()),
+                (true, Err(error)) => Err(CliFailure::Input(error.to_string())),
+                (true, Ok(_)) => {
+                    Err(CliFailure::Input(format!("{text}: no equation has this DOF, or nothing is there")))
+                }
+            }
+        }
+    }
 }
 
 impl PreferenceLists<'_> {

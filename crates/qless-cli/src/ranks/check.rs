@@ -51,7 +51,12 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     };
     all(ranks, written)?;
     let counts = analysis.counts();
-    let denied = model.deny == Some(Deny::Redundant) && counts.redundant > 0;
+    // A folder has no solver and no cards, so that nothing else can be found.
+    let denied = model.deny.iter().any(|deny| match deny {
+        Deny::Redundant => counts.redundant > 0,
+        Deny::Ambiguous => analysis.confidence().ambiguous,
+        Deny::Refused | Deny::Dropped | Deny::Lost | Deny::Incomplete => false,
+    });
     Ok(exit_code::for_diagnosis(counts.conflicting > 0 || denied, false))
 }
 
@@ -92,7 +97,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
 }
 
 fn write(args: &CheckArgs, bytes: Vec<u8>) -> Result<(), CliFailure> {
-    let bytes = printable::report(bytes, args.model.format == ReportFormat::Json);
+    let bytes = printable::report(bytes, matches!(args.model.format, ReportFormat::Json | ReportFormat::Html));
     match &args.output {
         None => terminal::show(&bytes),
         Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(&bytes)?),

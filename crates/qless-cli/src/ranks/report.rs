@@ -5,10 +5,11 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use qless::backend::Backend;
+use qless::explanation::{Explanation, Member};
 use qless::report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Omitted, Term,
 };
-use qless::{CertificateTerm, Options, Report};
+use qless::{Options, Report};
 use qless_io::chunk::find_labels;
 use qless_mpi::{Analysis, Case, Equation, GatheredFindings};
 
@@ -60,8 +61,11 @@ impl Findings<'_> {
     }
 
     fn text(&self, known: &RankEquations, report: &Report, input: &Path) -> String {
-        let because = |row: usize| {
-            self.equation(row).and_then(|equation| equation.because.as_ref()).map_or_else(Vec::new, |b| terms(b))
+        let explain = |row: usize| {
+            let equation = self.equation(row)?;
+            let asked = known.facts(row).rhs;
+            let members = equation.because.as_ref().map_or_else(Vec::new, |because| members(because));
+            Some(Explanation::new(members, asked - equation.mismatch, 0.0))
         };
         let finding = |equation: &Equation| DependentRow {
             row: equation.number as usize,
@@ -77,8 +81,8 @@ impl Findings<'_> {
             tolerance: self.options.tolerance,
             equations: known,
             dependent,
-            because_error: &|_| 0.0,
-            because: &because,
+            system: None,
+            explain: &explain,
         };
         text::whole(&list, report, &CommandOutcome::Checked(None), &[], Vec::new())
     }
@@ -126,15 +130,22 @@ fn labels(path: Option<&Path>, wanted: &[usize]) -> Result<BTreeMap<usize, Strin
     Ok(path.map_or_else(|| Ok(BTreeMap::new()), |path| find_labels(path, wanted))?)
 }
 
-fn terms(because: &[qless_mpi::DistributedCertificateTerm]) -> Vec<CertificateTerm> {
-    because.iter().map(|term| CertificateTerm { row: term.equation as usize, coefficient: term.coefficient }).collect()
+/// Certificates across ranks have no prescribed values.
+fn members(because: &[qless_mpi::DistributedCertificateTerm]) -> Vec<Member> {
+    let member = |term: &qless_mpi::DistributedCertificateTerm| Member::Equation {
+        row: term.equation as usize,
+        coefficient: term.coefficient,
+    };
+    because.iter().map(member).collect()
 }
 
 fn dependent(equation: &Equation, known: &RankEquations) -> DependentEquation {
     let row = equation.number as usize;
-    let term = |term: CertificateTerm| Term::new(term.row + 1, known.label(term.row), term.coefficient);
+    let term = |term: &qless_mpi::DistributedCertificateTerm| {
+        Term::equation(term.equation as usize + 1, known.label(term.equation as usize), term.coefficient)
+    };
     let certificate = match &equation.because {
-        Some(because) => Certificate::complete(terms(because).into_iter().map(term).collect()),
+        Some(because) => Certificate::complete(because.iter().map(term).collect()),
         None => Certificate::left_out(Omitted::Terms(equation.terms)),
     };
     DependentEquation::new(row + 1, known.label(row), equation.kind, equation.mismatch, certificate)

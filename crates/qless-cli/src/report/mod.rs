@@ -66,14 +66,16 @@ impl Diagnosis<'_> {
     /// The report in the requested format, without characters that could do harm where it is shown.
     pub fn render(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
         let bytes = self.render_as_named(reduced, outcome)?;
-        Ok(printable::report(bytes, self.args.format == ReportFormat::Json))
+        Ok(printable::report(bytes, matches!(self.args.format, ReportFormat::Json | ReportFormat::Html)))
     }
 
     /// The report with all names as they are in the files.
     fn render_as_named(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
-        let terms = if self.args.format == ReportFormat::Text { 0 } else { Report::TERMS };
-        let misfit = |error| CliFailure::Resource(format!("the report cannot be made: {error}"));
-        let report = self.report(reduced, terms).map_err(misfit)?;
+        let terms = if matches!(self.args.format, ReportFormat::Json | ReportFormat::Html) { Report::TERMS } else { 0 };
+        let misfit =
+            |error: &dyn std::fmt::Display| CliFailure::Resource(format!("the report cannot be made: {error}"));
+        let report = self.report(reduced, terms).map_err(|error| misfit(&error))?;
+        let report = report.with_repairs(&self.analysis).map_err(|error| misfit(&error))?;
         match self.args.format {
             ReportFormat::Text => Ok(text::render(self, &report, outcome).into_bytes()),
             ReportFormat::Json => {

@@ -25,6 +25,9 @@ const MOST_EMPTY: usize = 10_000_000;
 /// Bytes read at a time to find an entry.
 const SEARCHED: u64 = 1 << 24;
 
+/// 0-based row, column and value.
+type Entries = Vec<(usize, usize, f64)>;
+
 /// Header and sizes of a matrix file, and the position of its entries.
 #[derive(Debug)]
 pub struct ChunkedMatrix {
@@ -111,11 +114,7 @@ impl ChunkedMatrix {
     }
 
     /// The entries of these lines, `before` of which came earlier, and the number of lines.
-    fn parse_entries(
-        &self,
-        lines: &mut TextLines,
-        before: usize,
-    ) -> Result<(Vec<(usize, usize, f64)>, usize), ReadError> {
+    fn parse_entries(&self, lines: &mut TextLines, before: usize) -> Result<(Entries, usize), ReadError> {
         let room = self.entries.saturating_sub(before).min((lines.unread_bytes() + 1) / SHORTEST_ENTRY);
         let mut entries = Vec::with_capacity(room);
         let mut positions = self.positions(before);

@@ -176,8 +176,7 @@ impl Output {
     /// complete. Files of an earlier set that this one has not are removed, unless they have changed since.
     ///
     /// # Errors
-    /// [`WriteError`]. If not even the first file could be put in its place, the folder is unchanged; else the manifest says that
-    /// the set is incomplete.
+    /// [`WriteError`]; the folder is then unchanged, unless it is [`WriteError::Incomplete`].
     pub fn commit(mut self) -> Result<(), WriteError> {
         let _folder = scratch::lock(&self.folder)?;
         self.check(Manifest::NAME)?;
@@ -198,11 +197,9 @@ impl Output {
         let _lock = WriteLock::take();
         self.put(Manifest::NAME, &incomplete)?;
         self.scratch.keep_folders();
-        for (name, (file, _)) in &self.files {
-            self.put(name, file)?;
-        }
-        self.remove(&replaced)?;
-        self.put(Manifest::NAME, &complete)
+        let files = self.files.iter().try_for_each(|(name, (file, _))| self.put(name, file));
+        let all = files.and_then(|()| self.remove(&replaced)).and_then(|()| self.put(Manifest::NAME, &complete));
+        all.map_err(|error| WriteError::Incomplete { folder: self.folder.clone(), source: Box::new(error) })
     }
 
     /// Puts a single file in its place, without a manifest.

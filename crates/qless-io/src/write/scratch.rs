@@ -8,7 +8,7 @@
 //! | --- | --- | --- |
 //! | of the folder | while a mark is made, and while files are renamed | processes |
 //! | of the mark | as long as the writer lives | processes |
-//! | [`WriteLock`] | while files are created or renamed | threads; [`abandon`] takes it and never releases it |
+//! | [`WriteLock`] | while files are created, renamed or removed | threads; [`abandon`] takes it and never releases it |
 
 use std::cell::Cell;
 use std::fs::{self, File, TryLockError};
@@ -204,6 +204,8 @@ impl Scratch {
 impl Drop for Scratch {
     /// The mark stays in the list until it is removed.
     fn drop(&mut self) {
+        // At work, a program may use a reserve of memory: an allocation that fails here would leave files behind.
+        let _lock = (!is_at_work()).then(WriteLock::take);
         let mut known = known();
         known.extract_if(.., |traces| traces.mark == self.mark).for_each(|traces| traces.remove());
     }

@@ -1,5 +1,7 @@
 //! Prescribed values by step, and their time histories.
 
+use std::fmt::Write;
+
 use qless_io::deck::Model;
 use qless_io::deck::Solver::{Abaqus, Ccx};
 use qless_io::deck::clean;
@@ -110,10 +112,11 @@ fn removals_remove_the_same_from_a_cleaned_deck() {
         let mut text = format!("{nodes}*EQUATION\n");
         for _ in 0..2 + draw(3) {
             let slave = 1 + draw(5);
-            text += &format!("2\n{slave},1,1.,{},1,{}.\n", 1 + (slave + draw(4)) % 5, [-1, 2][draw(2) as usize]);
+            let (master, weight) = (1 + (slave + draw(4)) % 5, [-1, 2][draw(2) as usize]);
+            write!(text, "2\n{slave},1,1.,{master},1,{weight}.\n").expect("a string");
         }
-        for _ in 0..1 + draw(2) {
-            text += &format!("*STEP\n*STATIC\n*EQUATION, REMOVE\n{},1,3\n*END STEP\n", 1 + draw(5));
+        for _ in 0..=draw(2) {
+            write!(text, "*STEP\n*STATIC\n*EQUATION, REMOVE\n{},1,3\n*END STEP\n", 1 + draw(5)).expect("a string");
         }
         let deck = parsed(Ccx, &text).expect("a deck");
         let written = clean::plan(&deck, &qless::Options::default()).and_then(|plan| clean::write(&deck, &plan));

@@ -20,8 +20,8 @@ pub enum OptionName {
     Noise,
     /// [`Options::presolve`].
     Presolve,
-    /// [`Options::check`].
-    Check,
+    /// [`Options::effort`].
+    Effort,
     /// [`Options::growth`].
     Growth,
     /// [`Options::preferences`].
@@ -30,7 +30,7 @@ pub enum OptionName {
 
 impl OptionName {
     pub(super) const ALL: [Self; 7] =
-        [Self::Backend, Self::Tolerance, Self::Noise, Self::Presolve, Self::Check, Self::Growth, Self::Preferences];
+        [Self::Backend, Self::Tolerance, Self::Noise, Self::Presolve, Self::Effort, Self::Growth, Self::Preferences];
 }
 
 impl fmt::Display for OptionName {
@@ -40,7 +40,7 @@ impl fmt::Display for OptionName {
             Self::Tolerance => "tolerance",
             Self::Noise => "noise",
             Self::Presolve => "presolve",
-            Self::Check => "check",
+            Self::Effort => "effort",
             Self::Growth => "growth",
             Self::Preferences => "preferences",
         })
@@ -70,7 +70,7 @@ fn words(options: &Options) -> [u64; OptionName::ALL.len()] {
         word(&options.tolerance),
         noise,
         word(&options.presolve),
-        word(&options.check),
+        word(&options.effort),
         word(&options.growth),
         word(&options.preferences),
     ]

@@ -71,7 +71,7 @@ fn options_that_differ_between_ranks_are_refused_by_all() {
         (OptionName::Tolerance, Options { tolerance: Tolerance::Paper, ..same.clone() }),
         (OptionName::Backend, Options { backend: BackendChoice::Gauss, ..same.clone() }),
         (OptionName::Presolve, Options { presolve: false, ..same.clone() }),
-        (OptionName::Check, Options { check: false, ..same.clone() }),
+        (OptionName::Effort, Options { effort: qless::Effort::Quick, ..same.clone() }),
         (OptionName::Growth, Options { growth: 8.0, ..same.clone() }),
         (OptionName::Noise, Options { noise: Noise::None, ..same.clone() }),
         (OptionName::Noise, Options { noise: Noise::Relative(1e-9), ..same.clone() }),

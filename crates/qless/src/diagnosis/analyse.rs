@@ -153,7 +153,7 @@ impl Pipeline<'_> {
             true if !first.probe.doubtful.is_empty() => {
                 let distances = known.insert(self.distances(&first));
                 let labels = labels.insert(Labels::of(self.local));
-                let near = distances.iter().filter(|core| !(core.distance >= NEAR));
+                let near = distances.iter().filter(|core| core.distance.is_nan() || core.distance < NEAR);
                 let near: BTreeSet<u32> = near.map(|core| labels.of_row[core.row as usize]).collect();
                 let is_near = |&row: &usize| near.contains(&labels.of_row[row]);
                 first.steep_rows().filter(is_near).chain(first.far_rows()).collect()

@@ -88,7 +88,7 @@ impl Analysis {
             if is_good(&best) || self.blocks.iter().any(|block| block.rows.len() * block.dofs.len() > SMALL) {
                 break;
             }
-            let left = self.parts(dependent.row, &best.0).into_iter().map(|(j, (left, _))| (j, left));
+            let left = self.parts(self.entries(dependent.row), &best.0).into_iter().map(|(j, (left, _))| (j, left));
             let Ok(correction) = self.expressed(left) else { break };
             let mut sum = best.0.iter().map(|term| (term.row, term.coefficient)).collect();
             correction.iter().for_each(|term| add(&mut sum, term.row, term.coefficient));
@@ -117,7 +117,7 @@ impl Analysis {
     }
 
     /// Without terms below a part of the largest one, in scaled units.
-    fn pruned(&self, terms: &[CertificateTerm], part: f64) -> Vec<CertificateTerm> {
+    pub(crate) fn pruned(&self, terms: &[CertificateTerm], part: f64) -> Vec<CertificateTerm> {
         let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
         let largest = terms.iter().map(scaled).fold(0.0, f64::max);
         terms.iter().copied().filter(|term| scaled(term) > part * largest).collect()
@@ -125,33 +125,48 @@ impl Analysis {
 
     /// What a certificate leaves of its equation, by local DOF, and the sum of the sizes of the parts. Summed with twice the digits, so
     /// that a refinement sees what is really left.
-    pub(super) fn parts(&self, row: usize, terms: &[CertificateTerm]) -> BTreeMap<u32, (f64, f64)> {
+    pub(super) fn parts(
+        &self,
+        vector: impl IntoIterator<Item = (u32, f64)>,
+        terms: &[CertificateTerm],
+    ) -> BTreeMap<u32, (f64, f64)> {
         let local = self.numbering.view(&self.system, self.system.rhs());
         let mut parts: BTreeMap<u32, (f64, f64, f64)> = BTreeMap::new();
-        let own = CertificateTerm { row, coefficient: -1.0 };
-        for &CertificateTerm { row: i, coefficient } in terms.iter().chain([&own]) {
-            for (j, v) in local.row(i).filter(|&(j, _)| local.free()[j]) {
-                let (left, lost, size) = parts.entry(j as u32).or_default();
-                let part = -coefficient * v;
-                let sum = *left + part;
-                let second = sum - *left;
-                *lost += (-coefficient).mul_add(v, -part) + ((*left - (sum - second)) + (part - second));
-                *left = sum;
-                *size += part.abs();
-            }
+        let mut add = |coefficient: f64, j: u32, v: f64| {
+            let (left, lost, size) = parts.entry(j).or_default();
+            let part = -coefficient * v;
+            let sum = *left + part;
+            let second = sum - *left;
+            *lost += (-coefficient).mul_add(v, -part) + ((*left - (sum - second)) + (part - second));
+            *left = sum;
+            *size += part.abs();
+        };
+        let is_free = |j: u32| local.free()[j as usize];
+        for &CertificateTerm { row: i, coefficient } in terms {
+            local.row(i).filter(|&(j, _)| is_free(j as u32)).for_each(|(j, v)| add(coefficient, j as u32, v));
         }
+        vector.into_iter().filter(|&(j, _)| is_free(j)).for_each(|(j, v)| add(-1.0, j, v));
         parts.into_iter().map(|(j, (left, lost, size))| (j, (left + lost, size))).collect()
     }
 
+    pub(super) fn entries(&self, row: usize) -> impl Iterator<Item = (u32, f64)> {
+        self.numbering.view(&self.system, self.system.rhs()).row(row).map(|(j, v)| (j as u32, v))
+    }
+
     fn with_error(&self, row: usize, terms: Vec<CertificateTerm>) -> (Vec<CertificateTerm>, f64) {
+        let error = self.error_of(self.entries(row), &terms);
+        (terms, error)
+    }
+
+    /// The error of a combination that should give a vector: the largest over the free DOFs.
+    pub(crate) fn error_of(&self, vector: impl IntoIterator<Item = (u32, f64)>, terms: &[CertificateTerm]) -> f64 {
         let error = |&(left, size): &(f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
-        let parts = self.parts(row, &terms);
-        let worst = parts.values().map(error).fold(0.0, |most, e| if e.is_nan() { f64::INFINITY } else { most.max(e) });
-        (terms, worst)
+        let parts = self.parts(vector, terms);
+        parts.values().map(error).fold(0.0, |most, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
     }
 
     /// A vector of free DOFs, by local number, as a combination of the kept equations.
-    pub(super) fn expressed(
+    pub(crate) fn expressed(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
     ) -> Result<Vec<CertificateTerm>, BackendError> {

@@ -23,6 +23,7 @@ use std::time::Duration;
 use crate::common::identity::Identity;
 use crate::factor::backend::BackendError;
 use crate::factor::block::Block;
+use crate::input::incidence::Incidence;
 use crate::input::numbering::Numbering;
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Basis;
@@ -131,6 +132,8 @@ pub struct Analysis {
     /// Local numbers of [`Analysis::generated`].
     pub(crate) fixed: Vec<u32>,
     times: OnceLock<Vec<u32>>,
+    /// The equations of each DOF, made when an explanation is wanted.
+    pub(crate) incidence: OnceLock<Incidence>,
     /// The basis with the rows of the blocks, made when they are wanted.
     pub(crate) solved: OnceLock<Basis>,
 }
@@ -224,7 +227,7 @@ impl Analysis {
     }
 
     /// What is known of an equation if it is dependent.
-    fn dependent_of(&self, row: usize) -> Option<&Dependent> {
+    pub(crate) fn dependent_of(&self, row: usize) -> Option<&Dependent> {
         self.dependent.binary_search_by_key(&row, |d| d.row).ok().map(|place| &self.dependent[place])
     }
 

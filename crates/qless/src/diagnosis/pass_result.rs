@@ -123,6 +123,7 @@ impl PassResult {
             numbering,
             fixed: generated.dofs,
             times: OnceLock::new(),
+            incidence: OnceLock::new(),
             solved: OnceLock::new(),
             noise: Vec::new(),
             other: None,

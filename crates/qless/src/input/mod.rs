@@ -1,6 +1,7 @@
 //! From the user's equations to scaled ones over the DOFs that occur, and their connected components.
 
 pub mod components;
+pub mod incidence;
 pub mod noise;
 pub mod numbering;
 pub mod preferences;

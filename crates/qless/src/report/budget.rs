@@ -1,26 +1,28 @@
-//! Chooses the certificates of a report, whose total number of terms is limited.
+//! Chooses the explanations of a report, whose total number of members is limited.
 
 use rayon::prelude::*;
 
 use super::{Certificate, DependentEquation, GeneratedCondition, Omitted};
-use crate::{Analysis, CertificateTerm, ConstraintSystem, Dependent, Kind};
+use crate::explanation::Explanation;
+use crate::{Analysis, ConstraintSystem, Dependent, Kind};
 
-/// Certificates that are computed at a time, by all threads.
+/// Explanations that are computed at a time, by all threads.
 const TOGETHER: usize = 64;
 
-/// A certificate and its error.
-type CheckedTerms = (Vec<CertificateTerm>, f64);
+/// Operations of all searches for short explanations in a report, a second or two; beyond that, certificates explain.
+const SEARCH: usize = 1 << 30;
 
-/// The number of terms that remain.
+/// The number of members that remain, and of operations of searches.
 pub(super) struct Budget<'a> {
     system: &'a ConstraintSystem,
     analysis: &'a Analysis,
     remaining: usize,
+    search: usize,
 }
 
 impl<'a> Budget<'a> {
     pub fn new(analysis: &'a Analysis, remaining: usize) -> Self {
-        Self { system: analysis.system(), analysis, remaining }
+        Self { system: analysis.system(), analysis, remaining, search: SEARCH }
     }
 
     /// Conflicts first, then generated boundary conditions with at most half of the remaining terms, then redundant equations.
@@ -39,24 +41,31 @@ impl<'a> Budget<'a> {
         let of_kind: Vec<_> = self.analysis.dependent.iter().filter(|dependent| dependent.kind == kind).collect();
         let mut equations = Vec::with_capacity(of_kind.len());
         for some in of_kind.chunks(TOGETHER) {
-            let mut checked = Vec::new();
+            let mut explained = Vec::new();
             if self.remaining > 0 {
-                some.par_iter().map(|dependent| Some(self.analysis.checked(dependent))).collect_into_vec(&mut checked);
+                let (analysis, may_search) = (self.analysis, self.search > 0);
+                let explain = |dependent: &&Dependent| analysis.explained(dependent, may_search);
+                some.par_iter().map(explain).collect_into_vec(&mut explained);
             }
-            checked.resize(some.len(), None);
-            equations.extend(some.iter().zip(checked).map(|(dependent, checked)| self.equation(dependent, checked)));
+            self.search = explained.iter().fold(self.search, |left, (_, effort)| left.saturating_sub(*effort));
+            let mut explained: Vec<_> = explained.into_iter().map(|(explanation, _)| Some(explanation)).collect();
+            explained.resize(some.len(), None);
+            equations.extend(some.iter().zip(explained).map(|(dependent, found)| self.equation(dependent, found)));
         }
         equations
     }
 
-    fn equation(&mut self, dependent: &Dependent, checked: Option<CheckedTerms>) -> DependentEquation {
-        let analysis = self.analysis;
+    fn equation(&mut self, dependent: &Dependent, found: Option<Explanation>) -> DependentEquation {
+        let system = self.system;
         let &Dependent { row, kind, mismatch, .. } = dependent;
-        let error = checked.as_ref().map_or(0.0, |checked| checked.1);
-        let mut certificate = self.certificate(0, || checked.map(|checked| checked.0));
+        let error = found.as_ref().map_or(0.0, |found| found.error);
+        let arithmetic =
+            found.as_ref().filter(|_| kind == Kind::Conflicting).map(|found| found.arithmetic(system, row));
+        let mut certificate = self.certificate(0, || found);
         let is_shown = certificate.omitted == Omitted::Nothing;
-        certificate.error = (is_shown && error > analysis.options.tolerance.value()).then_some(error);
-        DependentEquation::new(row + 1, self.system.equation_label(row), kind, mismatch, certificate)
+        certificate.error = (is_shown && error > self.analysis.options.tolerance.value()).then_some(error);
+        let equation = DependentEquation::new(row + 1, system.equation_label(row), kind, mismatch, certificate);
+        DependentEquation { arithmetic, ..equation }
     }
 
     fn condition(&mut self, dof: usize, value: f64) -> GeneratedCondition {
@@ -64,22 +73,22 @@ impl<'a> Budget<'a> {
         // The cost of a pass over all DOFs and of a factorization of a block; a thousand operations count as one term.
         let block = analysis.presolve.largest_block;
         let work = system.dofs() / 8 + block.saturating_pow(3) / 1000;
-        let certificate = self.certificate(work, || analysis.because_fixed(dof).ok());
+        let certificate = self.certificate(work, || analysis.explain_fixed(dof).ok().flatten());
         GeneratedCondition::new(dof + 1, system.dof_label(dof), value, certificate)
     }
 
-    /// Computes a certificate if terms remain, and omits it if it has more terms than remain.
-    fn certificate(&mut self, work: usize, compute: impl FnOnce() -> Option<Vec<CertificateTerm>>) -> Certificate {
+    /// Computes an explanation if members remain, and omits it if it has more than remain.
+    fn certificate(&mut self, work: usize, explain: impl FnOnce() -> Option<Explanation>) -> Certificate {
         if self.remaining == 0 {
             return Certificate::left_out(Omitted::NotComputed);
         }
         let before = self.remaining;
         self.remaining = self.remaining.saturating_sub(work);
-        let Some(terms) = compute() else { return Certificate::left_out(Omitted::NotComputed) };
-        self.remaining = self.remaining.saturating_sub(terms.len());
-        if terms.len() > before {
-            return Certificate::left_out(Omitted::Terms(terms.len()));
+        let Some(Explanation { members, .. }) = explain() else { return Certificate::left_out(Omitted::NotComputed) };
+        self.remaining = self.remaining.saturating_sub(members.len());
+        if members.len() > before {
+            return Certificate::left_out(Omitted::Terms(members.len()));
         }
-        Certificate::labelled(self.system, &terms)
+        Certificate::of_members(self.system, &members)
     }
 }

@@ -1,5 +1,6 @@
 //! The lists of a report: equations, generated boundary conditions and coefficients.
 
+use crate::explanation::Member;
 use crate::{CertificateTerm, ConstraintSystem, Kind};
 
 /// What a system is if numbers that may be rounding are read the other way: [`crate::diagnosis::OtherReading`].
@@ -56,6 +57,9 @@ pub struct DependentEquation {
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, with prescribed DOFs moved into b.
     pub mismatch: f64,
+    /// Of a conflict, what the members give and what the equation asks, in words: [`Explanation::arithmetic`](crate::explanation::Explanation::arithmetic); the key is absent otherwise.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub arithmetic: Option<String>,
     /// `because`, and `because_omitted` if it is omitted.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
@@ -77,7 +81,7 @@ pub struct GeneratedCondition {
     pub certificate: Certificate,
 }
 
-/// A certificate, or the reason why it is omitted.
+/// An explanation or a certificate, or the reason why it is omitted.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -92,17 +96,35 @@ pub struct Certificate {
     pub error: Option<f64>,
 }
 
-/// `coefficient` times an equation.
+/// `coefficient` times an equation or a prescribed value.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(untagged))]
 #[non_exhaustive]
-pub struct Term {
-    /// Row of a kept equation, from 1.
-    pub row: usize,
-    /// Its label.
-    pub label: String,
-    /// Its factor.
-    pub coefficient: f64,
+pub enum Term {
+    /// `coefficient` times an equation.
+    Equation {
+        /// Its row, from 1.
+        row: usize,
+        /// Its label.
+        label: String,
+        /// Its factor.
+        coefficient: f64,
+    },
+    /// `coefficient` times `u_dof = value`.
+    Prescribed {
+        /// The prescribed DOF, from 1.
+        dof: usize,
+        /// Its label.
+        label: String,
+        /// Its prescribed value.
+        value: f64,
+        /// Where the value is prescribed, such as `line 17 *BOUNDARY`; the key is absent if that is not known.
+        #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+        place: Option<String>,
+        /// Its factor.
+        coefficient: f64,
+    },
 }
 
 /// The omitted part of a certificate.
@@ -136,7 +158,7 @@ impl serde::Serialize for Omitted {
 impl DependentEquation {
     /// `row` counts from 1.
     pub fn new(row: usize, label: String, kind: Kind, mismatch: f64, certificate: Certificate) -> Self {
-        Self { row, label, kind, mismatch, certificate }
+        Self { row, label, kind, mismatch, arithmetic: None, certificate }
     }
 }
 
@@ -155,8 +177,23 @@ impl Certificate {
 
     /// The same with the labels of a system.
     pub(super) fn labelled(system: &ConstraintSystem, because: &[CertificateTerm]) -> Self {
-        let term = |t: &CertificateTerm| Term::new(t.row + 1, system.equation_label(t.row), t.coefficient);
+        let term = |t: &CertificateTerm| Term::equation(t.row + 1, system.equation_label(t.row), t.coefficient);
         Self::complete(because.iter().map(term).collect())
+    }
+
+    /// An explanation with the labels of a system.
+    pub(super) fn of_members(system: &ConstraintSystem, members: &[Member]) -> Self {
+        let term = |&member: &Member| match member {
+            Member::Equation { row, coefficient } => Term::equation(row + 1, system.equation_label(row), coefficient),
+            Member::Prescribed { dof, value, coefficient } => Term::Prescribed {
+                dof: dof + 1,
+                label: system.dof_label(dof),
+                value,
+                place: system.prescribed_place(dof).map(str::to_owned),
+                coefficient,
+            },
+        };
+        Self::complete(members.iter().map(term).collect())
     }
 
     /// A certificate whose terms are omitted.
@@ -166,8 +203,15 @@ impl Certificate {
 }
 
 impl Term {
-    /// `row` counts from 1.
-    pub fn new(row: usize, label: String, coefficient: f64) -> Self {
-        Self { row, label, coefficient }
+    /// An equation; `row` counts from 1.
+    pub fn equation(row: usize, label: String, coefficient: f64) -> Self {
+        Self::Equation { row, label, coefficient }
+    }
+
+    /// Its factor.
+    pub fn coefficient(&self) -> f64 {
+        match self {
+            Self::Equation { coefficient, .. } | Self::Prescribed { coefficient, .. } => *coefficient,
+        }
     }
 }

@@ -1,16 +1,18 @@
 //! `qless.report/3`: a diagnosis as plain data; with the feature `serde` it serializes to the JSON report.
 //!
-//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` lists kept equations with coefficients; their combination is the
-//! dependent equation on the free DOFs, `row_k = sum_i coefficient_i row_i`, or the row of the identity for a fixed DOF.
+//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` is an [`explanation`](crate::explanation): equations and prescribed
+//! values with coefficients, whose combination is the dependent equation, or `u_s = value` for a fixed DOF.
 //!
-//! Certificates can be long: an equation that closes a ring of a million equations depends on all the others. So the total number of terms
-//! of a report is limited. Conflicts come first, then generated boundary conditions (at most half of the remaining terms), then redundant
-//! equations. If a certificate is omitted, `because` is empty and `because_omitted` is its number of terms, or null if it was not computed.
+//! Explanations can be long: an equation that closes a ring of a million equations depends on all the others. So the total number of members
+//! in a report is limited. Conflicts come first, then generated boundary conditions (at most half of the remaining members), then redundant
+//! equations. If one is omitted, `because` is empty and `because_omitted` is its number of members, or null if it was not computed.
 
 mod budget;
 mod exact;
 mod findings;
+mod groups;
 mod near_dependence;
+mod repairs;
 mod sizes;
 
 use std::time::Duration;
@@ -24,7 +26,9 @@ pub use exact::{ExactDifference, ExactFinding, ProofFinding};
 pub use findings::{
     Certificate, DependentEquation, GeneratedCondition, NoiseCoefficient, Omitted, OtherReadingFinding, Term,
 };
+pub use groups::{Group, PRESCRIBED};
 pub use near_dependence::{NearDependenceFinding, NearEquation};
+pub use repairs::{ChangeFinding, RepairFinding};
 pub use sizes::{BackendUsed, Counts, FactoredSizes, InputSizes, Milliseconds, ReductionSizes, Unmet};
 
 /// The worst kind of any equation, or that some constraints were not read.
@@ -56,6 +60,7 @@ impl From<Kind> for Status {
 /// The diagnosis of a system with labels and 1-based numbers; values that are not finite serialize as null.
 ///
 /// ```
+/// use qless::report::Term;
 /// use qless::{Options, Report, SystemBuilder, analyse};
 /// let mut builder = SystemBuilder::new(2);
 /// builder.labelled_equation("tie 7", [(0, 1.0), (1, -1.0)], 0.0);
@@ -65,8 +70,8 @@ impl From<Kind> for Status {
 /// let report = Report::new(&analysis, Report::TERMS);
 /// assert_eq!((report.rank, report.counts.redundant), (1, 1));
 /// let last = &report.dependent[0];
-/// let term = &last.certificate.because[0];
-/// assert_eq!((last.row, term.label.as_str(), term.coefficient), (2, "tie 7", 2.0));
+/// let tie = Term::equation(1, "tie 7".to_owned(), 2.0);
+/// assert_eq!((last.row, &last.certificate.because), (2, &vec![tie]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -85,12 +90,18 @@ pub struct Report {
     pub counts: Counts,
     /// Redundant and conflicting equations, ascending.
     pub dependent: Vec<DependentEquation>,
+    /// The same equations by kind and origin, if their explanations were asked for; the key is absent if there are none.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    pub groups: Vec<Group>,
     /// Free DOFs that the equations fix, ascending.
     pub generated_boundary_conditions: Vec<GeneratedCondition>,
     /// How certain the verdict is to be, ...
     pub effort: Effort,
     /// ... and what that promises, in one sentence.
     pub promise: &'static str,
+    /// How to cure the conflicts; the key is absent if there are none.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    pub repairs: Vec<RepairFinding>,
     /// The confidence in the rank.
     pub confidence: Confidence,
     /// Constraints that were skipped; the key is absent if there are none. The rest of the report is about the constraints that were read.
@@ -136,9 +147,9 @@ impl Report {
     /// Default limit of the terms of all certificates in a JSON report.
     pub const TERMS: usize = 1_000_000;
 
-    /// Reports an analysis, with certificates of at most `terms` terms in total.
+    /// Reports an analysis, with explanations of at most `terms` members in total.
     ///
-    /// No certificate is computed after the limit is reached, but for those computed together with the last one, so `terms` bounds the
+    /// No explanation is computed after the limit is reached, but for those computed together with the last one, so `terms` bounds the
     /// time too. For a generated boundary condition the cost of a factorization counts as terms. [`Report::with_reduction`] and
     /// [`Report::with_timings`] add the reduction and the other times.
     pub fn new(analysis: &Analysis, terms: usize) -> Self {
@@ -152,6 +163,7 @@ impl Report {
         let (dependent, generated_boundary_conditions) = Budget::new(analysis, terms).spend();
         let [presolve, factor, classify] = [times.presolve, times.factor, times.classify].map(milliseconds);
         Self {
+            groups: if terms > 0 { Group::of_report(&dependent) } else { Vec::new() },
             dependent,
             generated_boundary_conditions,
             unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
@@ -246,7 +258,7 @@ impl Report {
     /// let backend = BackendUsed::new("faer", 1, "faer 0.24".to_owned());
     /// let certainty = (Effort::Checked, Confidence::of(1.0, 0.0, None));
     /// let mut report = Report::of_ranks(2, input, counts, certainty, backend);
-    /// let because = Certificate::complete(vec![Term::new(1, "tie 7".to_owned(), 2.0)]);
+    /// let because = Certificate::complete(vec![Term::equation(1, "tie 7".to_owned(), 2.0)]);
     /// report.dependent.push(DependentEquation::new(2, "tie 8".to_owned(), Kind::Redundant, 0.0, because));
     /// assert_eq!((report.rank, report.status, report.ranks), (1, Status::Redundant, Some(2)));
     /// ```
@@ -264,9 +276,11 @@ impl Report {
             rank: counts.independent,
             counts,
             dependent: Vec::new(),
+            groups: Vec::new(),
             generated_boundary_conditions: Vec::new(),
             effort,
             promise: effort.promise(),
+            repairs: Vec::new(),
             confidence,
             incomplete: Vec::new(),
             exact_rank: None,

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use qless::common::DisjointSets;
+use qless::explanation::Member;
 use qless::{ConstraintSystem, Kind};
 use serde::Serialize;
 
@@ -22,7 +23,7 @@ pub struct Picture {
     blocks: Vec<(usize, usize)>,
     /// Nodes of the deck with their positions.
     nodes: Vec<(u32, f64, f64, f64)>,
-    /// Nodes of dependent equations and of those in their certificates, by row from 1.
+    /// Nodes of dependent equations and of those in their explanations, by row from 1.
     rows: Vec<(usize, Vec<u32>)>,
 }
 
@@ -87,11 +88,17 @@ fn nodes(diagnosis: &Diagnosis) -> Nodes {
         |row: usize| -> BTreeSet<u32> { diagnosis.system.matrix().row(row).filter_map(|(j, _)| node(j)).collect() };
     let mut rows: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
     for dependent in diagnosis.analysis.dependent() {
-        let because = diagnosis.analysis.because(dependent.row).unwrap_or_default();
-        for row in std::iter::once(dependent.row).chain(because.iter().map(|term| term.row)) {
-            if rows.len() < ROWS {
-                rows.entry(row).or_insert_with(|| of_row(row));
-            }
+        if rows.len() >= ROWS {
+            break;
+        }
+        let members =
+            diagnosis.analysis.explain(dependent.row).ok().flatten().map_or_else(Vec::new, |found| found.members);
+        let equations = members.iter().filter_map(|member| match *member {
+            Member::Equation { row, .. } => Some(row),
+            _ => None,
+        });
+        for row in std::iter::once(dependent.row).chain(equations) {
+            rows.entry(row).or_insert_with(|| of_row(row));
         }
     }
     let mut shown: BTreeSet<u32> = rows.values().flatten().copied().take(NODES).collect();

@@ -1,56 +1,84 @@
-//! Certificates as text: `row 14 = 1 * row 3 - 2 * row 9`.
+//! Explanations as text: `row 14 = 1 * row 3 - 2 * row 9 + 1 * u 4:1 (line 17)`.
 
-use qless::CertificateTerm;
+use qless::ConstraintSystem;
+use qless::explanation::Member;
 
 use super::COLUMNS;
 use crate::wording;
-use crate::wording::layout::{Flow, flow};
-use crate::wording::number;
+use crate::wording::layout::flow;
 use crate::wording::{EquationFacts, EquationLookup};
+use crate::wording::{label, number};
 
 /// Columns reserved for `+ ... and 1000000 more`.
 const TAIL: usize = 26;
 
-/// The equation and its certificate in one or two lines.
-pub fn lines(equations: &dyn EquationLookup, row: usize, because: &[CertificateTerm]) -> Vec<String> {
+/// The equation and its explanation in at most `most` lines.
+pub fn lines(
+    (equations, system): (&dyn EquationLookup, Option<&ConstraintSystem>),
+    row: usize,
+    members: &[Member],
+    most: usize,
+) -> Vec<String> {
     let head = format!("  {}", wording::equation(equations, row));
-    if because.is_empty() {
-        return vec![format!("{head} {}", CombinationAlone::classify(equations, row).one())];
+    if !members.iter().any(|member| matches!(member, Member::Equation { .. })) {
+        let alone = CombinationAlone::classify(equations, row);
+        if alone != CombinationAlone::No {
+            return vec![format!("{head} {}", alone.one())];
+        }
     }
-    let flowed = fill(equations, &head, because);
-    if flowed.used == because.len() {
+    let piece = |(k, member): (usize, &Member)| piece((equations, system), *member, k == 0);
+    let fill = |members: &[Member]| {
+        // No line holds more than ten members.
+        let pieces: Vec<String> = members.iter().take(10 * most).enumerate().map(piece).collect();
+        flow(&head, "      ", &pieces, (most, COLUMNS), TAIL)
+    };
+    let flowed = fill(members);
+    if flowed.used == members.len() {
         return flowed.lines;
     }
-    // Not all terms fit: show the largest.
-    let flowed = fill(equations, &head, &largest(equations, because));
-    let more = because.len() - flowed.used;
+    // Not all members fit: show prescribed values, and the largest equations.
+    let flowed = fill(&largest(equations, members));
+    let more = members.len() - flowed.used;
     flowed.finish(&format!(" + ... and {more} more"))
 }
 
-fn fill(equations: &dyn EquationLookup, head: &str, because: &[CertificateTerm]) -> Flow {
-    // Two lines never hold more terms.
-    let shown = because.iter().take(20).enumerate();
-    let pieces: Vec<String> = shown.map(|(k, term)| piece(equations, term, k == 0)).collect();
-    flow(head, "      ", &pieces, (2, COLUMNS), TAIL)
-}
-
-/// The terms in descending order of their size; terms of the same size in their order.
-fn largest(equations: &dyn EquationLookup, because: &[CertificateTerm]) -> Vec<CertificateTerm> {
-    let size = |term: &CertificateTerm| term.coefficient.abs() * equations.facts(term.row).largest;
-    let mut terms: Vec<_> = because.iter().map(|term| (size(term), *term)).collect();
-    terms.sort_by(|a, b| b.0.total_cmp(&a.0));
-    terms.into_iter().map(|(_, term)| term).collect()
+/// Prescribed values, equations with a right-hand side, then the others; each kind in descending order of size.
+fn largest(equations: &dyn EquationLookup, members: &[Member]) -> Vec<Member> {
+    let key = |member: &Member| match *member {
+        Member::Equation { row, coefficient } => {
+            let facts = equations.facts(row);
+            (if facts.rhs == 0.0 { 2 } else { 1 }, coefficient.abs() * facts.largest)
+        }
+        _ => (0, member.coefficient().abs()),
+    };
+    let mut keyed: Vec<_> = members.iter().map(|member| (key(member), *member)).collect();
+    keyed.sort_by(|a, b| a.0.0.cmp(&b.0.0).then(b.0.1.total_cmp(&a.0.1)));
+    keyed.into_iter().map(|(_, member)| member).collect()
 }
 
 /// ` + 2 * row 3 "tie A/B"`.
-fn piece(equations: &dyn EquationLookup, term: &CertificateTerm, is_first: bool) -> String {
-    let equation = wording::equation(equations, term.row);
-    let sign = match (is_first, term.coefficient < 0.0) {
-        (true, _) => return format!(" = {} * {equation}", number(term.coefficient)),
+fn piece(lookup: (&dyn EquationLookup, Option<&ConstraintSystem>), member: Member, is_first: bool) -> String {
+    let name = name(lookup, member);
+    let coefficient = member.coefficient();
+    let sign = match (is_first, coefficient < 0.0) {
+        (true, _) => return format!(" = {} * {name}", number(coefficient)),
         (false, true) => "-",
         (false, false) => "+",
     };
-    format!(" {sign} {} * {equation}", number(term.coefficient.abs()))
+    format!(" {sign} {} * {name}", number(coefficient.abs()))
+}
+
+/// `row 3 "tie A/B"`, or `[4:1 = 0.5, line 17 *BOUNDARY]`.
+pub fn name((equations, system): (&dyn EquationLookup, Option<&ConstraintSystem>), member: Member) -> String {
+    match (member, system) {
+        (Member::Equation { row, .. }, _) => wording::equation(equations, row),
+        (Member::Prescribed { dof, value, .. }, Some(system)) => {
+            let place = system.prescribed_place(dof).map_or_else(String::new, |place| format!(", {}", label(place)));
+            format!("[{} = {}{place}]", label(&system.dof_label(dof)), number(value))
+        }
+        (Member::Prescribed { dof, value, .. }, None) => format!("[DOF {} = {}]", dof + 1, number(value)),
+        _ => String::new(),
+    }
 }
 
 /// Whether an equation is dependent without any other equation, and why.

@@ -4,13 +4,14 @@ use std::cmp::Ordering;
 
 use qless::diagnosis::NearDependent;
 use qless::exact::Reading;
+use qless::explanation::Member;
 use qless::report::ExactFinding;
-use qless::{Doubt, Effort, Kind, Report, Tolerance};
+use qless::{CertificateTerm, Doubt, Effort, Kind, Report, Tolerance};
 
 use super::EquationList;
 use super::combination;
 use crate::diagnose::Diagnosis;
-use crate::wording::{self, count, rough};
+use crate::wording::{self, EquationLookup, count, rough};
 
 /// A tolerance below this would take rounding for data.
 const ROUNDING: f64 = 1e-13;
@@ -132,7 +133,10 @@ pub fn near_dependence(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let best = |a: &&NearDependent, b: &&NearDependent| (a.digits, b.row).cmp(&(b.digits, a.row));
     if let Some(NearDependent { row, digits, because, .. }) = near.equations.iter().max_by(best) {
         let agree = format!(" to {} of each coefficient", count(*digits as usize, "digit"));
-        let mut combination = combination::lines(&diagnosis.system, *row, because);
+        let member = |term: &CertificateTerm| Member::Equation { row: term.row, coefficient: term.coefficient };
+        let members: Vec<Member> = because.iter().map(member).collect();
+        let lookup: (&dyn EquationLookup, _) = (&diagnosis.system, Some(&diagnosis.system));
+        let mut combination = combination::lines(lookup, *row, &members, 2);
         combination.truncate(1);
         let head = 2 + wording::equation(&diagnosis.system, *row).len();
         let nearly = |line: String| line[..head].to_owned() + &line[head..].replacen(" = ", " ~ ", 1) + &agree;

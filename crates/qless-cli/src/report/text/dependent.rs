@@ -1,6 +1,7 @@
 //! Dependent equations with their certificates, as many as fit; the others by their row numbers.
 
-use qless::{Kind, Report};
+use qless::report::Group;
+use qless::{Kind, Report, Tolerance};
 
 use super::COLUMNS;
 use super::combination::{self, CombinationAlone};
@@ -18,17 +19,47 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
     let mut lines = vec![heading(kind).to_owned()];
     // Many equations without free DOFs would hide the others.
     let of_kind = if kind == Kind::Redundant { group(list, of_kind, &mut lines) } else { of_kind };
-    for (k, dependent) in of_kind.iter().enumerate() {
-        let entry = entry(list, dependent);
-        let for_the_rest = usize::from(k + 1 < of_kind.len());
+    let groups = origins(list, &of_kind);
+    let mut shown = 0;
+    for (k, group) in groups.iter().enumerate() {
+        let for_the_rest = usize::from(k + 1 < groups.len());
+        let mut entry = entry(list, group[0], most.saturating_sub(lines.len() + for_the_rest));
+        entry.extend(alike(list, group));
         if lines.len() + entry.len() + for_the_rest > most {
-            lines.push(rest(&of_kind[k..], k));
+            let others: Vec<&DependentRow> = groups[k..].iter().flatten().copied().collect();
+            lines.push(rest(&others, shown));
             break;
         }
         lines.extend(entry);
+        shown += group.len();
     }
     lines
 }
+
+/// The equations by origin, in the order of their first rows; one each if that leaves no more entries than fit anyway.
+fn origins<'a>(list: &EquationList, of_kind: &[&'a DependentRow]) -> Vec<Vec<&'a DependentRow>> {
+    if of_kind.len() <= SINGLE {
+        return of_kind.iter().map(|&dependent| vec![dependent]).collect();
+    }
+    let found = |d: &&DependentRow| (d.row, d.kind, list.equations.label(d.row), Vec::new());
+    let groups = Group::of(&of_kind.iter().map(found).collect::<Vec<_>>());
+    let of_row = |row: &usize| of_kind.binary_search_by_key(row, |d| d.row).ok().map(|at| of_kind[at]);
+    groups.iter().map(|group| group.rows.iter().filter_map(of_row).collect()).collect()
+}
+
+/// `      so are 29 more: rows 12-40`.
+fn alike(list: &EquationList, group: &[&DependentRow]) -> Option<String> {
+    let others = group.get(1..).filter(|others| !others.is_empty())?;
+    let (number, verb) = (others.len(), if others.len() == 1 { "is" } else { "are" });
+    let found = |d: &&DependentRow| (d.row, d.kind, list.equations.label(d.row), Vec::new());
+    let label_of_all = Group::of(&group.iter().map(found).collect::<Vec<_>>()).pop().map(|all| all.label);
+    let what =
+        label_of_all.filter(|text| text != "row #").map_or_else(String::new, |text| format!(" \"{}\"", label(&text)));
+    Some(rows(&format!("      so {verb} {number} more{what}: row{}", if number == 1 { "" } else { "s" }), others))
+}
+
+/// Up to so many equations are shown one by one.
+const SINGLE: usize = 2;
 
 /// Collects equations that are dependent without others into one line for each reason, if there are several; returns the others.
 fn group<'a>(list: &EquationList, of_kind: Vec<&'a DependentRow>, lines: &mut Vec<String>) -> Vec<&'a DependentRow> {
@@ -51,20 +82,36 @@ fn heading(kind: Kind) -> &'static str {
     }
 }
 
-fn entry(list: &EquationList, dependent: &DependentRow) -> Vec<String> {
-    let because = (list.because)(dependent.row);
-    let mut lines = combination::lines(list.equations, dependent.row, &because);
-    let error = (list.because_error)(dependent.row);
-    if error > 0.0 {
-        lines.push(format!("      these coefficients leave up to {} of their terms in a DOF", number(error)));
+/// Most lines of an explanation: a conflict shows all that it needs, if that is possible in so many.
+const CONFLICT_LINES: usize = 4;
+const REDUNDANCY_LINES: usize = 2;
+
+fn entry(list: &EquationList, dependent: &DependentRow, most: usize) -> Vec<String> {
+    let Some(explanation) = (list.explain)(dependent.row) else { return Vec::new() };
+    let members = &explanation.members;
+    let is_conflict = dependent.kind == Kind::Conflicting;
+    let wanted = if is_conflict { CONFLICT_LINES } else { REDUNDANCY_LINES };
+    let lookup = (list.equations, list.system);
+    let mut lines = combination::lines(lookup, dependent.row, members, wanted.min(most.saturating_sub(1)).max(1));
+    if explanation.error > tolerance(list.tolerance) {
+        let error = number(explanation.error);
+        lines.push(format!("      these coefficients leave up to {error} of their terms in a DOF"));
     }
-    if dependent.kind == Kind::Conflicting {
-        lines.push(mismatch(list.equations, dependent, because.is_empty()));
+    if is_conflict {
+        lines.push(match list.system {
+            Some(system) => format!("      {}", explanation.arithmetic(system, dependent.row)),
+            None => mismatch(list.equations, dependent, members.is_empty()),
+        });
     }
     lines
 }
 
-/// The right-hand side as given, and the value that would be consistent.
+/// Errors of certificates up to this are those of the equations.
+fn tolerance(tolerance: Tolerance) -> f64 {
+    if let Tolerance::Relative(value) = tolerance { value } else { 1e-5 }
+}
+
+/// The right-hand side as given, and the value that would be consistent, if the prescribed values are not known here.
 fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: bool) -> String {
     let facts = equations.facts(dependent.row);
     let found = facts.rhs;
@@ -79,11 +126,11 @@ fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: 
     format!("      right-hand side {}, but {who} {} (mismatch {off})", number(found), number(needed))
 }
 
-/// `  and 480 more (why: --format json): rows 12, 15, 19-22, ...`.
+/// `  and 480 more (why: qless explain): rows 12, 15, 19-22, ...`.
 fn rest(dependent: &[&DependentRow], shown: usize) -> String {
     let (count, plural) = (dependent.len(), if dependent.len() == 1 { "" } else { "s" });
     let more = if shown == 0 { "" } else { " more" };
-    rows(&format!("  and {count}{more} (why: --format json): row{plural}"), dependent)
+    rows(&format!("  and {count}{more} (why: qless explain): row{plural}"), dependent)
 }
 
 /// `first 12, 15, 19-22, ...` in one line.

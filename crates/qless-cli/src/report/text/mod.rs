@@ -10,7 +10,8 @@ mod summary;
 
 use std::path::Path;
 
-use qless::{CertificateTerm, Kind, Report, Tolerance};
+use qless::explanation::{Explanation, Member};
+use qless::{ConstraintSystem, Kind, Report, Tolerance};
 
 use super::CommandOutcome;
 use crate::deck_input::DeckInput;
@@ -42,9 +43,9 @@ pub struct EquationList<'a> {
     pub tolerance: Tolerance,
     pub equations: &'a dyn EquationLookup,
     pub dependent: Vec<DependentRow>,
-    pub because: &'a dyn Fn(usize) -> Vec<CertificateTerm>,
-    /// Error of the certificate of a row.
-    pub because_error: &'a dyn Fn(usize) -> f64,
+    /// The numbers, if this process has all of them.
+    pub system: Option<&'a ConstraintSystem>,
+    pub explain: &'a dyn Fn(usize) -> Option<Explanation>,
 }
 
 impl From<&qless::Dependent> for DependentRow {
@@ -54,18 +55,22 @@ impl From<&qless::Dependent> for DependentRow {
     }
 }
 
+/// A member of an explanation: `row 3 "tie A/B"`, or `[4:1 = 0.5, line 17 *BOUNDARY]`.
+pub fn member_name(system: &ConstraintSystem, member: Member) -> String {
+    combination::name((system, Some(system)), member)
+}
+
 /// The report of one process.
 pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> String {
-    let because = |row| diagnosis.analysis.because(row).unwrap_or_default();
-    let because_error = |row| diagnosis.analysis.because_error(row).unwrap_or_default();
+    let explain = |row| diagnosis.analysis.explain(row).ok().flatten();
     let list = EquationList {
         input: &diagnosis.args.input,
         deck: diagnosis.deck.as_ref(),
         tolerance: diagnosis.options.tolerance,
         equations: &diagnosis.system,
         dependent: diagnosis.analysis.dependent().iter().map(DependentRow::from).collect(),
-        because: &because,
-        because_error: &because_error,
+        system: Some(&diagnosis.system),
+        explain: &explain,
     };
     let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
     let mut doubts = confidence::near_dependence(diagnosis, report);

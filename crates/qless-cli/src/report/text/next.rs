@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use qless::report::{ChangeFinding, RepairFinding};
 use qless::{Report, Status};
 
 use super::super::CommandOutcome;
@@ -10,7 +11,7 @@ use crate::deck_input::DeckInput;
 use crate::wording::count;
 use crate::wording::layout::{shorten, width};
 use crate::wording::printable;
-use crate::wording::{number, rough};
+use crate::wording::{label, number, rough};
 
 /// One or two lines.
 pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> Vec<String> {
@@ -20,8 +21,10 @@ pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> 
             let changes = (*restored > 0).then(|| changed(list, *restored));
             std::iter::once(cleaned(output, *removed, *written)).chain(changes).collect()
         }
-        CommandOutcome::Checked(obstacle) => vec![advice(list, report, *obstacle)],
-        CommandOutcome::Refused => vec!["Nothing was written.".to_owned(), advice(list, report, None)],
+        CommandOutcome::Checked(obstacle) => next(list, report, *obstacle),
+        CommandOutcome::Refused => {
+            std::iter::once("Nothing was written.".to_owned()).chain(next(list, report, None)).collect()
+        }
     }
 }
 
@@ -62,6 +65,71 @@ fn changed(list: &EquationList, restored: usize) -> String {
         count(restored, "claim"),
         if restored == 1 { "holds" } else { "hold" }
     )
+}
+
+/// Most repairs, of conflicts that have nothing in common, that are shown.
+const REPAIRS: usize = 3;
+
+/// The repairs of conflicts, or one line of other advice.
+fn next(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Vec<String> {
+    let known: Vec<&RepairFinding> = report.repairs.iter().filter(|repair| !repair.ways.is_empty()).collect();
+    if known.is_empty() {
+        return vec![advice(list, report, obstacle)];
+    }
+    let mut lines: Vec<String> = known.iter().take(REPAIRS).flat_map(|repair| repair_lines(repair)).collect();
+    if let Some(first) = lines.first_mut() {
+        *first = format!("Next: {}", first.trim_start());
+    }
+    if known.len() > REPAIRS {
+        let more = count(known.len() - REPAIRS, "more repair");
+        lines.push(format!("  and {more}, of other conflicts (all of them: --format json)"));
+    }
+    lines
+}
+
+/// The most plausible way to cure some conflicts, and the number of the others.
+fn repair_lines(repair: &RepairFinding) -> Vec<String> {
+    let way = &repair.ways[0];
+    let shown = way.iter().take(REPAIRS).map(change);
+    let mut lines: Vec<String> = shown.map(|change| format!("  {change}")).collect();
+    let more = way.len().saturating_sub(REPAIRS);
+    let more = if more > 0 { format!(" with {} more (--format json)", count(more, "change")) } else { String::new() };
+    let cured = match &repair.conflicts[..] {
+        [row] => format!("cures row {row}"),
+        rows => format!("cures all {} conflicts", rows.len()),
+    };
+    let others = match repair.count - 1 {
+        0 => String::new(),
+        1 => "; 1 other way cures too (--format json)".to_owned(),
+        n => format!("; {n} other ways cure too (--format json)"),
+    };
+    if let Some(last) = lines.last_mut() {
+        let tail = format!("{more}: {cured}{others}.");
+        if width(last) + width(&tail) + 4 <= super::COLUMNS {
+            last.push_str(&tail);
+        } else {
+            last.push(':');
+            lines.push(format!("    {}", tail.trim_start_matches([':', ' '])));
+        }
+    }
+    lines
+}
+
+/// `change 4:1 in line 17 *BOUNDARY from 0.5 to 0`.
+fn change(change: &ChangeFinding) -> String {
+    match change {
+        ChangeFinding::Prescribed { label: dof, place, from, to, .. } => {
+            let place = place.as_ref().map_or_else(String::new, |place| format!(" in {}", label(place)));
+            format!("change {}{place} from {} to {}", label(dof), number(*from), number(*to))
+        }
+        ChangeFinding::Equation { row, label: name, from, to } => {
+            let number_of_row = format!("row {row}");
+            let name =
+                if *name == number_of_row { number_of_row } else { format!("{number_of_row} \"{}\"", label(name)) };
+            format!("change the right-hand side of {name} from {} to {}, or leave it out", number(*from), number(*to))
+        }
+        _ => String::new(),
+    }
 }
 
 fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> String {

@@ -65,7 +65,7 @@ impl Model {
         }
         for given in &case.prescribed {
             if let Some(j) = column(given.dof) {
-                builder.prescribe(j, value(given));
+                builder.prescribe_at(self.place(given.origin), j, value(given));
             }
         }
         if dofs > 0 {

@@ -14,6 +14,8 @@ pub struct SystemBuilder {
     rhs: Vec<f64>,
     labels: Vec<String>,
     prescribed: Vec<(usize, f64)>,
+    /// Where values are prescribed, by DOF.
+    places: Vec<(usize, String)>,
     dof_labels: Vec<String>,
 }
 
@@ -49,6 +51,21 @@ impl SystemBuilder {
         self.prescribed.push((dof, value));
     }
 
+    /// [`SystemBuilder::prescribe`] with the place of the value, such as `line 17 *BOUNDARY`, that reports will use.
+    ///
+    /// ```
+    /// let mut builder = qless::SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// builder.prescribe_at("line 17", 1, 0.5);
+    /// let system = builder.build()?;
+    /// assert_eq!((system.prescribed_place(1), system.prescribed_place(0)), (Some("line 17"), None));
+    /// # Ok::<(), qless::SystemError>(())
+    /// ```
+    pub fn prescribe_at(&mut self, place: impl Into<String>, dof: usize, value: f64) {
+        self.prescribe(dof, value);
+        self.places.push((dof, place.into()));
+    }
+
     /// Names all DOFs, in order.
     pub fn dof_labels(&mut self, labels: Vec<String>) {
         self.dof_labels = labels;
@@ -73,7 +90,8 @@ impl SystemBuilder {
                 *label = format!("row {}", row + 1);
             }
         }
-        finish(matrix, &self.rhs, &self.prescribed)?.with_labels(self.labels, self.dof_labels)
+        let system = finish(matrix, &self.rhs, &self.prescribed)?.with_labels(self.labels, self.dof_labels)?;
+        Ok(system.with_places(self.places))
     }
 }
 

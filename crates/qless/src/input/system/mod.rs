@@ -49,6 +49,8 @@ struct Numbers {
 struct SystemLabels {
     equations: Vec<String>,
     dofs: Vec<String>,
+    /// Where values are prescribed, ascending by DOF.
+    places: Vec<(usize, String)>,
 }
 
 impl ConstraintSystem {
@@ -112,7 +114,18 @@ impl ConstraintSystem {
                 return Err(SystemError::WrongLength { what, found, expected });
             }
         }
-        Ok(Self { labels: Arc::new(SystemLabels { equations, dofs }), ..self })
+        let places = self.labels.places.clone();
+        Ok(Self { labels: Arc::new(SystemLabels { equations, dofs, places }), ..self })
+    }
+
+    /// The places of prescribed values; the first of a DOF counts.
+    fn with_places(mut self, mut places: Vec<(usize, String)>) -> Self {
+        places.sort_by_key(|&(dof, _)| dof);
+        places.dedup_by_key(|&mut (dof, _)| dof);
+        if let (false, Some(labels)) = (places.is_empty(), Arc::get_mut(&mut self.labels)) {
+            labels.places = places;
+        }
+        self
     }
 
     /// Some coefficients and right-hand sides, the others being zero; the same labels.
@@ -153,6 +166,26 @@ impl ConstraintSystem {
     /// Prescribed `(DOF, value)`, ascending by DOF.
     pub fn prescribed(&self) -> &[(usize, f64)] {
         &self.numbers.prescribed
+    }
+
+    /// The prescribed value of a DOF.
+    ///
+    /// ```
+    /// let mut builder = qless::SystemBuilder::new(2);
+    /// builder.prescribe(1, 0.5);
+    /// let system = builder.build()?;
+    /// assert_eq!((system.prescribed_value(1), system.prescribed_value(0)), (Some(0.5), None));
+    /// # Ok::<(), qless::SystemError>(())
+    /// ```
+    pub fn prescribed_value(&self, dof: usize) -> Option<f64> {
+        let prescribed = self.prescribed();
+        prescribed.binary_search_by_key(&dof, |&(j, _)| j).ok().map(|at| prescribed[at].1)
+    }
+
+    /// Where the value of a DOF is prescribed, if that is known: [`SystemBuilder::prescribe_at`].
+    pub fn prescribed_place(&self, dof: usize) -> Option<&str> {
+        let places = &self.labels.places;
+        places.binary_search_by_key(&dof, |&(j, _)| j).ok().map(|at| places[at].1.as_str())
     }
 
     /// The labels of all equations, or an empty list.

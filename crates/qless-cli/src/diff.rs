@@ -1,0 +1,145 @@
+//! `qless diff`: whether two sets of equations have the same solutions, and which equations tell them apart.
+//!
+//! Every equation and prescribed value of one set is evaluated at solutions of the other: at its particular solution and at random ones. An
+//! equation that follows from the others holds at all of them to rounding; another one fails at a random solution with probability 1.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::process::ExitCode;
+
+use qless::common::SplitMix64;
+use qless::{ConstraintSystem, Elimination, Form, analyse};
+
+use crate::args::{DiffArgs, ModelArgs};
+use crate::deck_input::LoadCaseChoice;
+use crate::diagnose::{Diagnosis, Question, diagnose};
+use crate::exit_code;
+use crate::failure::CliFailure;
+use crate::preferences::PreferenceLists;
+use crate::terminal::{self, Progress};
+use crate::wording::printable;
+use crate::wording::{count, equation, label, number};
+
+/// Random solutions, beside the one whose masters are zero.
+const RANDOM: usize = 2;
+/// An equation holds if no more than this is left of its parts: equations that follow leave rounding, times the growth of T.
+const HOLDS: f64 = 1e-9;
+/// Rounding of a solution, relative to its largest entry.
+const ROUNDING: f64 = 1e-13;
+/// Most equations that are listed for each set.
+const SHOWN: usize = 20;
+
+/// Prints what each set asks and the other does not; exit code 0 if the sets mean the same, else 1.
+pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
+    let progress = Progress::new(args.model.quiet);
+    let other = ModelArgs { input: args.other.clone(), rhs: None, prescribed: None, ..args.model.clone() };
+    let question = || Question {
+        options: args.model.options(),
+        preferences: PreferenceLists::default(),
+        choice: LoadCaseChoice::new(args.case.as_deref(), LoadCaseChoice::Any),
+    };
+    let first = diagnose(&args.model, question(), &progress)?;
+    let second = diagnose(&other, question(), &progress)?;
+    progress.stage("comparing");
+    let lines = match (solvable(&first)?, solvable(&second)?) {
+        (Some(a), Some(b)) => {
+            let mut lines = beyond(&first, &b);
+            lines.extend(beyond(&second, &a));
+            lines
+        }
+        (a, b) => [(a.is_none(), &first), (b.is_none(), &second)]
+            .into_iter()
+            .filter(|(conflicts, _)| *conflicts)
+            .map(|(_, diagnosis)| {
+                format!("{} has conflicting equations: see `qless check`.", name(&diagnosis.args.input))
+            })
+            .collect(),
+    };
+    drop(progress);
+    let same = lines.is_empty();
+    let text = if same { "Both sets have the same solutions.\n".to_owned() } else { lines.join("\n") + "\n" };
+    terminal::write(|out| out.write_all(text.as_bytes()))?;
+    Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(exit_code::REFUSED) })
+}
+
+/// Solutions of a set, by the labels of its DOFs, or by their numbers.
+struct Solutions {
+    columns: HashMap<String, usize>,
+    samples: Vec<Vec<f64>>,
+}
+
+/// `None` if the equations conflict.
+fn solvable(diagnosis: &Diagnosis) -> Result<Option<Solutions>, CliFailure> {
+    if diagnosis.is_conflicting() {
+        return Ok(None);
+    }
+    let system = &diagnosis.system;
+    let failed =
+        |error: &dyn std::fmt::Display| CliFailure::Resource(format!("{}: {error}", diagnosis.args.input.display()));
+    let analysis = analyse(system, &diagnosis.options).map_err(|error| failed(&error))?;
+    let elimination = Elimination::from_analysis(analysis, Form::Auto).map_err(|error| failed(&error))?;
+    let mut random = SplitMix64::new(1);
+    let mut samples = Vec::new();
+    for sample in 0..=RANDOM {
+        let mut entry = || if sample == 0 { 0.0 } else { (random.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0 };
+        let masters: Vec<f64> = elimination.masters().iter().map(|_| entry()).collect();
+        let mut u = vec![0.0; system.dofs()];
+        elimination.expand_into(&masters, &mut u).map_err(|error| failed(&error))?;
+        samples.push(u);
+    }
+    let columns = (0..system.dofs()).map(|dof| (system.dof_label(dof).to_lowercase(), dof)).collect();
+    Ok(Some(Solutions { columns, samples }))
+}
+
+/// A heading and the equations and prescribed values of a set that solutions of the other do not fulfil.
+fn beyond(of: &Diagnosis, solutions: &Solutions) -> Vec<String> {
+    let system = &of.system;
+    let mut found: Vec<String> = (0..system.equations())
+        .filter(|&row| !holds(system, &system.matrix().row(row), system.rhs()[row], solutions))
+        .map(|row| equation(system, row))
+        .collect();
+    for &(dof, value) in system.prescribed() {
+        if !holds(system, &std::iter::once((dof, 1.0)), value, solutions) {
+            let place = system.prescribed_place(dof).map_or_else(String::new, |place| format!(", {}", label(place)));
+            found.push(format!("{} = {}{place}", label(&system.dof_label(dof)), number(value)));
+        }
+    }
+    if found.is_empty() {
+        return Vec::new();
+    }
+    let mut lines =
+        vec![format!("{} asks for {} that the other does not:", name(&of.args.input), count(found.len(), "thing"))];
+    let more = found.len().saturating_sub(SHOWN);
+    lines.extend(found.into_iter().take(SHOWN).map(|item| format!("  {item}")));
+    if more > 0 {
+        lines.push(format!("  and {more} more"));
+    }
+    lines
+}
+
+/// Whether an equation holds at all samples. A DOF that the other set does not have is free there.
+fn holds(
+    system: &ConstraintSystem,
+    terms: &(impl Iterator<Item = (usize, f64)> + Clone),
+    b: f64,
+    solutions: &Solutions,
+) -> bool {
+    solutions.samples.iter().enumerate().all(|(k, u)| {
+        let largest = u.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let (mut left, mut size, mut rounding) = (-b, b.abs(), 0.0_f64);
+        for (dof, factor) in terms.clone() {
+            let place = solutions.columns.get(&system.dof_label(dof).to_lowercase());
+            // Another number for each DOF and sample.
+            let free = if k == 0 { 0.0 } else { ((dof * 7 + k * 3) as f64).sin() };
+            let part = factor * place.map_or(free, |&j| u[j]);
+            left += part;
+            size = size.max(part.abs());
+            rounding = rounding.max(factor.abs() * largest);
+        }
+        left.abs() <= HOLDS * size + ROUNDING * rounding
+    })
+}
+
+fn name(path: &Path) -> String {
+    printable::line(&path.display().to_string())
+}

@@ -1,0 +1,119 @@
+//! The right-hand sides of an explanation in one line.
+
+use super::{Explanation, Member};
+use crate::ConstraintSystem;
+
+/// Most numbers in the line; the others are counted.
+const SHOWN: usize = 6;
+/// Most characters of a label.
+const LABEL: usize = 30;
+
+impl Explanation {
+    /// What the members give and what equation `row` asks: `0.5 (line 17) - 0 (line 13) = 0.5, but 0 is asked (line 11)`.
+    ///
+    /// Equations whose right-hand side is zero are left out, and numbers have at most six digits.
+    ///
+    /// ```
+    /// use qless::{Options, SystemBuilder, analyse};
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.labelled_equation("tie A", [(0, 1.0), (1, -1.0)], 0.0);
+    /// builder.prescribe_at("line 13", 0, 0.5);
+    /// builder.prescribe_at("line 17", 1, 0.0);
+    /// let system = builder.build()?;
+    /// let analysis = analyse(&system, &Options::default())?;
+    /// let explanation = analysis.explain(0)?.expect("it conflicts");
+    /// assert_eq!(explanation.arithmetic(&system, 0), "0.5 (line 13) - 0 (line 17) = 0.5, but 0 is asked (tie A)");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn arithmetic(&self, system: &ConstraintSystem, row: usize) -> String {
+        let mut parts: Vec<Part> = self.members.iter().filter_map(|&member| Part::new(system, member)).collect();
+        // What is not zero is shown first if there is no room for all.
+        if parts.len() > SHOWN {
+            parts.sort_by_key(|part| part.value == 0.0);
+        }
+        let more = parts.len().saturating_sub(SHOWN);
+        let shown = parts.iter().take(SHOWN).enumerate().map(|(k, part)| part.words(k == 0));
+        let rest = (more > 0).then(|| format!(" + {more} more"));
+        let line: String = shown.chain(rest).collect();
+        let (given, asked) = (digits(self.right_hand_side), digits(system.rhs().get(row).copied().unwrap_or_default()));
+        let place = short(&system.equation_label(row));
+        let result = if parts.is_empty() { format!("The sum is {given}") } else { format!("{line} = {given}") };
+        format!("{result}, but {asked} is asked ({place})")
+    }
+}
+
+/// A factor times a right-hand side or a prescribed value, and where that stands.
+struct Part {
+    factor: f64,
+    value: f64,
+    place: String,
+}
+
+impl Part {
+    fn new(system: &ConstraintSystem, member: Member) -> Option<Self> {
+        match member {
+            Member::Equation { row, coefficient } => {
+                let value = system.rhs()[row];
+                let place = || short(&system.equation_label(row));
+                (value != 0.0).then(|| Self { factor: coefficient, value, place: place() })
+            }
+            Member::Prescribed { dof, value, coefficient } => {
+                let place = system.prescribed_place(dof).map_or_else(|| system.dof_label(dof), str::to_owned);
+                Some(Self { factor: coefficient, value, place: short(&place) })
+            }
+        }
+    }
+
+    /// ` - 2 * 0.5 (line 17)`.
+    fn words(&self, is_first: bool) -> String {
+        let Self { factor, value, place } = self;
+        let sign = match (is_first, *factor < 0.0) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        };
+        let size = digits(factor.abs());
+        let value = if *value < 0.0 { format!("({})", digits(*value)) } else { digits(*value) };
+        if size == "1" { format!("{sign}{value} ({place})") } else { format!("{sign}{size} * {value} ({place})") }
+    }
+}
+
+/// The line of a label that begins with one, such as `line 41` of `line 41 *EQUATION 3:1`; else the label, shortened.
+pub(super) fn short(label: &str) -> String {
+    let words: Vec<&str> = label.split_whitespace().take(2).collect();
+    match words[..] {
+        ["line", number] => format!("line {number}"),
+        [place, card] if card.starts_with('*') => place.to_owned(),
+        _ if label.chars().count() > LABEL => label.chars().take(LABEL - 3).chain("...".chars()).collect(),
+        _ => label.to_owned(),
+    }
+}
+
+/// At most six significant digits.
+fn digits(x: f64) -> String {
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    let text = format!("{:?}", rounded + 0.0);
+    text.strip_suffix(".0").map_or_else(|| text.clone(), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_shortened_to_their_line() {
+        for (label, expected) in [
+            ("line 41 *EQUATION 3:1", "line 41"),
+            ("part.inc:41 *TIE 3:1", "part.inc:41"),
+            ("tie A", "tie A"),
+            ("a very long label of a tie between two parts", "a very long label of a tie ..."),
+        ] {
+            assert_eq!(short(label), expected);
+        }
+        assert_eq!(
+            (digits(0.1 + 0.2), digits(-0.0), digits(2.0), digits(1e-9)),
+            ("0.3".into(), "0".into(), "2".into(), "1e-9".into())
+        );
+    }
+}

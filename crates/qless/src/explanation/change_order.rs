@@ -1,0 +1,69 @@
+//! Which of several changes is the most plausible: nobody can know, but typing errors are rare numbers with many digits.
+
+use std::collections::HashMap;
+
+use super::changes::{Change, Number};
+use crate::ConstraintSystem;
+
+/// How often each number occurs among right-hand sides and among prescribed values.
+pub(super) struct Plausibility<'a> {
+    system: &'a ConstraintSystem,
+    sides: HashMap<u64, usize>,
+    values: HashMap<u64, usize>,
+}
+
+impl<'a> Plausibility<'a> {
+    pub fn new(system: &'a ConstraintSystem) -> Self {
+        let mut all = Self { system, sides: HashMap::new(), values: HashMap::new() };
+        for row in 0..system.equations() {
+            let side = all.side(row, system.rhs()[row]);
+            *all.sides.entry(side).or_default() += 1;
+        }
+        for &(_, value) in system.prescribed() {
+            *all.values.entry(rounded(value)).or_default() += 1;
+        }
+        all
+    }
+
+    /// A right-hand side relative to the largest coefficient of its equation, so that a multiple of the equation counts as the same.
+    fn side(&self, row: usize, b: f64) -> u64 {
+        let largest = self.system.matrix().row(row).fold(0.0, |most: f64, (_, value)| most.max(value.abs()));
+        rounded(if largest > 0.0 { b / largest } else { b })
+    }
+
+    /// Sorts ways: to common numbers from rare ones, then to numbers with fewer digits, then from numbers other than zero, then by place.
+    pub fn key(&self, way: &[Change]) -> (isize, usize, usize, Vec<Number>) {
+        let common = way.iter().map(|change| self.surplus(change)).sum::<isize>();
+        let digits = way.iter().map(|change| digits(change.to)).sum();
+        let zeros = way.iter().filter(|change| change.from == 0.0).count();
+        (-common, digits, zeros, way.iter().map(|change| change.number).collect())
+    }
+
+    /// How many other numbers are as after the change, less how many are as before.
+    fn surplus(&self, change: &Change) -> isize {
+        let count = |counts: &HashMap<u64, usize>, key: u64| counts.get(&key).copied().unwrap_or(0) as isize;
+        match change.number {
+            Number::RightHandSide(row) => {
+                let [to, from] = [change.to, change.from].map(|b| count(&self.sides, self.side(row, b)));
+                to - (from - 1)
+            }
+            Number::Prescribed(_) => {
+                let [to, from] = [change.to, change.from].map(|value| count(&self.values, rounded(value)));
+                to - (from - 1)
+            }
+        }
+    }
+}
+
+/// The bits of a size with nine digits.
+fn rounded(x: f64) -> u64 {
+    let rounded: f64 = format!("{:.8e}", x.abs()).parse().unwrap_or(x);
+    rounded.to_bits()
+}
+
+/// Significant digits of the shortest decimal; 0 for zero.
+fn digits(x: f64) -> usize {
+    let text = format!("{x:e}");
+    let mantissa = text.split('e').next().unwrap_or_default();
+    if x == 0.0 { 0 } else { mantissa.chars().filter(char::is_ascii_digit).count() }
+}

@@ -1,0 +1,35 @@
+//! Numbers of the input that can be changed, and other values for them.
+
+use super::Member;
+
+/// A number of the input that can be changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Number {
+    /// The prescribed value of this DOF, 0-based.
+    Prescribed(usize),
+    /// The right-hand side of this equation, 0-based.
+    RightHandSide(usize),
+}
+
+/// Another value for a number of the input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Change {
+    /// The number.
+    pub number: Number,
+    /// Its value.
+    pub from: f64,
+    /// The value that cures, rounded to 12 digits.
+    pub to: f64,
+}
+
+impl From<Member> for Number {
+    /// The number that a member brings.
+    fn from(member: Member) -> Self {
+        match member {
+            Member::Equation { row, .. } => Self::RightHandSide(row),
+            Member::Prescribed { dof, .. } => Self::Prescribed(dof),
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! Why an equation is dependent or a DOF fixed, by few equations and prescribed values.
+//!
+//! ```text
+//! row_k = sum_i c_i row_i + sum_j d_j e_j      over all DOFs; e_j: the prescribed value of DOF j, as an equation `u_j = value`
+//! b_k  ?= sum_i c_i b_i   + sum_j d_j value_j  equal: redundant; not equal: conflicting
+//! ```
+//!
+//! Certificates ([`Analysis::because`]) are over kept equations, unique, and can be long. Explanations are over all equations that the kept
+//! ones agree with, also redundant ones, and short where that is cheap:
+//!
+//! ```text
+//! circle         equations with one or two DOFs: the shortest circle, by breadth-first search
+//! neighbourhood  elimination among the equations near by
+//! certificate    otherwise
+//! ```
+//!
+//! Every explanation is *irreducible*: its members are independent and no factor is zero, so that no part of them gives the equation.
+
+mod arithmetic;
+mod candidates;
+mod change_order;
+mod changes;
+mod neighbourhood;
+mod observations;
+mod repair;
+mod tie_path;
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::common::argument::{ArgumentError, within};
+use crate::diagnosis::classify::Dependent;
+use crate::factor::backend::BackendError;
+use crate::input::incidence::Incidence;
+use crate::{Analysis, CertificateTerm, Kind};
+use candidates::Candidates;
+
+pub use changes::{Change, Number};
+pub use repair::{Freed, Repair};
+
+/// Most equations that a search for a circle visits; a search over so many takes a millisecond.
+const MOST_VISITED: usize = 1 << 14;
+
+/// A sum that cancels to within this, relative to its parts, is zero.
+const NOISE: f64 = 1e-11;
+
+/// A combination that leaves no more than this of its parts gives a sum: equations agree to more digits, and certificates lose few of them.
+const SAME: f64 = 1e-9;
+
+/// An explanation with more members is compared with the certificate, which may be shorter.
+const SHORT: usize = 8;
+
+/// A member of an explanation, with its factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Member {
+    /// `coefficient` times an equation.
+    Equation {
+        /// The equation, 0-based.
+        row: usize,
+        /// Its factor.
+        coefficient: f64,
+    },
+    /// `coefficient` times `u_dof = value`.
+    Prescribed {
+        /// The prescribed DOF, 0-based.
+        dof: usize,
+        /// Its prescribed value.
+        value: f64,
+        /// Its factor.
+        coefficient: f64,
+    },
+}
+
+impl Member {
+    /// Its factor.
+    pub fn coefficient(self) -> f64 {
+        match self {
+            Self::Equation { coefficient, .. } | Self::Prescribed { coefficient, .. } => coefficient,
+        }
+    }
+}
+
+/// Equations and prescribed values of which another equation, or the value of a fixed DOF, is the sum.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Explanation {
+    /// Equations, ascending, then prescribed values, ascending. Empty for the equation `0 = b`.
+    pub members: Vec<Member>,
+    /// The right-hand side that they give: `sum_i c_i b_i + sum_j d_j value_j`. Another equation with this right-hand side would be redundant;
+    /// a fixed DOF has this value.
+    pub right_hand_side: f64,
+    /// `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs.
+    pub error: f64,
+}
+
+impl Explanation {
+    /// From its parts.
+    pub fn new(members: Vec<Member>, right_hand_side: f64, error: f64) -> Self {
+        Self { members, right_hand_side, error }
+    }
+}
+
+impl Analysis {
+    /// Why an equation is dependent, in few members; `None` for an independent one.
+    ///
+    /// `row_k = sum_i c_i row_i + sum_j d_j e_j` over all DOFs, where `e_j` are prescribed values. The members are irreducible: without any
+    /// one of them the others do not give the equation. The search is bounded (16,384 visited or 128 eliminated equations); beyond that the
+    /// certificate explains.
+    ///
+    /// ```
+    /// use qless::explanation::Member;
+    /// use qless::{Options, SystemBuilder, analyse};
+    /// // u0 = u1 = u2, and the ends are prescribed.
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// builder.equation([(1, 1.0), (2, -1.0)], 0.0);
+    /// builder.prescribe(0, 0.5);
+    /// builder.prescribe(2, 0.0);
+    /// let analysis = analyse(&builder.build()?, &Options::default())?;
+    /// let conflict = &analysis.dependent()[0];
+    /// let explanation = analysis.explain(conflict.row)?.expect("it is dependent");
+    /// assert_eq!(explanation.members.len(), 3);
+    /// assert!(explanation.members.contains(&Member::Prescribed { dof: 2, value: 0.0, coefficient: -1.0 }));
+    /// assert_eq!(explanation.right_hand_side, 0.5);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn explain(&self, row: usize) -> Result<Option<Explanation>, ArgumentError> {
+        within("equation", row, self.kinds.len())?;
+        Ok(self.dependent_of(row).map(|dependent| self.explained(dependent, true).0))
+    }
+
+    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum_i c_i row_i + sum_j d_j e_j`; `None` for any other DOF.
+    ///
+    /// # Errors
+    /// [`BackendError`] if the block of the DOF cannot be factored again.
+    pub fn explain_fixed(&self, dof: usize) -> Result<Option<Explanation>, BackendError> {
+        let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(None) };
+        self.combination(&[(self.fixed[place], 1.0)]).map(Some)
+    }
+
+    /// Why the equations fix a sum `sum a_j u_j` to a value, which is [`Explanation::right_hand_side`]; `None` if they do not.
+    ///
+    /// ```
+    /// use qless::{Options, SystemBuilder, analyse};
+    /// // u0 = u1 + 1 and u1 = u2 + 2 give u0 - u2 = 3.
+    /// let mut builder = SystemBuilder::new(4);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 1.0);
+    /// builder.equation([(1, 1.0), (2, -1.0)], 2.0);
+    /// let analysis = analyse(&builder.build()?, &Options::default())?;
+    /// assert_eq!(analysis.explain_sum(&[(0, 1.0), (2, -1.0)])?.expect("it follows").right_hand_side, 3.0);
+    /// assert!(analysis.explain_sum(&[(0, 1.0)])?.is_none() && analysis.explain_sum(&[(3, 1.0)])?.is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BackendError`] if a block cannot be factored again.
+    pub fn explain_sum(&self, sum: &[(usize, f64)]) -> Result<Option<Explanation>, BackendError> {
+        let local: HashMap<u32, u32> = self.numbering.dofs.iter().copied().zip(0..).collect();
+        let Some(vector) = sum.iter().map(|&(j, a)| Some((*local.get(&u32::try_from(j).ok()?)?, a))).collect() else {
+            return Ok(None);
+        };
+        let vector: Vec<(u32, f64)> = vector;
+        let found = self.combination(&vector)?;
+        Ok((found.error <= SAME).then_some(found))
+    }
+
+    /// What gives a vector: few equations, or else kept ones.
+    fn combination(&self, vector: &[(u32, f64)]) -> Result<Explanation, BackendError> {
+        let terms = if let Some(terms) = self.short(None, vector).0 {
+            terms
+        } else {
+            let is_free = self.numbering.free.as_slice();
+            let free = vector.iter().copied().filter(|&(j, _)| is_free[j as usize]);
+            self.without_rounding(vector, self.expressed(free)?)
+        };
+        Ok(self.with_values(vector, terms, None))
+    }
+
+    /// The explanation of a dependent equation and its cost in operations; the certificate without a search.
+    pub(crate) fn explained(&self, dependent: &Dependent, search: bool) -> (Explanation, usize) {
+        let local = self.numbering.view(&self.system, self.system.rhs());
+        let vector: Vec<(u32, f64)> = local.row(dependent.row).map(|(j, value)| (j as u32, value)).collect();
+        let (short, effort) = if search { self.short(Some(dependent), &vector) } else { (None, 0) };
+        let certificate = || {
+            let (terms, error) = self.checked(dependent);
+            self.with_values(&vector, self.without_rounding(&vector, terms), Some(error))
+        };
+        let explanation = match short.map(|terms| self.with_values(&vector, terms, None)) {
+            Some(short) if self.is_of(dependent, &short) => {
+                let other = (short.members.len() > SHORT).then(certificate);
+                other.filter(|other| other.members.len() < short.members.len()).unwrap_or(short)
+            }
+            _ => certificate(),
+        };
+        (explanation, effort)
+    }
+
+    /// A vector as a combination of few equations, if one is found within the bounds, and the operations that this took.
+    fn short(&self, dependent: Option<&Dependent>, vector: &[(u32, f64)]) -> (Option<Vec<CertificateTerm>>, usize) {
+        let system = self.numbering.view(&self.system, self.system.rhs());
+        let row = dependent.map(|dependent| dependent.row);
+        let incidence = self.incidence.get_or_init(|| Incidence::new(system));
+        let candidates = Candidates { system, incidence, kinds: &self.kinds, scaling: &self.scaling, row };
+        let tolerance = self.options.tolerance.value();
+        let is_good = |terms: &Vec<CertificateTerm>| self.error_of(vector.iter().copied(), terms) <= tolerance;
+        let ends: Vec<u32> = vector.iter().map(|&(j, _)| j).collect();
+        let (circle, visited) = tie_path::shortest_circle(&candidates, &ends, MOST_VISITED);
+        let circle = circle.map(|circle| terms(tie_path::factors(&candidates, vector, &circle)));
+        if let Some(circle) = circle.filter(is_good) {
+            return (Some(circle), visited);
+        }
+        let free: Vec<(u32, f64)> = vector.iter().copied().filter(|&(j, _)| system.free()[j as usize]).collect();
+        let (near, effort) = neighbourhood::near(&candidates, &free, tolerance);
+        (near.map(terms).filter(is_good), visited + effort)
+    }
+
+    /// A certificate without the terms that are rounding of others: it is unique, so that no other term can be left out.
+    fn without_rounding(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
+        let pruned = self.pruned(&terms, NOISE);
+        let error = |terms: &[CertificateTerm]| self.error_of(vector.iter().copied(), terms);
+        let is_good = pruned.len() < terms.len() && error(&pruned) <= error(&terms).max(self.options.tolerance.value());
+        if is_good { pruned } else { terms }
+    }
+
+    /// Whether the right-hand side of an explanation says of an equation what its certificate says: differences are errors of the equations'
+    /// own agreement, each within the tolerance.
+    fn is_of(&self, dependent: &Dependent, explanation: &Explanation) -> bool {
+        let b = self.system.rhs()[dependent.row];
+        let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);
+        let mismatch = b - explanation.right_hand_side;
+        let agrees = (mismatch - dependent.mismatch).abs() <= 10.0 * self.options.tolerance.value() * size;
+        agrees && (dependent.kind == Kind::Redundant || mismatch.abs() >= dependent.mismatch.abs() / 2.0)
+    }
+
+    /// What a member gives to the right-hand side.
+    fn part(&self, member: Member) -> f64 {
+        match member {
+            Member::Equation { row, coefficient } => coefficient * self.system.rhs()[row],
+            Member::Prescribed { value, coefficient, .. } => coefficient * value,
+        }
+    }
+
+    /// The explanation by these equations and the prescribed values that they leave; computes the error unless it is known.
+    fn with_values(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>, error: Option<f64>) -> Explanation {
+        let system = self.numbering.view(&self.system, self.system.rhs());
+        let mut left: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+        let mut add = |j: usize, part: f64| {
+            if !system.free()[j] {
+                let (sum, size) = left.entry(j).or_default();
+                *sum += part;
+                *size += part.abs();
+            }
+        };
+        vector.iter().for_each(|&(j, value)| add(j as usize, value));
+        for term in &terms {
+            system.row(term.row).for_each(|(j, value)| add(j, -term.coefficient * value));
+        }
+        let mut values: Vec<(usize, f64)> = left
+            .into_iter()
+            .filter(|&(_, (sum, size))| sum.abs() > NOISE * size)
+            .map(|(j, (sum, _))| (self.numbering.dofs[j] as usize, sum))
+            .collect();
+        values.sort_unstable_by_key(|&(dof, _)| dof);
+        let error = error.unwrap_or_else(|| self.error_of(vector.iter().copied(), &terms));
+        let equation = |term: CertificateTerm| Member::Equation { row: term.row, coefficient: term.coefficient };
+        let value = |(dof, coefficient)| Member::Prescribed {
+            dof,
+            value: self.system.prescribed_value(dof).unwrap_or_default(),
+            coefficient,
+        };
+        let members: Vec<Member> = terms.into_iter().map(equation).chain(values.into_iter().map(value)).collect();
+        let right_hand_side = members.iter().map(|&member| self.part(member)).sum();
+        Explanation { members, right_hand_side, error }
+    }
+}
+
+/// Ascending by row, without zeros.
+fn terms(factors: Vec<(u32, f64)>) -> Vec<CertificateTerm> {
+    let term = |(row, coefficient)| CertificateTerm { row: row as usize, coefficient };
+    let mut terms: Vec<CertificateTerm> = factors.into_iter().filter(|&(_, factor)| factor != 0.0).map(term).collect();
+    terms.sort_unstable_by_key(|term| term.row);
+    terms
+}

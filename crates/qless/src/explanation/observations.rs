@@ -1,0 +1,143 @@
+//! Mismatches of conflicts, and which changes of numbers cure them all: `m_o + sum_w a_ow x_w = 0`.
+
+use std::collections::BTreeMap;
+
+use super::Explanation;
+use super::changes::Number;
+use crate::common::DisjointSets;
+
+/// Most numbers of which pairs are tried: 300 of them have 45,000 pairs.
+const MOST_PAIRED: usize = 300;
+/// Numbers that agree to this, relative to their size, are equal: mismatches have more digits.
+const EQUAL: f64 = 1e-6;
+
+/// The effects of one number on observations: `m_o` grows by `effect` times the change.
+pub(super) type Effects = Vec<(usize, f64)>;
+
+/// Mismatches to cure, and the numbers that act on them.
+#[derive(Default)]
+pub(super) struct Observations {
+    pub mismatches: Vec<f64>,
+    pub effects: BTreeMap<Number, Effects>,
+}
+
+impl Observations {
+    /// A mismatch, on which each member acts by its coefficient, with the other sign.
+    pub fn add(&mut self, mismatch: f64, explanation: &Explanation) {
+        let o = self.mismatches.len();
+        self.mismatches.push(mismatch);
+        for &member in &explanation.members {
+            self.effects.entry(member.into()).or_default().push((o, -member.coefficient()));
+        }
+    }
+
+    /// Observations that have numbers in common.
+    pub fn groups(&self) -> Vec<Vec<usize>> {
+        let mut sets = DisjointSets::new(self.mismatches.len());
+        for effects in self.effects.values() {
+            effects.windows(2).for_each(|pair| sets.join(pair[0].0, pair[1].0));
+        }
+        let (of, count) = sets.numbered();
+        let mut groups = vec![Vec::new(); count];
+        of.iter().enumerate().for_each(|(o, &group)| groups[group as usize].push(o));
+        groups
+    }
+
+    pub fn only(&self, group: &[usize]) -> Self {
+        let mut some = Self { mismatches: group.iter().map(|&o| self.mismatches[o]).collect(), ..Self::default() };
+        for (&number, effects) in &self.effects {
+            let own = |&(o, effect): &(usize, f64)| group.binary_search(&o).ok().map(|at| (at, effect));
+            let effects: Effects = effects.iter().filter_map(own).collect();
+            if !effects.is_empty() {
+                some.effects.insert(number, effects);
+            }
+        }
+        some
+    }
+
+    /// Numbers that cure everything alone, with their changes.
+    pub fn singles(&self) -> Vec<Vec<(Number, f64)>> {
+        let cures = |(&number, effects): (&Number, &Effects)| {
+            let change = -self.mismatches[effects[0].0] / effects[0].1;
+            let is_cure = effects.len() == self.mismatches.len()
+                && effects.iter().all(|&(o, effect)| is_zero(self.mismatches[o], effect * change));
+            is_cure.then(|| vec![(number, change)])
+        };
+        self.effects.iter().filter_map(cures).collect()
+    }
+
+    /// Pairs of numbers that cure everything together.
+    pub fn pairs(&self) -> Vec<Vec<(Number, f64)>> {
+        let all: Vec<(Number, Vec<f64>)> =
+            self.effects.iter().map(|(&number, effects)| (number, self.dense(effects))).collect();
+        if all.len() > MOST_PAIRED {
+            return Vec::new();
+        }
+        let mut found = Vec::new();
+        for (k, (first, a)) in all.iter().enumerate() {
+            for (second, c) in &all[k + 1..] {
+                if let Some([x, y]) = self.cure_by_two(a, c) {
+                    found.push(vec![(*first, x), (*second, y)]);
+                }
+            }
+        }
+        found
+    }
+
+    fn dense(&self, effects: &Effects) -> Vec<f64> {
+        let mut all = vec![0.0; self.mismatches.len()];
+        effects.iter().for_each(|&(o, effect)| all[o] = effect);
+        all
+    }
+
+    /// Changes x and y with `m + a x + c y = 0`.
+    fn cure_by_two(&self, a: &[f64], c: &[f64]) -> Option<[f64; 2]> {
+        let (m, n) = (&self.mismatches, self.mismatches.len());
+        if (0..n).any(|o| a[o] == 0.0 && c[o] == 0.0) {
+            return None;
+        }
+        let couples = (0..n).flat_map(|p| (p + 1..n).map(move |q| (p, q)));
+        let determinant = |&(p, q): &(usize, usize)| {
+            let (one, two) = (a[p] * c[q], a[q] * c[p]);
+            (one - two).abs() > EQUAL * (one.abs() + two.abs())
+        };
+        let (p, q) = couples.into_iter().find(determinant)?;
+        let det = a[p] * c[q] - a[q] * c[p];
+        let (x, y) = ((m[q] * c[p] - m[p] * c[q]) / det, (m[p] * a[q] - m[q] * a[p]) / det);
+        let is_cured =
+            |o: usize| (m[o] + a[o] * x + c[o] * y).abs() <= EQUAL * (m[o].abs() + (a[o] * x).abs() + (c[o] * y).abs());
+        (0..n).all(is_cured).then_some([x, y])
+    }
+
+    /// One number after the other, each the one that cures most of what is left. The right-hand side of a conflict cures it alone, so that
+    /// this ends.
+    pub fn greedy(&self) -> Vec<(Number, f64)> {
+        let mut left = self.mismatches.clone();
+        let mut chosen: BTreeMap<Number, f64> = BTreeMap::new();
+        while left.iter().any(|&m| m != 0.0) {
+            let gains = self.effects.iter().filter(|(number, _)| !chosen.contains_key(number));
+            let best = gains.filter_map(|(&number, effects)| gain(&left, effects).map(|(gain, x)| (gain, number, x)));
+            let Some((_, number, change)) = best.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { break };
+            for &(o, effect) in &self.effects[&number] {
+                left[o] = if is_zero(left[o], effect * change) { 0.0 } else { left[o] + effect * change };
+            }
+            chosen.insert(number, change);
+        }
+        chosen.into_iter().collect()
+    }
+}
+
+/// The largest number of mismatches that one change of a number cures, less those that it spoils, if that is any; and the change.
+fn gain(left: &[f64], effects: &Effects) -> Option<(usize, f64)> {
+    let spoiled = effects.iter().filter(|&&(o, _)| left[o] == 0.0).count();
+    let open: Vec<_> = effects.iter().filter(|&&(o, _)| left[o] != 0.0).collect();
+    let cured = |change: f64| open.iter().filter(|&&&(o, effect)| is_zero(left[o], effect * change)).count();
+    let changes = open.iter().map(|&&(o, effect)| -left[o] / effect);
+    let (count, change) = changes.map(|change| (cured(change), change)).reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+    (count > spoiled).then(|| (count - spoiled, change))
+}
+
+/// Whether a mismatch and a change of it cancel.
+fn is_zero(mismatch: f64, change: f64) -> bool {
+    (mismatch + change).abs() <= EQUAL * mismatch.abs().max(change.abs())
+}

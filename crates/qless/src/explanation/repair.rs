@@ -1,0 +1,222 @@
+//! The smallest change of right-hand sides and prescribed values that cures all conflicts.
+//!
+//! ```text
+//! m_k = b_k - sum_i c_ki b_i - sum_j d_kj value_j      mismatch of equation k over kept equations i and prescribed DOFs j
+//! changes x of these numbers cure the conflicts if m_k + sum_w a_kw x_w = 0 for conflicting equations, and
+//!                                               sum_w a_kw x_w = 0       for redundant ones
+//! ```
+//!
+//! Of the redundant equations random sums are taken: a number that has no part in them has no part in any of them, with probability 1. To
+//! leave an equation out cures the same as another right-hand side of it. Conflicts that have no number in common are cured apart.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Explanation;
+use super::change_order::Plausibility;
+use super::changes::{Change, Number};
+use super::observations::Observations;
+use crate::common::SplitMix64;
+use crate::factor::backend::BackendError;
+use crate::input::scale::ldexp;
+use crate::{Analysis, Dependent, Kind};
+
+/// Most conflicts that are looked at one by one; of more, random sums are taken, which tell single changes only.
+const MOST_CONFLICTS: usize = 64;
+/// Random sums of more conflicts, and of redundant equations: two that agree do so by chance with probability 0.
+const SUMS: usize = 2;
+/// Most conflicts for which pairs of changes are searched completely.
+const HANDFUL: usize = 8;
+/// Most ways that are listed; the others are counted.
+const MOST_WAYS: usize = 16;
+/// Part of the largest number of a random sum that counts as zero: it is cancelled by others.
+const NOISE: f64 = 1e-9;
+
+/// What could be freed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Freed {
+    /// A dependent equation, 0-based, from the others.
+    Equation(usize),
+    /// A fixed DOF, 0-based, from its value.
+    Dof(usize),
+}
+
+/// Ways to cure conflicts that have numbers in common.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Repair {
+    /// The conflicting equations, ascending.
+    pub conflicts: Vec<usize>,
+    /// Changes that cure all of them together, the most plausible way first; all have the same number of changes. At most 16. Empty if more
+    /// than 64 conflicts have no single change that cures them.
+    pub ways: Vec<Vec<Change>>,
+    /// Number of ways of this size, listed or not.
+    pub count: usize,
+}
+
+impl Analysis {
+    /// How to cure the conflicts: the fewest right-hand sides and prescribed values, with the values that cure.
+    ///
+    /// Single changes and, for up to 8 conflicts, pairs of changes are searched completely; more changes are chosen one by one, each the one
+    /// that cures most. Redundant equations stay redundant. Of equally many changes, those come first that bring a rare number to a common one
+    /// or to one with fewer digits.
+    ///
+    /// ```
+    /// use qless::explanation::Number;
+    /// use qless::{Options, SystemBuilder, analyse};
+    /// // u1 - u0 = 0.01 in three ways; the second right-hand side is wrong, in two equations that follow from others.
+    /// let mut builder = SystemBuilder::new(2);
+    /// for b in [0.01, 0.1, 0.01, 0.01] {
+    ///     builder.equation([(1, 1.0), (0, -1.0)], b);
+    /// }
+    /// let analysis = analyse(&builder.build()?, &Options::default())?;
+    /// let repair = &analysis.repairs()?[0];
+    /// let change = repair.ways[0][0];
+    /// assert_eq!((change.number, change.from, change.to), (Number::RightHandSide(1), 0.1, 0.01));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BackendError`] if a block cannot be factored again.
+    pub fn repairs(&self) -> Result<Vec<Repair>, BackendError> {
+        let conflicts: Vec<&Dependent> = self.dependent.iter().filter(|d| d.kind == Kind::Conflicting).collect();
+        if conflicts.is_empty() {
+            return Ok(Vec::new());
+        }
+        let in_redundant = self.numbers_of(|d| d.kind == Kind::Redundant)?;
+        let plausibility = Plausibility::new(&self.system);
+        if conflicts.len() > MOST_CONFLICTS {
+            let mut observed = self.observe_sums(&conflicts)?;
+            observed.effects.retain(|number, _| !in_redundant.contains(number));
+            let rows = conflicts.iter().map(|d| d.row).collect();
+            return Ok(vec![self.repair(rows, &observed, &plausibility)]);
+        }
+        let mut observed = self.observe(&conflicts);
+        observed.effects.retain(|number, _| !in_redundant.contains(number));
+        let groups = observed.groups();
+        let of_group = |group: Vec<usize>| {
+            let rows = group.iter().map(|&o| conflicts[o].row).collect();
+            self.repair(rows, &observed.only(&group), &plausibility)
+        };
+        Ok(groups.into_iter().map(of_group).collect())
+    }
+
+    /// The mismatch of each conflict with all numbers that act on it.
+    fn observe(&self, conflicts: &[&Dependent]) -> Observations {
+        let mut observed = Observations::default();
+        for dependent in conflicts {
+            let explanation = self.explained(dependent, false).0;
+            let mismatch = self.system.rhs()[dependent.row] - explanation.right_hand_side;
+            observed.add(mismatch, &explanation);
+            let own = observed.mismatches.len() - 1;
+            observed.effects.insert(Number::RightHandSide(dependent.row), vec![(own, 1.0)]);
+        }
+        observed
+    }
+
+    /// Random sums of the conflicts.
+    fn observe_sums(&self, conflicts: &[&Dependent]) -> Result<Observations, BackendError> {
+        let mut observed = Observations::default();
+        for sum in 0..SUMS {
+            let (explanation, b) = self.random_sum(conflicts, sum as u64)?;
+            observed.add(b - explanation.right_hand_side, &explanation);
+        }
+        Ok(observed)
+    }
+
+    /// Numbers of which some dependent equations are made, their own excepted.
+    fn numbers_of(&self, wanted: impl Fn(&Dependent) -> bool) -> Result<BTreeSet<Number>, BackendError> {
+        let some: Vec<&Dependent> = self.dependent.iter().filter(|d| wanted(d)).collect();
+        if some.is_empty() {
+            return Ok(BTreeSet::new());
+        }
+        let (explanation, _) = self.random_sum(&some, SUMS as u64)?;
+        Ok(explanation.members.iter().map(|&member| member.into()).collect())
+    }
+
+    /// What makes a dependent equation independent, or frees a fixed DOF, if it alone is left out: members of the certificate
+    /// that no other dependent equation can stand for. Kept equations and prescribed values only, and redundant equations never.
+    ///
+    /// ```
+    /// use qless::explanation::{Freed, Number};
+    /// use qless::{Options, SystemBuilder, analyse};
+    /// let mut builder = SystemBuilder::new(3);
+    /// for (a, b) in [(0, 1), (1, 2), (0, 2), (0, 1)] {
+    ///     builder.equation([(a, 1.0), (b, -1.0)], 0.0);
+    /// }
+    /// let analysis = analyse(&builder.build()?, &Options::default())?;
+    /// // Row 2 follows from rows 0 and 1, but row 3 stands for row 0.
+    /// let rows: Vec<usize> = analysis.dependent().iter().map(|found| found.row).collect();
+    /// for row in rows {
+    ///     assert!(analysis.what_frees(Freed::Equation(row))?.len() <= 1);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BackendError`] if a block cannot be factored again.
+    pub fn what_frees(&self, freed: Freed) -> Result<Vec<Number>, BackendError> {
+        let (explanation, row) = match freed {
+            Freed::Equation(row) => (self.dependent_of(row).map(|found| self.explained(found, false).0), Some(row)),
+            Freed::Dof(dof) => match self.generated.binary_search_by_key(&dof, |&(j, _)| j) {
+                Ok(place) => {
+                    let vector = [(self.fixed[place], 1.0)];
+                    let terms = self.pruned(&self.expressed(vector)?, NOISE);
+                    (Some(self.with_values(&vector, terms, Some(0.0))), None)
+                }
+                Err(_) => (None, None),
+            },
+        };
+        let Some(explanation) = explanation else { return Ok(Vec::new()) };
+        let others = self.numbers_of(|d| Some(d.row) != row)?;
+        Ok(explanation.members.into_iter().map(Number::from).filter(|number| !others.contains(number)).collect())
+    }
+
+    /// A random sum of dependent equations over kept ones and prescribed values, and its right-hand side.
+    fn random_sum(&self, dependent: &[&Dependent], seed: u64) -> Result<(Explanation, f64), BackendError> {
+        let system = self.numbering.view(&self.system, self.system.rhs());
+        let mut random = SplitMix64::new(seed);
+        let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
+        let mut b = 0.0;
+        for d in dependent {
+            // Between 1 and 2, in the units of scaled equations, so that no equation hides another.
+            let weight = 1.0 + (random.next() >> 11) as f64 / (1_u64 << 53) as f64;
+            let weight = ldexp(weight, self.scaling.row[d.row]);
+            system.row(d.row).for_each(|(j, value)| *sum.entry(j as u32).or_default() += weight * value);
+            b += weight * self.system.rhs()[d.row];
+        }
+        let vector: Vec<(u32, f64)> = sum.into_iter().collect();
+        let free = vector.iter().copied().filter(|&(j, _)| system.free()[j as usize]);
+        let terms = self.expressed(free)?;
+        let terms = self.pruned(&terms, NOISE);
+        Ok((self.with_values(&vector, terms, Some(0.0)), b))
+    }
+
+    fn repair(&self, conflicts: Vec<usize>, observed: &Observations, plausibility: &Plausibility) -> Repair {
+        let mut ways = observed.singles();
+        if ways.is_empty() && conflicts.len() <= HANDFUL {
+            ways = observed.pairs();
+        }
+        if ways.is_empty() && observed.mismatches.len() == conflicts.len() {
+            ways = vec![observed.greedy()];
+        }
+        let change = |&(number, change): &(Number, f64)| self.change(number, change);
+        let mut ways: Vec<Vec<Change>> = ways.iter().map(|way| way.iter().map(change).collect()).collect();
+        ways.sort_by_cached_key(|way| plausibility.key(way));
+        let count = ways.len();
+        ways.truncate(MOST_WAYS);
+        Repair { conflicts, ways, count }
+    }
+
+    fn change(&self, number: Number, change: f64) -> Change {
+        let from = match number {
+            Number::RightHandSide(row) => self.system.rhs()[row],
+            Number::Prescribed(dof) => self.system.prescribed_value(dof).unwrap_or_default(),
+        };
+        let to = from + change;
+        // Rounding of the change, whose digits end where those of the larger number do.
+        let is_zero = to.abs() <= 1e-11 * from.abs().max(change.abs());
+        let rounded = format!("{to:.11e}").parse().unwrap_or(to);
+        Change { number, from, to: if is_zero { 0.0 } else { rounded } }
+    }
+}

@@ -1,0 +1,183 @@
+//! Short explanations in networks of ties: the shortest circle of equations with two DOFs, by breadth-first search.
+//!
+//! DOFs are the vertices. An equation with two DOFs joins them; an equation with one DOF, or a prescribed value, joins it to the ground.
+//! An equation with two DOFs follows from a path between them, or from paths of both to the ground; an equation with one DOF from a path
+//! to the ground. The search starts at all DOFs of the equation at once.
+
+use std::collections::HashMap;
+
+use super::candidates::Candidates;
+
+/// How a vertex was reached.
+#[derive(Clone, Copy)]
+struct Reached {
+    /// Index of the DOF of the equation from which the search came.
+    side: usize,
+    depth: usize,
+    /// The vertex before, and the equation between; `None` at the start.
+    from: Option<(u32, u32)>,
+}
+
+/// What joins the last vertex of a path to the ground.
+#[derive(Clone, Copy)]
+enum Grounded {
+    Equation(u32),
+    Prescribed,
+}
+
+/// A closed circle: paths to these vertices, and the equation that joins them, if they are not grounded.
+struct Circle {
+    length: usize,
+    ends: Vec<u32>,
+    joint: Option<u32>,
+    grounded: Vec<Grounded>,
+}
+
+/// The search around one equation.
+struct TieSearch<'a> {
+    candidates: &'a Candidates<'a>,
+    reached: HashMap<u32, Reached>,
+    /// The first vertex of each side that is grounded.
+    ground: Vec<Option<(u32, usize, Grounded)>>,
+    best: Option<Circle>,
+}
+
+/// The equations of the shortest circle through a vector with one or two DOFs, each with the DOF that it takes from the vector, and the
+/// number of equations visited, which is at most `most`. A circle whose ratios do not close is none: the caller checks.
+pub(super) fn shortest_circle(candidates: &Candidates, ends: &[u32], most: usize) -> (Option<Vec<(u32, u32)>>, usize) {
+    if ends.is_empty() || ends.len() > 2 {
+        return (None, 0);
+    }
+    let mut search = TieSearch { candidates, reached: HashMap::new(), ground: vec![None; ends.len()], best: None };
+    let effort = search.run(ends, most);
+    (search.best.as_ref().map(|circle| search.equations(circle)), effort)
+}
+
+impl TieSearch<'_> {
+    /// Level by level, until no circle of the next level can be shorter; returns the number of equations visited.
+    fn run(&mut self, ends: &[u32], most: usize) -> usize {
+        let mut level: Vec<u32> = ends.to_vec();
+        for (side, &end) in ends.iter().enumerate() {
+            self.reached.insert(end, Reached { side, depth: 0, from: None });
+            self.ground_by_value(end, side, 0);
+        }
+        let (mut effort, mut depth) = (0, 0);
+        while !level.is_empty() && effort < most && self.may_improve(depth) {
+            let mut next = Vec::new();
+            for vertex in level {
+                effort += self.visit(vertex, most - effort, &mut next);
+            }
+            level = next;
+            depth += 1;
+        }
+        effort
+    }
+
+    /// Whether vertices at this depth can close a shorter circle: two of them by an equation, or those of each side that has no path to the
+    /// ground yet by such a path.
+    fn may_improve(&self, depth: usize) -> bool {
+        let missing = self.ground.iter().filter(|ground| ground.is_none()).count();
+        let known: usize = self.ground.iter().flatten().map(|ground| ground.1).sum();
+        let by_ground = if missing == 0 { usize::MAX } else { known + missing * (depth + 1) };
+        let by_equation = if self.ground.len() == 2 { 2 * depth + 1 } else { usize::MAX };
+        self.best.as_ref().is_none_or(|best| best.length > by_ground.min(by_equation))
+    }
+
+    /// Follows the equations of a vertex, at most `most`; returns their number.
+    fn visit(&mut self, vertex: u32, most: usize, next: &mut Vec<u32>) -> usize {
+        let Reached { side, depth, from } = self.reached[&vertex];
+        let rows = self.candidates.rows(vertex);
+        let rows = &rows[..rows.len().min(most)];
+        for &row in rows {
+            if !self.candidates.is_allowed(row) || from.is_some_and(|(_, before)| before == row) {
+                continue;
+            }
+            match *self.candidates.dofs(row) {
+                [_] => self.reach_ground(vertex, side, depth + 1, Grounded::Equation(row)),
+                [a, b] => self.follow(vertex, if a == vertex { b } else { a }, row, next),
+                _ => {}
+            }
+        }
+        rows.len()
+    }
+
+    fn follow(&mut self, vertex: u32, other: u32, row: u32, next: &mut Vec<u32>) {
+        let Reached { side, depth, .. } = self.reached[&vertex];
+        match self.reached.get(&other) {
+            None => {
+                self.reached.insert(other, Reached { side, depth: depth + 1, from: Some((vertex, row)) });
+                self.ground_by_value(other, side, depth + 1);
+                next.push(other);
+            }
+            Some(met) if met.side != side => {
+                let ends = if side == 0 { vec![vertex, other] } else { vec![other, vertex] };
+                let length = depth + met.depth + 1;
+                self.offer(Circle { length, ends, joint: Some(row), grounded: Vec::new() });
+            }
+            Some(_) => {}
+        }
+    }
+
+    fn ground_by_value(&mut self, vertex: u32, side: usize, depth: usize) {
+        if !self.candidates.is_free(vertex) {
+            self.reach_ground(vertex, side, depth + 1, Grounded::Prescribed);
+        }
+    }
+
+    /// Notes the shortest path of a side to the ground; with one of every side the circle is closed.
+    fn reach_ground(&mut self, vertex: u32, side: usize, length: usize, by: Grounded) {
+        if self.ground[side].is_some_and(|known| known.1 <= length) {
+            return;
+        }
+        self.ground[side] = Some((vertex, length, by));
+        if self.ground.iter().all(Option::is_some) {
+            let all: Vec<_> = self.ground.iter().flatten().copied().collect();
+            self.offer(Circle {
+                length: all.iter().map(|ground| ground.1).sum(),
+                ends: all.iter().map(|ground| ground.0).collect(),
+                joint: None,
+                grounded: all.iter().map(|ground| ground.2).collect(),
+            });
+        }
+    }
+
+    fn offer(&mut self, circle: Circle) {
+        if self.best.as_ref().is_none_or(|best| circle.length < best.length) {
+            self.best = Some(circle);
+        }
+    }
+
+    /// The equations of a circle, from the sides to where they meet. Prescribed values are no equations.
+    fn equations(&self, circle: &Circle) -> Vec<(u32, u32)> {
+        let mut all = Vec::new();
+        for (k, &end) in circle.ends.iter().enumerate() {
+            let mut path = Vec::new();
+            let mut vertex = end;
+            while let Some((before, row)) = self.reached[&vertex].from {
+                path.push((row, before));
+                vertex = before;
+            }
+            all.extend(path.into_iter().rev());
+            if let Some(Grounded::Equation(row)) = circle.grounded.get(k) {
+                all.push((*row, end));
+            }
+        }
+        all.extend(circle.joint.map(|row| (row, circle.ends[0])));
+        all
+    }
+}
+
+/// The factors with which these equations, one after the other, take their DOFs from a vector.
+pub(super) fn factors(candidates: &Candidates, vector: &[(u32, f64)], circle: &[(u32, u32)]) -> Vec<(u32, f64)> {
+    let mut left: HashMap<u32, f64> = vector.iter().copied().collect();
+    let mut all = Vec::new();
+    for &(row, dof) in circle {
+        let factor = left.get(&dof).copied().unwrap_or(0.0) / candidates.system.coefficient(row as usize, dof);
+        for (j, value) in candidates.system.row(row as usize) {
+            *left.entry(j as u32).or_default() -= factor * value;
+        }
+        left.remove(&dof);
+        all.push((row, factor));
+    }
+    all
+}

@@ -1,0 +1,102 @@
+//! `repairs`: which numbers to change so that no conflict is left.
+
+use super::Report;
+use crate::explanation::{Change, Number, Repair};
+use crate::factor::backend::BackendError;
+use crate::{Analysis, ConstraintSystem};
+
+/// How to cure conflicts that have numbers in common: [`Repair`].
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct RepairFinding {
+    /// The rows that it cures, from 1.
+    pub conflicts: Vec<usize>,
+    /// Changes that cure all of them together, the most plausible way first; at most 16 ways, all of the same size.
+    pub ways: Vec<Vec<ChangeFinding>>,
+    /// Number of ways of this size, listed or not.
+    pub count: usize,
+}
+
+/// Another value for a right-hand side or a prescribed value.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(untagged))]
+#[non_exhaustive]
+pub enum ChangeFinding {
+    /// Of the right-hand side of an equation; to leave the equation out cures the same.
+    Equation {
+        /// Its row, from 1.
+        row: usize,
+        /// Its label.
+        label: String,
+        /// The right-hand side.
+        from: f64,
+        /// The one that cures.
+        to: f64,
+    },
+    /// Of a prescribed value.
+    Prescribed {
+        /// The DOF, from 1.
+        dof: usize,
+        /// Its label.
+        label: String,
+        /// Where the value is prescribed; the key is absent if that is not known.
+        #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+        place: Option<String>,
+        /// The value.
+        from: f64,
+        /// The one that cures.
+        to: f64,
+    },
+}
+
+impl Report {
+    /// Adds the [`Analysis::repairs`] of the conflicts.
+    ///
+    /// ```
+    /// use qless::{Options, Report, SystemBuilder, analyse};
+    /// let mut builder = SystemBuilder::new(2);
+    /// for b in [0.01, 0.1, 0.01] {
+    ///     builder.equation([(1, 1.0), (0, -1.0)], b);
+    /// }
+    /// let analysis = analyse(&builder.build()?, &Options::default())?;
+    /// let report = Report::new(&analysis, Report::TERMS).with_repairs(&analysis)?;
+    /// assert_eq!((report.repairs[0].conflicts.as_slice(), report.repairs[0].count), ([2].as_slice(), 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BackendError`] if a block cannot be factored again.
+    pub fn with_repairs(mut self, analysis: &Analysis) -> Result<Self, BackendError> {
+        let finding = |repair: Repair| RepairFinding::new(analysis.system(), &repair);
+        self.repairs = analysis.repairs()?.into_iter().map(finding).collect();
+        Ok(self)
+    }
+}
+
+impl RepairFinding {
+    fn new(system: &ConstraintSystem, repair: &Repair) -> Self {
+        let change = |change: &Change| ChangeFinding::new(system, *change);
+        Self {
+            conflicts: repair.conflicts.iter().map(|row| row + 1).collect(),
+            ways: repair.ways.iter().map(|way| way.iter().map(change).collect()).collect(),
+            count: repair.count,
+        }
+    }
+}
+
+impl ChangeFinding {
+    fn new(system: &ConstraintSystem, Change { number, from, to }: Change) -> Self {
+        match number {
+            Number::RightHandSide(row) => Self::Equation { row: row + 1, label: system.equation_label(row), from, to },
+            Number::Prescribed(dof) => Self::Prescribed {
+                dof: dof + 1,
+                label: system.dof_label(dof),
+                place: system.prescribed_place(dof).map(str::to_owned),
+                from,
+                to,
+            },
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Explanations and repairs in the words of the input; `explain` and `diff`.
+
+use serde_json::json;
+
+use super::harness::Place;
+
+/// A chain of four nodes, tied twice in the middle, with a value at each end; line numbers as in the text.
+fn chain(place: &Place) {
+    let text = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,2.,0.,0.\n4,3.,0.,0.\n*EQUATION\n2\n2,1,1.,1,1,-1.\n2\n3,1,1.,2,1,-1.\n2\n\
+                4,1,1.,3,1,-1.\n*BOUNDARY\n1,1,1\n*STEP\n*STATIC\n*BOUNDARY\n4,1,1,0.25\n*END STEP\n";
+    place.file("chain.inp", text);
+}
+
+#[test]
+fn a_conflict_shows_its_boundary_cards_and_the_cure() {
+    let place = Place::new();
+    chain(&place);
+    let run = place.run("check -q chain.inp");
+    assert_eq!(run.code, 1);
+    for part in [
+        "[1:1 = 0, line 14 *BOUNDARY]",
+        "[4:1 = 0.25, line 18 *BOUNDARY]",
+        "(line 18)",
+        "but 0 is asked (line ",
+        "Next: change 4:1 in line 18 *BOUNDARY from 0.25 to 0:\n    cures row ",
+    ] {
+        assert!(run.out.contains(part), "`{part}` is not in:\n{}", run.out);
+    }
+    let report = place.run("check -q chain.inp --format json").json();
+    let conflict = &report["dependent"][0];
+    let members = conflict["because"].as_array().expect("a list");
+    assert_eq!(members.len(), 4, "two ties and two values: {conflict}");
+    let value = members.iter().find(|member| member["label"] == "4:1" && member["dof"].is_u64()).expect("the value");
+    assert_eq!((&value["value"], &value["place"]), (&json!(0.25), &json!("line 18 *BOUNDARY")));
+    assert!(conflict["arithmetic"].as_str().expect("text").contains("0.25 (line 18)"), "{conflict}");
+    let first = &report["repairs"][0]["ways"][0][0];
+    assert_eq!((&first["label"], &first["from"], &first["to"]), (&json!("4:1"), &json!(0.25), &json!(0.0)));
+    assert_eq!(report["repairs"][0]["count"], 5);
+}
+
+/// u1 = u2 = u3 in a circle, u4 = u5 twice, and u1 prescribed.
+fn circle(place: &Place, folder: &str, value: f64) {
+    let ties = [(1, 2), (2, 3), (3, 1), (4, 5), (4, 5)];
+    let entries: Vec<_> = (1..).zip(ties).flat_map(|(row, (a, b))| [(row, a, 1.0), (row, b, -1.0)]).collect();
+    place.case(folder, [5, 5], &entries, &[0.0; 5], &[(1, value)]);
+}
+
+#[test]
+fn explain_answers_for_equations_and_dofs() {
+    let place = Place::new();
+    circle(&place, "circle", 0.5);
+    let text = |what: &str| {
+        let run = place.run_words(&["explain", "-q", "circle", what]);
+        assert_eq!(run.code, 0, "{what}: {}", run.err);
+        run.out
+    };
+    let redundant = (1..=5).map(|row| text(&format!("row {row}"))).filter(|out| out.contains("is redundant"));
+    assert_eq!(redundant.count(), 2);
+    assert!(text("row 5").contains("row 4") || text("row 4").contains("row 5"));
+    assert!(text("column 1").contains("DOF 1 is prescribed: 0.5"));
+    let fixed = text("column 3");
+    assert!(fixed.contains("DOF 3 is fixed to 0.5") && fixed.contains("[DOF 1 = 0.5]"), "{fixed}");
+    assert!(fixed.contains("It is free without any one of: the value of DOF 1."), "{fixed}");
+    let slaves = [text("column 4"), text("column 5")];
+    let said = |what: &str| slaves.iter().filter(|out| out.contains(what)).count();
+    assert_eq!((said("is a slave"), said("is a master")), (1, 1), "{slaves:?}");
+    for (what, part) in [("7", "say `row 7`"), ("row 9", "from 1 to 5"), ("tie", "no label")] {
+        let run = place.run_words(&["explain", "-q", "circle", what]);
+        assert!(run.code == 2 && run.err.contains(part), "{what}: {}", run.err);
+    }
+}
+
+#[test]
+fn explain_finds_lines_and_nodes_of_decks() {
+    let place = Place::new();
+    chain(&place);
+    for (what, part) in [
+        ("line 18", "4:1 is prescribed: 0.25, line 18 *BOUNDARY"),
+        ("4:1", "4:1 is prescribed"),
+        ("line 8", "\"line 7 *EQUATION 2:1\""),
+        ("2:1", "2:1 is fixed to 0"),
+    ] {
+        let run = place.run_words(&["explain", "-q", "chain.inp", what]);
+        assert!(run.code == 0 && run.out.contains(part), "{what}: {} {}", run.out, run.err);
+    }
+}
+
+#[test]
+fn diff_names_what_tells_two_sets_apart() {
+    let place = Place::new();
+    circle(&place, "a", 0.5);
+    circle(&place, "b", 0.25);
+    // The same as `a` in other equations.
+    place.case(
+        "c",
+        [3, 5],
+        &[(1, 1, 2.0), (1, 3, -2.0), (2, 2, 1.0), (2, 3, -1.0), (3, 5, 1.0), (3, 4, -1.0)],
+        &[0.0; 3],
+        &[(1, 0.5)],
+    );
+    place.case("d", [2, 5], &[(1, 1, 1.0), (1, 3, -1.0), (2, 2, 1.0), (2, 3, -1.0)], &[0.0; 2], &[(1, 0.5)]);
+    let same = place.run("diff -q a c");
+    assert_eq!((same.code, same.out.as_str()), (0, "Both sets have the same solutions.\n"));
+    let values = place.run("diff -q a b");
+    assert_eq!(values.code, 1);
+    assert!(values.out.contains("a asks for 1 thing that the other does not:\n  DOF 1 = 0.5\n"), "{}", values.out);
+    let fewer = place.run("diff -q a d");
+    assert!(
+        fewer.code == 1 && fewer.out.contains("row 4\n  row 5\n") && !fewer.out.contains("d asks"),
+        "{}",
+        fewer.out
+    );
+    let more = place.run("diff -q d a");
+    assert!(more.code == 1 && more.out.contains("a asks for 2 things"), "{}", more.out);
+}
+
+#[test]
+fn many_redundant_equations_are_read_by_origin() {
+    let place = Place::new();
+    let ties: Vec<_> = (1..=120).flat_map(|row| [(row, row % 3 + 1, 1.0), (row, row % 3 + 4, -1.0)]).collect();
+    place.case("many", [120, 6], &ties, &[0.0; 120], &[]);
+    let names: Vec<String> =
+        (1..=120).map(|row| format!("{} {row}, x", if row % 2 == 0 { "tie" } else { "body" })).collect();
+    place.file("many/rows.txt", names.join("\n"));
+    let text = place.run("check -q many").out;
+    assert!(text.contains("so are 5") && text.contains("\"tie #, x\"") && text.contains("\"body #, x\""), "{text}");
+    let report = place.run("check -q many --format json").json();
+    let groups = report["groups"].as_array().expect("a list");
+    let rows: usize = groups.iter().map(|group| group["rows"].as_array().expect("rows").len()).sum();
+    assert_eq!((groups.len(), rows), (2, 117));
+}
