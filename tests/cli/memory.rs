@@ -104,8 +104,8 @@ fn measured(place: &Place, arguments: &str) -> (u64, Run) {
     (most, ended(child.wait_with_output().expect("it ended")))
 }
 
-/// Pages of C libraries (code, and allocations within a call) are counted only afterwards.
-const UNSEEN: u64 = if cfg!(feature = "spqr") { 4 << 10 } else { 0 };
+/// Pages of C libraries (code, and allocations within a call) are counted only afterwards: up to 4.9 MiB were seen.
+const UNSEEN: u64 = if cfg!(feature = "spqr") { 6 << 10 } else { 0 };
 
 /// Limits from too small for the program to sufficient. A run that starts exceeds its limit by at most a tenth.
 #[test]
