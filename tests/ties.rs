@@ -66,7 +66,10 @@ fn long_lines_with_a_short_element_gauss() {
 fn long_lines(backend: BackendChoice) {
     let options = Options { backend, ..Options::default() };
     let fault = |n: usize| fault(&format!("{n} elements"), &mortar_short(n).expect("in range"), &options);
-    let faults: Vec<String> = [20_000, 100_000].into_iter().filter_map(fault).collect();
+    // What one length shows of a backend, the other does too: both with the default, or if all are asked for.
+    let is_all = backend == BackendChoice::Faer || std::env::var_os("QLESS_THOROUGH").is_some();
+    let lengths: &[usize] = if is_all { &[20_000, 100_000] } else { &[20_000] };
+    let faults: Vec<String> = lengths.iter().copied().filter_map(fault).collect();
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 

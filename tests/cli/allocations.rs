@@ -1,35 +1,45 @@
 //! Each allocation of the program fails in turn. The program ends with exit code 3 and states the memory needed and available, or its result is
 //! right; the output is the old one or the new one, whole, nothing else is left behind, and the next run works.
 //!
-//! `QLESS_FAULTS=all` tests every allocation; by default the first hundred, and then steps of a hundredth.
+//! `QLESS_FAULTS=all` tests every allocation; by default the first fifty, and then steps of a fiftieth.
 
 use super::harness::Place;
 
-/// For each command that writes: the run that makes the existing output, and the run that fails.
-const CASES: [[&str; 2]; 4] = [
-    ["reduce a -o out -q --threads 1", "reduce b -o out -q --threads 1"],
-    ["clean a.inp -o out.inp -q --threads 1", "clean b.inp -o out.inp -q --threads 1"],
-    ["check a -q -o out.txt --threads 1", "check b -q -o out.txt --threads 1"],
-    ["generate path -o out -q", "generate cycle --gap 1 -o out -q"],
-];
+#[test]
+fn every_allocation_of_reduce_may_fail() {
+    each_allocation(["reduce a -o out -q --threads 1", "reduce b -o out -q --threads 1"]);
+}
 
 #[test]
-fn every_allocation_of_a_run_may_fail() {
+fn every_allocation_of_clean_may_fail() {
+    each_allocation(["clean a.inp -o out.inp -q --threads 1", "clean b.inp -o out.inp -q --threads 1"]);
+}
+
+#[test]
+fn every_allocation_of_check_may_fail() {
+    each_allocation(["check a -q -o out.txt --threads 1", "check b -q -o out.txt --threads 1"]);
+}
+
+#[test]
+fn every_allocation_of_generate_may_fail() {
+    each_allocation(["generate path -o out -q", "generate cycle --gap 1 -o out -q"]);
+}
+
+/// The run that makes the existing output, and the run that fails.
+fn each_allocation([old, new]: [&str; 2]) {
     let all = std::env::var("QLESS_FAULTS").is_ok_and(|which| which == "all");
-    for [old, new] in CASES {
-        let place = prepared();
-        assert!(place.run(new).code < 2);
-        let after = everything(&place);
-        assert!(place.run(old).code < 2);
-        let before = everything(&place);
-        let (mut k, mut ended) = (0, [0, 0]);
-        while let Some(code) = fails(&place, [old, new], k, [&before, &after]) {
-            ended[usize::from(code == 3)] += 1;
-            k += if all { 1 } else { 1 + k / 100 };
-        }
-        println!("{new}: {} of {} failures ended a run, the last before allocation {k}", ended[1], ended[0] + ended[1]);
-        assert!(ended[1] > 100, "{new}: {ended:?}");
+    let place = prepared();
+    assert!(place.run(new).code < 2);
+    let after = everything(&place);
+    assert!(place.run(old).code < 2);
+    let before = everything(&place);
+    let (mut k, mut ended) = (0, [0, 0]);
+    while let Some(code) = fails(&place, [old, new], k, [&before, &after]) {
+        ended[usize::from(code == 3)] += 1;
+        k += if all { 1 } else { 1 + k / 50 };
     }
+    println!("{new}: {} of {} failures ended a run, the last before allocation {k}", ended[1], ended[0] + ended[1]);
+    assert!(ended[1] > 100, "{new}: {ended:?}");
 }
 
 type Files = Vec<(std::path::PathBuf, Vec<u8>)>;

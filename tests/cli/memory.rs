@@ -30,6 +30,11 @@ fn scene(name: &str) -> Place {
     place
 }
 
+/// Each scene, generated once for all backends.
+fn scenes() -> Vec<(&'static str, Place)> {
+    SCENES.iter().map(|name| (*name, scene(name))).collect()
+}
+
 /// `qless reduce scene -o out` with more arguments, within so many KiB of address space.
 fn within(place: &Place, kib: usize, arguments: &str) -> Run {
     let program = place.command(&format!("reduce scene -o out -q --form auto {arguments}"));
@@ -75,13 +80,12 @@ const STEPS: &[usize] =
 /// A few steps for each scene and backend.
 #[test]
 fn within_any_address_space_a_run_is_done_or_says_what_it_needs() {
-    for (name, backend) in SCENES.iter().flat_map(|name| BACKENDS.iter().map(move |backend| (name, backend))) {
-        let place = scene(name);
+    for ((name, place), backend) in scenes().iter().flat_map(|one| BACKENDS.iter().map(move |backend| (one, backend))) {
         let mut counts = [0, 0];
         for &mib in STEPS {
             let what = format!("{name}, {backend}, {mib} MiB");
-            let run = within(&place, mib << 10, &format!("--backend {backend}"));
-            counts[usize::from(is_done(&place, &run, &what))] += 1;
+            let run = within(place, mib << 10, &format!("--backend {backend}"));
+            counts[usize::from(is_done(place, &run, &what))] += 1;
         }
         assert!(counts[1] > 0, "{name}, {backend}: never enough");
     }
@@ -110,13 +114,12 @@ const UNSEEN: u64 = if cfg!(feature = "spqr") { 6 << 10 } else { 0 };
 /// Limits from too small for the program to sufficient. A run that starts exceeds its limit by at most a tenth.
 #[test]
 fn a_run_stays_within_its_memory_or_says_what_it_needs() {
-    for (name, backend) in SCENES.iter().flat_map(|name| BACKENDS.iter().map(move |backend| (name, backend))) {
-        let place = scene(name);
+    for ((name, place), backend) in scenes().iter().flat_map(|one| BACKENDS.iter().map(move |backend| (one, backend))) {
         let mut counts = [0, 0];
         for mib in [8, 16, 24, 40, 70, 4000] {
             let what = format!("{name}, {backend}, {mib} MiB");
-            let (kib, run) = measured(&place, &format!("--backend {backend} --memory {mib}MiB"));
-            counts[usize::from(is_done(&place, &run, &what))] += 1;
+            let (kib, run) = measured(place, &format!("--backend {backend} --memory {mib}MiB"));
+            counts[usize::from(is_done(place, &run, &what))] += 1;
             let refused_at_the_start = run.err.contains("the smallest run");
             assert!(refused_at_the_start || kib <= (mib << 10) * 11 / 10 + UNSEEN, "{what}: {kib} KiB: {}", run.err);
         }

@@ -4,7 +4,7 @@ use std::io::{Error, ErrorKind};
 use std::path::Path;
 
 use qless::Options;
-use qless_io::deck::clean::{faults, plan, write};
+use qless_io::deck::clean::{CleanError, faults, plan, write};
 use qless_io::deck::{Deck, DeckError, Format, parse};
 
 use super::files::split;
@@ -61,7 +61,14 @@ fn check(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
 /// A cleaned deck is read again without faults, and a second cleaning does not change it.
 fn clean(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
     let Ok(first) = plan(deck, &Options::default()) else { return };
-    let Ok(text) = write(deck, &first) else { return };
+    let text = match write(deck, &first) {
+        Ok(text) => text,
+        Err(error @ CleanError::Unproven { .. }) => {
+            eprintln!("UNPROVEN {error}");
+            return;
+        }
+        Err(_) => return,
+    };
     if first.is_empty() {
         assert_eq!(text, *deck.texts()[0]);
         return;

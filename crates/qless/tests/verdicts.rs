@@ -119,6 +119,103 @@ fn rows_of_rounding_are_told() {
     assert_eq!(analyse(&system, &Options { noise, ..Options::default() }).expect("small").rank(), 3);
 }
 
+/// A spline through n points, twice: `(1, 4, 1) / 6` beyond both ends, so that the first n equations substitute into one another and
+/// grow by 3.73 each; two equations follow from the others.
+fn splines(n: usize, random: &mut SplitMix64) -> ConstraintSystem {
+    let weights = |first: usize, at: isize| {
+        let of = move |k: usize| {
+            let j = at + k as isize - 1;
+            (0..n as isize).contains(&j).then(|| (first + j as usize, [0.166_666_667, 0.666_666_667, 0.166_666_667][k]))
+        };
+        (0..3).filter_map(of).collect::<Vec<_>>()
+    };
+    let mut rows: Vec<Vec<(usize, f64)>> = (-1..=n as isize).map(|at| weights(0, at)).collect();
+    rows.extend((0..n).map(|i| vec![(n + i, 4.0), (i, -1.0)]));
+    rows.extend((0..n).map(|i| [weights(2 * n, i as isize), vec![(n + i, -1.0)]].concat()));
+    let u: Vec<f64> = (0..3 * n).map(|_| below(random, 9) as f64 - 4.0).collect();
+    let mut builder = SystemBuilder::new(3 * n);
+    for row in rows {
+        let b = row.iter().map(|&(j, v)| v * u[j]).sum();
+        builder.equation(row, b);
+    }
+    builder.build().expect("valid")
+}
+
+#[test]
+fn equations_that_grow_when_substituted() {
+    let mut random = SplitMix64::new(7);
+    for n in [3, 10, 30, 100, 300] {
+        let system = splines(n, &mut random);
+        each(&system, |analysis, name| {
+            let confidence = analysis.confidence();
+            assert_eq!(counts(analysis), [3 * n, 2, 0], "{n}, {name}: {confidence:?}");
+            assert!(!confidence.ambiguous, "{n}, {name}: {confidence:?}");
+            let reduction = analysis.reduction().unwrap_or_else(|error| panic!("{n}, {name}: {error}"));
+            assert!(reduction.growth() < 1e3, "{n}, {name}: {}", reduction.growth());
+        });
+    }
+}
+
+/// Equations typed with 4 to 8 digits, and one of them twice as large, with a right-hand side that is off by less than the last digit.
+#[test]
+fn conflicts_in_the_last_digit_that_was_typed_are_in_doubt() {
+    let mut random = SplitMix64::new(11);
+    for case in 0..400 {
+        let (digits, m) = (4 + case % 5, 2 + below(&mut random, 5));
+        let unit = 10_f64.powi(1 - digits as i32);
+        let typed = |random: &mut SplitMix64| {
+            let value = 1.0 + 8.9 * below(random, 1 << 30) as f64 / f64::from(1 << 30);
+            format!("{value:.*}", digits - 1).parse::<f64>().expect("a number")
+        };
+        let mut rows: Vec<Vec<(usize, f64)>> = Vec::new();
+        for i in 0..m {
+            let dofs: Vec<usize> = (i..m + 3).filter(|&j| j == i || below(&mut random, 2) == 0).collect();
+            rows.push(dofs.into_iter().map(|j| (j, typed(&mut random))).collect());
+        }
+        for (off, is_doubt) in [(0.4 * unit, true), (0.02, false)] {
+            let mut builder = SystemBuilder::new(m + 3);
+            rows.iter().for_each(|row| _ = builder.equation(row.iter().copied(), 3.0));
+            builder.equation(rows[0].iter().map(|&(j, v)| (j, 2.0 * v)), 6.0 * (1.0 + off));
+            let analysis = analyse(&builder.build().expect("valid"), &Options::default()).expect("small");
+            let confidence = analysis.confidence();
+            assert_eq!(counts(&analysis), [m, 0, 1], "case {case}, off by {off}");
+            assert_eq!(confidence.ambiguous, is_doubt, "case {case}, {digits} digits, off by {off}: {confidence:?}");
+        }
+    }
+}
+
+/// `sin(2 pi i j / n)`: zeros that were computed are 1e-16 to 1e-15, in DOFs and equations that have nothing else.
+#[test]
+fn zeros_that_were_computed_are_never_sure() {
+    for n in 3..40_usize {
+        let row = |i: usize| (0..n).map(move |j| (j, (2.0 * std::f64::consts::PI * (i * j) as f64 / n as f64).sin()));
+        let mut builder = SystemBuilder::new(n);
+        (0..n).for_each(|i| _ = builder.equation(row(i), 0.0));
+        each(&builder.build().expect("valid"), |analysis, name| {
+            let (rank, confidence) = (analysis.rank(), analysis.confidence());
+            assert!(rank == (n - 1) / 2 || confidence.ambiguous, "{n}, {name}: {rank}, {confidence:?}");
+        });
+    }
+}
+
+/// A redundant equation with a computed zero in a DOF of its own: independent as given, redundant where it is zero.
+#[test]
+fn a_computed_zero_that_is_all_that_a_dof_has_is_told() {
+    let zero = 4.440_892_098_500_626e-16;
+    let equations: Equations =
+        &[(&[(0, 1.0), (1, -1.0)], 0.0), (&[(1, 1.0), (2, -1.0)], 0.0), (&[(0, 1.0), (2, -1.0), (3, zero)], 0.0)];
+    let system = system(4, equations, &[]);
+    each(&system, |analysis, name| {
+        assert_eq!(analysis.rank(), 3, "{name}");
+        let other = analysis.other_reading().unwrap_or_else(|| panic!("{name}: {:?}", analysis.confidence()));
+        assert_eq!((other.as_zero, other.rank, other.conflicting), (true, 2, 0), "{name}");
+    });
+    for (noise, rank) in [(Noise::None, 3), (Noise::Relative(1e-12), 2)] {
+        let analysis = analyse(&system, &Options { noise: noise.clone(), ..Options::default() }).expect("small");
+        assert_eq!((analysis.rank(), analysis.confidence().ambiguous), (rank, false), "{noise:?}");
+    }
+}
+
 /// Newton at convergence: `u1 - u2 = 5.6e-17` and `u1 - u2 = 0`.
 #[test]
 fn right_hand_sides_of_rounding_are_told() {

@@ -21,7 +21,7 @@ use qless::{Analysis, ConstraintSystem, Kind, Noise, Options, SystemBuilder, ana
 use rustc_hash::FxHashMap;
 
 use super::plan::conflicts;
-use super::{Deck, Dof, Format, LoadCase, Model, ansys, calculix, nastran, parse};
+use super::{Deck, Dof, Format, LoadCase, Model, Sources, ansys, calculix, nastran, read_model};
 
 pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
 pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
@@ -57,7 +57,8 @@ fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> 
         let known = old.files.iter().position(|file| file == path);
         known.map(|file| deck.texts[file].to_vec()).ok_or(std::io::ErrorKind::NotFound.into())
     };
-    let new = parse(deck.solver(), &old.files[0], text.to_vec(), &mut open)?.model;
+    let mut sources = Sources::new(deck.solver(), &old.files[0], text.to_vec(), &mut open);
+    let new = read_model(&mut sources, &old.dofs)?;
     if new.cases.len() > old.cases.len() {
         let what = format!("{} load cases instead of {}", new.cases.len(), old.cases.len());
         return Err(CleanError::Unproven { case: "the deck".into(), what });
@@ -68,9 +69,31 @@ fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> 
         }
         let unproven = |what: String| CleanError::Unproven { case: a.name.clone(), what };
         let b = partner(old, k, &new).ok_or_else(|| unproven("the cleaned deck has no such load case".into()))?;
-        same(old, a, &new, b, renamed).map_err(unproven)?;
+        let given = same_values(old, a, &new, b, renamed).map_err(unproven)?;
+        same_loads(a, b, renamed).map_err(unproven)?;
+        if let Err(what) = same_space(old, a, &new, b, renamed, &given) {
+            return Err(doubt(old, a)?.unwrap_or_else(|| unproven(what)));
+        }
     }
     Ok(())
+}
+
+/// The error for a load case whose rank depends on numbers that may be rounding, so that no cleaned deck is sure to be right;
+/// `None` if its rank is sure.
+fn doubt(model: &Model, case: &LoadCase) -> Result<Option<CleanError>, CleanError> {
+    let system = model.system(case)?;
+    let analyse = |noise| analyse(&system, &Options { noise, ..Options::default() });
+    let (given, rounded) = (analyse(Noise::Auto)?, analyse(Noise::Relative(ROUNDING))?);
+    let terms = given.other_reading().map_or(rounded.noise(), |other| &other.terms);
+    if given.rank() == rounded.rank() && !given.confidence().ambiguous && !rounded.confidence().ambiguous {
+        return Ok(None);
+    }
+    let equations: Vec<usize> = model.in_force(case).collect();
+    let named = terms.iter().find_map(|term| Some((*equations.get(term.row)?, term)));
+    let place = named.map_or_else(|| case.name.clone(), |(i, _)| model.place(model.nth(i).origin));
+    let term = named.map(|(_, term)| (model.dof_name(model.dofs[term.dof]), term.coefficient));
+    let ranks = (given.rank(), rounded.rank());
+    Ok(Some(CleanError::Doubtful { case: case.name.clone(), place, term, ranks }))
 }
 
 /// The load case of the cleaned deck for load case `k`. Subcases that now constrain alike are merged; the name lists
@@ -89,11 +112,16 @@ fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
 /// Coefficients below this part of their equation say nothing when two decks are compared: both are sums of numbers with some ten digits.
 const ROUNDING: f64 = 1e-10;
 
-/// Checks that two load cases constrain the same; otherwise says what differs.
-fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
-    let given = same_values(old, a, new, b, renamed)?;
-    same_loads(a, b, renamed)?;
-    let both = SharedColumns::new(old, new, renamed);
+/// Checks that the equations of two load cases have the same solutions; otherwise says what differs.
+fn same_space(
+    old: &Model,
+    a: &LoadCase,
+    new: &Model,
+    b: &LoadCase,
+    renamed: &Renamed,
+    given: &BTreeSet<Dof>,
+) -> Result<(), String> {
+    let both = SharedColumns::new((old, a), new, renamed);
     let analyse = |systems: &[(&Model, &LoadCase)], given: &BTreeSet<Dof>| {
         let system = both.system(systems, given).map_err(|error| error.to_string())?;
         let noise = Noise::Relative(ROUNDING);
@@ -106,7 +134,7 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
     if joined.rank() != alone.rank() || conflicts(&joined) != conflicts(&alone) {
         return Err(format!("it constrains more: rank {} instead of {}", joined.rank(), alone.rank()));
     }
-    let (before, after) = (analyse(&[(old, a)], &given)?.rank(), analyse(&[(new, b)], &given)?.rank());
+    let (before, after) = (analyse(&[(old, a)], given)?.rank(), analyse(&[(new, b)], given)?.rank());
     if before != after {
         return Err(format!("it constrains less: rank {after} instead of {before}"));
     }
@@ -170,17 +198,41 @@ fn values_by_dof(model: &Model, case: &LoadCase) -> BTreeMap<Dof, (f64, String)>
 struct SharedColumns<'a> {
     columns: FxHashMap<Dof, usize>,
     renamed: &'a Renamed,
+    old: &'a Model,
+    /// The largest coefficient of each column in the old load case.
+    largest: Vec<f64>,
 }
 
 impl<'a> SharedColumns<'a> {
-    fn new(old: &Model, new: &Model, renamed: &'a Renamed) -> Self {
+    fn new((old, case): (&'a Model, &LoadCase), new: &Model, renamed: &'a Renamed) -> Self {
         let mut columns = FxHashMap::default();
         let named = new.dofs.iter().map(|dof| renamed.get(dof).unwrap_or(dof));
         for &dof in old.dofs.iter().chain(named) {
             let next = columns.len();
             columns.entry(dof).or_insert(next);
         }
-        Self { columns, renamed }
+        let mut both = Self { largest: vec![0.0; columns.len()], columns, renamed, old };
+        for (j, a) in old.in_force(case).flat_map(|i| both.terms(old, i)).collect::<Vec<_>>() {
+            both.largest[j] = both.largest[j].max(a.abs());
+        }
+        both
+    }
+
+    /// The terms of an equation, by common column.
+    fn terms(&self, model: &Model, i: usize) -> Vec<(usize, f64)> {
+        let equation = model.nth(i);
+        let terms = equation.columns.iter().zip(equation.coefficients);
+        terms.filter_map(|(&j, &a)| Some((self.column(model.dofs[j as usize])?, a))).collect()
+    }
+
+    /// Power of two by which an equation is multiplied. One of the new deck gets coefficients as large as those of the old one in
+    /// its columns, and none larger: otherwise one of two equations would be taken for the rounding of the other.
+    fn scale(&self, model: &Model, terms: &[(usize, f64)]) -> f64 {
+        let ratios =
+            terms.iter().filter(|(j, a)| *a != 0.0 && self.largest[*j] > 0.0).map(|(j, a)| self.largest[*j] / a.abs());
+        let least = ratios.fold(f64::INFINITY, f64::min);
+        let is_new = !std::ptr::eq(model, self.old);
+        if is_new && least.is_normal() { least.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 }
     }
 
     fn column(&self, dof: Dof) -> Option<usize> {
@@ -204,10 +256,9 @@ impl<'a> SharedColumns<'a> {
         let mut builder = SystemBuilder::new(self.columns.len().max(1));
         for &(model, case) in parts {
             for i in model.in_force(case) {
-                let equation = model.nth(i);
-                let terms = equation.columns.iter().zip(equation.coefficients);
-                let term = |(&j, &a): (&u32, &f64)| Some((self.column(model.dofs[j as usize])?, a));
-                builder.equation(terms.filter_map(term), equation.rhs);
+                let terms = self.terms(model, i);
+                let scale = self.scale(model, &terms);
+                builder.equation(terms.into_iter().map(|(j, a)| (j, a * scale)), model.nth(i).rhs * scale);
             }
         }
         given.iter().filter_map(|&dof| self.column(dof)).for_each(|column| builder.prescribe(column, 0.0));

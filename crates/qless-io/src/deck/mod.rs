@@ -144,10 +144,15 @@ impl Deck {
 pub fn parse(solver: impl Into<Solver>, path: &Path, bytes: Vec<u8>, open: Open) -> Result<Deck, DeckError> {
     let solver = solver.into();
     let mut sources = Sources::new(solver, path, bytes, open);
-    let model = match solver.format() {
-        Format::Calculix => calculix::read(&mut sources)?,
-        Format::Ansys => ansys::read(&mut sources)?,
-        Format::Nastran => nastran::read(&mut sources)?,
-    };
+    let model = read_model(&mut sources, &[])?;
     Ok(Deck { solver: sources.solver(), model, texts: sources.into_texts() })
+}
+
+/// Reads the model of a deck, which has these other DOFs even if no equation names them.
+fn read_model(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError> {
+    match sources.solver().format() {
+        Format::Calculix => calculix::read(sources),
+        Format::Ansys => ansys::read(sources, others),
+        Format::Nastran => nastran::read(sources),
+    }
 }

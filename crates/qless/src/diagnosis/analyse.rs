@@ -19,7 +19,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::certificate::History;
-use super::classify::{MismatchRule, classify};
+use super::classify::{Dependent, Kind, MismatchRule, classify};
 use super::confidence::{Confidence, Doubt};
 use super::consistent::{not_redundant, to_give_up};
 use super::distance::{CoreDistance, KeptRows};
@@ -31,7 +31,7 @@ use crate::factor::backend::BackendError;
 use crate::factor::block::triangle::Triangle;
 use crate::factor::block::{self, Block, FactorContext};
 use crate::input::components::Labels;
-use crate::input::noise::of_right_hand_sides;
+use crate::input::noise::{TYPED, last_digit, of_right_hand_sides, typed_precision};
 use crate::input::numbering::{Column, Exponents, LocalSystem, Numbering};
 use crate::input::preferences::SlavePreferences;
 use crate::input::scale::{Scaling, balanced};
@@ -149,14 +149,14 @@ impl Pipeline<'_> {
         let (mut known, mut labels) = (None, None);
         let doubtful: Vec<usize> = match presolve {
             _ if !self.context.check => Vec::new(),
-            // Steep multipliers are a sign only: how far what was kept is from dependence can be computed.
+            // Steep multipliers are a sign only, as long as they leave some digits: how far what was kept is from dependence can be computed.
             true if !first.probe.doubtful.is_empty() => {
                 let distances = known.insert(self.distances(&first));
                 let labels = labels.insert(Labels::of(self.local));
                 let near = distances.iter().filter(|core| core.distance.is_nan() || core.distance < NEAR);
                 let near: BTreeSet<u32> = near.map(|core| labels.of_row[core.row as usize]).collect();
                 let is_near = |&row: &usize| near.contains(&labels.of_row[row]);
-                first.steep_rows().filter(is_near).chain(first.far_rows()).collect()
+                first.steep_rows().filter(is_near).chain(first.lost_rows()).chain(first.far_rows()).collect()
             }
             true => first.far_rows().collect(),
             false => first.dependent.iter().map(|d| d.row).collect(),
@@ -259,12 +259,22 @@ impl Pipeline<'_> {
         let typed = (is_typed && rule.reads_digits()).then_some(Doubt::Near);
         let error = dependent.iter().map(|d| d.dropped).fold(dropped, f64::max);
         let elimination = is_unverified.then_some(Doubt::Elimination);
-        let differ = confidence::doubted(dependent, self.local.system()).next();
-        let other = typed.or(elimination).or(differ.map(|_| Doubt::Mismatch));
+        let differ = confidence::doubted(dependent, self.local.system()).next().is_some()
+            || (rule.reads_digits() && dependent.iter().any(|d| self.agrees_as_typed(d, &pass.history)));
+        let other = typed.or(elimination).or(differ.then_some(Doubt::Mismatch));
         let confidence = Confidence::of(distance, error, other);
         pass.triangles = Vec::new();
         pass.blocks.iter_mut().for_each(Block::restore_units);
         VerifiedPass { pass, held_back, confidence }
+    }
+
+    /// Whether a conflict is no more than the last digit with which the coefficients of its equations were typed.
+    fn agrees_as_typed(&self, d: &Dependent, history: &History) -> bool {
+        if d.kind != Kind::Conflicting || d.relative_mismatch >= last_digit(*TYPED.start()) {
+            return false;
+        }
+        let members = d.source.explain(history).into_iter().map(|term| term.row).chain([d.row]);
+        d.relative_mismatch < typed_precision(members.map(|row| self.local.row(row).map(|(_, value)| value)))
     }
 
     /// One run of the stages. Rows held back skip presolve and go to the backend.

@@ -88,6 +88,11 @@ pub(crate) enum Source {
 }
 
 impl Source {
+    /// Whether the certificate is there without a solve.
+    pub fn is_known(&self) -> bool {
+        !matches!(self, Self::Traced(_, BlockCertificate::Late(..), _))
+    }
+
     pub fn explain(&self, history: &History) -> Vec<CertificateTerm> {
         match self {
             Self::Traced(row, because, _) => history.certificate(*row, &because.terms()),

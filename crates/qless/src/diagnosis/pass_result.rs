@@ -58,6 +58,11 @@ impl PassResult {
         self.probe.doubtful.iter().map(|&t| self.users_row(t))
     }
 
+    /// Those of them that leave their slaves too few digits.
+    pub fn lost_rows(&self) -> impl Iterator<Item = usize> {
+        self.probe.lost.iter().map(|&t| self.users_row(t))
+    }
+
     /// The user's rows that it dropped far from where they started.
     pub fn far_rows(&self) -> impl Iterator<Item = usize> {
         self.far_dependent.iter().map(|&row| self.history.rows[row as usize] as usize)

@@ -61,7 +61,8 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         read_twice(system, options, &suspects)?
     };
     match options.effort {
-        Effort::Quick | Effort::Checked => {}
+        Effort::Quick => {}
+        Effort::Checked => analysis.check_sides(),
         Effort::Proved => analysis.prove(),
         Effort::Exact => analysis.compare_with_exact(system)?,
     }

@@ -3,15 +3,17 @@
 //! A relative measure takes every coefficient at its word: 4.4e-16 where 0 was meant is wrong by all of itself. No rule can tell such
 //! a number from data with certainty. So numbers are only *suspect*, and where they decide, both readings are reported.
 
+use std::collections::HashSet;
+
 use crate::input::components::Labels;
 use crate::input::numbering::{Exponents, LocalSystem};
-use crate::input::scale::{balanced_powers, balanced_rows, exponent, free, ldexp};
+use crate::input::scale::{NEAR, balanced_powers, balanced_rows, exponent, free, ldexp};
 use crate::{ConstraintSystem, OptionError};
 
 /// `2^-46` = 1.4e-14: a sum of a hundred parts leaves so much of rounding. Below it a coefficient is suspect.
 pub(crate) const SUSPECT: i32 = -46;
-/// Numbers of up to so many decimal digits were typed, not computed.
-const TYPED: usize = 8;
+/// Numbers of up to so many decimal digits are not left over from a computation.
+const NOT_LEFT_OVER: usize = 8;
 /// What rounding leaves of numbers of size 1 are multiples of `2^-60`: sums of units in the last place of numbers down to `2^-8`.
 const QUANTUM: i32 = -60;
 
@@ -20,8 +22,9 @@ const ALIKE: f64 = 16.0;
 
 /// Which numbers may be rounding of others, so that zero is meant.
 ///
-/// A coefficient is *suspect* if it is below `2^-46` (1.4e-14) of the largest of its equation, in balanced units, or if it stands in an
-/// equation of nothing but rounding: below `2^-46` of the largest coefficients of its DOFs, multiples of what rounding leaves of those,
+/// A coefficient is *suspect* if it is below `2^-46` (1.4e-14) of the largest of its equation, in balanced units; also in those given, if all
+/// coefficients of its component are either above `2^-20` of the largest or between `2^-46` and `2^-60`; or if it stands in an equation of
+/// nothing but rounding: below `2^-46` of the largest coefficients of its DOFs, multiples of what rounding leaves of those,
 /// and no larger than sixteen times the largest other suspect coefficient of its component. A mismatch of right-hand sides is suspect if it is below
 /// `2^-46` of the largest right-hand side and prescribed term of its component, in balanced units. Numbers of up to 8 decimal digits were
 /// typed and are never suspect.
@@ -34,8 +37,8 @@ pub enum Noise {
     Auto,
     /// Everything is data.
     None,
-    /// Coefficients below this part of the largest of their equation (in balanced units), and mismatches below this part of the largest
-    /// right-hand side and prescribed term, are zero.
+    /// Coefficients below this part of the largest of their equation, equations below this part of the largest coefficients of their DOFs,
+    /// and mismatches below this part of the largest right-hand side and prescribed term are zero; in the units in which they are given.
     Relative(f64),
     /// The absolute error of each equation's coefficients and right-hand side is known: numbers within it are zero.
     Floors {
@@ -90,7 +93,7 @@ impl Suspects {
         match noise {
             Noise::None => Self::default(),
             Noise::Auto => {
-                let single = small(system, exponents, f64::from(SUSPECT), |v| !is_typed(v));
+                let mut single = suspect(system, exponents);
                 if single.is_empty() {
                     return Self::default();
                 }
@@ -99,13 +102,17 @@ impl Suspects {
                 let label = |row: usize| labels.of_row[row] as usize;
                 let mut largest = vec![0.0_f64; labels.count];
                 single.iter().for_each(|t| largest[label(t.row)] = largest[label(t.row)].max(t.coefficient.abs()));
-                let may_be = |i: usize, v: f64, most: f64| v.abs() <= ALIKE * largest[label(i)] && is_left_of(v, most);
-                let rows = rows_below(system, exponents, ldexp(1.0, SUSPECT), may_be);
-                Self { rows, single }
+                let is_alike = |i: usize, v: f64| v.abs() <= ALIKE * largest[label(i)] && !is_typed(v);
+                let part = ldexp(1.0, SUSPECT);
+                let rows = rows_below(system, exponents, part, |i, v, most| is_alike(i, v) && is_left_of(v, most));
+                let gone: HashSet<usize> = rows.iter().map(|term| term.row).collect();
+                single.extend(rows_below(system, exponents, part, |i, v, _| is_alike(i, v)));
+                single.retain(|term| !gone.contains(&term.row));
+                Self { rows, single: ascending(single) }
             }
             &Noise::Relative(part) => {
-                let mut rows = small(system, exponents, part.log2(), |_| true);
-                rows.extend(rows_below(system, exponents, part, |_, _, _| true));
+                let mut rows = rows_below(system, exponents, part, |_, _, _| true);
+                rows.extend((0..system.equations()).flat_map(|i| below(system, i, part)));
                 Self { rows, single: Vec::new() }
             }
             Noise::Floors { coefficients, .. } => {
@@ -117,11 +124,15 @@ impl Suspects {
 
     /// Both kinds, ascending.
     pub fn all(&self) -> Vec<NoiseTerm> {
-        let mut all = [self.rows.as_slice(), &self.single].concat();
-        all.sort_unstable_by_key(|term| (term.row, term.dof));
-        all.dedup();
-        all
+        ascending([self.rows.as_slice(), &self.single].concat())
     }
+}
+
+/// By row and DOF, each once.
+fn ascending(mut terms: Vec<NoiseTerm>) -> Vec<NoiseTerm> {
+    terms.sort_unstable_by_key(|term| (term.row, term.dof));
+    terms.dedup();
+    terms
 }
 
 /// Digits of the shortest decimal that gives this double.
@@ -132,7 +143,22 @@ pub(crate) fn digits(value: f64) -> usize {
 }
 
 pub(crate) fn is_typed(value: f64) -> bool {
-    digits(value) <= TYPED
+    digits(value) <= NOT_LEFT_OVER
+}
+
+/// Equations with coefficients of so many digits were rounded when they were typed: fewer are exact, more are computed.
+pub(crate) const TYPED: std::ops::RangeInclusive<usize> = 4..=12;
+
+/// The relative size of the last of so many digits.
+pub(crate) fn last_digit(digits: usize) -> f64 {
+    10_f64.powi(1 - digits as i32)
+}
+
+/// The relative size of the last digit of the equation that was typed with the fewest, of some with their coefficients; 0 if all are exact
+/// or computed.
+pub(crate) fn typed_precision<T: Iterator<Item = f64>>(equations: impl Iterator<Item = T>) -> f64 {
+    let longest = |equation: T| equation.map(digits).max().unwrap_or_default();
+    equations.map(longest).filter(|digits| TYPED.contains(digits)).min().map_or(0.0, last_digit)
 }
 
 fn terms(system: LocalSystem<'_>, row: usize) -> impl Iterator<Item = NoiseTerm> + '_ {
@@ -142,21 +168,55 @@ fn terms(system: LocalSystem<'_>, row: usize) -> impl Iterator<Item = NoiseTerm>
     })
 }
 
-/// Coefficients below a power of two of the largest of their equation, in balanced units.
-fn small(system: LocalSystem, exponents: &[Exponents], power: f64, may_be: impl Fn(f64) -> bool) -> Vec<NoiseTerm> {
+/// Coefficients up to a part of the largest of their equation, as given.
+fn below(system: LocalSystem<'_>, i: usize, part: f64) -> impl Iterator<Item = NoiseTerm> + '_ {
+    let most = free(system, i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
+    terms(system, i).filter(move |term| term.coefficient.abs() <= part * most)
+}
+
+/// Computed coefficients that are small beside the largest of their equation: in balanced units, or, since a DOF that has nothing but
+/// rounding gets a small unit when balanced, [`as_given`].
+fn suspect(system: LocalSystem, exponents: &[Exponents]) -> Vec<NoiseTerm> {
+    let power = f64::from(SUSPECT);
     // A power of two is lost by rounding exponents down.
-    let spans = |i: usize| f64::from(exponents[i].least) - f64::from(exponents[i].most) <= power + 1.0;
-    if !(0..system.equations()).any(|i| exponents[i].least < exponents[i].most && spans(i)) {
+    let spans = |i: usize| {
+        let Exponents { least, most } = exponents[i];
+        least < most && f64::from(least) - f64::from(most) <= power + 1.0
+    };
+    let spanning: Vec<usize> = (0..system.equations()).filter(|&i| spans(i)).collect();
+    if spanning.is_empty() {
         return Vec::new();
     }
-    let mut found = Vec::new();
+    let mut found = as_given(system, &spanning);
     balanced_powers(system, spans, |row, powers| {
         let most = powers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let of_row = terms(system, row).zip(powers).filter(|&(_, power_of)| power_of - most <= power);
-        found.extend(of_row.map(|(term, _)| term).filter(|term| may_be(term.coefficient)));
+        found.extend(of_row.map(|(term, _)| term));
     });
-    found.sort_unstable_by_key(|term: &NoiseTerm| (term.row, term.dof));
+    found.retain(|term| !is_typed(term.coefficient));
     found
+}
+
+/// Coefficients as small as what rounding leaves of the largest of their equation, in the units given, in components where nothing is
+/// smaller and all else is far larger. Where units mix, coefficients of other sizes are found beside them.
+fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
+    let labels = Labels::of(system);
+    let mut may_be = vec![false; labels.count];
+    spanning.iter().for_each(|&i| may_be[labels.of_row[i] as usize] = true);
+    let largest = |i: usize| free(system, i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
+    let is_rounding = |v: f64, largest: f64| v.abs() <= ldexp(largest, SUSPECT) && v.abs() >= ldexp(largest, QUANTUM);
+    for (i, &label) in labels.of_row.iter().enumerate() {
+        if may_be[label as usize] {
+            let largest = largest(i);
+            let is_far = |v: f64| v.abs() >= ldexp(largest, -NEAR) || is_rounding(v, largest);
+            may_be[label as usize] = free(system, i).all(|(_, v)| is_far(v));
+        }
+    }
+    let of = |&i: &usize| {
+        let largest = largest(i);
+        terms(system, i).filter(move |term| is_rounding(term.coefficient, largest))
+    };
+    spanning.iter().filter(|&&i| may_be[labels.of_row[i] as usize]).flat_map(of).collect()
 }
 
 /// Equations below a part of the largest coefficients of their DOFs, `may_be` rounding of the largest of these.

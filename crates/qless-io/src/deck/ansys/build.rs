@@ -10,12 +10,13 @@ use super::reader::{AnsysReader, CommandOwner};
 use super::syntax::archive::DofCoefficient;
 use crate::deck::{CardName, Deck, DeckError, Dof, Model, Origin, Problem, Sources};
 
-/// Reads a deck.
+/// Reads a deck. Its model has these other DOFs even if no equation names them, so that `D,ALL` prescribes them too.
 ///
 /// # Errors
 /// [`DeckError`].
-pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
+pub fn read(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError> {
     let mut reader = AnsysReader::read(sources.path(0), &sources.text(0))?;
+    reader.others = others.to_vec();
     fill(&mut reader)?;
     Ok(reader.model)
 }
@@ -38,8 +39,8 @@ pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
 pub fn fill(reader: &mut AnsysReader) -> Result<Vec<CommandOwner>, DeckError> {
     check_complete(reader)?;
     let (owners, lives) = push_equations(reader);
-    let AnsysReader { model, nodes, events, .. } = reader;
-    cases(events, nodes, &lives, model).map_err(|(origin, problem)| model.error(origin, None, problem))?;
+    let AnsysReader { model, nodes, events, others, .. } = reader;
+    cases(events, nodes, others, &lives, model).map_err(|(origin, problem)| model.error(origin, None, problem))?;
     check_nodes(reader)?;
     warn_of_rotated(reader);
     Ok(owners)

@@ -46,6 +46,18 @@ pub enum CleanError {
         /// The DOF.
         slave: String,
     },
+    /// The rank of the equations depends on numbers that may be rounding, so that no cleaned deck is sure to be right.
+    #[error("{}", doubtful(case, place, term.as_ref(), *ranks))]
+    Doubtful {
+        /// The load case.
+        case: String,
+        /// The card and line of an equation concerned, or the load case.
+        place: String,
+        /// A DOF of the equation and its coefficient, if a single coefficient decides.
+        term: Option<(String, f64)>,
+        /// The rank as the numbers are given, and the rank without those that may be rounding.
+        ranks: (usize, usize),
+    },
     /// The new text does not constrain as the deck does. This is a fault of this program.
     #[error("{case}: the cleaned deck would not constrain the same ({what}); please report this deck")]
     Unproven {
@@ -104,6 +116,22 @@ pub enum CleanError {
     /// A deck could not be read.
     #[error(transparent)]
     Deck(#[from] DeckError),
+}
+
+/// The message of [`CleanError::Doubtful`].
+fn doubtful(case: &str, place: &str, term: Option<&(String, f64)>, (given, rounded): (usize, usize)) -> String {
+    let ranks = if given == rounded {
+        format!("the rank {given} is in doubt")
+    } else {
+        format!("the rank is {given} or, without numbers that may be rounding, {rounded}")
+    };
+    match term {
+        Some((dof, coefficient)) => format!(
+            "{case}: {ranks}; {place} has the coefficient {coefficient:e} of {dof}, which is tiny beside the others: write 0 if it is \
+             rounding, or coefficients of like size"
+        ),
+        None => format!("{case}: {ranks}; write the coefficients of {place} with more digits, see `qless check`"),
+    }
 }
 
 /// DOFs of a cleaned deck that have another name in the original deck.

@@ -5,7 +5,8 @@
 const STEEP: f64 = 1e3;
 /// A slave that moves more than this, for right-hand sides of size 1, stands for equations that are nearly dependent.
 const WEAK: f64 = 3e4;
-/// A row to which more than this of a user's equation was added has lost that many digits.
+/// A row to which more than this of a user's equation was added has lost that many digits, and so has a slave that moves more: of the
+/// sixteen of a double, those of the tolerance of 1e-10 are left.
 const FAR: f64 = 1e5;
 
 /// A sample that is nearer to its limit than this factor is drawn again with numbers that depend on the component alone.
@@ -24,6 +25,8 @@ pub(crate) struct NullspaceProbe {
     pub(super) steepest: f64,
     /// Rows made by presolve that should not be relied on, for growth or for nearness to dependence.
     pub doubtful: Vec<usize>,
+    /// Those of them whose slaves have too few digits left, however far the equations are from dependence.
+    pub lost: Vec<usize>,
     /// Slaves that stay at zero for random masters, each in its unit, and zero prescribed values.
     pub immobile: Vec<u32>,
     /// For each row of the basis a bound of that row of T: its own largest coefficient, infinite where it names other slaves.
@@ -43,6 +46,9 @@ impl NullspaceProbe {
         // What is no number is no small one. What is peeled is triangular, so it is not near dependence, whatever its numbers are.
         if far || !is_at_most(moves, STEEP) || !(is_peeled || is_at_most(sample, WEAK)) {
             self.doubtful.push(t);
+            if is_far(moves) {
+                self.lost.push(t);
+            }
         }
     }
 }
@@ -55,5 +61,5 @@ fn is_at_most(x: f64, limit: f64) -> bool {
 
 /// Whether more than [`FAR`] times some equation of the user went into a row, so that about that many digits are lost.
 pub(crate) fn is_far(reach: f64) -> bool {
-    reach > FAR
+    !is_at_most(reach, FAR)
 }

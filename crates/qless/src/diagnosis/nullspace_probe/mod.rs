@@ -6,7 +6,7 @@ mod random_keys;
 use super::certificate::History;
 use crate::common::random::signed;
 use crate::input::numbering::LocalSystem;
-use crate::input::scale::{Scaling, ldexp};
+use crate::input::scale::{Scaling, exponent, free, ldexp};
 use crate::presolve::basis::{Basis, BasisRow, Kept, Vectors};
 
 pub(crate) use findings::{NullspaceProbe, is_far};
@@ -64,7 +64,7 @@ impl ProbePass<'_> {
     fn run<const BOUND: bool>(&self) -> NullspaceProbe {
         let Self { system, basis, history, scaling, keys, which } = *self;
         let seed = SEEDS[which as usize];
-        let mut states = start(system, scaling, keys, seed);
+        let mut states = start(system, scaling, keys, which, seed);
         let mut immobile = Vec::new();
         basis.blocks.iter().for_each(|block| enter(block, which, scaling, &mut states, &mut immobile));
         let of_steps = if BOUND { sizes_of_inverse(history) } else { random_step_sides(history, keys, seed) };
@@ -107,8 +107,9 @@ pub struct State {
     pub w: f64,
 }
 
-/// Masters at random, prescribed DOFs at zero.
-pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, seed: u64) -> Vec<State> {
+/// Masters at random, prescribed DOFs at zero; in the second sample each in the unit in which its largest coefficient is as large as its
+/// equation, so that no move is lost beside those of others.
+pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: ProbeSample, seed: u64) -> Vec<State> {
     let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
     let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
     let mut states: Vec<State> = if scaling.col.is_empty() {
@@ -116,8 +117,24 @@ pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, seed: u6
     } else {
         (0..system.dofs()).map(master).collect()
     };
+    if matches!(which, ProbeSample::Second) {
+        states.iter_mut().zip(exponents(system, scaling)).for_each(|(state, power)| state.u = ldexp(state.u, -power));
+    }
     system.prescribed().iter().for_each(|&(j, _)| states[j].u = 0.0);
     states
+}
+
+/// By DOF the power of two of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
+fn exponents(system: LocalSystem, scaling: &Scaling) -> Vec<i32> {
+    let mut most = vec![None; system.dofs()];
+    for i in 0..system.equations() {
+        let power = |(j, v): (usize, f64)| exponent(v) + scaling.col(j);
+        let largest = free(system, i).filter(|&(_, v)| v != 0.0).map(power).max().unwrap_or_default();
+        for (j, v) in free(system, i).filter(|&(_, v)| v != 0.0) {
+            most[j] = most[j].max(Some(power((j, v)) - largest));
+        }
+    }
+    most.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 /// The DOFs of a block move as a random vector of its null space says; those that stay are listed.

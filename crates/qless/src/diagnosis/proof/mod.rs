@@ -82,6 +82,41 @@ impl Analysis {
     }
 }
 
+impl Analysis {
+    /// Compares right-hand sides that rounding alone does not explain in exact arithmetic, where certificates are short: elimination loses
+    /// digits of them where it substitutes large values, or nearly parallel equations. What is contradicted is in doubt.
+    pub(super) fn check_sides(&mut self) {
+        if self.confidence.ambiguous || self.options.tolerance.is_absolute() {
+            return;
+        }
+        let explanation = Explanation::new(self);
+        let is_open =
+            |d: &&Dependent| (d.kind == Kind::Conflicting || d.relative_mismatch > 0.0) && d.source.is_known();
+        if self.dependent.par_iter().filter(is_open).any(|d| is_contradicted(self, &explanation, d)) {
+            self.confidence = self.confidence.or(Doubt::Mismatch);
+        }
+    }
+}
+
+/// Whether the right-hand sides as typed say otherwise than the verdict.
+fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent) -> bool {
+    let terms = dependent.source.explain(&analysis.history);
+    let (row, is_redundant) = (dependent.row, dependent.kind == Kind::Redundant);
+    if terms.iter().any(|term| analysis.kinds[term.row] != Kind::Independent) {
+        return false;
+    }
+    let agrees = exact_sides(explanation, row, &terms).is_none_or(|agree| agree == is_redundant);
+    // Those that were computed agree to rounding only.
+    !(agrees || is_redundant && has_computed_sides(analysis, row, &terms))
+}
+
+/// Whether the right-hand side is the combination of its certificate, if the equation exactly is.
+fn exact_sides(explanation: &Explanation, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
+    let is_exact = |found: &Found| found.is_combination;
+    let found = explanation.identity(row, terms).filter(is_exact);
+    found.or_else(|| explanation.minors(row, terms).filter(is_exact)).map(|found| found.sides_agree)
+}
+
 impl Proof {
     /// What can be proved of an analysis.
     pub(super) fn of(analysis: &Analysis) -> Self {
@@ -148,10 +183,8 @@ fn dropped(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent
         return None;
     }
     let row = dependent.row;
-    let is_exact = |found: &Found| found.is_combination;
-    let found = explanation.identity(row, &terms).filter(is_exact);
-    match found.or_else(|| explanation.minors(row, &terms).filter(is_exact)) {
-        Some(Found { sides_agree, .. }) if sides_agree == (dependent.kind == Kind::Redundant) => Some(true),
+    match exact_sides(explanation, row, &terms) {
+        Some(agree) if agree == (dependent.kind == Kind::Redundant) => Some(true),
         // A right-hand side that was computed agrees to rounding.
         Some(_) if dependent.kind == Kind::Redundant && has_computed_sides(analysis, row, &terms) => {
             is_enclosed(analysis, dependent, &terms).then_some(false)

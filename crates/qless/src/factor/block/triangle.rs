@@ -26,9 +26,8 @@ const CORRECTIONS: usize = 3;
 /// ... and weights with which one has brought no more than rounding.
 const DONE: f64 = 1e-12;
 
-/// A solve without correction has the relative error `u |C|^2 / sigma^2`; rows have a size of 1, and `|C|^2` is at most a few hundred:
-/// the error is below a thousandth for a larger sigma.
-const ENOUGH: f64 = 1e-5;
+/// What an estimate may be wrong by, relative to itself: it is read to a tenth of a digit.
+const ENOUGH: f64 = 1e-3;
 
 /// Two vectors, number by number.
 type VectorPair = Slab<2>;
@@ -101,7 +100,22 @@ impl Triangle {
 
     /// Everything that is asked of the null space and of solutions.
     pub fn vectors(&self, block: &Block) -> Vectors {
+        let moves = self.motions(block);
+        let sides = |c: usize, i: usize| match c {
+            0 => block.random[self.rows[i]],
+            _ => block.effective[self.rows[i]].value,
+        };
+        let x = self.shortest(block, &pair(self.rows.len(), sides));
+        let lane = |slab: &VectorPair, c: usize| slab.iter().map(|row| row[c]).collect::<Vec<f64>>();
+        Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], sample: lane(&x, 0), particular: lane(&x, 1) }
+    }
+
+    /// Two random vectors of the null space; with as many rows as DOFs nothing moves, whatever rounding leaves.
+    fn motions(&self, block: &Block) -> VectorPair {
         let (r, n) = (self.rows.len(), block.matrix.cols);
+        if r == n {
+            return pair(n, |_, _| 0.0);
+        }
         let sides = [&self.factor.rhs[..r], &self.factor.rhs[r..2 * r]];
         let mut weights = pair(r, |c, i| sides[c][i]);
         self.factor.solve_slab(&mut weights);
@@ -117,13 +131,7 @@ impl Triangle {
                 break;
             }
         }
-        let sides = |c: usize, i: usize| match c {
-            0 => block.random[self.rows[i]],
-            _ => block.effective[self.rows[i]].value,
-        };
-        let x = self.shortest(block, &pair(r, sides));
-        let lane = |slab: &VectorPair, c: usize| slab.iter().map(|row| row[c]).collect::<Vec<f64>>();
-        Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], sample: lane(&x, 0), particular: lane(&x, 1) }
+        moves
     }
 
     /// `x` with `C_k x = b`, in the range of `C_k^T`: a solve and its correction.
@@ -136,9 +144,21 @@ impl Triangle {
         x
     }
 
-    /// As [`Triangle::shortest`], where a part of a thousand is enough: corrected only where it has to be.
+    /// As [`Triangle::shortest`], where a part of a thousand is enough: corrected only where it has to be. A solve without correction
+    /// has the relative error `u |C|^2 / sigma^2`.
     pub fn nearly_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>, sigma: f64) -> Slab<W> {
-        if sigma > ENOUGH { self.first_shortest(block, b) } else { self.shortest(block, b) }
+        let enough = f64::EPSILON * self.size_squared(block) < ENOUGH * sigma * sigma;
+        if enough { self.first_shortest(block, b) } else { self.shortest(block, b) }
+    }
+
+    /// At least `|C_k|^2`: the largest sum of a row times the largest sum of a column.
+    fn size_squared(&self, block: &Block) -> f64 {
+        let (mut columns, mut rows) = (vec![0.0; block.matrix.cols], 0.0_f64);
+        for &k in &self.rows {
+            block.matrix.row(k).for_each(|(j, v)| columns[j] += v.abs());
+            rows = rows.max(block.matrix.row(k).map(|(_, v)| v.abs()).sum());
+        }
+        rows * columns.into_iter().fold(0.0, f64::max)
     }
 
     /// `C_k^T R^-1 R^-T b`.

@@ -7,6 +7,8 @@
 //!
 //! A factorization compares what is left of a row with its largest coefficients, so it may drop a row for which small ones decide. A row
 //! is no combination if more than 1e-3 of the parts of a coefficient is left, the limit of presolve for pivots; rounding leaves less.
+//! A coefficient y_i below `u |y| / (1e-3 sigma)` is not known to 1e-3 itself: where the row has no coefficient and only such y_i have
+//! parts, what is left is rounding of these. So certificates that decay along a chain are certificates.
 //! Cost: the coefficients of the rows of each certificate; where certificates are computed late, of the dropped rows.
 
 use rayon::prelude::*;
@@ -30,22 +32,34 @@ const ROUNDING: [f64; 3] = [0.0, 1e-13, 1e-11];
 struct Rest {
     left: Vec<f64>,
     size: Vec<f64>,
+    /// Whether a part is known to three digits.
+    is_known: Vec<bool>,
     touched: Vec<usize>,
+    /// Coefficients of certificates up to this part of the largest are not.
+    uncertain: f64,
 }
 
 impl Rest {
-    fn new(dofs: usize) -> Self {
-        Self { left: vec![0.0; dofs], size: vec![0.0; dofs], touched: Vec::new() }
+    fn new(dofs: usize, sigma: f64) -> Self {
+        let uncertain = (f64::EPSILON / (SUSPECT * sigma)).min(ROUNDING[2]);
+        Self {
+            left: vec![0.0; dofs],
+            size: vec![0.0; dofs],
+            is_known: vec![false; dofs],
+            touched: Vec::new(),
+            uncertain,
+        }
     }
 
     fn clear(&mut self) {
         for j in self.touched.drain(..) {
-            (self.left[j], self.size[j]) = (0.0, 0.0);
+            (self.left[j], self.size[j], self.is_known[j]) = (0.0, 0.0, false);
         }
     }
 
-    fn subtract(&mut self, block: &Block, row: usize, y: f64) {
+    fn subtract(&mut self, block: &Block, row: usize, y: f64, is_known: bool) {
         for (j, v) in block.matrix.row(row) {
+            self.is_known[j] |= is_known;
             if self.size[j] == 0.0 {
                 self.touched.push(j);
             }
@@ -57,9 +71,11 @@ impl Rest {
     /// e of row k for a certificate.
     fn error(&mut self, block: &Block, k: usize, certificate: &[(usize, f64)]) -> f64 {
         self.clear();
-        self.subtract(block, k, -1.0);
-        certificate.iter().for_each(|&(i, y)| self.subtract(block, i, y));
-        let parts = self.touched.iter().filter(|&&j| self.left[j] != 0.0);
+        self.subtract(block, k, -1.0, true);
+        let largest = certificate.iter().fold(0.0, |most: f64, (_, y)| most.max(y.abs()));
+        let known = self.uncertain * largest;
+        certificate.iter().for_each(|&(i, y)| self.subtract(block, i, y, y.abs() > known));
+        let parts = self.touched.iter().filter(|&&j| self.left[j] != 0.0 && self.is_known[j]);
         parts.map(|&j| self.left[j].abs() / self.size[j]).fold(0.0, f64::max)
     }
 }
@@ -90,8 +106,8 @@ struct Unexplained {
 /// Refines certificates that leave more than [`SUSPECT`] of their row; what they leave then counts as dropped. Returns the number of rows
 /// of which more is left.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> usize {
-    let Rows { dependent, triangle, left, .. } = rows;
-    let new = || Rest::new(block.matrix.cols);
+    let Rows { dependent, triangle, left, nearness, .. } = rows;
+    let new = || Rest::new(block.matrix.cols, nearness.sigma);
     let found = dependent.par_iter_mut().enumerate().map_init(new, |rest, (place, d)| {
         let k = block.rows.binary_search(&d.row).ok()?;
         if let BlockCertificate::Late(..) = d.because {

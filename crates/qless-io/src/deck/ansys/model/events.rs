@@ -66,15 +66,18 @@ pub struct EquationLife {
     pub last: u32,
 }
 
-/// Adds the load cases to the model: one for each `SOLVE`, and one more if anything changes after the last `SOLVE`.
+/// Adds the load cases to the model: one for each `SOLVE`, and one more if anything changes after the last `SOLVE`. `others` are
+/// DOFs that the model has although no equation names them.
 pub fn cases(
     events: &[ValueEvent],
     nodes: &AnsysNodes,
+    others: &[Dof],
     lives: &[EquationLife],
     model: &mut Model,
 ) -> Result<(), (Origin, Problem)> {
     let are_solutions = events.iter().all(|event| matches!(event.action, EventAction::Solve));
-    let mut replay = if are_solutions { EventReplay::without_nodes(nodes) } else { EventReplay::new(nodes, model) };
+    let mut replay =
+        if are_solutions { EventReplay::without_nodes(nodes) } else { EventReplay::new(nodes, others, model) };
     replay.lives = lives;
     for event in events {
         let history = match &event.action {
@@ -110,11 +113,11 @@ struct EventReplay<'a> {
 }
 
 impl<'a> EventReplay<'a> {
-    fn new(groups: &'a AnsysNodes, model: &Model) -> Self {
-        let in_equations = model.dofs.iter().map(|dof| dof.node);
-        let mut nodes: Vec<u32> = groups.numbers.iter().copied().chain(in_equations).collect();
+    fn new(groups: &'a AnsysNodes, others: &[Dof], model: &Model) -> Self {
+        let dofs = || model.dofs.iter().chain(others);
+        let mut nodes: Vec<u32> = groups.numbers.iter().copied().chain(dofs().map(|dof| dof.node)).collect();
         let mut occurs = [false; 256];
-        model.dofs.iter().for_each(|dof| occurs[usize::from(dof.component)] = true);
+        dofs().for_each(|dof| occurs[usize::from(dof.component)] = true);
         let components = (0..=u8::MAX).filter(|&component| occurs[usize::from(component)]).collect();
         nodes.sort_unstable();
         nodes.dedup();

@@ -18,7 +18,7 @@ use super::syntax::control::{Execution, FlowControl, TextPosition};
 use super::syntax::field::FieldFault;
 use super::syntax::parameters::ApdlParameters;
 use crate::bytes::LINE;
-use crate::deck::{DeckError, Model, Problem};
+use crate::deck::{DeckError, Dof, Model, Problem};
 use unread::UnreadCommands;
 
 /// Place of a command that belongs to an equation or a coupled set; `write` edits these commands.
@@ -62,6 +62,8 @@ pub struct AnsysReader {
     pub coupled: CoupledSets,
     pub nodes: AnsysNodes,
     pub events: Vec<ValueEvent>,
+    /// DOFs that the model has although no equation names them.
+    pub others: Vec<Dof>,
     /// Commands of equations and coupled sets, in order; `None` if they are not needed.
     pub places: Option<Vec<CommandPlace>>,
     pub selection: NodeSelection,

@@ -11,7 +11,7 @@ use crate::factor::backend::{Backend, BackendError};
 use crate::presolve::basis::NEAR;
 use certificate::{Choice, MANY, beyond_rounding, in_order, over_kept, rows};
 use late::late;
-use weak::without_weak;
+use weak::{ROUNDS, unexplained, without_weak};
 
 pub(super) use certificate::Rows;
 
@@ -89,15 +89,28 @@ fn ordered_or_repaired(
     Ok(rows(block, &tableau, left, choice, order))
 }
 
-/// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after
-/// row, the one with the largest part in the smallest singular vector is dropped, until what is kept is independent.
+/// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix, or equations substituted
+/// one into the next grew): row after row, the one with the largest part in the smallest singular vector is dropped, until what is kept is
+/// independent. What was dropped before may be no combination of that, and comes back.
 fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<usize>) -> Result<Rows, BackendError> {
-    while choice.weakest.left <= means.tolerance {
+    let mut round = 0;
+    loop {
+        while choice.weakest.left <= means.tolerance {
+            let Triangle { rows: mut kept, mut dropped, .. } = choice.triangle;
+            let place = kept.iter().position(|&i| i == choice.weakest.row).unwrap_or(kept.len() - 1);
+            dropped.push(kept.swap_remove(place));
+            choice = Choice::of(block, &kept, &dropped, means)?;
+        }
+        let tableau = over_kept(&choice.triangle);
+        let back = unexplained(block, &tableau, choice.triangle.rests(), means.tolerance)?;
+        if back.is_empty() || round == ROUNDS {
+            let left = choice.remainder(block);
+            return Ok(rows(block, &tableau, left, choice, order));
+        }
         let Triangle { rows: mut kept, mut dropped, .. } = choice.triangle;
-        let place = kept.iter().position(|&i| i == choice.weakest.row).unwrap_or(kept.len() - 1);
-        dropped.push(kept.swap_remove(place));
+        dropped.retain(|k| !back.contains(k));
+        kept.extend(back);
         choice = Choice::of(block, &kept, &dropped, means)?;
+        round += 1;
     }
-    let (tableau, left) = (over_kept(&choice.triangle), choice.remainder(block));
-    Ok(rows(block, &tableau, left, choice, order))
 }

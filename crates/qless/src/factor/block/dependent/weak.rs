@@ -20,7 +20,7 @@ use crate::factor::block::triangle::Triangle;
 use crate::presolve::basis::NEAR;
 
 /// Most times that rows are dropped and taken back in search of a sound choice.
-const ROUNDS: usize = 8;
+pub(super) const ROUNDS: usize = 8;
 
 /// Name of a combination of rows that is nothing.
 const NOTHING: u32 = u32::MAX;
@@ -135,7 +135,12 @@ fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
 }
 
 /// Dropped rows that are no combination of the kept ones, nor of one another: of those asked for, which come first, `rests` are left.
-fn unexplained(block: &Block, tableau: &Tableau, rests: &[f64], tolerance: f64) -> Result<Vec<usize>, BackendError> {
+pub(super) fn unexplained(
+    block: &Block,
+    tableau: &Tableau,
+    rests: &[f64],
+    tolerance: f64,
+) -> Result<Vec<usize>, BackendError> {
     let large: Vec<usize> = (0..rests.len()).filter(|&i| rests[i] > tolerance).collect();
     let mut rows = Csr::empty(block.matrix.cols);
     large.iter().for_each(|&i| rows.append(rest(block, tableau, i).into_iter().enumerate()));
