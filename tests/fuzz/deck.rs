@@ -63,10 +63,7 @@ fn clean(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
     let Ok(first) = plan(deck, &Options::default()) else { return };
     let text = match write(deck, &first) {
         Ok(text) => text,
-        Err(error @ CleanError::Unproven { .. }) => {
-            eprintln!("UNPROVEN {error}");
-            return;
-        }
+        Err(error @ CleanError::Unproven { .. }) => panic!("{error}"),
         Err(_) => return,
     };
     if first.is_empty() {

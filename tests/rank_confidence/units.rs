@@ -12,7 +12,7 @@ use super::{random, scenes};
 const COUNT: u64 = 1000;
 /// Digits by which the distance may differ, and the part of the systems in which other units lead to other kept rows, and these to
 /// another bound.
-const DIGITS: [(f64, f64); 2] = [(0.3, 0.15), (1.0, 0.03)];
+const DIGITS: [(f64, f64); 2] = [(0.3, 0.12), (1.0, 0.02)];
 /// The part in which d or what is left lies beside a limit: one of both is in doubt.
 const DOUBTS: f64 = 0.01;
 

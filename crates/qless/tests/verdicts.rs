@@ -184,6 +184,41 @@ fn conflicts_in_the_last_digit_that_was_typed_are_in_doubt() {
     }
 }
 
+/// `2 row 1 - row 3 = row 5`, beside nearly parallel rows 1 and 4 whose combination is absurd; and two equal equations with different
+/// right-hand sides, in which a large value is substituted.
+#[test]
+fn sides_that_exact_arithmetic_contradicts_are_in_doubt() {
+    let nearly_parallel: Equations = &[
+        (&[(0, 1.0)], 0.25),
+        (&[(1, 1.0), (3, -1.0)], 0.25),
+        (&[(2, 1.0), (3, 2.0), (4, -1.0), (5, 3.0)], 2e-7),
+        (&[(0, 1.0), (1, -1e-14)], 0.0),
+        (&[(0, 2.0), (2, -1.0), (3, -2.0), (4, 1.0), (5, -3.0)], 0.499_999_8),
+    ];
+    each(&system(6, nearly_parallel, &[]), |analysis, name| {
+        let is_right = counts(analysis) == [4, 1, 0];
+        assert!(is_right || analysis.confidence().ambiguous, "{name}: {:?}", counts(analysis));
+    });
+    let equal: Equations = &[(&[(0, 1.0), (1, 1.0), (2, -1.0)], 0.1), (&[(0, 1.0), (1, 1.0), (2, -1.0)], 0.2)];
+    for size in [1.0, 1e6, 1e9, 1e12, 1e13] {
+        each(&system(3, equal, &[(1, size)]), |analysis, name| {
+            let is_right = counts(analysis) == [1, 0, 1];
+            assert!(is_right || analysis.confidence().ambiguous, "{size}, {name}: {:?}", counts(analysis));
+        });
+    }
+}
+
+/// `u3 = -c u4` for any c that is not zero: small beside what cancels, but alone.
+#[test]
+fn what_moves_a_little_is_not_fixed() {
+    for power in 0..40 {
+        let c = 10_f64.powi(-power);
+        let equations: Equations = &[(&[(0, 1.0), (1, 1.0)], 0.0), (&[(0, 1.0), (1, 1.0), (2, 1.0), (3, c)], 0.0)];
+        let analysis = analyse(&system(4, equations, &[]), &Options::default()).expect("small");
+        assert_eq!((analysis.rank(), analysis.generated()), (2, [].as_slice()), "1e-{power}");
+    }
+}
+
 /// `sin(2 pi i j / n)`: zeros that were computed are 1e-16 to 1e-15, in DOFs and equations that have nothing else.
 #[test]
 fn zeros_that_were_computed_are_never_sure() {

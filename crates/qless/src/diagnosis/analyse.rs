@@ -149,7 +149,7 @@ impl Pipeline<'_> {
         let (mut known, mut labels) = (None, None);
         let doubtful: Vec<usize> = match presolve {
             _ if !self.context.check => Vec::new(),
-            // Steep multipliers are a sign only, as long as they leave some digits: how far what was kept is from dependence can be computed.
+            // While they leave digits, steep multipliers are a sign only: how far what was kept is from dependence can be computed.
             true if !first.probe.doubtful.is_empty() => {
                 let distances = known.insert(self.distances(&first));
                 let labels = labels.insert(Labels::of(self.local));

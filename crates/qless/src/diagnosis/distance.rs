@@ -18,7 +18,7 @@ use crate::factor::block::Block;
 use crate::factor::block::triangle::Triangle;
 use crate::input::noise::{TYPED, last_digit, typed_precision};
 use crate::input::numbering::LocalSystem;
-use crate::input::scale::{Component, RANGE, Scaling, ldexp, median};
+use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::{Basis, Kept};
 
 /// Right-hand sides of random signs at a time.
@@ -78,46 +78,28 @@ impl KeptRows<'_> {
 
     /// rho of each core.
     fn growths(&self, cores: &[Core]) -> Vec<f64> {
-        let units = self.units(cores);
         let mut weights: Vec<Vec<f64>> = cores.iter().map(|core| vec![1.0; core.rows.len()]).collect();
         let mut growth = vec![1.0; cores.len()];
         let mut sides = vec![None; self.system.equations()];
         for step in 0..STEPS {
-            for ((core, weights), units) in cores.iter().zip(&weights).zip(&units) {
-                for (((&row, weight), &unit), k) in core.rows.iter().zip(weights).zip(units).zip(0..) {
+            for (core, weights) in cores.iter().zip(&weights) {
+                for ((&row, weight), k) in core.rows.iter().zip(weights).zip(0..) {
                     let sign = |lane: usize| signed(SEED + (step * SIGNS + lane) as u64, k).signum();
-                    sides[row as usize] = Some(std::array::from_fn(|lane| ldexp(weight * sign(lane), -unit)));
+                    sides[row as usize] = Some(std::array::from_fn(|lane| weight * sign(lane)));
                 }
             }
             let u = self.solved(&sides);
             let size = |j: u32| (u[j as usize].iter().map(|u| u * u).sum::<f64>() / SIGNS as f64).sqrt();
-            for (((core, units), weights), growth) in cores.iter().zip(&units).zip(&mut weights).zip(&mut growth) {
+            for ((core, weights), growth) in cores.iter().zip(&mut weights).zip(&mut growth) {
                 let entry = |i: u32, j: u32, v: f64| self.scaling.entry(i as usize, j as usize, v).abs();
-                for (((weight, &i), entries), &unit) in weights.iter_mut().zip(&core.rows).zip(&core.entries).zip(units)
-                {
-                    *weight = ldexp(entries.iter().map(|&(j, v)| entry(i, j, v) * size(j)).sum(), unit);
+                for ((weight, &i), entries) in weights.iter_mut().zip(&core.rows).zip(&core.entries) {
+                    *weight = entries.iter().map(|&(j, v)| entry(i, j, v) * size(j)).sum();
                 }
                 *growth = weights.iter().fold(0.0, |most: f64, w| if *w <= most { most } else { *w });
                 weights.iter_mut().for_each(|w| *w /= *growth);
             }
         }
         growth
-    }
-
-    /// By core and equation the exponent that brings the scaled equation to balanced units.
-    fn units(&self, cores: &[Core]) -> Vec<Vec<i32>> {
-        let mut place = vec![0; self.system.dofs()];
-        let mut at = vec![0; self.system.equations()];
-        let of = |core: &Core| {
-            core.rows.iter().zip(0..).for_each(|(&row, k)| at[row as usize] = k);
-            let terms = |i: u32| core.entries[at[i as usize]].iter().map(|&(j, v)| (j as usize, v));
-            let component = Component::gather(core.rows.clone(), terms, &mut place);
-            let mut units = vec![0.0; core.rows.len()];
-            component.row_units(|k, unit| units[k] = unit - f64::from(self.scaling.row[core.rows[k] as usize]));
-            let usual = median(&units);
-            units.iter().map(|unit| ((unit - usual).round() as i32).clamp(-RANGE, RANGE)).collect()
-        };
-        cores.iter().map(of).collect()
     }
 
     /// `X g` for right-hand sides by the user's row, in scaled rows and columns, by DOF.

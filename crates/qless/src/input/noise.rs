@@ -7,7 +7,7 @@ use std::collections::HashSet;
 
 use crate::input::components::Labels;
 use crate::input::numbering::{Exponents, LocalSystem};
-use crate::input::scale::{NEAR, balanced_powers, balanced_rows, exponent, free, ldexp};
+use crate::input::scale::{balanced_powers, balanced_rows, exponent, free, ldexp};
 use crate::{ConstraintSystem, OptionError};
 
 /// `2^-46` = 1.4e-14: a sum of a hundred parts leaves so much of rounding. Below it a coefficient is suspect.
@@ -16,6 +16,10 @@ pub(crate) const SUSPECT: i32 = -46;
 const NOT_LEFT_OVER: usize = 8;
 /// What rounding leaves of numbers of size 1 are multiples of `2^-60`: sums of units in the last place of numbers down to `2^-8`.
 const QUANTUM: i32 = -60;
+
+/// Data are above `2^-20` of the largest of their equation where units do not mix: a millionth is what inputs span, and far above
+/// [`SUSPECT`].
+const DATA: i32 = -20;
 
 /// Equations of rounding are about as small as the suspect coefficients beside them: sixteen units in the last place.
 const ALIKE: f64 = 16.0;
@@ -208,7 +212,7 @@ fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     for (i, &label) in labels.of_row.iter().enumerate() {
         if may_be[label as usize] {
             let largest = largest(i);
-            let is_far = |v: f64| v.abs() >= ldexp(largest, -NEAR) || is_rounding(v, largest);
+            let is_far = |v: f64| v.abs() >= ldexp(largest, DATA) || is_rounding(v, largest);
             may_be[label as usize] = free(system, i).all(|(_, v)| is_far(v));
         }
     }

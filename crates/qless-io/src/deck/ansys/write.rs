@@ -128,10 +128,14 @@ fn rest(text: &[u8], line: u32, removed: &[Range<usize>]) -> Vec<u8> {
     [&kept.join(&b" $ "[..]), &b" "[..], comment].concat().trim_ascii_end().iter().copied().chain([b'\n']).collect()
 }
 
-/// Whether the new text, read again, has exactly the kept and the new equations.
+/// Whether the new text, read again, has exactly the kept and the new equations, and the same values and loads.
 fn is_as_planned(text: &[u8], before: &AnsysReader, deck: &Deck, plan: &Plan) -> bool {
     let Ok(mut after) = AnsysReader::read(&deck.model.files[0], text) else { return false };
     if fill(&mut after).is_err() {
+        return false;
+    }
+    let mut events = before.events.iter().zip(&after.events);
+    if before.events.len() != after.events.len() || !events.all(|(a, b)| a.acts_as(b)) {
         return false;
     }
     let model = &before.model;

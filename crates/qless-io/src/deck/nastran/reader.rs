@@ -108,6 +108,9 @@ impl NastranReader {
             self.landmarks.bulk.get_or_insert((line.file, line.number + 1));
             return;
         }
+        if self.section == DeckSection::Bulk {
+            self.landmarks.end.get_or_insert(line.at());
+        }
         self.section = DeckSection::Skipped;
         let text = format!("BEGIN {text}: this part of the deck is not understood and left out");
         self.cards.bulk.notes.leave_out(line.at(), text);
@@ -124,7 +127,7 @@ impl NastranReader {
         let mut name = [0; 8];
         match card_name(line.text, &mut name) {
             b"ENDDATA" => {
-                self.landmarks.end = Some(line.at());
+                self.landmarks.end.get_or_insert(line.at());
                 return Ok(false);
             }
             name if name.starts_with(b"BEGIN") => self.begin(keyword(line.text).1, line),
@@ -211,7 +214,7 @@ pub struct Landmarks {
     pub control: Option<FileLine>,
     /// The line after `BEGIN BULK`.
     pub bulk: Option<FileLine>,
-    /// `ENDDATA`.
+    /// The end of bulk data: `ENDDATA`, or the first section that is left out.
     pub end: Option<FileLine>,
     pub includes: Vec<IncludeLine>,
 }

@@ -127,8 +127,8 @@ fn doubtful(case: &str, place: &str, term: Option<&(String, f64)>, (given, round
     };
     match term {
         Some((dof, coefficient)) => format!(
-            "{case}: {ranks}; {place} has the coefficient {coefficient:e} of {dof}, which is tiny beside the others: write 0 if it is \
-             rounding, or coefficients of like size"
+            "{case}: {ranks}; {place} has the coefficient {coefficient:e} of {dof}, which is tiny beside its others: if it is rounding, \
+             write 0 or correct the positions of its nodes, else give the DOFs units in which the coefficients are of like size"
         ),
         None => format!("{case}: {ranks}; write the coefficients of {place} with more digits, see `qless check`"),
     }

@@ -75,7 +75,8 @@ impl ProbePass<'_> {
             let slave = basis.slave(t);
             let terms = basis.row(system, t);
             let Sums { moves, size, sample, bound } = sums::<BOUND>(terms, slave, &states, scaling);
-            let moves = if moves.abs() > NOISE * size { moves } else { 0.0 };
+            // What is no number is not at rest.
+            let moves = if moves.abs() <= NOISE * size { 0.0 } else { moves };
             out.bounds[t] = bound;
             if moves == 0.0 {
                 out.immobile.push(slave);

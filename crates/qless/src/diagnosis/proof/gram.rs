@@ -13,7 +13,7 @@
 use qless_qr::Symbolic;
 
 use crate::diagnosis::core::Core;
-use crate::input::scale::{Component, exponent, ldexp};
+use crate::input::scale::{Component, RANGE, exponent, ldexp};
 
 /// The part of the diagonal that is subtracted first: eight roundings. The proof works for cores whose smallest singular value in these
 /// units is above its root.
@@ -87,7 +87,7 @@ impl ScaledCore {
         let terms = |i: u32| self.rows[i as usize].iter().map(|&(j, v)| (j as usize, v));
         let mut place = vec![0; self.dofs];
         let component = Component::gather((0..self.rows.len() as u32).collect(), terms, &mut place);
-        let found = component.units()?;
+        let found = component.units_beyond(0.0).filter(|units| units.iter().all(|unit| unit.abs() < RANGE))?;
         let mut units = vec![0; self.dofs];
         component.dofs.iter().zip(found).for_each(|(&j, unit)| units[j as usize] = unit);
         Some(units)

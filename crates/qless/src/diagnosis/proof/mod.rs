@@ -80,9 +80,7 @@ impl Analysis {
         }
         self.proof = Some(proof);
     }
-}
 
-impl Analysis {
     /// Compares right-hand sides that rounding alone does not explain in exact arithmetic, where certificates are short: elimination loses
     /// digits of them where it substitutes large values, or nearly parallel equations. What is contradicted is in doubt.
     pub(super) fn check_sides(&mut self) {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::Csr;
 use crate::factor::backend::Backend;
 use crate::factor::backend::dense_or_sparse::DenseOrSparse;
-use crate::input::scale::{Component, NEAR, exponent, ldexp};
+use crate::input::scale::{Component, RANGE, exponent, ldexp};
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::{Entry, WorkingRow};
 
@@ -194,9 +194,8 @@ fn balanced_units(rows: &[WorkingRow], block: &[u32], place: &[u32], count: usiz
     };
     let component = Component::gather(block.to_vec(), terms, &mut vec![0; count]);
     let mut units = vec![0; count];
-    // Near those of the rows, the units of the rows are good enough.
-    let spread = |found: &Vec<i32>| found.iter().max().zip(found.iter().min()).map_or(0, |(most, least)| most - least);
-    if let Some(found) = component.units().filter(|found| spread(found) > NEAR) {
+    // Where balanced numbers might leave the range of doubles, those of the user are taken.
+    if let Some(found) = component.units().filter(|found| found.iter().all(|unit| unit.abs() < RANGE)) {
         component.dofs.iter().zip(found).for_each(|(&j, unit)| units[j as usize] = unit);
     }
     units

@@ -22,9 +22,9 @@ const MOST_PASSES: usize = 10;
 /// Sweeps of equilibration; the first ones halve what is missing, in powers of two, the others level what is left.
 const SWEEPS: usize = 30;
 
-/// Coefficients within this power of two of the largest of their row are no reason for other units: a pivot is then above 1e-6 of its
-/// row, four digits above what a tolerance of 1e-10 drops.
-pub(crate) const NEAR: i32 = 20;
+/// DOFs whose balanced units lie within this power of two stay in the units of the user: a pivot is then above 1e-6 of its row, four
+/// digits above what a tolerance of 1e-10 drops.
+const NEAR: f64 = 20.0;
 
 /// Half of the range of exponents: the other half is for the coefficients.
 pub(crate) const RANGE: i32 = 512;
@@ -62,13 +62,16 @@ impl Component {
         Self { rows, dofs, entries }
     }
 
-    /// The exponents -q of the DOFs, 0 for most; none where all are the same, or so far from each other that numbers might leave the range
-    /// of doubles.
+    /// The exponents -q of the DOFs, 0 for most; none where the user's units are near enough.
     pub fn units(&self) -> Option<Vec<i32>> {
-        let q = self.balanced(0.0)?.0;
+        self.units_beyond(NEAR)
+    }
+
+    /// The exponents -q of the DOFs, none where all lie within a power of two.
+    pub fn units_beyond(&self, near: f64) -> Option<Vec<i32>> {
+        let q = self.balanced(near)?.0;
         let usual = median(&q);
-        let units: Vec<i32> = q.iter().map(|q| (usual - q).round() as i32).collect();
-        units.iter().all(|unit| unit.abs() < RANGE).then_some(units)
+        Some(q.iter().map(|q| (usual - q).round() as i32).collect())
     }
 
     /// Exponents of the DOFs that are near those of the user and leave few coefficients small beside others of their row: equilibrated, or
@@ -77,8 +80,10 @@ impl Component {
     pub fn near_users(&self, near: i32) -> Option<Vec<i32>> {
         let equilibrated = self.equilibrated(near)?;
         let small = self.smallness(&equilibrated);
-        let balanced = if small > 0.0 { self.units() } else { None };
-        Some(balanced.filter(|units| self.smallness(units) < small / 2.0).unwrap_or(equilibrated))
+        let balanced = if small > 0.0 { self.units_beyond(0.0) } else { None };
+        let is_in_range = |units: &[i32]| units.iter().all(|unit| unit.abs() < RANGE);
+        let is_better = |units: &Vec<i32>| is_in_range(units) && self.smallness(units) < small / 2.0;
+        Some(balanced.filter(is_better).unwrap_or(equilibrated))
     }
 
     /// By how many powers of two coefficients are below [`NEAR`] beside the largest of their row, in all; a zero is no smaller than 53.
@@ -86,7 +91,7 @@ impl Component {
         let power = |&(_, j, power): &(u32, u32, f64)| power + f64::from(col[j as usize]);
         let of_row = |row: &[(u32, u32, f64)]| {
             let most = row.iter().map(power).fold(f64::NEG_INFINITY, f64::max);
-            row.iter().map(|entry| ((most - power(entry)).min(BITS) - f64::from(NEAR)).max(0.0)).sum::<f64>()
+            row.iter().map(|entry| ((most - power(entry)).min(BITS) - NEAR).max(0.0)).sum::<f64>()
         };
         self.entries.chunk_by(|a, b| a.0 == b.0).map(of_row).sum()
     }
@@ -272,7 +277,7 @@ fn range(q: &[f64]) -> f64 {
     most - least
 }
 
-pub(crate) fn median(x: &[f64]) -> f64 {
+fn median(x: &[f64]) -> f64 {
     let mut sorted = x.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     sorted.get(x.len() / 2).copied().unwrap_or_default()

@@ -12,11 +12,11 @@ mod rows;
 use super::components::Labels;
 use super::numbering::{Exponents, LocalSystem};
 
-pub(crate) use balance::{Component, NEAR, RANGE, median};
+pub(crate) use balance::{Component, RANGE};
 pub(crate) use powers::{exponent, ldexp};
 
 /// Columns stay as they are while pivots are above this power of two of their rows: they lose no more than these ten of 53 bits.
-const LED: i32 = 10;
+const NEAR: i32 = 10;
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
 #[derive(Clone, Debug)]
@@ -46,11 +46,11 @@ impl Scaling {
 /// ones.
 pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents]) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
-    if rows::scale(system, exponents, &mut scaling) >= -LED {
+    if rows::scale(system, exponents, &mut scaling) >= -NEAR {
         return scaling;
     }
-    let spans_much = |i| rows::span(system, &scaling, i).is_some_and(|(least, top)| least - top < -LED);
-    let col = units(system, spans_much, |component| component.near_users(LED));
+    let spans_much = |i| rows::span(system, &scaling, i).is_some_and(|(least, top)| least - top < -NEAR);
+    let col = units(system, spans_much, |component| component.near_users(NEAR));
     if !col.is_empty() {
         scaling.col = col;
         rows::scale(system, exponents, &mut scaling);
@@ -61,7 +61,8 @@ pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents]) -> Scaling 
 /// Balanced rows, and balanced columns in components that hold a marked equation.
 pub(crate) fn balanced_where(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
-    scaling.col = units(system, is_marked, Component::units);
+    let in_range = |units: &Vec<i32>| units.iter().all(|unit| unit.abs() < RANGE);
+    scaling.col = units(system, is_marked, |component| component.units_beyond(0.0).filter(in_range));
     for i in 0..system.equations() {
         scaling.row[i] = rows::span(system, &scaling, i).map_or(0, |(_, top)| -top);
     }

@@ -8,7 +8,7 @@ use crate::deck::limits::{HELD, VALUES};
 use crate::deck::{Dof, Load, LoadCase, Model, Origin, Prescribed, Problem};
 
 /// The nodes of a command.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum NodeChoice {
     /// First, last and step.
     Range(u32, u32, u32),
@@ -24,7 +24,7 @@ pub enum NodeChoice {
 pub type ComponentList = [u8; 6];
 
 /// The effect of a command.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum EventAction {
     /// `D`: a value that replaces an earlier one, and the table that multiplies it.
     Prescribe(f64, Option<Box<str>>),
@@ -48,6 +48,11 @@ pub struct ValueEvent {
 }
 
 impl ValueEvent {
+    /// Whether another command does the same, wherever it stands.
+    pub fn acts_as(&self, other: &Self) -> bool {
+        self.action == other.action && self.nodes == other.nodes && self.components == other.components
+    }
+
     fn has_all_components(&self) -> bool {
         self.components[0] == 0
     }

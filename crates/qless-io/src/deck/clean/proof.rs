@@ -1,0 +1,290 @@
+//! Proves that the text of a cleaned deck constrains as the deck does: in every load case its equations span the same space, and are
+//! independent. Let `C u = b` be the equations of the deck and `C' u = b'` those of the cleaned one.
+//!
+//! - `rank [C b; C' b'] = rank [C b]` over all DOFs: every solution of the deck solves the cleaned deck.
+//! - `rank C' = rank C` without the prescribed DOFs: the converse holds too.
+//!
+//! Coefficients that may be the rounding of others count as zero; if that gives no proof, all count as given. Both readings must hold as
+//! a whole, so that none hides a difference in the other. Equations of the cleaned deck are scaled to the size of the deck's: an
+//! equation in other units must not pass for the rounding of its neighbours.
+//!
+//! Whether the deck has a solution is tested separately, so that rounding of new coefficients cannot decide it. Loads must stay at their
+//! DOFs. Cost: five analyses for each case, and one more for each of several time histories.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use qless::{Analysis, ConstraintSystem, Kind, Noise, Options, SystemBuilder, analyse};
+use rustc_hash::FxHashMap;
+
+use super::{CleanError, Renamed};
+use crate::deck::faults::faults_in;
+use crate::deck::plan::conflicts;
+use crate::deck::{Deck, Dof, LoadCase, Model, Sources, read_model};
+
+/// Proves that a new text of the main file constrains as the deck does.
+///
+/// # Errors
+/// [`CleanError::Unproven`] if the text constrains differently, [`CleanError::Deck`] if it cannot be read.
+pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> {
+    let old = &deck.model;
+    let mut open = |path: &Path| {
+        let known = old.files.iter().position(|file| file == path);
+        known.map(|file| deck.texts[file].to_vec()).ok_or(std::io::ErrorKind::NotFound.into())
+    };
+    let mut sources = Sources::new(deck.solver(), &old.files[0], text.to_vec(), &mut open);
+    let new = read_model(&mut sources, &old.dofs)?;
+    if new.cases.len() > old.cases.len() {
+        let what = format!("{} load cases instead of {}", new.cases.len(), old.cases.len());
+        return Err(CleanError::Unproven { case: "the deck".into(), what });
+    }
+    for (k, a) in old.cases.iter().enumerate() {
+        if conflicts(old, a, &Options::default())? {
+            return Err(CleanError::Conflicting { case: a.name.clone() });
+        }
+        let unproven = |what: String| CleanError::Unproven { case: a.name.clone(), what };
+        let b = partner(old, k, &new).ok_or_else(|| unproven("the cleaned deck has no such load case".into()))?;
+        let given = same_values(old, a, &new, b, renamed).map_err(unproven)?;
+        same_loads(a, b, renamed).map_err(unproven)?;
+        let both = SharedColumns::new((old, a), &new, renamed);
+        let proved = same_space(&both, a, (&new, b), &given, &Noise::Relative(ROUNDING));
+        let proved = proved.or_else(|what| same_space(&both, a, (&new, b), &given, &Noise::None).map_err(|_| what));
+        if let Err(what) = proved {
+            return Err(doubt(old, a)?.unwrap_or_else(|| unproven(what)));
+        }
+    }
+    Ok(())
+}
+
+/// The error for a load case whose rank depends on numbers that may be rounding, so that no cleaned deck is sure to be right;
+/// `None` if its rank is sure.
+fn doubt(model: &Model, case: &LoadCase) -> Result<Option<CleanError>, CleanError> {
+    let system = model.system(case)?;
+    let analyse = |noise| analyse(&system, &Options { noise, ..Options::default() });
+    let (given, rounded) = (analyse(Noise::Auto)?, analyse(Noise::Relative(ROUNDING))?);
+    let terms = given.other_reading().map_or(rounded.noise(), |other| &other.terms);
+    if given.rank() == rounded.rank() && !given.confidence().ambiguous && !rounded.confidence().ambiguous {
+        return Ok(None);
+    }
+    let equations: Vec<usize> = model.in_force(case).collect();
+    let named = terms.iter().find_map(|term| Some((*equations.get(term.row)?, term)));
+    let place = named.map_or_else(|| case.name.clone(), |(i, _)| model.place(model.nth(i).origin));
+    let term = named.map(|(_, term)| (model.dof_name(model.dofs[term.dof]), term.coefficient));
+    let ranks = (given.rank(), rounded.rank());
+    Ok(Some(CleanError::Doubtful { case: case.name.clone(), place, term, ranks }))
+}
+
+/// The load case of the cleaned deck for load case `k`. Subcases that now constrain alike are merged; the name lists
+/// all their numbers.
+fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
+    if old.cases.len() == new.cases.len() {
+        return new.cases.get(k);
+    }
+    let numbers = |case: &LoadCase| -> Vec<u32> {
+        case.name.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect()
+    };
+    let own = numbers(&old.cases[k]);
+    new.cases.iter().find(|case| !own.is_empty() && own.iter().all(|number| numbers(case).contains(number)))
+}
+
+/// Coefficients below this part of their equation say nothing when two decks are compared: both are sums of numbers with some ten digits.
+const ROUNDING: f64 = 1e-10;
+
+/// Checks that the equations of two load cases have the same solutions in this reading of their numbers; otherwise says what differs.
+fn same_space(
+    both: &SharedColumns,
+    a: &LoadCase,
+    (new, b): (&Model, &LoadCase),
+    given: &BTreeSet<Dof>,
+    noise: &Noise,
+) -> Result<(), String> {
+    let old = both.old;
+    let analyse = |systems: &[(&Model, &LoadCase)], given: &BTreeSet<Dof>| {
+        let system = both.system(systems, given).map_err(|error| error.to_string())?;
+        analyse(&system, &Options { noise: noise.clone(), ..Options::default() }).map_err(|error| error.to_string())
+    };
+    let none = BTreeSet::new();
+    let (alone, joined) = (analyse(&[(old, a)], &none)?, analyse(&[(old, a), (new, b)], &none)?);
+    let conflicts =
+        |analysis: &Analysis| analysis.dependent().iter().filter(|one| one.kind == Kind::Conflicting).count();
+    if joined.rank() != alone.rank() || conflicts(&joined) != conflicts(&alone) {
+        return Err(format!("it constrains more: rank {} instead of {}", joined.rank(), alone.rank()));
+    }
+    let (before, after) = (analyse(&[(old, a)], given)?.rank(), analyse(&[(new, b)], given)?.rank());
+    if before != after {
+        return Err(format!("it constrains less: rank {after} instead of {before}"));
+    }
+    independent(new, b, after, both)
+}
+
+/// Checks that the equations of a cleaned load case are independent and have no faults.
+fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) -> Result<(), String> {
+    let count = new.in_force(case).filter(|&i| !both.names_one_dof(new, i)).count();
+    if count != rank {
+        return Err(format!("{} of {count} equations are still redundant", count - rank));
+    }
+    faults_in(new, case).first().map_or(Ok(()), |fault| Err(fault.describe(new)))
+}
+
+/// Checks the prescribed values of the new load case: those of the old one, and values of DOFs that only the new deck
+/// has.
+fn same_values(
+    old: &Model,
+    a: &LoadCase,
+    new: &Model,
+    b: &LoadCase,
+    renamed: &Renamed,
+) -> Result<BTreeSet<Dof>, String> {
+    let (before, after) = (values_by_dof(old, a), values_by_dof(new, b));
+    if let Some(dof) = renamed.values().find(|dof| after.contains_key(dof)) {
+        return Err(format!("{dof} is still prescribed under its old name"));
+    }
+    let mut after: BTreeMap<_, _> =
+        after.into_iter().map(|(dof, given)| (*renamed.get(&dof).unwrap_or(&dof), given)).collect();
+    if let Some((dof, _)) = before.iter().find(|(dof, given)| after.get(dof) != Some(given)) {
+        return Err(format!("{dof} is not prescribed as before"));
+    }
+    // DOFs that only the new deck has exist for its equations.
+    after.retain(|dof, _| before.contains_key(dof) || new.column(*dof).is_some());
+    if let Some(dof) = after.keys().find(|dof| !before.contains_key(dof) && old.column(**dof).is_some()) {
+        return Err(format!("{dof} was not prescribed before"));
+    }
+    Ok(after.into_keys().collect())
+}
+
+/// Checks that each DOF has as many loads as before.
+fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
+    let sorted = |mut dofs: Vec<Dof>| {
+        dofs.sort_unstable();
+        dofs
+    };
+    let before = sorted(a.loads.iter().map(|load| load.dof).collect());
+    let after = sorted(b.loads.iter().map(|load| *renamed.get(&load.dof).unwrap_or(&load.dof)).collect());
+    if before == after { Ok(()) } else { Err("the loads act on other DOFs".into()) }
+}
+
+/// Prescribed values with the names of their time histories; the name of the standard one is empty.
+fn values_by_dof(model: &Model, case: &LoadCase) -> BTreeMap<Dof, (f64, String)> {
+    let names: Vec<Option<&str>> = model.histories().collect();
+    let name = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
+    case.prescribed.iter().map(|one| (one.dof, (one.value, name(one.history)))).collect()
+}
+
+/// Common columns for the DOFs of two models.
+struct SharedColumns<'a> {
+    columns: FxHashMap<Dof, usize>,
+    renamed: &'a Renamed,
+    old: &'a Model,
+    /// The largest coefficient of each column in the old load case.
+    largest: Vec<f64>,
+}
+
+impl<'a> SharedColumns<'a> {
+    fn new((old, case): (&'a Model, &LoadCase), new: &Model, renamed: &'a Renamed) -> Self {
+        let mut columns = FxHashMap::default();
+        let named = new.dofs.iter().map(|dof| renamed.get(dof).unwrap_or(dof));
+        for &dof in old.dofs.iter().chain(named) {
+            let next = columns.len();
+            columns.entry(dof).or_insert(next);
+        }
+        let mut both = Self { largest: vec![0.0; columns.len()], columns, renamed, old };
+        for (j, a) in old.in_force(case).flat_map(|i| both.terms(old, i)).collect::<Vec<_>>() {
+            both.largest[j] = both.largest[j].max(a.abs());
+        }
+        both
+    }
+
+    /// The terms of an equation, by common column.
+    fn terms(&self, model: &Model, i: usize) -> Vec<(usize, f64)> {
+        let equation = model.nth(i);
+        let terms = equation.columns.iter().zip(equation.coefficients);
+        terms.filter_map(|(&j, &a)| Some((self.column(model.dofs[j as usize])?, a))).collect()
+    }
+
+    /// Power of two by which an equation is multiplied. One of the new deck gets coefficients as large as those of the old one in
+    /// its columns, and none larger: otherwise one of two equations would be taken for the rounding of the other.
+    fn scale(&self, model: &Model, terms: &[(usize, f64)]) -> f64 {
+        let ratios =
+            terms.iter().filter(|(j, a)| *a != 0.0 && self.largest[*j] > 0.0).map(|(j, a)| self.largest[*j] / a.abs());
+        let least = ratios.fold(f64::INFINITY, f64::min);
+        let is_new = !std::ptr::eq(model, self.old);
+        if is_new && least.is_normal() { least.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 }
+    }
+
+    fn column(&self, dof: Dof) -> Option<usize> {
+        self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
+    }
+
+    /// Whether an equation only equates a new DOF with the DOF that it repeats.
+    fn names_one_dof(&self, new: &Model, i: usize) -> bool {
+        let equation = new.nth(i);
+        let names: Vec<Dof> = equation.columns.iter().map(|&j| new.dofs[j as usize]).collect();
+        let [a, b] = names[..] else { return false };
+        a != b && self.column(a) == self.column(b) && equation.coefficients[0] == -equation.coefficients[1]
+    }
+
+    /// The equations in force in some load cases, one below the other, with these DOFs prescribed as zero.
+    fn system(
+        &self,
+        parts: &[(&Model, &LoadCase)],
+        given: &BTreeSet<Dof>,
+    ) -> Result<ConstraintSystem, qless::SystemError> {
+        let mut builder = SystemBuilder::new(self.columns.len().max(1));
+        for &(model, case) in parts {
+            for i in model.in_force(case) {
+                let terms = self.terms(model, i);
+                let scale = self.scale(model, &terms);
+                builder.equation(terms.into_iter().map(|(j, a)| (j, a * scale)), model.nth(i).rhs * scale);
+            }
+        }
+        given.iter().filter_map(|&dof| self.column(dof)).for_each(|column| builder.prescribe(column, 0.0));
+        builder.build()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deck::{Format, parse};
+
+    /// The proof that a deck with the second equations constrains as one with the first.
+    fn proof(old: &str, new: &str) -> Result<(), CleanError> {
+        let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
+        let text = |equations: &str| format!("*EQUATION\n{equations}*BOUNDARY\n9,1\n").into_bytes();
+        let deck = parse(Format::Calculix, Path::new("deck.inp"), text(old), &mut none).expect("a deck");
+        prove(&deck, &text(new), &Renamed::default())
+    }
+
+    #[test]
+    fn other_solution_spaces_are_rejected() {
+        let tie = "2\n1,1,1.,2,1,-1.\n";
+        for (old, new) in [
+            (tie, "2\n1,1,1.,2,1,-1.\n2\n3,1,1.,2,1,-1.\n"),
+            (tie, "2\n1,1,1.,2,1,-1.00000001\n"),
+            (tie, "2\n1,1,1.,3,1,-1.\n"),
+            (tie, "2\n1,1,1.,9,1,-1.\n"),
+            ("2\n1,1,1.,2,1,-1.\n2\n3,1,1.,2,1,-1.\n", tie),
+            // The second equation must not pass for the rounding of the large ones.
+            ("2\n1,1,1e12,2,1,-1e12\n", "2\n1,1,1e12,2,1,-1e12\n2\n2,1,1.,1,1,1.\n"),
+            ("2\n1,1,1e12,2,1,-1e12\n", "2\n1,1,1e12,2,1,-1e12\n1\n2,1,1.\n"),
+            // Read as given, tiny coefficients count.
+            ("2\n1,1,1e-30,2,1,-1.\n2\n3,1,1e-30,2,1,-1.\n", "2\n2,1,1.,1,1,-1e-30\n2\n1,1,1.,3,1,-2.\n"),
+        ] {
+            let error = proof(old, new).expect_err(new);
+            assert!(matches!(error, CleanError::Unproven { .. } | CleanError::Doubtful { .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn rounding_and_scale_are_no_differences() {
+        for (old, new) in [
+            ("2\n1,1,3.,2,1,-1.\n", "2\n1,1,1.,2,1,-.333333333333333\n"),
+            ("2\n1,1,1e12,2,1,-1e12\n", "2\n1,1,1.,2,1,-1.\n"),
+            ("2\n1,1,1e-12,2,1,-1e-12\n", "2\n1,1,1.,2,1,-1.\n"),
+            ("2\n1,1,1.,2,1,-1.\n", "3\n1,1,1.,2,1,-1.,3,1,1e-17\n"),
+            ("2\n1,1,1e-30,2,1,-1.\n2\n3,1,1e-30,2,1,-1.\n", "2\n2,1,1.,1,1,-1e-30\n2\n1,1,1.,3,1,-1.\n"),
+        ] {
+            proof(old, new).unwrap_or_else(|error| panic!("{old}{new}{error}"));
+        }
+    }
+}
