@@ -1,13 +1,13 @@
-/* qless: which linear constraint equations C u = b are redundant or conflicting, and their reduced form
+/* qless finds redundant and conflicting linear constraint equations C u = b, and computes their reduced form
  *
  *     u_s = T u_q + G u_p + g        slaves u_s, masters u_q, prescribed DOFs u_p
  *
  * Status. Every function that returns an int returns QLESS_OK, QLESS_AMBIGUOUS, or a negative number if it failed; qless_message() says why.
  * After a failure nothing has changed.
- * Handles. What a function creates is freed by the function of that name with _free. A null, freed or foreign handle is an error.
+ * Handles. Free each handle by the function of its type that ends in _free. A null, freed or foreign handle is an error.
  * Arrays. Input is copied. Output goes to arrays of the caller. Compressed rows: entries starts[i] .. starts[i + 1] belong to row i.
  * Integers. Functions that end in _64 take 64-bit indices. Lengths are 64-bit everywhere.
- * Base. Equations, DOFs, starts and columns count from 0 or from 1, as qless_analyse is told; results count alike.
+ * Base. Equations, DOFs, starts and columns count from base, which is 0 or 1, in input and results.
  * Threads. One handle may be used by several threads at once; qless_refresh waits until the others are done.
  */
 #ifndef QLESS_H
@@ -19,12 +19,12 @@
 #define QLESS_VERSION_MINOR 1
 #define QLESS_VERSION_PATCH 0
 
-#define QLESS_OK 0         /* the call did what it should */
-#define QLESS_AMBIGUOUS 1  /* qless_analyse: so did this, but another rank or verdict is possible */
+#define QLESS_OK 0         /* success */
+#define QLESS_AMBIGUOUS 1  /* success, but another rank or verdict is possible (qless_analyse only) */
 #define QLESS_INPUT -1     /* an argument is not valid */
 #define QLESS_CONFLICT -2  /* equations conflict, so that there is no reduced form */
 #define QLESS_NUMERICAL -3 /* too little memory for a block, or equations too nearly dependent */
-#define QLESS_INTERNAL -4  /* a fault of the library */
+#define QLESS_INTERNAL -4  /* a bug of the library */
 
 #define QLESS_INDEPENDENT 0 /* kinds of equations */
 #define QLESS_REDUNDANT 1
@@ -79,8 +79,8 @@ QLESS_API int qless_counts(const qless_analysis *analysis, int64_t *equations, i
 /* QLESS_INDEPENDENT, QLESS_REDUNDANT or QLESS_CONFLICTING for each equation; length: the number of equations. */
 QLESS_API int qless_kinds(const qless_analysis *analysis, int8_t *kinds, int64_t length);
 
-/* kept: the rank stands unless coefficients are wrong in the digit after so many; dropped: so many digits of the dropped equations agree
- * (infinite if all do); ambiguous: whether another rank or verdict is possible. */
+/* kept: -log10 of the smallest relative change of coefficients that makes the kept equations dependent; dropped: number of digits
+ * in which dropped equations agree with their combinations of kept ones (infinite if all do); ambiguous: whether another rank or verdict is possible. */
 QLESS_API int qless_digits(const qless_analysis *analysis, double *kept, double *dropped, int *ambiguous);
 
 /* Why an equation is dependent: row = sum of coefficients[k] * rows[k] over the free DOFs, for k < count. An independent one has count 0.
@@ -113,8 +113,8 @@ QLESS_API int qless_g_matrix_64(const qless_elimination *elimination, int64_t *s
 /* g, for the current b and prescribed values; length: the number of slaves. */
 QLESS_API int qless_g(const qless_elimination *elimination, double *g, int64_t length);
 
-/* New b (one number for each equation) and prescribed values (in the order of qless_dofs). Slaves and T stay. QLESS_CONFLICT if equations
- * conflict with them; nothing has changed then. */
+/* Sets new b (one number for each equation) and prescribed values (in the order of qless_dofs). Slaves and T stay. QLESS_CONFLICT if
+ * equations conflict for these values; nothing has changed then. */
 QLESS_API int qless_refresh(qless_elimination *elimination, const double *rhs, int64_t rhs_length, const double *prescribed,
                             int64_t prescribed_length);
 

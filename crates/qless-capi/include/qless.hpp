@@ -51,7 +51,7 @@ template <class Handle> using Owner = std::unique_ptr<Handle, FreeHandle>;
 
 } // namespace detail
 
-// Numbers of somebody else, which must live as long as the call that takes them.
+// A view of the caller's numbers, which must live until the call that takes it returns.
 template <class T> class Span {
 public:
     Span() noexcept : data_(nullptr), size_(0) {}

@@ -10,7 +10,7 @@ use crate::handles::{get, insert, qless_analysis, qless_options, remove};
 use crate::options;
 use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
 
-/// An analysis, and where the indices of its caller start.
+/// An analysis, and the index base of its caller.
 #[derive(Debug)]
 pub(crate) struct HeldAnalysis {
     pub(crate) analysis: Arc<Analysis>,
@@ -31,7 +31,8 @@ struct Given<I> {
 
 impl<I: CIndex> Given<I> {
     /// # Safety
-    /// The arrays are as long as the sizes say; `starts` has one number more than there are equations, and its last one counts the entries.
+    /// The arrays are as long as the sizes say. `starts` has one number more than there are equations; its last number gives the number of
+    /// entries.
     unsafe fn analyse(
         &self,
         options: *const qless_options,
@@ -41,7 +42,7 @@ impl<I: CIndex> Given<I> {
         let [rows, dofs, count] = self.sizes;
         let rows = length("the number of equations", rows)?;
         let mut builder = SystemBuilder::new(length("the number of DOFs", dofs)?);
-        // SAFETY: as the caller states, also below.
+        // SAFETY: the caller upholds the contract, here and below.
         let starts = unsafe { read("starts", self.starts, rows + 1) }?;
         let starts = starts.iter().map(|&start| base.read(start, "a start")).collect::<Result<Vec<_>, _>>()?;
         if starts[0] != 0 || starts.windows(2).any(|pair| pair[0] > pair[1]) {
@@ -90,7 +91,7 @@ pub unsafe extern "C" fn qless_analyse(
 ) -> c_int {
     let (sizes, dofs, prescribed) = ([equations, dofs, prescribed_count], prescribed_dofs, prescribed_values);
     let given = Given { sizes, base, starts, columns, values, rhs, dofs, prescribed };
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { given.analyse(options, analysis) })
 }
 
@@ -115,7 +116,7 @@ pub unsafe extern "C" fn qless_analyse_64(
 ) -> c_int {
     let (sizes, dofs, prescribed) = ([equations, dofs, prescribed_count], prescribed_dofs, prescribed_values);
     let given = Given { sizes, base, starts, columns, values, rhs, dofs, prescribed };
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { given.analyse(options, analysis) })
 }
 
@@ -149,7 +150,7 @@ pub unsafe extern "C" fn qless_counts(
             ("redundant", redundant, count(Kind::Redundant)),
             ("conflicting", conflicting, count(Kind::Conflicting)),
         ];
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         counts.into_iter().try_for_each(|(what, place, count)| unsafe { set(what, place, count as i64) })?;
         Ok(OK)
     })
@@ -163,7 +164,7 @@ pub unsafe extern "C" fn qless_counts(
 pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mut i8, length: i64) -> c_int {
     guard(|| {
         let held: Arc<HeldAnalysis> = get(analysis)?;
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         let out = unsafe { write("kinds", kinds, length, held.analysis.kinds().len()) }?;
         for (out, kind) in out.iter_mut().zip(held.analysis.kinds()) {
             *out = match kind {
@@ -176,7 +177,7 @@ pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mu
     })
 }
 
-/// How sure the rank is, in digits, and whether it is ambiguous.
+/// The confidence in the rank, in digits, and whether the rank is ambiguous.
 ///
 /// # Safety
 /// Each pointer may be written.
@@ -190,7 +191,7 @@ pub unsafe extern "C" fn qless_digits(
     guard(|| {
         let held: Arc<HeldAnalysis> = get(analysis)?;
         let confidence = held.analysis.confidence();
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         unsafe {
             set("kept", kept, confidence.digits_kept())?;
             set("dropped", dropped, confidence.digits_dropped())?;
@@ -211,10 +212,10 @@ unsafe fn explain<I: CIndex>(
 ) -> Result<c_int, CallFailure> {
     let held: Arc<HeldAnalysis> = get(analysis)?;
     let terms = held.analysis.because(held.base.read(row, "the row")?)?;
-    // SAFETY: as the caller states, also below.
+    // SAFETY: the caller upholds the contract, here and below.
     unsafe { set("count", count, terms.len() as i64) }?;
     if length("rows", room)? < terms.len() {
-        // The caller asks for the number first.
+        // With room 0 the caller asks only for the number of terms.
         return if room == 0 {
             Ok(OK)
         } else {
@@ -243,7 +244,7 @@ pub unsafe extern "C" fn qless_explanation(
     room: i64,
     count: *mut i64,
 ) -> c_int {
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { explain(analysis, row, (rows, coefficients), room, count) })
 }
 
@@ -260,6 +261,6 @@ pub unsafe extern "C" fn qless_explanation_64(
     room: i64,
     count: *mut i64,
 ) -> c_int {
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { explain(analysis, row, (rows, coefficients), room, count) })
 }

@@ -1,4 +1,4 @@
-//! Arrays of C as slices, and indices of either width, counted from 0 or 1.
+//! Converts arrays of C to slices, and indices of 32 or 64 bits that count from 0 or 1 to `usize`.
 
 use std::ffi::c_int;
 
@@ -6,9 +6,9 @@ use crate::status::CallFailure;
 
 /// An index type of C.
 pub trait CIndex: Copy {
-    /// As a 64-bit number.
+    /// Converts to a 64-bit number.
     fn wide(self) -> i64;
-    /// From a 64-bit number, if it fits.
+    /// Converts from a 64-bit number; `None` if it does not fit.
     fn narrow(value: i64) -> Option<Self>;
 }
 
@@ -42,7 +42,7 @@ impl IndexBase {
         }
     }
 
-    /// The number that counts from 0.
+    /// Converts an index of the caller to one that counts from 0.
     pub fn read<I: CIndex>(self, index: I, what: &str) -> Result<usize, CallFailure> {
         let from_zero = index.wide() - self.0 as i64;
         let below = || CallFailure::input(format!("{what} is {}; it counts from {}", index.wide(), self.0));
@@ -65,12 +65,12 @@ impl IndexBase {
     }
 }
 
-/// A length that is not negative.
+/// Refuses a negative length.
 pub fn length(what: &str, given: i64) -> Result<usize, CallFailure> {
     usize::try_from(given).map_err(|_| CallFailure::input(format!("{what}: the length is {given}")))
 }
 
-/// Whether an array of this length can stand at this address; Rust has no slice otherwise.
+/// Checks what a Rust slice requires of its address and length.
 fn check<T>(what: &str, start: *const T, length: usize) -> Result<(), CallFailure> {
     if start.is_null() {
         return Err(CallFailure::input(format!("{what} is null, but {length} numbers are needed")));
@@ -85,23 +85,23 @@ fn check<T>(what: &str, start: *const T, length: usize) -> Result<(), CallFailur
     }
 }
 
-/// An array of the caller.
+/// An input array of the caller.
 ///
 /// # Safety
-/// `start` is null or leads to `length` readable numbers that nobody changes while the slice lives.
+/// `start` is null or points to `length` readable numbers that nobody changes while the slice lives.
 pub unsafe fn read<'a, T>(what: &str, start: *const T, length: usize) -> Result<&'a [T], CallFailure> {
     if length == 0 {
         return Ok(&[]);
     }
     check(what, start, length)?;
-    // SAFETY: checked, and the caller states the length.
+    // SAFETY: checked, and the caller guarantees the length.
     Ok(unsafe { std::slice::from_raw_parts(start, length) })
 }
 
-/// An array of the caller that is written, with the length that it must have.
+/// An output array of the caller, which must have room for exactly `needed` numbers.
 ///
 /// # Safety
-/// `start` is null or leads to `found` writable numbers that nobody else uses while the slice lives.
+/// `start` is null or points to `found` writable numbers that nobody else uses while the slice lives.
 pub unsafe fn write<'a, T>(what: &str, start: *mut T, found: i64, needed: usize) -> Result<&'a mut [T], CallFailure> {
     let found = length(what, found)?;
     if found != needed {
@@ -111,19 +111,19 @@ pub unsafe fn write<'a, T>(what: &str, start: *mut T, found: i64, needed: usize)
         return Ok(&mut []);
     }
     check(what, start, needed)?;
-    // SAFETY: checked, and the caller states the length.
+    // SAFETY: checked, and the caller guarantees the length.
     Ok(unsafe { std::slice::from_raw_parts_mut(start, needed) })
 }
 
-/// One value of the caller that is written.
+/// Writes an output value of the caller.
 ///
 /// # Safety
-/// `place` is null or leads to a writable value that nobody else uses.
+/// `place` is null or points to a writable value that nobody else uses.
 pub unsafe fn set<T>(what: &str, place: *mut T, value: T) -> Result<(), CallFailure> {
     if place.is_null() {
         return Err(CallFailure::input(format!("{what} is null; give the address of a variable")));
     }
-    // SAFETY: not null, and the caller states that it may be written.
+    // SAFETY: not null, and the caller guarantees that it may be written.
     unsafe { place.write(value) };
     Ok(())
 }

@@ -10,7 +10,7 @@ use crate::arrays::{CIndex, IndexBase, length, read, set, write};
 use crate::handles::{get, insert, qless_analysis, qless_elimination, remove};
 use crate::status::{CallFailure, OK, guard};
 
-/// Readers share it; a refresh has it alone.
+/// Calls that only read share the lock; a refresh holds it exclusively.
 #[derive(Debug)]
 struct HeldElimination {
     elimination: RwLock<Elimination>,
@@ -36,7 +36,7 @@ pub unsafe extern "C" fn qless_eliminate(
         let held: Arc<analysis::HeldAnalysis> = get(analysis)?;
         let made = Elimination::from_analysis(Arc::clone(&held.analysis), Form::Explicit)?;
         let handle = insert(HeldElimination { elimination: RwLock::new(made), base: held.base });
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         let written = unsafe { set("elimination", elimination, handle) };
         written.inspect_err(|_| _ = remove::<_, HeldElimination>(handle))?;
         Ok(OK)
@@ -73,7 +73,7 @@ pub unsafe extern "C" fn qless_sizes(
             ("t_entries", t_entries, reduction.t().nnz()),
             ("g_entries", g_entries, reduction.g_matrix().nnz()),
         ];
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         sizes.into_iter().try_for_each(|(what, place, size)| unsafe { set(what, place, size as i64) })?;
         Ok(OK)
     })
@@ -86,7 +86,7 @@ unsafe fn dofs<I: CIndex>(elimination: *const qless_elimination, arrays: [*mut I
     let known = held.read();
     let lists = [("slaves", known.slaves()), ("masters", known.masters()), ("prescribed", known.prescribed())];
     for ((what, list), array) in lists.into_iter().zip(arrays).filter(|(_, array)| !array.is_null()) {
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
         held.base.write(list.iter().copied(), out)?;
     }
@@ -104,7 +104,7 @@ pub unsafe extern "C" fn qless_dofs(
     masters: *mut i32,
     prescribed: *mut i32,
 ) -> c_int {
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { dofs(elimination, [slaves, masters, prescribed]) })
 }
 
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn qless_dofs_64(
     masters: *mut i64,
     prescribed: *mut i64,
 ) -> c_int {
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { dofs(elimination, [slaves, masters, prescribed]) })
 }
 
@@ -133,7 +133,7 @@ unsafe fn rows<I: CIndex>(
     values: *mut f64,
 ) -> Result<c_int, CallFailure> {
     let (count, nnz) = (matrix.rows() + 1, matrix.nnz());
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     let (starts, columns, values) = unsafe {
         (
             write("starts", starts, count as i64, count)?,
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn qless_t(
 ) -> c_int {
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         unsafe { rows(held.read().reduction().t(), held.base, starts, columns, values) }
     })
 }
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn qless_t_64(
 ) -> c_int {
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         unsafe { rows(held.read().reduction().t(), held.base, starts, columns, values) }
     })
 }
@@ -196,7 +196,7 @@ pub unsafe extern "C" fn qless_g_matrix(
 ) -> c_int {
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         unsafe { rows(held.read().reduction().g_matrix(), held.base, starts, columns, values) }
     })
 }
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn qless_g_matrix_64(
 ) -> c_int {
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         unsafe { rows(held.read().reduction().g_matrix(), held.base, starts, columns, values) }
     })
 }
@@ -228,14 +228,14 @@ pub unsafe extern "C" fn qless_g(elimination: *const qless_elimination, g: *mut 
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         let known = held.read();
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         let out = unsafe { write("g", g, length, known.reduction().g().len()) }?;
         out.copy_from_slice(known.reduction().g());
         Ok(OK)
     })
 }
 
-/// New b and prescribed values; slaves and T stay. Nothing changes if equations conflict then.
+/// Sets new b and prescribed values; slaves and T stay. If equations then conflict, nothing changes.
 ///
 /// # Safety
 /// The arrays have the lengths that are given.
@@ -250,7 +250,7 @@ pub unsafe extern "C" fn qless_refresh(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         let lengths = (length("rhs", rhs_length)?, length("prescribed", prescribed_length)?);
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         let (rhs, prescribed) = unsafe { (read("rhs", rhs, lengths.0)?, read("prescribed", prescribed, lengths.1)?) };
         let mut known = held.elimination.write().unwrap_or_else(PoisonError::into_inner);
         known.update(rhs, prescribed)?;
@@ -258,7 +258,7 @@ pub unsafe extern "C" fn qless_refresh(
     })
 }
 
-/// A function of [`Elimination`] from numbers to numbers.
+/// A method of [`Elimination`] that maps an input array to an output array.
 type ApplyCall = fn(&Elimination, &[f64], &mut [f64]) -> Result<(), CallFailure>;
 
 /// # Safety
@@ -271,7 +271,7 @@ unsafe fn apply(
 ) -> Result<c_int, CallFailure> {
     let held: Arc<HeldElimination> = get(elimination)?;
     let (input_length, room) = (length("the input", input_length)?, length("the output", output_length)?);
-    // SAFETY: as the caller states. `work` checks the lengths.
+    // SAFETY: the caller upholds the contract. `work` checks the lengths.
     let (input, output) =
         unsafe { (read("the input", input, input_length)?, write("the output", output, output_length, room)?) };
     work(&held.read(), input, output)?;
@@ -291,7 +291,7 @@ pub unsafe extern "C" fn qless_expand(
     u_length: i64,
 ) -> c_int {
     let work: ApplyCall = |known, masters, u| Ok(known.expand_into(masters, u)?);
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { apply(elimination, (masters, masters_length), (u, u_length), work) })
 }
 
@@ -308,7 +308,7 @@ pub unsafe extern "C" fn qless_expand_increment(
     du_length: i64,
 ) -> c_int {
     let work: ApplyCall = |known, masters, du| Ok(known.expand_increment_into(masters, du)?);
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { apply(elimination, (masters, masters_length), (du, du_length), work) })
 }
 
@@ -325,11 +325,11 @@ pub unsafe extern "C" fn qless_restrict(
     masters_length: i64,
 ) -> c_int {
     let work: ApplyCall = |known, forces, masters| Ok(known.restrict_into(forces, masters)?);
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { apply(elimination, (forces, forces_length), (masters, masters_length), work) })
 }
 
-/// lambda of `K u + C^T lambda = f` by equation from `residual = f - K u`.
+/// Computes lambda of `K u + C^T lambda = f`, one number for each equation, from `residual = f - K u`.
 ///
 /// # Safety
 /// As [`qless_expand`].
@@ -353,6 +353,6 @@ pub unsafe extern "C" fn qless_multipliers(
         out.copy_from_slice(&found);
         Ok(())
     };
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { apply(elimination, (residual, residual_length), (lambda, lambda_length), work) })
 }

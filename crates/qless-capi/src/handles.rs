@@ -1,7 +1,7 @@
-//! Handles: numbers in the guise of pointers, which a table leads to what they stand for.
+//! Handles: numbers in the form of pointers. A table maps each number to its object.
 //!
-//! A number is used once. So a handle that is null, freed or of another kind is found out, and what a thread works on lives until it is done,
-//! even if another thread frees the handle.
+//! No number is used twice, so a handle that is null, freed or of another kind is detected. An object that a call uses lives until the call
+//! returns, even if another thread frees the handle.
 
 use std::any::Any;
 use std::collections::HashMap;
@@ -37,7 +37,7 @@ fn table() -> &'static HandleTable {
     TABLE.get_or_init(HandleTable::default)
 }
 
-/// A new handle. Numbers ascend, so none returns.
+/// Adds an object to the table and returns its handle. Numbers ascend, so none is used twice.
 pub fn insert<H>(value: impl Any + Send + Sync) -> *mut H {
     static NEXT: AtomicUsize = AtomicUsize::new(1);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -45,13 +45,13 @@ pub fn insert<H>(value: impl Any + Send + Sync) -> *mut H {
     std::ptr::without_provenance_mut(number)
 }
 
-/// What a handle stands for.
+/// The object of a handle.
 pub fn get<H, T: Any + Send + Sync>(handle: *const H) -> Result<Arc<T>, CallFailure> {
     let found = table().read().unwrap_or_else(PoisonError::into_inner).get(&handle.addr()).cloned();
     found.and_then(|found| found.downcast().ok()).ok_or_else(|| unknown(handle.is_null()))
 }
 
-/// Takes a handle out of the table; null is no error, as with `free`.
+/// Removes a handle from the table; null is no error, as with `free`.
 pub fn remove<H, T: Any + Send + Sync>(handle: *mut H) -> Result<(), CallFailure> {
     if handle.is_null() {
         return Ok(());

@@ -5,9 +5,9 @@
 //! qless_analysis                       -> qless_eliminate  -> qless_elimination   slaves, T, G, g, expand, restrict, multipliers
 //! ```
 //!
-//! Every function returns a status. Handles are numbers of a table, not addresses: a null, freed or foreign handle is an error and no
+//! Every function returns a status. Handles are numbers of a table, not addresses: a null, freed or foreign handle is an error, not
 //! undefined behaviour. Input is copied; output goes to arrays of the caller, whose lengths are arguments and are checked. No panic crosses
-//! the border. A handle may be used by several threads at once.
+//! the language boundary. A handle may be used by several threads at once.
 #![expect(unsafe_code, reason = "arrays of C come as addresses and lengths; `arrays` turns them into slices")]
 
 mod analysis;

@@ -1,4 +1,4 @@
-//! Options by name, so that new ones need no new structure.
+//! Sets options by name, so that a new option does not change the interface.
 
 use std::ffi::{CStr, c_char, c_int};
 use std::sync::{Arc, PoisonError, RwLock};
@@ -21,13 +21,13 @@ pub(crate) fn of(handle: *const qless_options) -> Result<Options, CallFailure> {
     Ok(options.clone())
 }
 
-/// Makes options with their defaults.
+/// Creates options with their default values.
 ///
 /// # Safety
 /// `options` is null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_options_create(options: *mut *mut qless_options) -> c_int {
-    // SAFETY: as the caller states.
+    // SAFETY: the caller upholds the contract.
     guard(|| unsafe { set("options", options, insert(HeldOptions::default())) }.map(|()| OK))
 }
 
@@ -40,7 +40,7 @@ pub extern "C" fn qless_options_free(options: *mut qless_options) -> c_int {
 /// Sets a number: "tolerance", "noise" (relative), "growth", "memory" (bytes), "presolve" (0 or 1).
 ///
 /// # Safety
-/// `name` is null or a text that ends in a zero.
+/// `name` is null or a zero-terminated text.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_options_set_number(
     options: *mut qless_options,
@@ -48,7 +48,7 @@ pub unsafe extern "C" fn qless_options_set_number(
     value: f64,
 ) -> c_int {
     guard(|| {
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         let name = unsafe { text("name", name) }?;
         change(options, |options| {
             match name {
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn qless_options_set_number(
 /// Sets a word: "effort" ("quick", "checked", "proved", "exact"), "backend" ("faer", "sparse", "gauss"), "noise" ("auto", "none"), "tolerance" ("paper").
 ///
 /// # Safety
-/// `name` and `value` are null or texts that end in a zero.
+/// `name` and `value` are null or zero-terminated texts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_options_set_word(
     options: *mut qless_options,
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn qless_options_set_word(
     value: *const c_char,
 ) -> c_int {
     guard(|| {
-        // SAFETY: as the caller states.
+        // SAFETY: the caller upholds the contract.
         let (name, value) = unsafe { (text("name", name)?, text("value", value)?) };
         change(options, |options| {
             match (name, value) {
@@ -117,12 +117,12 @@ fn change(
 }
 
 /// # Safety
-/// `start` is null or a text that ends in a zero and lives longer than the result.
+/// `start` is null or a zero-terminated text that lives longer than the result.
 unsafe fn text<'a>(what: &str, start: *const c_char) -> Result<&'a str, CallFailure> {
     if start.is_null() {
         return Err(CallFailure::input(format!("{what} is null")));
     }
-    // SAFETY: not null, and as the caller states.
+    // SAFETY: not null, and the caller upholds the contract.
     let text = unsafe { CStr::from_ptr(start) };
     text.to_str().map_err(|_| CallFailure::input(format!("{what} is no UTF-8 text")))
 }

@@ -7,9 +7,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use qless::elimination::EliminationError;
 use qless::{AnalysisError, ArgumentError, SystemError};
 
-/// The call did what it should.
+/// The call succeeded.
 pub const OK: c_int = 0;
-/// It did, but the verdict is ambiguous.
+/// The call succeeded, but the verdict is ambiguous.
 pub const AMBIGUOUS: c_int = 1;
 /// An argument is not valid.
 const INPUT: c_int = -1;
@@ -17,7 +17,7 @@ const INPUT: c_int = -1;
 const CONFLICT: c_int = -2;
 /// A block needs too much memory or could not be factored, or the equations are too nearly dependent.
 const NUMERICAL: c_int = -3;
-/// A fault of the library.
+/// A bug of the library.
 const INTERNAL: c_int = -4;
 
 /// A call that failed.
@@ -72,7 +72,7 @@ thread_local! {
 
 /// Runs the work of a call; a failure or panic becomes a status with a message.
 pub fn guard(work: impl FnOnce() -> Result<c_int, CallFailure>) -> c_int {
-    // After a panic nothing of the work is used again: handles are not changed before work is done.
+    // Unwind safety: except for `qless_refresh`, no call changes an object that later calls can see before its work is done.
     let failure = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(status)) => return status,
         Ok(Err(failure)) => failure,

@@ -13,7 +13,8 @@ use crate::system::{IndexArray, RowArrays, indices, places, row_arrays, starts};
 
 type Doubles<'py> = PyReadonlyArray1<'py, f64>;
 
-/// `u = L u_q + u_0`. Locks are taken without the interpreter lock only, so that no two threads wait for each other.
+/// `u = L u_q + u_0`. A thread releases the interpreter lock before it takes a lock of this type, so that no two threads
+/// wait for each other.
 #[pyclass(frozen, name = "Elimination", module = "qless._qless")]
 #[derive(Debug)]
 pub struct PyElimination {
@@ -40,7 +41,7 @@ impl PyElimination {
         Ok(Self { system, elimination: RwLock::new(elimination), pattern: Mutex::new(None) })
     }
 
-    /// A panic of the library leaves the elimination as it was, or the update that failed reports it.
+    /// Ignores that a call panicked while it held the lock: that call has reported it.
     fn read(&self) -> RwLockReadGuard<'_, Elimination> {
         self.elimination.read().unwrap_or_else(PoisonError::into_inner)
     }

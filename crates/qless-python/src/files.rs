@@ -39,7 +39,7 @@ pub fn read(
         Fault::Read(error) => plain("ReadError", &error),
         Fault::Other(message) => plain("ReadError", &message),
     };
-    // The size is known once the file is read.
+    // The size is unknown before the file is read, so assume a long call.
     let content = run(py, usize::MAX, move || content(&path, solver.as_deref(), case.as_deref()))?;
     let (system, warnings, left_out) = content.map_err(failed)?;
     Ok((PySystem(system), warnings, left_out))

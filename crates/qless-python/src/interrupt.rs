@@ -1,4 +1,4 @@
-//! Long calls without the interpreter lock, which Ctrl-C ends.
+//! Runs long calls without the interpreter lock, so that Ctrl-C can interrupt them.
 //!
 //! The library has no point at which a factorization can be stopped. So a long call runs on a thread of its own while the calling thread
 //! waits for signals. After Ctrl-C the caller gets `KeyboardInterrupt` at once, and the thread ends when its work is done; its result is
@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 /// Number of coefficients below which a call takes less than a few milliseconds, and a thread would cost more than it gives.
 const SHORT: usize = 20_000;
-/// Time between two looks for signals: a person does not notice it.
+/// Time between two checks for signals, too short for a person to notice.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Runs `work` on `size` coefficients without the interpreter lock.
@@ -21,9 +21,9 @@ pub fn run<R: Send + 'static>(py: Python<'_>, size: usize, work: impl FnOnce() -
         return Ok(py.detach(work));
     }
     let (sender, receiver) = channel();
-    // The receiver is gone after Ctrl-C.
+    // Sending fails after Ctrl-C, because the receiver no longer exists.
     let worker = std::thread::Builder::new().name("qless".to_owned()).spawn(move || _ = sender.send(work()))?;
-    // A receiver may not be shared between threads; a lock that nobody else takes makes it so.
+    // A `Receiver` is not `Sync`. A lock, which no other thread takes, makes it so.
     let receiver = std::sync::Mutex::new(receiver);
     loop {
         let received = py.detach(|| match receiver.lock() {

@@ -1,10 +1,10 @@
-//! `qless._qless`: the border between Python and the library.
+//! `qless._qless`: the interface between Python and the library.
 //!
 //! ```text
 //! numpy arrays -> ConstraintSystem -> Analysis -> Elimination -> numpy arrays
 //! ```
 //!
-//! The package `qless` in Python holds what users see: sparse matrices, labels, texts and constraint types. This module takes and gives
+//! The package `qless` in Python holds what users see: sparse matrices, labels, texts and constraint types. This module accepts and returns
 //! arrays only. Long calls release the interpreter lock.
 
 mod analysis;

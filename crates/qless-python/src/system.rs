@@ -12,14 +12,14 @@ use crate::errors::{LabelNames, plain, system_error};
 #[derive(Debug)]
 pub struct PySystem(pub ConstraintSystem);
 
-/// Indices of either width.
+/// Indices of 32 or 64 bits.
 #[derive(Debug, FromPyObject)]
 pub enum IndexArray<'py> {
     Narrow(PyReadonlyArray1<'py, i32>),
     Wide(PyReadonlyArray1<'py, i64>),
 }
 
-/// FloatArray of either width.
+/// Floats of 32 or 64 bits.
 #[derive(Debug, FromPyObject)]
 pub enum FloatArray<'py> {
     Double(PyReadonlyArray1<'py, f64>),
@@ -35,7 +35,7 @@ pub enum Dense<'py> {
 /// Prescribed DOFs and their values.
 type PrescribedArrays<'py> = (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, f64>);
 
-/// What a system has beside its matrix: b, prescribed DOFs, labels of equations and of DOFs.
+/// The data of a system apart from its matrix: b, prescribed DOFs, labels of equations and of DOFs.
 #[derive(FromPyObject)]
 pub struct Sides<'py> {
     #[pyo3(item)]
@@ -49,7 +49,7 @@ pub struct Sides<'py> {
 }
 
 impl Sides<'_> {
-    /// The system of these sides and of rows that `add` puts into the builder, given the row and its right-hand side.
+    /// Builds the system. `add` adds a row to the builder, given its index and its right-hand side.
     fn build(
         self,
         py: Python<'_>,
@@ -114,7 +114,7 @@ pub fn starts(given: &IndexArray<'_>, nnz: usize) -> PyResult<Vec<usize>> {
     }
 }
 
-/// The library counts from 0 and takes numbers without a sign.
+/// Refuses negative columns, because the indices of the library are unsigned.
 fn refuse_negative(columns: &IndexArray<'_>) -> PyResult<()> {
     let first = match columns {
         IndexArray::Narrow(columns) => columns.as_array().iter().find(|&&j| j < 0).map(|&j| i64::from(j)),
@@ -191,7 +191,7 @@ fn nonzeros<V: Copy + Into<f64>>(row: ArrayView1<'_, V>) -> impl Iterator<Item =
     row.into_iter().map(|&v| v.into()).enumerate().filter(|&(_, v)| v != 0.0)
 }
 
-/// `(starts, columns, values)` of a sparse matrix, with 32-bit indices where they are enough.
+/// `(starts, columns, values)` of a sparse matrix, with 32-bit indices if they fit.
 pub type RowArrays<'py> = (Bound<'py, PyAny>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray1<f64>>);
 
 /// The arrays of a matrix of the library.
@@ -209,7 +209,7 @@ pub fn indices<'py>(py: Python<'py>, list: &[usize]) -> Bound<'py, PyAny> {
     }
 }
 
-/// DOFs or rows as numpy indexes with.
+/// DOFs or rows as 64-bit integers, the index type of numpy.
 pub fn places<'py>(py: Python<'py>, list: &[usize]) -> Bound<'py, PyArray1<i64>> {
     list.iter().map(|&k| k as i64).collect::<Vec<_>>().into_pyarray(py)
 }

@@ -42,7 +42,7 @@ impl AttemptInput<'_> {
         (self.rows, self.touched, self.known)
     }
 
-    /// Collective.
+    /// Makes one attempt. Collective.
     pub fn attempt(&self, whole: &ConnectedComponents, may_peel: &[bool]) -> Result<Attempt, Error> {
         let Self { ranks, layout, rows, touched, known, options } = *self;
         let fragment = |i: usize| whole.of_row[i] as usize;
@@ -182,11 +182,11 @@ impl AttemptInput<'_> {
     }
 }
 
-/// What is said if several components are in doubt, the last first, as the serial analysis does.
+/// Doubts by ascending priority: of several, the last in this list is reported, as in the serial analysis.
 const DOUBTS: [Doubt; 7] =
     [Doubt::Unproved, Doubt::Exact, Doubt::Mismatch, Doubt::Elimination, Doubt::NoGap, Doubt::Near, Doubt::Noise];
 
-/// The same threshold as in the serial confidence.
+/// A mismatch below this fraction of the largest right-hand side is in doubt; the same threshold as in the serial confidence.
 const SMALL_MISMATCH: f64 = 1e-6;
 
 /// Equations and terms of each fragment.

@@ -91,7 +91,7 @@ impl Analysis {
         &self.generated
     }
 
-    /// Equations of this rank that are wanted and dependent on other such equations only; ascending.
+    /// Preferred equations ([`qless::Preferences`]) of this rank that depend on other preferred equations only; ascending.
     pub fn unmet_equations(&self) -> &[usize] {
         &self.unmet_equations
     }

@@ -16,7 +16,7 @@ pub(crate) struct KnownDofs {
     pub prescribed: BTreeMap<u32, f64>,
 }
 
-/// Flags of a DOF: shared, prescribed, faint.
+/// Flags of a DOF: shared, prescribed, and faint (a coefficient may be rounding).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DofFlags(u8);
 
@@ -52,7 +52,7 @@ impl DofFlags {
 }
 
 impl Directory {
-    /// Collective. `prescribed` may name any DOFs.
+    /// Exchanges flags and prescribed values with the owners of the DOFs. `prescribed` may name any DOFs. Collective.
     pub fn new(
         ranks: &dyn Ranks,
         layout: &Layout,

@@ -28,7 +28,7 @@ pub(crate) fn number_of(vertex: u64) -> usize {
     (vertex & 0xffff_ffff) as usize
 }
 
-/// The place of a root in the order of a round.
+/// Sort key of a root in the random order of a round.
 fn chance(root: u64, round: u64) -> (u64, u64) {
     let mut x = root ^ round.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -38,7 +38,7 @@ fn chance(root: u64, round: u64) -> (u64, u64) {
 
 struct LabelsForest<'a> {
     ranks: &'a dyn Ranks,
-    /// By own vertex.
+    /// The parent of each own vertex.
     parent: Vec<u64>,
 }
 
@@ -81,7 +81,7 @@ impl LabelsForest<'_> {
         asked.into_iter().zip(answers.into_iter().flat_map(|message| message.words)).collect()
     }
 
-    /// The parent of any vertex, if those of other ranks are known.
+    /// The parent of any vertex; `others` has the parents of vertices of other ranks.
     fn look(&self, others: &FxHashMap<u64, u64>, v: u64) -> u64 {
         if rank_of(v) == self.ranks.rank() { self.parent[number_of(v)] } else { others[&v] }
     }

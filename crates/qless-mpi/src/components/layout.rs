@@ -29,7 +29,7 @@ impl Layout {
         Ok(Self { starts })
     }
 
-    /// n.
+    /// Number of DOFs of the job, n.
     pub fn dofs(&self) -> u64 {
         self.starts[self.starts.len() - 1]
     }

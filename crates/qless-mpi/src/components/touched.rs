@@ -10,14 +10,14 @@ use crate::share::ShareRows;
 pub(crate) struct TouchedDofs {
     pub dofs: Vec<u64>,
     pub places: Vec<u32>,
-    /// By place.
+    /// Magnitudes in each column, by place.
     pub columns: Vec<ColumnSizes>,
 }
 
 /// The coefficients of a DOF in the equations of a rank.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ColumnSizes {
-    /// How many there are.
+    /// Number of coefficients.
     pub count: u32,
     /// Whether all are small: the DOF may have another unit.
     pub is_small: bool,
@@ -25,9 +25,9 @@ pub(crate) struct ColumnSizes {
     pub is_faint: bool,
 }
 
-/// Coefficients further below the largest of their row are small, ...
+/// A coefficient below this fraction of the largest of its row is small.
 const SMALL: f64 = 1.0 / 512.0;
-/// ... and may be rounding.
+/// A coefficient below this fraction of the largest of its row may be rounding.
 const FAINT: f64 = 1e-12;
 /// A range of DOFs gets a lookup table if it has at most this many DOFs for each term, so that memory grows with the equations and not
 /// with the owned range.

@@ -11,7 +11,7 @@ pub(crate) struct AssignedEquations {
     pub rows: ShareRows,
     /// The rank that holds each, and its place there.
     pub source: Vec<(usize, u64)>,
-    /// Prescribed DOFs among theirs.
+    /// Prescribed DOFs of these equations, with their values.
     pub prescribed: BTreeMap<u64, f64>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) fn exchange_equations(
             prescribed.entry(rank).or_default().extend(values);
         }
     }
-    // Prescribed DOFs close a message, after a mark that is no number of an equation.
+    // In a message, prescribed DOFs follow the equations, after a mark that is no equation number.
     for (rank, values) in prescribed {
         let words = post.to(rank);
         words.push(u64::MAX);

@@ -1,7 +1,7 @@
 //! Peeling: an equation with a DOF that is in no other equation of the job is solved for this DOF by the rank that holds it.
 //!
 //! Such an equation is independent of all others and is in no certificate. It is peeled only if the serial analysis would do the same:
-//! the coefficient of the DOF is the largest of the equation, and no equation of the component mixes magnitudes.
+//! the coefficient of the DOF is the largest of the equation, and the equations of the component do not mix units.
 
 use crate::components::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
@@ -13,9 +13,9 @@ pub(crate) struct Peel {
     pub position: u32,
 }
 
-/// More than one column in this many must not be small in all its rows.
+/// At most one column in this many may be small in all its rows.
 const MANY: u64 = 20;
-/// Sizes that come nowhere near the ends of the range of doubles.
+/// Sizes far from the ends of the range of doubles.
 const MODEST: std::ops::Range<f64> = 1e-100..1e100;
 
 /// Counts of sizes in a fragment. Their sums over the fragments of a component are conservative: they suggest mixed units too often.
@@ -74,7 +74,7 @@ pub(crate) fn sizes(
     sizes
 }
 
-/// The rows among those allowed that have such a DOF.
+/// The allowed rows that can be peeled.
 pub(crate) fn peel(
     rows: &ShareRows,
     touched: &TouchedDofs,
@@ -89,7 +89,7 @@ fn slave(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, row: usize)
     let (mut position, mut largest, mut is_alone) = (None, 0.0, false);
     for (k, (&j, value)) in places.iter().zip(rows.values(row)).enumerate() {
         let (flags, size) = (known.flags[j as usize], value.abs());
-        // Whether a coefficient is rounding depends on all equations of its DOF.
+        // Whether a coefficient is rounding depends on all equations of its DOF, which this rank does not know.
         if flags.is_faint() {
             return None;
         }

@@ -17,7 +17,7 @@ pub(super) struct Ghosts {
 }
 
 impl Ghosts {
-    /// `masters` are the local ones, ascending. Collective.
+    /// Determines senders and receivers. `masters` are the local masters, ascending. Collective.
     pub fn new(ranks: &dyn Ranks, layout: &Layout, masters: &[u64]) -> Self {
         let place = |dof: u64| masters.partition_point(|&master| master < dof);
         let range = layout.owned(ranks.rank());

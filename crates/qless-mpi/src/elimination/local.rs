@@ -18,7 +18,7 @@ pub(super) struct LocalDofs {
 }
 
 impl LocalDofs {
-    /// Collective.
+    /// Collects the local DOFs, and their prescribed values from the owners. Collective.
     pub fn new(ranks: &dyn Ranks, share: &Share, analysis: &Analysis) -> Self {
         let own = analysis.layout.owned(ranks.rank());
         let mut others = analysis.ghosts();

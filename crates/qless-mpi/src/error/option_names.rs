@@ -1,4 +1,4 @@
-//! Whether all ranks have the same options.
+//! Checks that all ranks have the same options.
 
 use std::fmt::{self, Debug};
 use std::hash::{DefaultHasher, Hasher};
@@ -49,7 +49,8 @@ impl fmt::Display for OptionName {
 
 /// Compares the options of all ranks. Collective; all ranks return the same.
 ///
-/// `memory` is left out: it decides no result, and machines may have more or less of it. So are the floors of [`Noise::Floors`].
+/// `memory` is not compared: it does not affect results, and differs between machines. The floors of [`Noise::Floors`] are not compared
+/// either.
 pub(crate) fn agree_on_options(ranks: &dyn Ranks, options: &Options) -> Result<(), Error> {
     let all = ranks.gather(&words(options));
     let each: Vec<&[u64]> = all.chunks(OptionName::ALL.len()).collect();
@@ -76,7 +77,7 @@ fn words(options: &Options) -> [u64; OptionName::ALL.len()] {
     ]
 }
 
-/// The text of a setting has all of its digits. The hash of a text is that of every process.
+/// Hash of the debug text of a setting, which shows all digits of a number. The hash is the same in every process.
 fn word(setting: &dyn Debug) -> u64 {
     let mut hasher = DefaultHasher::new();
     hasher.write(format!("{setting:?}").as_bytes());

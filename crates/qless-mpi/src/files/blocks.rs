@@ -52,7 +52,7 @@ impl FilePiece {
     ) -> Result<Self, CaseError> {
         let facts = [&[file.len(), start], facts].concat();
         let of_all = ranks.gather(&facts);
-        // All ranks evaluate this alike.
+        // All ranks compare the same facts, so all return the same error.
         if of_all.chunks_exact(facts.len()).any(|of_rank| of_rank != &of_all[..facts.len()]) || start > file.len() {
             return Err(CaseError::differs(file.path()));
         }

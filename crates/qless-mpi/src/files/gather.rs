@@ -17,7 +17,7 @@ pub struct GatheredFindings {
     pub dependent: Vec<Equation>,
     /// Free DOFs that the equations fix, and their values.
     pub generated: Vec<(u64, f64)>,
-    /// Preferred equations ([`qless::Preferences`]) that are dependent on other such equations only.
+    /// Preferred equations ([`qless::Preferences`]) that depend on other preferred equations only.
     pub unmet_equations: Vec<u64>,
     /// Facts about the dependent equations and those of their certificates.
     pub facts: BTreeMap<u64, Facts>,

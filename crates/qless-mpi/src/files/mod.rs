@@ -105,7 +105,7 @@ fn read_rhs(ranks: &dyn Ranks, path: &Path, rows: NumberBlocks, count: usize) ->
     for (row, number) in (piece.before.items as u64..).zip(numbers) {
         post.to(rows.holder(row)).push(number.to_bits());
     }
-    // Messages come by rank, and ranks have read the rows in order.
+    // Messages ascend by rank, and ranks read consecutive rows, so the values are in the order of the rows.
     Ok(post.send_records(ranks).map(|(_, [bits])| real(bits)).collect())
 }
 

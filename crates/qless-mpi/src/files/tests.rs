@@ -167,7 +167,7 @@ fn all_ranks_return_the_error_of_a_single_reader() {
             }
         }
     }
-    // Ranks read matrices only, so a deck is a matrix without its header.
+    // Ranks read matrices only, so they report a deck as a matrix without its header.
     let refused = on_threads(3, |ranks| read_case(ranks, &deck, None, None).map(drop).unwrap_err());
     assert!(refused.iter().all(|error| error.to_string().contains("deck.inp:1: expected the header")), "{refused:?}");
     let device = on_threads(2, |ranks| read_case(ranks, Path::new("/dev/null"), None, None).map(drop).unwrap_err());

@@ -42,7 +42,7 @@ impl ShareRows {
     }
 }
 
-/// Sorts the terms of a row, sums repeats, drops what is zero or cancels to rounding, as [`qless::SystemBuilder`] does.
+/// Sorts the terms of a row, sums repeats, and drops terms that are zero or cancel to rounding, as [`qless::SystemBuilder`] does.
 pub(crate) fn sum_repeats(terms: &mut Vec<(u64, f64)>) {
     let ascends = terms.windows(2).all(|pair| pair[0].0 < pair[1].0);
     if ascends && terms.iter().all(|&(_, value)| value != 0.0) {
@@ -76,7 +76,7 @@ pub(crate) fn check_numbers(ranks: &dyn Ranks, rows: &ShareRows) -> Result<(), S
     twice(&came, rank, kept)
 }
 
-/// The smallest number that was received twice, or that is also among the numbers of this rank.
+/// Returns an error with the smallest number that was received twice, or that is also among the numbers of this rank.
 fn twice(came: &[Message], rank: usize, kept: &[u64]) -> Result<(), ShareError> {
     let mut all: Vec<(u64, usize)> = Vec::new();
     for message in came {

@@ -12,7 +12,7 @@ use crate::error::Failure;
 /// The serial analysis of the equations that this rank was assigned.
 pub(crate) struct LocalAnalysis {
     pub assigned: AssignedEquations,
-    /// The DOF of the job of each DOF of the analysis.
+    /// For each DOF of the analysis, its number in the job.
     pub dofs: Vec<u64>,
     pub analysis: Analysis,
     pub reduction: Reduction,
@@ -25,13 +25,13 @@ pub(crate) enum Soundness {
     Unsound,
 }
 
-/// Largest residual of a sound reduction. With a larger one, the analysis of the whole component may choose another way.
+/// Largest residual of a sound reduction. With a larger one, the analysis of the whole component may choose other slaves.
 pub(super) const LOSS: f64 = 1e-13;
-/// Least independence of kept equations in a sound result. Below it, the analysis of the whole component may keep others.
+/// Smallest distance of the kept equations from dependence in a sound result. Below it, the analysis of the whole component may keep others.
 const NEAR: f64 = 1e-3;
 
 impl LocalAnalysis {
-    /// None if no equation was assigned. Most DOFs are expected in `near`: those are looked up faster.
+    /// Analyses the assigned equations; `None` if there are none. DOFs in `near`, usually most of them, are looked up faster.
     pub fn new(assigned: AssignedEquations, near: Range<u64>, options: &Options) -> Result<Option<Self>, Failure> {
         if assigned.rows.len() == 0 {
             return Ok(None);

@@ -55,7 +55,7 @@ fn of_row(row: ReductionRow) -> ResidualSums {
     sums
 }
 
-/// A number of a DOF between -1 and 1, the same on all ranks.
+/// A pseudo-random number between -1 and 1 for each DOF, the same on all ranks.
 fn random(dof: u64) -> f64 {
     (SplitMix64::new(dof).next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }

@@ -42,11 +42,11 @@ pub(crate) struct ReturnedResults {
     pub reduction: ReductionRows,
     /// Free DOFs that it owns and that the equations fix, with their values.
     pub generated: Vec<(u64, f64)>,
-    /// Equations of this rank that were to be kept and are dependent on other such equations.
+    /// Preferred equations of this rank that depend on other preferred equations only.
     pub unmet: Vec<usize>,
 }
 
-/// Collective.
+/// Sends verdicts to the ranks that hold the equations, and rows of T to the owners of the slaves. Collective.
 pub(crate) fn return_results(ranks: &dyn Ranks, layout: &Layout, solved: &[LocalAnalysis]) -> ReturnedResults {
     let mut verdicts = Outbox::default();
     let mut rows = Outbox::default();

@@ -33,7 +33,7 @@ struct RowHead {
 }
 
 impl ReductionRows {
-    /// Room for more rows with so many terms.
+    /// Reserves memory for more rows, with this many terms in total.
     pub fn reserve(&mut self, rows: usize, terms: usize) {
         self.heads.reserve(rows);
         self.dofs.reserve(terms);
@@ -58,12 +58,12 @@ impl ReductionRows {
         (0..self.len()).map(|i| self.row(i))
     }
 
-    /// The row of a DOF, if it is a slave of these.
+    /// The row of a DOF; `None` if these rows do not have it as a slave.
     pub fn find(&self, dof: u64) -> Option<ReductionRow<'_>> {
         self.heads.binary_search_by_key(&dof, |head| head.slave).ok().map(|i| self.row(i))
     }
 
-    /// The rows of those of `dofs` that are slaves of these; both ascend.
+    /// The rows whose slaves are among `dofs`; rows and `dofs` ascend.
     pub fn among<'a>(&'a self, dofs: &'a [u64]) -> impl Iterator<Item = ReductionRow<'a>> {
         let inside = move |(i, head): (usize, &RowHead)| dofs.binary_search(&head.slave).ok().map(|_| self.row(i));
         self.heads.iter().enumerate().filter_map(inside)
@@ -84,7 +84,7 @@ impl ReductionRows {
         self.values.clear();
     }
 
-    /// Ascending by slave, each once.
+    /// Sorts the rows by slave and removes repeated slaves.
     pub fn sort(mut self) -> Self {
         self.heads.sort_unstable_by_key(|head| head.slave);
         self.heads.dedup_by_key(|head| head.slave);
@@ -95,7 +95,7 @@ impl ReductionRows {
         self.push(row.slave, row.constant, row.dofs.iter().copied().zip(row.values.iter().copied()));
     }
 
-    /// The rows that a message holds.
+    /// Appends the rows of a message.
     pub fn read(&mut self, words: &[u64]) {
         let mut at = 0;
         while at < words.len() {
@@ -118,7 +118,7 @@ impl ReductionRow<'_> {
 /// Rows of T of the slaves among the DOFs of a rank's equations.
 pub(crate) struct SlaveRows {
     pub reduction: ReductionRows,
-    /// Index into them, by place of the DOF.
+    /// Index into these rows, by place of the DOF.
     pub of_place: Vec<u32>,
     /// Whether a DOF is prescribed, by place.
     pub is_prescribed: Vec<bool>,

@@ -11,7 +11,7 @@ use crate::share::ShareRows;
 
 /// An entry below this fraction of its largest term is rounding, as in the serial reduction.
 const NOISE: f64 = 1e-14;
-/// Smallest largest entry of a sound row. If all entries are smaller, only the whole component shows whether the slave is fixed.
+/// The largest entry of a sound row is at least this. If all entries are smaller, only the whole component shows whether the slave is fixed.
 const HARDLY: f64 = 1e-6;
 /// Largest 2-norm of a sound row of T. The serial analysis rejects rows whose slave exceeds 1e3 for random masters up to 1; this is ten
 /// times less.
@@ -57,7 +57,7 @@ fn norm(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |sum, value| sum + value * value).sqrt()
 }
 
-/// Sums in the order of the equation's terms, so that they round as those of the serial reduction.
+/// Replaces slaves by their rows. Adds in the order of the equation's terms, so that sums round as in the serial reduction.
 fn replaced(
     mut constant: f64,
     terms: impl Iterator<Item = (u32, u64, f64)>,
