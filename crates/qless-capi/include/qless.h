@@ -2,8 +2,8 @@
  *
  *     u_s = T u_q + G u_p + g        slaves u_s, masters u_q, prescribed DOFs u_p
  *
- * Status. Every function that returns an int returns QLESS_OK, QLESS_AMBIGUOUS, or a negative number if it failed; qless_message() says why.
- * After a failure nothing has changed.
+ * Status. A function that returns an int returns QLESS_OK, QLESS_AMBIGUOUS, or a negative number if it failed; qless_message() then has the
+ * reason. After a failure nothing has changed.
  * Handles. Free each handle by the function of its type that ends in _free. A null, freed or foreign handle is an error.
  * Arrays. Input is copied. Output goes to arrays of the caller. Compressed rows: entries starts[i] .. starts[i + 1] belong to row i.
  * Integers. Functions that end in _64 take 64-bit indices. Lengths are 64-bit everywhere.
@@ -80,7 +80,8 @@ QLESS_API int qless_counts(const qless_analysis *analysis, int64_t *equations, i
 QLESS_API int qless_kinds(const qless_analysis *analysis, int8_t *kinds, int64_t length);
 
 /* kept: -log10 of the smallest relative change of coefficients that makes the kept equations dependent; dropped: number of digits
- * in which dropped equations agree with their combinations of kept ones (infinite if all do); ambiguous: whether another rank or verdict is possible. */
+ * in which dropped equations agree with their combinations of kept ones (infinite if all do); ambiguous: whether another rank or verdict is
+ * possible. */
 QLESS_API int qless_digits(const qless_analysis *analysis, double *kept, double *dropped, int *ambiguous);
 
 /* Why an equation is dependent: row = sum of coefficients[k] * rows[k] over the free DOFs, for k < count. An independent one has count 0.

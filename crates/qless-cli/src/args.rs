@@ -18,7 +18,7 @@ use crate::scenes::SceneArgs;
 use crate::values::{NamedValue, number, one_of, threads};
 use crate::{exit_code, memory};
 
-/// The command as it was typed, for the manifest of what it writes.
+/// The command line as typed, for the manifest of the output.
 pub fn command() -> String {
     let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     std::iter::once("qless".to_owned()).chain(words).collect::<Vec<_>>().join(" ")

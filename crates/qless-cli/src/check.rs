@@ -19,7 +19,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
                 "-o -: leave it out; the report is then written to standard output".to_owned(),
             ));
         }
-        // Refuse an output that cannot be written before the work begins.
+        // Before the work begins, refuse an output that cannot be written.
         drop(OneFile::at(file, args.model.inputs())?);
     }
     let progress = Progress::new(args.model.quiet);

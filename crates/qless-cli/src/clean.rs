@@ -49,8 +49,8 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     Ok(diagnosis.code())
 }
 
-/// Why there is no plan to clean a deck that needs it; `None` if there is one, or without such a deck, or if the report refuses it
-/// already. To write and prove the cleaned deck would cost more than the report.
+/// Why a deck that needs cleaning cannot be cleaned; `None` if a plan exists, if nothing needs cleaning, or if the report refuses the deck
+/// already. Only makes the plan: writing and proving the cleaned deck would cost more than the report.
 pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
     let deck = diagnosis.deck.as_ref()?;
     if diagnosis.is_refused() || diagnosis.analysis.dependent().is_empty() && !deck.needs_cleaning() {

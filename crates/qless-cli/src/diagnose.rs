@@ -153,10 +153,10 @@ impl Diagnosis<'_> {
         !self.args.allow_incomplete && self.deck.as_ref().is_some_and(is_left_out)
     }
 
-    /// The exit code; says what was denied.
+    /// Returns the exit code, and writes to standard error what `--deny` has found.
     pub fn code(&self) -> ExitCode {
         let denied = self.denied();
-        // That equations are redundant is the first line of every report.
+        // The first line of every report already says that equations are redundant.
         if !denied.is_empty() && self.args.deny.iter().any(|what| *what != Deny::Redundant) {
             say(format_args!("error: found what --deny names: {}", denied.join(", ")));
         }

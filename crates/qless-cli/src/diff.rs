@@ -22,14 +22,15 @@ use crate::wording::{count, equation, label, number};
 
 /// Random solutions, beside the one whose masters are zero.
 const RANDOM: usize = 2;
-/// An equation holds if no more than this is left of its parts: equations that follow leave rounding, times the growth of T.
+/// An equation holds if its residual is at most this fraction of its largest term. An equation that follows from the other set leaves
+/// rounding errors times the growth of T.
 const HOLDS: f64 = 1e-9;
 /// Rounding of a solution, relative to its largest entry.
 const ROUNDING: f64 = 1e-13;
 /// Most equations that are listed for each set.
 const SHOWN: usize = 20;
 
-/// Prints what each set asks and the other does not; exit code 0 if the sets mean the same, else 1.
+/// Prints the equations of each set that do not follow from the other; exit code 0 if the sets have the same solutions, else 1.
 pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     let progress = Progress::new(args.model.quiet);
     let other = ModelArgs { input: args.other.clone(), rhs: None, prescribed: None, ..args.model.clone() };
@@ -68,7 +69,7 @@ struct Solutions {
     samples: Vec<Vec<f64>>,
 }
 
-/// `None` if the equations conflict.
+/// Computes sample solutions of a set; `None` if its equations conflict.
 fn solvable(diagnosis: &Diagnosis) -> Result<Option<Solutions>, CliFailure> {
     if diagnosis.is_conflicting() {
         return Ok(None);
@@ -91,7 +92,7 @@ fn solvable(diagnosis: &Diagnosis) -> Result<Option<Solutions>, CliFailure> {
     Ok(Some(Solutions { columns, samples }))
 }
 
-/// A heading and the equations and prescribed values of a set that solutions of the other do not fulfil.
+/// A heading and the equations and prescribed values of a set that solutions of the other do not satisfy.
 fn beyond(of: &Diagnosis, solutions: &Solutions) -> Vec<String> {
     let system = &of.system;
     let mut found: Vec<String> = (0..system.equations())
@@ -129,7 +130,7 @@ fn holds(
         let (mut left, mut size, mut rounding) = (-b, b.abs(), 0.0_f64);
         for (dof, factor) in terms.clone() {
             let place = solutions.columns.get(&system.dof_label(dof).to_lowercase());
-            // Another number for each DOF and sample.
+            // A different number for each DOF and sample.
             let free = if k == 0 { 0.0 } else { ((dof * 7 + k * 3) as f64).sin() };
             let part = factor * place.map_or(free, |&j| u[j]);
             left += part;

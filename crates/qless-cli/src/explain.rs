@@ -45,7 +45,7 @@ pub fn run(args: &ExplainArgs) -> Result<ExitCode, CliFailure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Explains parts of one analysis.
+/// Explains equations and DOFs of one analysis.
 struct Teller<'a> {
     system: &'a ConstraintSystem,
     analysis: &'a Analysis,
@@ -168,7 +168,7 @@ impl Teller<'_> {
     }
 
     fn list(&self, numbers: &[Number]) -> String {
-        /// Names in one sentence.
+        /// Most names in one sentence.
         const NAMES: usize = 12;
         let name = |number: &Number| match *number {
             Number::RightHandSide(row) => wording::equation(self.system, row),

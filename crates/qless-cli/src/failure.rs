@@ -172,8 +172,8 @@ pub fn say(message: fmt::Arguments) {
     let _ = writeln!(io::stderr(), "{}", printable::text(&message.to_string()));
 }
 
-/// Prints what is wrong with the command line, or help or version. The message repeats what was typed, so it is made harmless where it
-/// is not. Ignores errors, as [`say`] does.
+/// Prints a usage error, the help or the version. A usage error repeats what the user typed, so unprintable characters are replaced.
+/// Ignores errors, as [`say`] does.
 pub fn say_usage(error: &clap::Error) {
     match printable::text(&error.render().to_string()) {
         Cow::Borrowed(_) => drop(error.print()),

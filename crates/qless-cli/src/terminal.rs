@@ -11,19 +11,19 @@ use crate::failure::CliFailure;
 use crate::memory::threads;
 use crate::wording::printable;
 
-/// Shows on standard output what `write` writes.
+/// Calls `write` with a buffer, and writes its text to standard output with unprintable characters replaced.
 pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
     let mut text = Vec::new();
     write(&mut text).map_err(|error| CliFailure::from_stdout(&error))?;
     show(printable::text(&String::from_utf8_lossy(&text)).as_bytes())
 }
 
-/// Writes a report, whose characters are harmless, to standard output.
+/// Writes a report to standard output. Its characters must be printable.
 pub fn show(report: &[u8]) -> Result<(), CliFailure> {
     stream(|out| out.write_all(report))
 }
 
-/// Calls `write` with standard output, and flushes it: for text without foreign names, the lines of which somebody may wait for.
+/// Calls `write` with standard output, and flushes it. The text must be printable; use this for text that is written step by step.
 pub fn stream(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
     match write(&mut out).and_then(|()| out.flush()) {

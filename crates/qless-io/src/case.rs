@@ -66,7 +66,7 @@ impl CaseFiles {
         };
         let [matrix, rhs, prescribed, rows, columns] = PARTS.map(part);
         let matrix = matrix.ok_or_else(|| ReadError::NoMatrix { path: folder.to_path_buf() })?;
-        // Files that were changed by hand since are a case too, and so is a folder with a file of this name of somebody else.
+        // Only an incomplete set is refused: files edited by hand still form a case, and so does a folder with a foreign file of this name.
         if Manifest::read(folder).is_ok_and(|manifest| manifest.is_some_and(|manifest| !manifest.complete)) {
             return Err(ReadError::Interrupted { path: folder.join(Manifest::NAME) });
         }

@@ -110,13 +110,13 @@ pub enum WriteError {
         /// What went wrong.
         source: Box<WriteError>,
     },
-    /// The output folder is something else.
+    /// The path of the output folder is not a folder.
     #[error("{}: is not a folder; name another place or remove it", path.display())]
     NotAFolder {
         /// The path in the way.
         path: PathBuf,
     },
-    /// The output file is something else.
+    /// The path of the output file is not a file.
     #[error("{}: is not a regular file; name another place or remove it", path.display())]
     NotAFile {
         /// The path in the way.
@@ -140,13 +140,13 @@ pub enum WriteError {
         /// Number of its names.
         names: u64,
     },
-    /// Another process that does not give the folder's lock back.
+    /// Another process holds the folder's lock for too long.
     #[error("{}: another process has been writing to this folder for more than a minute; end it, or name another place", path.display())]
     Busy {
         /// The folder.
         path: PathBuf,
     },
-    /// A folder with a `qless.json` of somebody else.
+    /// The manifest of the folder cannot be read, or is not one of this library.
     #[error(transparent)]
     Manifest(crate::ManifestError),
     /// A label with a line break.

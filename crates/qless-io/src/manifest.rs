@@ -9,9 +9,9 @@
 //! }
 //! ```
 //!
-//! A writer stores it twice: with `complete: false` before it changes the first file, and with `true` after the last. So a set
-//! that was interrupted says so. While it is incomplete, `replaces` lists the files of the set before, so that the next
-//! writer can remove those that belong to no set any more.
+//! A writer stores it twice: with `complete: false` before it changes the first file, and with `true` after the last. This marks a
+//! set whose writing was interrupted. While a set is incomplete, `replaces` lists the files of the previous set, so that the next
+//! writer can remove those that no longer belong to a set.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -79,7 +79,7 @@ pub enum ManifestError {
         /// The manifest.
         path: PathBuf,
     },
-    /// A file that the set has not.
+    /// A file that is not in the set.
     #[error("{}: {manifest} does not list this file, so it belongs to another set; write the set again", path.display())]
     NotListed {
         /// The file.
@@ -87,7 +87,7 @@ pub enum ManifestError {
         /// The manifest's name.
         manifest: &'static str,
     },
-    /// A file that is not the one that was written.
+    /// A file that changed after it was written.
     #[error("{}: the file has changed since the set was written; write the set again", path.display())]
     Changed {
         /// The file.
@@ -168,7 +168,7 @@ impl FileRecord {
         Self { name: name.to_owned(), size, crc32: crc.sum() }
     }
 
-    /// Whether the file of this name in the folder is the one that was written. A name that leads out of the folder is not.
+    /// Whether the file of this name in the folder has the recorded size and checksum. False for a name that leads out of the folder.
     pub(crate) fn is_of(&self, folder: &Path) -> io::Result<bool> {
         let mut file = match File::open(folder.join(&self.name)) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),

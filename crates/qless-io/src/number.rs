@@ -79,7 +79,7 @@ fn fortran(text: &str) -> Result<f64, NumberFault> {
     Err(NumberFault::NotANumber)
 }
 
-/// Tells `inf` from `1e999` and `0.0` from `1e-999`.
+/// Distinguishes `inf` from `1e999` and `0.0` from `1e-999`.
 fn not_normal(text: &str, value: f64) -> Result<f64, NumberFault> {
     let mantissa = text.split(['e', 'E', 'd', 'D']).next().unwrap_or_default();
     let nonzero = mantissa.bytes().any(|byte| matches!(byte, b'1'..=b'9'));

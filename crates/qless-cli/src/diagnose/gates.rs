@@ -9,7 +9,7 @@ use crate::deck_input::DeckInput;
 use crate::wording::count;
 
 impl Diagnosis<'_> {
-    /// What was denied and is found, in words.
+    /// The findings that `--deny` names, in words.
     pub fn denied(&self) -> Vec<String> {
         let mut denied = self.args.deny.clone();
         denied.sort_unstable();
@@ -41,7 +41,7 @@ impl Diagnosis<'_> {
     }
 
     /// Whether a dropped claim does not follow from the equations that the solver keeps, in any load case that was analysed. A dropped
-    /// prescribed value counts as lost, and so does what cannot be analysed.
+    /// prescribed value counts as lost, and so does a claim if the analysis fails.
     fn is_lost(&self) -> bool {
         let Some(deck) = &self.deck else { return false };
         let model = deck.deck.model();

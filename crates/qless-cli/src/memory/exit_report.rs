@@ -48,13 +48,13 @@ extern "C" fn end_of_abort(_: libc::c_int) {
     if refusal::is_here() {
         end();
     }
-    // Not an allocation: abort as usual.
+    // No allocation failed, so abort as usual.
     system::restore_abort();
 }
 
 fn end() -> ! {
     if ENDING_HERE.replace(true) {
-        // The reserve was too small.
+        // Ending the program failed too, because the reserve was too small.
         system::exit(i32::from(exit_code::RESOURCE));
     }
     while ENDING.swap(true, SeqCst) {

@@ -79,7 +79,7 @@ impl fmt::Display for Refusal {
             write!(f, " of address space")?;
         }
         match self.wanted {
-            // A library did not report the size.
+            // A library did not report the size of its allocation.
             0 => write!(f, " and more")?,
             wanted => write!(f, " ({} of them at once)", Size(wanted))?,
         }

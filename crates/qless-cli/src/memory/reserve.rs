@@ -1,6 +1,6 @@
 //! Memory for operations that must complete although memory has run out: putting files in place, and ending the program.
 //!
-//! Each byte is used once. It serves for paths and lists of names, and only after the system or the limit refused.
+//! No byte is used twice. The reserve serves for paths and lists of names, only after the system or the limit refused an allocation.
 
 #![allow(unsafe_code, reason = "memory that an allocator hands out")]
 

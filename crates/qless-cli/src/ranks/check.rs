@@ -25,7 +25,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     let (model, is_first) = (&args.model, ranks.rank() == 0);
     all(ranks, check(args, is_first))?;
     let progress = Progress::new(model.quiet || !is_first);
-    // By default one thread for each rank, since each has a core of its own, if there are as many.
+    // By default one thread for each rank, because each rank usually has a core of its own.
     all(ranks, memory::threads::start(model.threads().or(Some(NonZeroUsize::MIN))).map_err(CliFailure::from_threads))?;
     progress.stage("reading");
     let (rhs, prescribed) = (model.rhs.as_deref(), model.prescribed.as_deref());
@@ -90,7 +90,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
         .get(usize::MAX)
         .map_err(|error| CliFailure::from_analysis(error.into(), &model.input, None))?;
     if let Some(file) = args.output.as_ref().filter(|_| is_first) {
-        // Refuse an output that cannot be written before the work begins.
+        // Before the work begins, refuse an output that cannot be written.
         drop(OneFile::at(file, model.inputs())?);
     }
     Ok(())

@@ -63,7 +63,7 @@ impl Diagnosis<'_> {
         terminal::show(&bytes)
     }
 
-    /// The report in the requested format, without characters that could do harm where it is shown.
+    /// The report in the requested format; control characters in names are replaced or escaped.
     pub fn render(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
         let bytes = self.render_as_named(reduced, outcome)?;
         Ok(printable::report(bytes, matches!(self.args.format, ReportFormat::Json | ReportFormat::Html)))

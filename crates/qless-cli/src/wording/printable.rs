@@ -1,22 +1,22 @@
-//! Names from files and command lines, made safe to show: they may hold characters that move a terminal's cursor, or turn the
+//! Makes names from files and command lines safe to show: they may hold characters that move a terminal's cursor, or change the
 //! direction of the text around them. Everything that the program shows or writes as a report passes [`text`] or [`json`].
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Whether a character is shown as itself: no control character but a line break or tab, and none that turns the direction of text.
+/// Whether a character is safe to show: no control character but a line break or tab, and none that changes the direction of text.
 fn is_plain(c: char) -> bool {
     let turns = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let breaks = matches!(c, '\u{2028}' | '\u{2029}');
     !(turns || breaks || (c.is_control() && c != '\n' && c != '\t'))
 }
 
-/// The text with a question mark for every other character.
+/// Replaces every unsafe character by a question mark.
 pub fn text(text: &str) -> Cow<'_, str> {
     replace(text, |out, _| out.push('?'))
 }
 
-/// A report, which may be JSON. Bytes that are no text are left alone.
+/// Makes a report safe, which may be JSON. Bytes that are not UTF-8 are left alone.
 pub fn report(bytes: Vec<u8>, is_json: bool) -> Vec<u8> {
     let harmless = match std::str::from_utf8(&bytes) {
         Ok(found) => {
@@ -39,10 +39,10 @@ pub fn line(label: &str) -> String {
     text(label).replace(['\n', '\t'], "?")
 }
 
-/// JSON with the other characters of its strings escaped, so that a reader finds them as they were.
+/// Escapes the unsafe characters in the strings of JSON, so that a parser restores them.
 pub fn json(text: &str) -> Cow<'_, str> {
     replace(text, |out, c| {
-        // None of them lies beyond 16 bits, so each is one escape. Writing to a string cannot fail.
+        // No unsafe character needs more than 16 bits, so each is one escape. Writing to a string cannot fail.
         let _ = write!(out, "\\u{:04x}", c as u32);
     })
 }

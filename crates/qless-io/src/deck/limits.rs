@@ -1,4 +1,5 @@
-//! Limits on what a few bytes of a deck can be multiplied to. A deck beyond one is refused as [`Problem::Limit`](super::Problem).
+//! Limits on the time and memory that a few bytes of a deck can demand. A deck that exceeds one is refused as
+//! [`Problem::Limit`](super::Problem).
 //!
 //! | multiplied by | limit | bounds |
 //! | --- | --- | --- |
@@ -10,7 +11,7 @@
 //! | arrays of ANSYS | [`ELEMENTS`] | memory: 8 bytes each |
 //! | ranges of nodes of ANSYS | [`VALUES`] of a command, [`HELD`] in all load steps | time, memory |
 //!
-//! Those of memory allow about 100 MB to 200 MB, which a deck that is written out would take as well.
+//! Limits on memory allow about 100 MB to 200 MB, about the size of the same deck written out.
 
 /// Deepest nesting of includes.
 pub const INCLUDE_DEPTH: usize = 20;
@@ -24,7 +25,7 @@ pub const POINTS: usize = 20_000_000;
 pub const MEMBERS: usize = 40_000_000;
 /// Most bytes that loops of ANSYS read again.
 pub const REREAD: usize = 1 << 24;
-/// Bytes that count for an iteration besides its own: executing a command takes as long as reading about as many.
+/// Bytes that each iteration counts beside its text: executing a command takes about as long as reading this many bytes.
 pub const ITERATION: usize = 64;
 /// Most elements of all arrays of ANSYS together.
 pub const ELEMENTS: usize = 4_000_000;

@@ -3,7 +3,7 @@
 //!
 //! | module, lowest layer first | content |
 //! | --- | --- |
-//! | `format`, `error`, `limits` | formats and solvers; errors in decks; what a deck may be multiplied to |
+//! | `format`, `error`, `limits` | formats and solvers; errors in decks; limits on time and memory |
 //! | `source`, `detect` | a deck and its included files; detection of the format |
 //! | `cards`, `model` | constraints of a deck of any format |
 //! | `kinematics` | equations of rigid bodies and weighted means |
@@ -84,8 +84,8 @@ impl Deck {
         &self.texts
     }
 
-    /// Positions of nodes in the model's axes, by number. Nodes that commands generate are left out, and in ANSYS
-    /// those given along axes that are not followed.
+    /// Positions of nodes in the model's axes, by number. Nodes that commands generate are left out, and so are
+    /// ANSYS nodes in coordinate systems that the reader does not follow.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;

@@ -36,7 +36,7 @@ impl<'a> Sources<'a> {
         self.solver
     }
 
-    /// Changes the solver, because only this one knows the text.
+    /// Changes the solver to the only one that reads such a text.
     pub fn set_solver(&mut self, solver: Solver) {
         self.solver = solver;
     }

@@ -1,4 +1,4 @@
-//! Where the values of an array stand, and which triangle a symmetric file stores.
+//! Positions of the values of an array, and the triangle that a symmetric file stores.
 
 use super::header::Symmetry;
 use crate::ReadError;
@@ -7,7 +7,7 @@ use crate::lines::TextLine;
 use crate::number::whole;
 
 impl Symmetry {
-    /// First row that is stored of a column.
+    /// First stored row of a column.
     fn first_row(self, column: usize) -> usize {
         match self {
             Self::General => 0,
@@ -16,7 +16,7 @@ impl Symmetry {
         }
     }
 
-    /// Number of values that an array of these sizes stores; `None` if they are no numbers, or the product has no 64 bits.
+    /// Number of values that an array of these sizes stores; `None` if a size is no number, or the result would overflow.
     pub(super) fn stored(self, rows: &[u8], columns: &[u8]) -> Option<usize> {
         let (rows, columns) = (whole(rows)?, whole(columns)?);
         match self {
@@ -26,7 +26,7 @@ impl Symmetry {
         }
     }
 
-    /// Refuses an entry outside of the triangle that is stored: whether its mirror image is another entry cannot be known.
+    /// Refuses an entry outside of the stored triangle, because it could be the mirror image of another entry or a separate one.
     pub(super) fn check(self, line: &TextLine, row: usize, column: usize) -> Result<(), ReadError> {
         if row < self.first_row(column) {
             return Err(line.fault(TextFault::OtherTriangle { row: row + 1, column: column + 1 }));
@@ -35,7 +35,7 @@ impl Symmetry {
     }
 }
 
-/// The places of an array's values: column after column.
+/// Rows and columns of the values of an array, column after column.
 #[derive(Debug)]
 pub(super) struct Positions {
     rows: usize,
@@ -45,7 +45,7 @@ pub(super) struct Positions {
 }
 
 impl Positions {
-    /// The places after the first `count`.
+    /// Starts after the first `count` values.
     pub fn after(count: usize, rows: usize, symmetry: Symmetry) -> Self {
         let mut positions = Self { rows, symmetry, row: symmetry.first_row(0), column: 0 };
         let mut left = count;

@@ -16,7 +16,7 @@ const SIZES: &str = "rows columns entries";
 const VALUE: &str = "value";
 const ARRAY_SIZES: &str = "rows columns";
 
-/// Bytes of the shortest entry, `1 1 1` and LF. An array's are shorter; its list grows.
+/// Bytes of the shortest entry, `1 1 1` and LF. Entries of an array are shorter, so its list may grow.
 const SHORTEST_ENTRY: usize = 6;
 
 /// Most empty rows or columns. Larger sizes are typing errors, and cost memory.
@@ -149,7 +149,7 @@ impl ChunkedMatrix {
         Ok(())
     }
 
-    /// The entry of a line; `positions` gives that of an array's next value.
+    /// The entry of a line; `positions` gives row and column of an array's next value.
     fn entry(&self, line: &TextLine, positions: &mut Positions) -> Result<(usize, usize, f64), ReadError> {
         let (row, column, value) = if self.header.is_array {
             let [value] = line.fields().ok_or_else(|| line.malformed(VALUE))?;
@@ -165,7 +165,7 @@ impl ChunkedMatrix {
         Ok((row, column, line.number(value, what, self.header.is_integer)?))
     }
 
-    /// An entry and its mirror image, if it has one; a dense matrix has no entries where it is zero.
+    /// An entry and its mirror image, if it has one; zeros of an array give no entries.
     fn both(&self, (row, column, value): (usize, usize, f64)) -> impl Iterator<Item = (usize, usize, f64)> + use<> {
         let mirrored = match self.header.symmetry {
             Symmetry::General => None,

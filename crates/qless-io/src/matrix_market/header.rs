@@ -13,7 +13,7 @@ pub(crate) fn is_present(bytes: &[u8]) -> bool {
     TextLines::new(Path::new(""), bytes).not_blank().is_some_and(|line| is_banner(&line))
 }
 
-/// What a header says of the lines below the sizes.
+/// The form of the lines below the sizes, according to the header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
     /// Values only, column after column (`array`), instead of `row column value`.

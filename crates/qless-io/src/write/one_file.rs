@@ -83,7 +83,7 @@ impl OneFile {
     }
 }
 
-/// Whether what is there keeps nothing that could be lost or half written.
+/// Whether the path is a device or pipe, which keeps no content that could be lost or half written.
 #[cfg(unix)]
 fn is_stream(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;

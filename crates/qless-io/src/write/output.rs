@@ -59,7 +59,7 @@ impl Output {
         })
     }
 
-    /// The command that the manifest names.
+    /// Sets the command that the manifest records.
     #[must_use]
     pub fn by(self, command: &str) -> Self {
         Self { command: command.to_owned(), ..self }
@@ -173,7 +173,7 @@ impl Output {
     }
 
     /// Puts the files in their place, one after another. The manifest says first that the set is incomplete, last that it is
-    /// complete. Files of an earlier set that this one has not are removed, unless they have changed since.
+    /// complete. Files of an earlier set that are not in this one are removed, unless they have changed since.
     ///
     /// # Errors
     /// [`WriteError`]; the folder is then unchanged, unless it is [`WriteError::Incomplete`].
@@ -189,7 +189,7 @@ impl Output {
             files: self.files.values().map(|(_, record)| record.clone()).collect(),
             replaces: before.files.into_iter().chain(before.replaces).collect(),
         };
-        // A signal ends the program when the set is complete, not before.
+        // Both manifests are prepared before the lock is taken. From then on, a signal ends the program only when the set is complete.
         let incomplete = self.add_manifest(&manifest)?;
         let replaced = std::mem::take(&mut manifest.replaces);
         manifest.complete = true;
@@ -217,7 +217,7 @@ impl Output {
         Ok(filled.0)
     }
 
-    /// A folder or a device is never replaced by a file.
+    /// Refuses to replace a folder or a device by a file.
     fn check_places(&self) -> Result<(), WriteError> {
         for name in self.files.keys().chain(&self.absent) {
             let path = self.folder.join(name);
@@ -233,7 +233,7 @@ impl Output {
         metadata::keep(&place, file).and_then(|()| fs::rename(file, &place)).map_err(WriteError::io(&place))
     }
 
-    /// Removes the files that shall be absent, and those of earlier sets that are as they were written.
+    /// Removes the files that shall be absent, and those of earlier sets that have not changed since they were written.
     fn remove(&self, replaced: &[FileRecord]) -> Result<(), WriteError> {
         let is_ours = |record: &&FileRecord| {
             !self.files.contains_key(&record.name)

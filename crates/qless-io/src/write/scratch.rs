@@ -58,11 +58,11 @@ pub fn is_at_work() -> bool {
 /// Prefix of the names of all temporary files, and the number of letters that `tempfile` adds to that of a mark.
 pub(super) const PREFIX: &str = ".qless-";
 const LETTERS: usize = 6;
-/// Content of a mark, by which it is told from a file of the user.
+/// Content of a mark, which distinguishes it from a file of the user.
 const MARK: &[u8] = b"qless writes files here. The next run removes this file and its numbered neighbours.\n";
-/// A writer holds the lock of a folder for some renames, each of which takes milliseconds. After a minute it is not waited for.
+/// Longest wait for the lock of a folder. A writer holds the lock for some renames, each of which takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Another writer that fails may remove a folder that it has just created, once for each writer.
+/// Most attempts to mark a folder: another writer that fails may remove a folder that it has just created, once for each writer.
 const TRIES: usize = 100;
 
 /// What [`abandon`] removes: a writer's mark with its files, and folders that it created. Lock order: [`WriteLock`] first.
@@ -174,7 +174,7 @@ impl Scratch {
         let _lock = WriteLock::take();
         sweep(folder);
         let mut known = known();
-        // Reserves memory first: a mark that is not in the list would not be removed.
+        // Reserve memory first: if adding a mark to the list failed, nothing would remove the mark.
         known.reserve(1);
         let (mut file, mark) = mark(folder).map_err(WriteError::io(folder))?;
         known.push(Traces { mark: mark.clone(), created: created.keep() });
@@ -204,7 +204,7 @@ impl Scratch {
 impl Drop for Scratch {
     /// The mark stays in the list until it is removed.
     fn drop(&mut self) {
-        // At work, a program may use a reserve of memory: an allocation that fails here would leave files behind.
+        // The lock marks this thread as at work, which permits the use of a reserve: a failed allocation would leave files behind.
         let _lock = (!is_at_work()).then(WriteLock::take);
         let mut known = known();
         known.extract_if(.., |traces| traces.mark == self.mark).for_each(|traces| traces.remove());
@@ -216,7 +216,7 @@ fn mark(folder: &Path) -> io::Result<(File, PathBuf)> {
     file.keep().map_err(|error| error.error)
 }
 
-/// Folders created for a writer; dropped, they are removed again if they are empty.
+/// Folders created for a writer. Dropping removes those that are empty.
 struct Created(Vec<PathBuf>);
 
 impl Created {
@@ -245,7 +245,7 @@ impl Drop for Created {
     }
 }
 
-/// Removes the files of killed programs. The caller holds the folder's lock, so that no mark is without its own.
+/// Removes the files of killed programs. The caller holds the folder's lock, so that every mark of a living writer is locked.
 fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -256,7 +256,7 @@ fn sweep(folder: &Path) {
     }
 }
 
-/// Whether a file is a mark whose writer is gone. One that was killed at once had no time to write all of it.
+/// Whether a file is a mark whose writer no longer runs. A writer that was killed at once may have left an incomplete mark.
 fn is_abandoned(path: &Path) -> io::Result<bool> {
     if !fs::symlink_metadata(path)?.is_file() {
         return Ok(false);

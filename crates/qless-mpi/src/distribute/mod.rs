@@ -2,7 +2,7 @@
 //! sends the equations.
 //!
 //! A rank keeps the components that it holds alone, up to a quarter more work than the mean. The excess, and every component that
-//! crosses ranks, fills the free capacity of the ranks in their order. Each rank sends 24 bytes to each, and all compute the same assignment.
+//! crosses ranks, fills the free capacity of the ranks in their order. Each rank sends 24 bytes to each; no rank decides for all.
 
 mod exchange;
 mod peel;

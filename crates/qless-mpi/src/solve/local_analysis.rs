@@ -27,7 +27,7 @@ pub(crate) enum Soundness {
 
 /// Largest residual of a sound reduction. With a larger one, the analysis of the whole component may choose other slaves.
 pub(super) const LOSS: f64 = 1e-13;
-/// Smallest distance of the kept equations from dependence in a sound result. Below it, the analysis of the whole component may keep others.
+/// Smallest distance of the kept equations from dependence in a sound result. Below it, the whole component may keep others.
 const NEAR: f64 = 1e-3;
 
 impl LocalAnalysis {

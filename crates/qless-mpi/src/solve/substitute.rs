@@ -11,7 +11,7 @@ use crate::share::ShareRows;
 
 /// An entry below this fraction of its largest term is rounding, as in the serial reduction.
 const NOISE: f64 = 1e-14;
-/// The largest entry of a sound row is at least this. If all entries are smaller, only the whole component shows whether the slave is fixed.
+/// The largest entry of a sound row is at least this. If all are smaller, only the whole component shows whether the slave is fixed.
 const HARDLY: f64 = 1e-6;
 /// Largest 2-norm of a sound row of T. The serial analysis rejects rows whose slave exceeds 1e3 for random masters up to 1; this is ten
 /// times less.

@@ -13,7 +13,7 @@ use super::combination;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, EquationLookup, count, rough};
 
-/// A tolerance below this would take rounding for data.
+/// A remainder up to this may be rounding, and a tolerance below it would count rounding as data.
 const ROUNDING: f64 = 1e-13;
 /// Mismatches below this are doubtful.
 const NEAR: f64 = 1e-6;
@@ -37,7 +37,7 @@ pub fn rank(list: &EquationList, report: &Report) -> Vec<String> {
     lines
 }
 
-/// The digit of which a relative change of `10^-digits` is a part: "1st", "2nd".
+/// The first digit that a relative change of `10^-digits` can affect: "1st", "2nd".
 fn ordinal(digits: f64) -> String {
     if digits.is_infinite() {
         return "last".to_owned();
@@ -52,12 +52,12 @@ fn ordinal(digits: f64) -> String {
     format!("{digit}{ending}")
 }
 
-/// More than rounding is left in doubtful cases only.
+/// For a rank without doubt: dropped equations then leave no more than rounding.
 fn dropped(report: &Report) -> Option<String> {
     (!report.dependent.is_empty()).then(|| "What was dropped agrees to rounding.".to_owned())
 }
 
-/// At most two reasons for doubt, each with what would settle it.
+/// At most two reasons for doubt, each with an option that settles it.
 fn advice(list: &EquationList, report: &Report) -> Vec<String> {
     let reasons = [nearly_dependent(report), remainder(list), other_reading(report), small_mismatch(list)];
     let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();

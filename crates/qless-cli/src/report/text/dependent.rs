@@ -17,7 +17,7 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
-    // Many equations without free DOFs would hide the others.
+    // One line for all equations without free DOFs: many of them would hide the others.
     let of_kind = if kind == Kind::Redundant { group(list, of_kind, &mut lines) } else { of_kind };
     let groups = origins(list, &of_kind);
     let mut shown = 0;
@@ -36,7 +36,7 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
     lines
 }
 
-/// The equations by origin, in the order of their first rows; one each if that leaves no more entries than fit anyway.
+/// Groups the equations by origin, in the order of their first rows. A few equations are not grouped.
 fn origins<'a>(list: &EquationList, of_kind: &[&'a DependentRow]) -> Vec<Vec<&'a DependentRow>> {
     if of_kind.len() <= SINGLE {
         return of_kind.iter().map(|&dependent| vec![dependent]).collect();
@@ -82,7 +82,7 @@ fn heading(kind: Kind) -> &'static str {
     }
 }
 
-/// Most lines of an explanation: a conflict shows all that it needs, if that is possible in so many.
+/// Most lines of the explanation of a conflict or a redundancy. Repairing a conflict needs all members, so it gets more lines.
 const CONFLICT_LINES: usize = 4;
 const REDUNDANCY_LINES: usize = 2;
 
@@ -106,12 +106,12 @@ fn entry(list: &EquationList, dependent: &DependentRow, most: usize) -> Vec<Stri
     lines
 }
 
-/// Errors of certificates up to this are those of the equations.
+/// A certificate with a larger error is reported: smaller errors are within the tolerance of the rank.
 fn tolerance(tolerance: Tolerance) -> f64 {
     if let Tolerance::Relative(value) = tolerance { value } else { 1e-5 }
 }
 
-/// The right-hand side as given, and the value that would be consistent, if the prescribed values are not known here.
+/// The given and the consistent right-hand side, for ranks that do not hold the prescribed values.
 fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: bool) -> String {
     let facts = equations.facts(dependent.row);
     let found = facts.rhs;

@@ -43,7 +43,7 @@ pub struct EquationList<'a> {
     pub tolerance: Tolerance,
     pub equations: &'a dyn EquationLookup,
     pub dependent: Vec<DependentRow>,
-    /// The numbers, if this process has all of them.
+    /// The system, if this process holds all of it.
     pub system: Option<&'a ConstraintSystem>,
     pub explain: &'a dyn Fn(usize) -> Option<Explanation>,
 }

@@ -66,7 +66,7 @@ pub fn effort(report: &Report) -> String {
     format!("Effort {}: {}.", report.effort.name(), report.promise)
 }
 
-/// What was proved; of exact arithmetic how far it can be wrong.
+/// The proof; for exact arithmetic, the chance of error.
 pub fn proof(report: &Report) -> Option<String> {
     let proof = report.proof.as_ref()?;
     Some(match &report.exact_rank {

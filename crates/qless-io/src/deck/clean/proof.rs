@@ -4,8 +4,8 @@
 //! - `rank [C b; C' b'] = rank [C b]` over all DOFs: every solution of the deck solves the cleaned deck.
 //! - `rank C' = rank C` without the prescribed DOFs: the converse holds too.
 //!
-//! Coefficients that may be the rounding of others count as zero; if that gives no proof, all count as given. Both readings must hold as
-//! a whole, so that none hides a difference in the other. Equations of the cleaned deck are scaled to the size of the deck's: an
+//! Coefficients that may be the rounding of others count as zero; if that gives no proof, all count as given. One of the two readings must
+//! prove both equations, so that no mixture of readings hides a difference. Equations of the cleaned deck are scaled to the size of the deck's: an
 //! equation in other units must not pass for the rounding of its neighbours.
 //!
 //! Whether the deck has a solution is tested separately, so that rounding of new coefficients cannot decide it. Loads must stay at their
@@ -87,7 +87,7 @@ fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
     new.cases.iter().find(|case| !own.is_empty() && own.iter().all(|number| numbers(case).contains(number)))
 }
 
-/// Coefficients below this part of their equation say nothing when two decks are compared: both are sums of numbers with some ten digits.
+/// In the first reading, coefficients below this fraction of their equation count as zero: the numbers of decks have about ten digits.
 const ROUNDING: f64 = 1e-10;
 
 /// Checks that the equations of two load cases have the same solutions in this reading of their numbers; otherwise says what differs.
@@ -201,8 +201,8 @@ impl<'a> SharedColumns<'a> {
         terms.filter_map(|(&j, &a)| Some((self.column(model.dofs[j as usize])?, a))).collect()
     }
 
-    /// Power of two by which an equation is multiplied. One of the new deck gets coefficients as large as those of the old one in
-    /// its columns, and none larger: otherwise one of two equations would be taken for the rounding of the other.
+    /// Power of two by which an equation is multiplied. An equation of the new deck gets coefficients as large as those of the old deck in
+    /// its columns, and none larger: otherwise one of two equations would count as the rounding of the other.
     fn scale(&self, model: &Model, terms: &[(usize, f64)]) -> f64 {
         let ratios =
             terms.iter().filter(|(j, a)| *a != 0.0 && self.largest[*j] > 0.0).map(|(j, a)| self.largest[*j] / a.abs());

@@ -53,7 +53,7 @@ pub struct CoupledSets {
     pub now: StepIndex,
     /// Sets with a command that could not be read.
     unknown: FxHashSet<u32>,
-    /// Reason for leaving out the last command, if it was.
+    /// Reason for leaving out the last command, if it was left out.
     pub doubt: Option<String>,
     budget: SearchBudget,
 }

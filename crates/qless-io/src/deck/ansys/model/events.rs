@@ -48,7 +48,7 @@ pub struct ValueEvent {
 }
 
 impl ValueEvent {
-    /// Whether another command does the same, wherever it stands.
+    /// Whether another command has the same effect; positions in the deck are ignored.
     pub fn acts_as(&self, other: &Self) -> bool {
         self.action == other.action && self.nodes == other.nodes && self.components == other.components
     }
@@ -129,7 +129,7 @@ impl<'a> EventReplay<'a> {
         Self { nodes, components, ..Self::without_nodes(groups) }
     }
 
-    /// A replay that needs no list of nodes, because no command names one.
+    /// A replay without a list of nodes.
     fn without_nodes(groups: &'a AnsysNodes) -> Self {
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
         let (nodes, components, cases) = (Vec::new(), Vec::new(), Vec::new());

@@ -14,7 +14,7 @@ pub struct NumberedSets<T> {
     list: PagedList<(u32, Option<T>)>,
     /// Number of `None` in `list`.
     removed: usize,
-    /// Those that were inserted after a higher number.
+    /// Items that were inserted after one with a higher number.
     late: BTreeMap<u32, T>,
 }
 
@@ -83,7 +83,7 @@ impl<T> NumberedSets<T> {
         let removed = self.index(number).and_then(|index| self.list[index].1.take());
         self.removed += usize::from(removed.is_some());
         let removed = removed.or_else(|| self.late.remove(&number));
-        // Few `None` in the list bound the time to skip them.
+        // Removing the `None`s before they are many bounds the time to skip them.
         if 2 * self.removed > self.list.len() || self.list.last().is_some_and(|(_, value)| value.is_none()) {
             self.compact();
         }

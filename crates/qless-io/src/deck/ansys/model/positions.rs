@@ -23,7 +23,7 @@ fn cosine(degrees: f64) -> f64 {
     sine(90.0 - degrees.abs() % 360.0)
 }
 
-/// Positions and axes as the deck states them.
+/// Positions and axes of nodes in the deck.
 #[derive(Debug, Default)]
 pub struct NodePositions {
     /// Positions by node; `None` if they are not needed.

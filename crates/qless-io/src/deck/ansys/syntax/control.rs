@@ -213,7 +213,7 @@ impl FlowControl {
         }
     }
 
-    /// Skips the rest of the innermost loop: of this iteration if it `cycles`, else of all. Inner blocks are skipped with it.
+    /// Skips the rest of this iteration of the innermost loop if `cycles`, else also its further iterations. Skips inner blocks too.
     fn leave(&mut self, cycles: bool) {
         if self.state() != Execution::Executed {
             return;

@@ -156,8 +156,8 @@ impl DeckDefinitions {
         name.match_indices('.').find_map(|(dot, _)| split(dot))
     }
 
-    /// The first line of a `*NODE` card that is no node: its file and line, and the field at fault. Later on, positions are read
-    /// only if a card needs them, for all nodes at once, and no fault would be said of its own line.
+    /// Returns the first line of a `*NODE` card that defines no node, and the field at fault, as an error. Positions are read later, only
+    /// if a card needs them and for all nodes at once; an error could then not name the line.
     pub fn check_nodes(&self) -> Result<(), (DataLine<'_>, FieldFault)> {
         for line in self.nodes.iter().flat_map(|pieces| DataLines::new(pieces)) {
             let mut fields = DataFields::new(&line);

@@ -17,7 +17,7 @@ pub fn changes(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange
     let Some(control) = &content.control else { return changes };
     if let (Some(set), Some(at)) = (targets.common(), content.landmarks.control) {
         changes.push((at, 0, format!("$ qless: selects the equations written below\nMPC = {set}\n")));
-        // Present choices have no effect, but one further down would override the new one.
+        // The existing choices have no effect, but one further down would override the new choice.
         changes.extend(control.mpc_choices.iter().map(|(_, choice)| removed(choice, "another set is selected")));
         return changes;
     }
