@@ -5,8 +5,8 @@
 //! - `rank C' = rank C` without the prescribed DOFs: the converse holds too.
 //!
 //! Coefficients that may be the rounding of others count as zero; if that gives no proof, all count as given. One of the two readings must
-//! prove both equations, so that no mixture of readings hides a difference. Equations of the cleaned deck are scaled to the size of the deck's: an
-//! equation in other units must not pass for the rounding of its neighbours.
+//! prove both rank equations, so that no mixture of readings hides a difference. Equations of the cleaned deck are scaled to the size of
+//! the deck's: an equation in other units must not pass for the rounding of its neighbours.
 //!
 //! Whether the deck has a solution is tested separately, so that rounding of new coefficients cannot decide it. Loads must stay at their
 //! DOFs. Cost: five analyses for each case, and one more for each of several time histories.
