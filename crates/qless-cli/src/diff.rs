@@ -1,4 +1,4 @@
-//! `qless diff`: whether two sets of equations have the same solutions, and which equations tell them apart.
+//! `qless diff`: compares the solutions of two sets of equations, and lists the equations in which the sets differ.
 //!
 //! Every equation and prescribed value of one set is evaluated at solutions of the other: at its particular solution and at random ones. An
 //! equation that follows from the others holds at all of them to rounding; another one fails at a random solution with probability 1.

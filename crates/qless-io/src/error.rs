@@ -102,7 +102,7 @@ pub enum WriteError {
         /// The system's reason.
         source: io::Error,
     },
-    /// Some files of a set are in their place and others are not; its manifest says so.
+    /// Some files of a set are in their place and others are not; the manifest records this.
     #[error("{}: {source}; the files of this folder are incomplete, which qless.json says: remove the cause and run again", folder.display())]
     Incomplete {
         /// The folder.

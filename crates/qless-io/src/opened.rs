@@ -25,7 +25,7 @@ pub enum FileContent {
 /// use qless_io::{FileContent, Opened};
 /// use qless_io::deck::Format;
 /// # let place = tempfile::tempdir()?;
-/// // The ending says something else.
+/// // The content decides, not the ending.
 /// let path = place.path().join("links.inp");
 /// std::fs::write(&path, "GRID,1,,0.,0.,0.\nGRID,2,,0.,0.,0.\nMPC,1,1,1,1.,2,1,-1.\n")?;
 /// let opened = Opened::read(&path, None)?;

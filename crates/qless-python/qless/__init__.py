@@ -1,4 +1,4 @@
-"""Linear constraint equations ``C u = b``: which are redundant or conflicting and why, and their reduced form.
+"""Finds and explains redundant and conflicting linear constraint equations ``C u = b``, and computes their reduced form.
 
     >>> import qless
     >>> r = qless.analyse([[1, -1, 2], [1, 2, -1], [2, 1, 1]], b=[1, 0, 1])
@@ -7,7 +7,7 @@
     >>> r.slaves.tolist(), r.masters.tolist(), r.T.toarray().round(12).tolist()
     ([0, 1], [2], [[-1.0], [1.0]])
 
-Rows and DOFs count from 0. scipy is needed where a result is a sparse matrix, and nowhere else.
+Rows and DOFs count from 0. Only results that are sparse matrices need scipy.
 """
 
 from __future__ import annotations
@@ -54,12 +54,13 @@ def analyse(
 ) -> Result:
     """Diagnoses ``C u = b``.
 
-    C is m x n, a dense array or a matrix of scipy.sparse, of f32 or f64; b is zero if it is not given. `prescribed` has the values of
-    DOFs that are given, as a mapping or as (DOFs, values).
+    C is m x n, a dense array or a matrix of scipy.sparse, of f32 or f64; b is zero if it is not given. `prescribed` has the
+    prescribed DOFs and their values, as a mapping or as (DOFs, values).
 
     Options: `tolerance` (relative, 1e-10), `noise` ("auto", "none", a relative size, or floors for the coefficients and right-hand side
-    of each row), `effort` ("quick", "checked", "proved", "exact"), `backend` ("faer", "sparse", "gauss"), `presolve`, `growth` (bound of ``max |T_ij|``, 4), `memory` (bytes for one block),
-    `masters` and `slaves` (DOFs that should be such), `keep` (rows to keep where there is a choice).
+    of each row), `effort` ("quick", "checked", "proved", "exact"), `backend` ("faer", "sparse", "gauss"), `presolve`, `growth` (bound of
+    ``max |T_ij|``, 4), `memory` (bytes for one block), `masters` and `slaves` (DOFs that should be masters or slaves, if possible), `keep`
+    (rows to keep if others can be dropped instead).
 
     Raises :class:`InputError` with row, DOF and label for numbers that are not finite and indices out of range.
     """
@@ -69,8 +70,8 @@ def analyse(
 def read(path: Any, solver: str | None = None, case: str | None = None) -> Constraints:
     """Reads the equations of a deck of CalculiX, Abaqus, Nastran or ANSYS, a Matrix Market file or a case folder.
 
-    `case` names a load case where several constrain differently. Constraints that are not understood are left out with a warning and
-    listed in ``left_out``.
+    `case` names the load case, which is required if load cases constrain differently. Constraints that are not understood are left out
+    with a warning and listed in ``left_out``.
     """
     system, warnings, left_out = _qless.read(str(path), solver, case)
     constraints = Constraints._of(system)

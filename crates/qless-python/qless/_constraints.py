@@ -1,4 +1,4 @@
-"""Equations collected one kind at a time: ``C u = b`` from ties, rigid parts, periodicity and matrices."""
+"""Builds ``C u = b`` from ties, rigid bodies, periodicity and matrices."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Constraints:
         return f"Constraints({len(self)} equations on {self.dofs} DOFs, {len(self._prescribed)} prescribed)"
 
     def add(self, C: Any, b: Any = 0.0, label: str | list[str] | None = None) -> range:  # noqa: N803
-        """Rows of a matrix, dense or of scipy.sparse, with the right-hand side b."""
+        """Adds the rows of a matrix, dense or of scipy.sparse, with the right-hand side b."""
         if is_sparse(C):
             starts, columns, values = csr_arrays(C)
             return self._append(np.diff(starts), columns, values, b, label, C.shape[1])
@@ -51,12 +51,12 @@ class Constraints:
         return self._append(np.array([len(dofs)]), dofs, doubles(coefficients, dofs.shape), b, label)
 
     def equal(self, a: Any, b: Any, offset: Any = 0.0, label: str | list[str] | None = None) -> range:
-        """``u[a] - u[b] = offset`` for each pair of DOFs; one DOF stands for all."""
+        """``u[a] - u[b] = offset`` for each pair of DOFs; a single DOF is paired with all of the other list."""
         a, b = np.broadcast_arrays(np.ravel(integers(a)), np.ravel(integers(b)))
         return self._append_pairs([(a, 1.0), (b, -1.0)], offset, label)
 
     def mpc(self, slave: Any, masters: Any, coefficients: Any, offset: Any = 0.0, label: str | list[str] | None = None) -> range:
-        """``u[slave] = sum_k coefficients_k u[masters_k] + offset``; arrays of slaves have a row of masters each."""
+        """``u[slave] = sum_k coefficients_k u[masters_k] + offset``; an array of slaves takes one row of masters for each slave."""
         slave = np.ravel(integers(slave))
         masters = integers(masters).reshape(len(slave), -1)
         coefficients = doubles(coefficients, masters.shape)
@@ -68,8 +68,8 @@ class Constraints:
     ) -> range:
         """``u_a - u_b = E (x_a - x_b)``: opposite nodes of a periodic cell.
 
-        a and b are DOFs, (nodes, d); `distance` is ``x_a - x_b``, d numbers or (nodes, d). The strain E is d x d: numbers, or integers
-        that are its DOFs. Without a strain, the nodes move alike.
+        a and b are DOFs, (nodes, d); `distance` is ``x_a - x_b``, d numbers or (nodes, d). The strain E is d x d: an array of floats
+        holds its values, an array of integers its DOFs. Without a strain, both nodes have equal displacements.
         """
         a, b = np.atleast_2d(integers(a)), np.atleast_2d(integers(b))
         if a.shape != b.shape:
@@ -89,9 +89,9 @@ class Constraints:
     def rigid(self, dofs: Any, points: Any, reference: Any = None, centre: Any = None, label: str | None = None) -> range:
         """Nodes that move as one rigid body, for small rotations.
 
-        `dofs` and `points` are (nodes, d) or (d, nodes), d = 2 or 3. With the DOFs of a `reference` at `centre` (d translations, then
-        one rotation in 2D and three in 3D) ``u_i = u_ref + w x (x_i - centre)``. Without, the equations allow the rigid motions and no
-        others: three nodes in 3D, two in 2D, carry them.
+        `dofs` and `points` are (nodes, d) or (d, nodes), d = 2 or 3. With a `reference` at `centre` (by default the mean of the points),
+        ``u_i = u_ref + w x (x_i - centre)``; its DOFs are d translations, then one rotation in 2D and three in 3D. Without a reference, the
+        equations allow only rigid motions, which three nodes in 3D or two in 2D determine.
         """
         lengths, columns, values = rigid_rows(integers(dofs), doubles(points), reference, centre)
         return self._append(lengths, columns, values, 0.0, label)
@@ -111,7 +111,7 @@ class Constraints:
         self._dof_labels = [str(label) for label in labels]
 
     def _append_pairs(self, columns: list[tuple[np.ndarray, Any]], b: Any, label: Any) -> range:
-        """Rows with one DOF and coefficient of each column."""
+        """Adds rows; each column gives one DOF and one coefficient of every row."""
         rows = len(columns[0][0])
         dofs = np.stack([dofs for dofs, _ in columns], axis=1)
         values = np.stack([np.broadcast_to(doubles(value), (rows,)) for _, value in columns], axis=1)
@@ -139,7 +139,7 @@ class Constraints:
         self._labels.append((rows, label))
         return range(first, first + rows)
 
-    # What was collected.
+    # The collected equations.
 
     def _arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         if not self._lengths:

@@ -47,16 +47,16 @@ class ReadError(Error):
 
 
 class Conflict(Error):
-    """Equations contradict others, so no u meets all of them."""
+    """Equations contradict others, so no u satisfies all of them."""
 
     def __init__(self, message: str, rows: list[int], explanations: list[Explanation] | None = None) -> None:
         super().__init__(message)
         #: The conflicting equations.
         self.rows = rows
-        #: For each of them the equations that it contradicts.
+        #: For each conflicting equation, the equations that it contradicts.
         self.explanations = explanations or []
 
     @property
     def multipliers(self) -> list[dict[int, float]]:
-        """For each conflict, y by row with ``y' C = 0`` over the free DOFs and ``y' b != 0``."""
+        """For each conflict, y by row with ``y' C = 0`` over the free DOFs and ``y' b != 0``, prescribed DOFs moved into b."""
         return [{**{row: -c for row, c in one.terms}, one.row: 1.0} for one in self.explanations]

@@ -1,4 +1,4 @@
-"""Matrices in and out: dense arrays, and scipy.sparse if it is there."""
+"""Converts input and output matrices: dense arrays, and those of scipy.sparse if it is installed."""
 
 from __future__ import annotations
 
@@ -39,19 +39,19 @@ def integers(values: Any) -> np.ndarray:
 
 
 def doubles(values: Any, shape: tuple[int, ...] | None = None) -> np.ndarray:
-    """Numbers as f64, one per place of `shape` where it is given; a single number stands for all."""
+    """Numbers as f64, broadcast to `shape` if it is given."""
     values = floats(values).astype(np.float64, copy=False)
     return values if shape is None or values.shape == shape else np.array(np.broadcast_to(values, shape))
 
 
 def csr_arrays(matrix: Any) -> Arrays:
-    """Compressed rows of a matrix of scipy.sparse, without a copy if it has that form and type."""
+    """Compressed rows of a matrix of scipy.sparse, without a copy if it already has this form and type."""
     rows = matrix.tocsr()
     return integers(rows.indptr), integers(rows.indices), floats(rows.data)
 
 
 def system(matrix: Any, sides: dict[str, Any]) -> _qless.System:
-    """The validated system of C and of what stands beside it."""
+    """The validated system of C and its other data: b, prescribed DOFs and labels."""
     if is_sparse(matrix):
         return _qless.system_from_rows(matrix.shape[1], csr_arrays(matrix), sides)
     if isinstance(matrix, tuple) and len(matrix) == 2:

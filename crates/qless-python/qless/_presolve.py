@@ -1,4 +1,4 @@
-"""Equations of a linear program without those that others imply, and duals for all of them."""
+"""Removes the equations of a linear program that others imply, and computes duals for all equations."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from ._result import Result, make
 class Presolved:
     """``A x = b`` without rows that are combinations of others.
 
-    ``A`` and ``b`` are the independent rows of what was given, in their order and type. If equations conflict, no x meets all of them:
-    :meth:`raise_if_conflicting`.
+    ``A`` and ``b`` are the independent rows of the input, in its order and type. If equations conflict, no x satisfies all of them; call
+    :meth:`raise_if_conflicting` to detect this.
     """
 
     def __init__(self, A_eq: Any, b_eq: Any, **options: Any) -> None:  # noqa: N803
@@ -40,7 +40,7 @@ class Presolved:
         return self
 
     def lift_duals(self, duals: Any) -> np.ndarray:
-        """Duals of all rows from those of the kept ones: zero for rows that were dropped."""
+        """Duals of all rows from those of the kept rows; zero for dropped rows."""
         all_duals = np.zeros(self.result.shape[0])
         all_duals[self.rows] = doubles(duals, self.rows.shape)
         return all_duals
@@ -50,5 +50,5 @@ class Presolved:
 
 
 def presolve(A_eq: Any, b_eq: Any, **options: Any) -> Presolved:  # noqa: N803
-    """The equations of a linear program without those that others imply. Options are those of :func:`qless.analyse`."""
+    """Removes the equations of a linear program that others imply. Options are those of :func:`qless.analyse`."""
     return Presolved(A_eq, b_eq, **options)

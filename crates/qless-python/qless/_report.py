@@ -1,4 +1,4 @@
-"""Texts of a result. Rows and DOFs count from 0, like everything in Python."""
+"""Texts of a result. Rows and DOFs count from 0."""
 
 from __future__ import annotations
 

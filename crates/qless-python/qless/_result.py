@@ -22,7 +22,7 @@ from ._matrix import csr, doubles, floats, integers, is_sparse, system
 
 
 class Kind(enum.IntEnum):
-    """What an equation is."""
+    """The verdict on an equation."""
 
     INDEPENDENT = 0
     REDUNDANT = 1
@@ -30,11 +30,11 @@ class Kind(enum.IntEnum):
 
 
 class Digits(NamedTuple):
-    """How sure the rank is."""
+    """The confidence in the rank, in digits."""
 
     #: -log10 of the smallest relative change of coefficients that makes the kept equations dependent.
     kept: float
-    #: So many digits of the dropped equations agree with the kept ones; infinite if all do.
+    #: Number of digits in which dropped equations agree with their combinations of kept ones; infinite if all do.
     dropped: float
 
 
@@ -59,12 +59,12 @@ class Explanation(NamedTuple):
 class Result:
     """The diagnosis of ``C u = b`` and its reduced form ``u_s = T u_q + G u_p + g``; rows and DOFs count from 0.
 
-    The diagnosis is there at once. Slaves are chosen when one of their attributes is read first; a system with conflicts has none, so
-    that reading them raises :class:`Conflict`.
+    The diagnosis is computed at once, the reduced form when one of its attributes is first read. A system with conflicts has no reduced
+    form, so that reading it raises :class:`Conflict`.
     """
 
     def __init__(self, inputs: _qless.System, options: dict[str, Any], left_out: Sequence[str] = ()) -> None:
-        #: Constraints of a file that were left out: the verdict is of those that were read.
+        #: Constraints of a file that were left out: the verdict covers only those that were read.
         self.left_out: list[str] = list(left_out)
         self._system = inputs
         self._options = options
@@ -80,7 +80,7 @@ class Result:
 
     @property
     def rank(self) -> int:
-        """Rank of the columns of C of free DOFs."""
+        """Rank of C, restricted to the columns of free DOFs."""
         return self._analysis.rank
 
     @property
@@ -144,7 +144,7 @@ class Result:
 
     @property
     def digits(self) -> Digits:
-        """How sure the rank is."""
+        """The confidence in the rank, in digits."""
         kept, dropped, _, _ = self._analysis.confidence()
         return Digits(kept, dropped)
 
@@ -254,7 +254,7 @@ class Result:
         return csr((starts.astype(t_starts.dtype), columns, values), (dofs, len(masters)))
 
     def nullspace(self) -> Any:
-        """N, DOFs x (free DOFs - rank), with ``C N = 0`` and no motion of prescribed DOFs: a basis of all other motions."""
+        """N, DOFs x (free DOFs - rank), with ``C N = 0`` and zero rows for prescribed DOFs: a basis of all admissible motions."""
         if self._made is None and self.conflicting.size:
             return self.with_values(b=np.zeros(self.shape[0])).nullspace()
         return self.L
@@ -281,7 +281,7 @@ class Result:
     def condense(self, K: Any, f: Any = None) -> tuple[Any, np.ndarray]:  # noqa: N803
         """``(L^T K L, L^T (f - K u_0))`` for a matrix of scipy.sparse; dense K gives dense K_q. Without f, it is zero.
 
-        K_q has compressed columns if K has, else compressed rows. A pattern that comes again is not analysed again.
+        K_q has compressed columns if K has, else compressed rows. The pattern of K is analysed again only if it changes.
         """
         n = self.shape[1]
         if tuple(K.shape) != (n, n):
@@ -309,7 +309,7 @@ class Result:
         """L as a ``scipy.sparse.linalg.LinearOperator``: DOFs x masters, with its transpose."""
         from scipy.sparse.linalg import LinearOperator
 
-        # scipy may hand over a vector as one column.
+        # scipy may pass a vector as one column.
         return LinearOperator(
             (self.shape[1], len(self.masters)),
             dtype=np.float64,
@@ -320,9 +320,9 @@ class Result:
         )
 
     def refresh(self, b: Any = None, prescribed: Any = None) -> Result:
-        """New right-hand sides and prescribed values (a mapping, or numbers in the order of :attr:`prescribed`), in place.
+        """Sets new right-hand sides and prescribed values (a mapping, or numbers in the order of :attr:`prescribed`), in place.
 
-        Slaves and T stay, g follows. Raises :class:`Conflict` if equations conflict now; nothing has changed then.
+        Slaves and T stay, and g is computed again. Raises :class:`Conflict` if equations conflict now; nothing has changed then.
         """
         elimination = self._elimination
         rhs = elimination.rhs() if b is None else doubles(b)
@@ -389,7 +389,7 @@ def load(path: Any) -> Result:
 
 
 def _restored(arrays: Any, dofs: int, sides: dict[str, Any], options: dict[str, Any], left_out: list[str]) -> Result:
-    """What was saved: verdicts are not stored but found again, so that none is read that was not checked."""
+    """The saved result. Verdicts are not stored but computed again, so that no unchecked verdict is read."""
     return Result(system((arrays, dofs), sides), options, left_out)
 
 
@@ -418,7 +418,7 @@ def make(
     dof_labels: Sequence[str] | None = None,
     **options: Any,
 ) -> Result:
-    """The result for a matrix and its sides; :func:`qless.analyse` says what they are."""
+    """The result for a matrix and its other data, which :func:`qless.analyse` describes."""
     if type(C).__module__ == "qless._qless":
         return Result(C, options)
     sides = {
@@ -431,7 +431,7 @@ def make(
 
 
 def pairs(prescribed: Any) -> tuple[np.ndarray, np.ndarray] | None:
-    """Prescribed DOFs and values as two arrays, from a mapping or such a pair; one value may stand for all."""
+    """Prescribed DOFs and values as two arrays, from a mapping or such a pair; a single value is that of all DOFs."""
     if prescribed is None:
         return None
     is_mapping = isinstance(prescribed, Mapping)

@@ -28,7 +28,7 @@ def rigid_rows(dofs: np.ndarray, points: np.ndarray, reference: Any, centre: Any
 
 
 def _by_node(dofs: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Both as (nodes, d): the side of length 2 or 3 counts directions, for 2 x 2, 2 x 3 and 3 x 3 the last one."""
+    """Both arrays as (nodes, d). The axis of length 2 or 3 is that of directions; if both have such a length, the last one is."""
     if dofs.ndim != 2 or dofs.shape != points.shape:
         raise InputError(f"rigid: DOFs are {dofs.shape}, points {points.shape}; give both as (nodes, d) or (d, nodes), d = 2 or 3")
     if dofs.shape[1] not in (2, 3):
@@ -57,13 +57,13 @@ def _compressed(columns: np.ndarray, values: np.ndarray) -> Rows:
 
 
 def _free(dofs: np.ndarray, points: np.ndarray) -> Rows:
-    """Without a reference: the motion is read off carrier nodes far from each other, and all others follow it."""
+    """Without a reference: carrier nodes far from each other determine the motion, and all other nodes follow it."""
     carriers = _carriers(points)
     carried, arms = dofs[carriers].ravel(), points - points[carriers[0]]
     d, nodes = dofs.shape[1], len(dofs)
     modes = np.concatenate([np.tile(np.eye(d), (nodes, 1, 1)), _turns(arms)], axis=2)
     of_carriers = modes[carriers].reshape(len(carried), modes.shape[2])
-    # Motions of the carriers that no rigid body makes, orthonormal: the first equations.
+    # The first equations exclude the non-rigid motions of the carriers, given by an orthonormal basis.
     full, sizes, _ = np.linalg.svd(of_carriers)
     rank = int((sizes > 1e-10 * sizes[0]).sum())
     own = full[:, rank:].T
@@ -90,7 +90,7 @@ def _carriers(points: np.ndarray) -> np.ndarray:
     if points.shape[1] == 3:
         along = arms[far] / distance[far]
         aside = np.linalg.norm(arms - np.outer(arms @ along, along), axis=1)
-        # A node on the line adds nothing.
+        # A node on the line does not determine the rotation about it.
         if aside.max() > 1e-10 * distance[far]:
             carriers.append(int(aside.argmax()))
     return np.array(carriers)

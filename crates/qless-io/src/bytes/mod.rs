@@ -61,7 +61,7 @@ impl From<TooMuch> for io::Error {
     }
 }
 
-/// Whether an error of [`read`] says that a limit of size or memory was exceeded.
+/// Whether an error of [`read`] means that a limit of size or memory was exceeded.
 pub(crate) fn is_too_much(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::OutOfMemory | ErrorKind::FileTooLarge)
 }

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! %%MatrixMarket matrix coordinate real general
-//! % comments and blank lines may stand anywhere below the header
+//! % comments and blank lines may occur anywhere below the header
 //! 2 3 3
 //! 1 1 1.0
 //! 1 3 -1.0

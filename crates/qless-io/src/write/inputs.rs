@@ -10,7 +10,7 @@ use crate::WriteError;
 
 /// Files that a program reads, and that no output may replace.
 ///
-/// A path is identified by the file that it leads to, so that links and other spellings count too. A path to a missing
+/// A path is identified by the file that it resolves to, so that links and other spellings count too. A path to a missing
 /// file is identified by its name and its folder.
 ///
 /// ```

@@ -172,7 +172,7 @@ impl Output {
         self.file(name, |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))
     }
 
-    /// Puts the files in their place, one after another. The manifest says first that the set is incomplete, last that it is
+    /// Puts the files in their place, one after another. Before the first, the manifest is marked as incomplete; after the last, as
     /// complete. Files of an earlier set that are not in this one are removed, unless they have changed since.
     ///
     /// # Errors
@@ -288,7 +288,7 @@ fn is_plain(name: &str) -> bool {
     is_one && name != Manifest::NAME && !name.starts_with(scratch::PREFIX)
 }
 
-/// The folders above and including `folder` that do not exist, outermost first. A `..` below one of them leads nowhere.
+/// The folders above and including `folder` that do not exist, outermost first. A `..` below one of them is an error.
 fn missing(folder: &Path) -> Result<Vec<PathBuf>, WriteError> {
     let mut missing = Vec::new();
     for part in folder.ancestors() {

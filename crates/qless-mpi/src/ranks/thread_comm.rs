@@ -84,7 +84,7 @@ impl Ranks for ThreadRank {
     }
 
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message> {
-        // The last word tells whether there is a message.
+        // The last word indicates whether there is a message.
         let mut out = vec![vec![0]; self.size()];
         for Message { rank, mut words } in messages {
             words.push(1);

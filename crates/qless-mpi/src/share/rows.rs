@@ -60,7 +60,7 @@ pub(crate) fn sum_repeats(terms: &mut Vec<(u64, f64)>) {
 
 /// Checks that no two equations have the same number; the error is the fault that this rank sees. Collective.
 ///
-/// Each number, 8 bytes, goes to the rank that keeps this range of numbers. A rank whose numbers ascend sends none to itself.
+/// Each number, 8 bytes, is sent to the rank that keeps this range of numbers. A rank whose numbers ascend sends none to itself.
 pub(crate) fn check_numbers(ranks: &dyn Ranks, rows: &ShareRows) -> Result<(), ShareError> {
     let mut end = [rows.numbers.iter().max().map_or(0, |most| most + 1)];
     ranks.max(&mut end);

@@ -56,8 +56,8 @@ pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanErr
     Ok(())
 }
 
-/// The error for a load case whose rank depends on numbers that may be rounding, so that no cleaned deck is sure to be right;
-/// `None` if its rank is sure.
+/// The error for a load case whose rank depends on numbers that may be rounding, so that no cleaned deck is certain to be correct; `None`
+/// if its rank does not depend on them.
 fn doubt(model: &Model, case: &LoadCase) -> Result<Option<CleanError>, CleanError> {
     let system = model.system(case)?;
     let analyse = |noise| analyse(&system, &Options { noise, ..Options::default() });
@@ -90,7 +90,7 @@ fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
 /// In the first reading, coefficients below this fraction of their equation count as zero: the numbers of decks have about ten digits.
 const ROUNDING: f64 = 1e-10;
 
-/// Checks that the equations of two load cases have the same solutions in this reading of their numbers; otherwise says what differs.
+/// Checks that the equations of two load cases have the same solutions in this reading of their numbers; the error names the difference.
 fn same_space(
     both: &SharedColumns,
     a: &LoadCase,

@@ -46,7 +46,7 @@ pub enum CleanError {
         /// The DOF.
         slave: String,
     },
-    /// The rank of the equations depends on numbers that may be rounding, so that no cleaned deck is sure to be right.
+    /// The rank of the equations depends on numbers that may be rounding, so that no cleaned deck is certain to be correct.
     #[error("{}", doubtful(case, place, term.as_ref(), *ranks))]
     Doubtful {
         /// The load case.
@@ -84,7 +84,7 @@ pub enum CleanError {
         /// Why it stops, and what to do.
         why: String,
     },
-    /// Text that must change is in a place where it cannot.
+    /// Text that must change is in a place that does not permit it.
     #[error("{}:{line}: {why}", path.display())]
     Place {
         /// The file.

@@ -72,7 +72,7 @@ pub fn delete<T: StartsAt>(
     Ok(())
 }
 
-/// The number in field `at`: `n`, `HIGH` (the highest so far; also where the field is empty) or `NEXT` (one above).
+/// The number in field `at`: `n`, `HIGH` (the highest so far; an empty field means the same) or `NEXT` (one above).
 pub fn numbered<T>(command: &AnsysCommand, at: usize, sets: &NumberedSets<T>) -> Result<u32, FieldFault> {
     const EXPECTED: &str = "a number from 1, HIGH or NEXT";
     let highest = sets.highest().unwrap_or(0);

@@ -81,7 +81,7 @@ impl FlowControl {
         !self.blocks.is_empty()
     }
 
-    /// Line of the outermost block, if a block that is still open has lost commands: iterations of a loop, or skipped ones.
+    /// Line of the outermost block, if a block that is still open has suppressed commands: iterations of a loop, or skipped commands.
     pub fn never_closed(&self) -> Option<u32> {
         let loses = |block: &FlowBlock| !matches!(block, FlowBlock::Taken | FlowBlock::Unknown);
         self.blocks.iter().any(loses).then_some(self.opened)

@@ -147,8 +147,8 @@ impl DeckDefinitions {
         map.get(&key).map(|value| (key, value))
     }
 
-    /// Splits `I.rest`, where I is an instance: returns its scope and the rest. The name of the assembly may stand in
-    /// front.
+    /// Splits `I.rest`, where I is an instance: returns its scope and the rest. The name of the assembly may precede
+    /// it.
     pub fn qualified<'n>(&self, name: &'n str) -> Option<(Scope, &'n str)> {
         let inner = |assembly: &String| name.strip_prefix(assembly.as_str()).and_then(|rest| rest.strip_prefix('.'));
         let name = self.assemblies.iter().find_map(inner).unwrap_or(name);

@@ -1,4 +1,4 @@
-//! Writes a cleaned deck: removed equations become comments, and new ones stand before the first step. Steps remove
+//! Writes a cleaned deck: removed equations become comments, and new ones precede the first step. Steps remove
 //! equations that end.
 
 mod equations;

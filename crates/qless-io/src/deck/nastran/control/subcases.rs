@@ -64,7 +64,7 @@ struct Subcase {
 pub struct SubcaseLeaf {
     name: String,
     pub selection: CaseSelection,
-    /// Index among all places of a selection: 0 is before the first subcase, then follow subcases and steps in their order.
+    /// Index of the place of its selection: 0 is the place before the first subcase; subcases and steps follow in their order.
     pub holder: usize,
 }
 

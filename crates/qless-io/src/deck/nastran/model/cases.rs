@@ -65,7 +65,7 @@ fn prescribed(
     Ok(all)
 }
 
-/// Refuses undefined points, where MYSTRAN stops; both ends of a range must be defined.
+/// Refuses undefined points, because MYSTRAN stops at them; both ends of a range must be defined.
 fn refuse_unknown(support: &PointSupport, place: &CardLocation, points: &Points, model: &mut Model) {
     let mut ends = support.points.iter().flat_map(|span| [span.first, span.last]);
     if let Some(node) = ends.find(|&node| points.kind(node) == PointKind::Unknown) {

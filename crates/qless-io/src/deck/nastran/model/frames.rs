@@ -1,4 +1,4 @@
-//! Coordinate frames of a deck in basic coordinates, whatever the order of their definitions.
+//! Coordinate frames of a deck in basic coordinates. Their definitions may have any order.
 //!
 //! `CORD2x` names three points in another frame, and `CORD1x` three grid points, whose coordinates may be in other frames. A frame
 //! is computed after all frames on which it depends. A circular definition is an error.

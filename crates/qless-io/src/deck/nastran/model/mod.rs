@@ -73,7 +73,7 @@ pub fn points(bulk: &mut BulkData, model: &mut Model) -> Result<Points, DeckErro
     Ok(points)
 }
 
-/// Refuses selections of set 0, where MYSTRAN stops.
+/// Refuses selections of set 0, because MYSTRAN stops at them.
 fn refuse_zeros(content: &NastranContent, model: &mut Model) {
     for choice in content.control.iter().flat_map(|control| &control.zeros) {
         model.refuse(choice.file, choice.line, "MYSTRAN stops at a selection of set 0: remove the line");

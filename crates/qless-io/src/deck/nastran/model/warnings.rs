@@ -21,7 +21,7 @@ pub fn brief(mut warnings: Vec<Warning>) -> Vec<Warning> {
         *count += 1;
         match *count {
             0..=OF_A_KIND => kept.push(warning),
-            // The count goes to the line of the first one beyond the limit.
+            // The warning with the count names the line of the first one beyond the limit.
             n if n == OF_A_KIND + 1 => beyond.push((kind, warning)),
             _ => {}
         }
