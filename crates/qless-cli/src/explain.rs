@@ -71,8 +71,10 @@ impl Teller<'_> {
         }
         let frees = self.frees(Freed::Equation(row))?;
         lines.push(match frees.as_slice() {
-            [] => "No single equation or prescribed value, left out, makes it independent: others stand for each."
-                .to_owned(),
+            [] => {
+                "Leaving out one equation or prescribed value does not make it independent: others imply each of them."
+                    .to_owned()
+            }
             _ => format!("It is independent without any one of: {}.", self.list(&frees)),
         });
         Ok(lines)
@@ -93,7 +95,8 @@ impl Teller<'_> {
             lines.extend(self.members(&explanation));
             let frees = self.frees(Freed::Dof(dof))?;
             lines.push(match frees.as_slice() {
-                [] => "No single equation or prescribed value, left out, frees it: others stand for each.".to_owned(),
+                [] => "Leaving out one equation or prescribed value does not free it: others imply each of them."
+                    .to_owned(),
                 _ => format!("It is free without any one of: {}.", self.list(&frees)),
             });
             return Ok(lines);

@@ -103,7 +103,7 @@ pub enum WriteError {
         source: io::Error,
     },
     /// Some files of a set are in their place and others are not; the manifest records this.
-    #[error("{}: {source}; the files of this folder are incomplete, which qless.json says: remove the cause and run again", folder.display())]
+    #[error("{}: {source}; the files of this folder are incomplete, as qless.json records; remove the cause and run again", folder.display())]
     Incomplete {
         /// The folder.
         folder: PathBuf,

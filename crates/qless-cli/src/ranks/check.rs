@@ -71,7 +71,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
     }
     if !matches!(model.format, ReportFormat::Text | ReportFormat::Json) {
         return Err(CliFailure::Input(
-            "several ranks report with --format text or json; for others leave out mpirun".to_owned(),
+            "on several ranks the formats are text and json; for the others run without mpirun".to_owned(),
         ));
     }
     if model.solver.is_some() || args.case.is_some() {

@@ -119,7 +119,7 @@ fn small_mismatch(list: &EquationList) -> Option<String> {
     let (meant, tolerance) =
         if equation.kind == Kind::Conflicting { ("rounding", 10.0 * size) } else { ("meant", size / 10.0) };
     let (size, tolerance) = (rough(size), rough(tolerance));
-    Some(format!("  {name} is off by {size} of its parts only. If that is {meant}: --tolerance {tolerance}"))
+    Some(format!("  {name} is off by only {size}, relative to its terms. If that is {meant}: --tolerance {tolerance}"))
 }
 
 /// With near-dependence: both ranks, and the equation that is closest to dependent.
@@ -186,11 +186,11 @@ fn meaning(report: &Report, exact: &ExactFinding) -> Option<String> {
             Some(format!("That settles the doubt, for numbers meant {}: the rank is {rank}.", as_read(exact)))
         }
         (false, true, _) | (_, _, Ordering::Equal) => None,
-        (_, _, Ordering::Greater) => Some(
-            "To the last digit more equations are independent; rounded numbers can be that by accident.".to_owned(),
-        ),
+        (_, _, Ordering::Greater) => {
+            Some("In exact arithmetic more equations are independent; rounding of the input can cause this.".to_owned())
+        }
         (_, _, Ordering::Less) => {
-            Some("To the last digit equations repeat others that floating point tells apart.".to_owned())
+            Some("In exact arithmetic more equations are dependent than in floating point.".to_owned())
         }
     }
 }

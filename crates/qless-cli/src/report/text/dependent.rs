@@ -95,7 +95,7 @@ fn entry(list: &EquationList, dependent: &DependentRow, most: usize) -> Vec<Stri
     let mut lines = combination::lines(lookup, dependent.row, members, wanted.min(most.saturating_sub(1)).max(1));
     if explanation.error > tolerance(list.tolerance) {
         let error = number(explanation.error);
-        lines.push(format!("      these coefficients leave up to {error} of their terms in a DOF"));
+        lines.push(format!("      this combination holds only to {error}, relative to its terms"));
     }
     if is_conflict {
         lines.push(match list.system {

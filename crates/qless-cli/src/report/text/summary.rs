@@ -174,8 +174,8 @@ pub fn unmet_preferences(report: &Report) -> Vec<String> {
         (
             &unmet.masters,
             "column",
-            "is a slave all the same: no choice avoids that",
-            "are slaves all the same: no choice avoids that",
+            "is a slave anyway: no choice avoids that",
+            "are slaves anyway: no choice avoids that",
         ),
         (
             &unmet.slaves,
