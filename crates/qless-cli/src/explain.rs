@@ -72,8 +72,7 @@ impl Teller<'_> {
         let frees = self.frees(Freed::Equation(row))?;
         lines.push(match frees.as_slice() {
             [] => {
-                "Leaving out one equation or prescribed value does not make it independent: others imply each of them."
-                    .to_owned()
+                "No single equation or prescribed value makes it independent if left out: others imply each.".to_owned()
             }
             _ => format!("It is independent without any one of: {}.", self.list(&frees)),
         });
@@ -95,8 +94,7 @@ impl Teller<'_> {
             lines.extend(self.members(&explanation));
             let frees = self.frees(Freed::Dof(dof))?;
             lines.push(match frees.as_slice() {
-                [] => "Leaving out one equation or prescribed value does not free it: others imply each of them."
-                    .to_owned(),
+                [] => "No single equation or prescribed value frees it if left out: others imply each.".to_owned(),
                 _ => format!("It is free without any one of: {}.", self.list(&frees)),
             });
             return Ok(lines);
