@@ -71,7 +71,8 @@ pub unsafe extern "C" fn qless_options_set_number(
     })
 }
 
-/// Sets a word: "effort" ("quick", "checked", "proved", "exact"), "backend" ("faer", "sparse", "gauss"), "noise" ("auto", "none"), "tolerance" ("paper").
+/// Sets a word: "effort" ("quick", "checked", "proved", "exact"), "backend" ("faer", "sparse", "gauss"), "noise" ("auto", "none"),
+/// "tolerance" ("paper").
 ///
 /// # Safety
 /// `name` and `value` are null or zero-terminated texts.

@@ -158,7 +158,8 @@ impl DistributedElimination {
         self.elimination.masters().iter().zip(&local).for_each(|(&j, &value)| u[j] = value);
     }
 
-    /// `f_q = L^T f`: each rank gives its contribution to the forces on its local DOFs; the contributions of all ranks are summed. Collective.
+    /// `f_q = L^T f`: each rank gives its contribution to the forces on its local DOFs; the contributions of all ranks are summed.
+    /// Collective.
     ///
     /// # Panics
     /// As [`DistributedElimination::expand_into`].

@@ -119,7 +119,7 @@ fn small_mismatch(list: &EquationList) -> Option<String> {
     let (meant, tolerance) =
         if equation.kind == Kind::Conflicting { ("rounding", 10.0 * size) } else { ("meant", size / 10.0) };
     let (size, tolerance) = (rough(size), rough(tolerance));
-    Some(format!("  {name} is off by only {size}, relative to its terms. If that is {meant}: --tolerance {tolerance}"))
+    Some(format!("  {name} is off by only {size} of its terms. If that is {meant}: --tolerance {tolerance}"))
 }
 
 /// With near-dependence: both ranks, and the equation that is closest to dependent.
