@@ -57,7 +57,8 @@ QLESS_API int qless_options_free(qless_options *options);
 /* "tolerance" (relative, 1e-10), "noise" (relative size), "growth" (bound of |T_ij|, 4), "memory" (bytes), "presolve" (0 or 1). */
 QLESS_API int qless_options_set_number(qless_options *options, const char *name, double value);
 
-/* "effort" ("quick", "checked", "proved", "exact"), "backend" ("faer", "sparse", "gauss"), "noise" ("auto", "none"), "tolerance" ("paper"). */
+/* "effort" ("quick", "checked", "proved", "exact"), "backend" ("faer", "sparse", "gauss"), "noise" ("auto", "none"),
+ * "tolerance" ("paper"). */
 QLESS_API int qless_options_set_word(qless_options *options, const char *name, const char *value);
 
 /* Diagnoses C u = b. starts: equations + 1 numbers; columns, values: as many as starts says, in any order, summed if they repeat;
