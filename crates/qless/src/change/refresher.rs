@@ -19,7 +19,7 @@ use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
-use crate::reduction::residual_check::{self, FINE};
+use crate::reduction::residual_check;
 use crate::{Analysis, ArgumentError, ConstraintSystem, Reduction, ReductionError};
 
 /// A sum below this, relative to its largest term, is rounding.
@@ -229,7 +229,7 @@ impl Refresher {
             residual_check::residuals_of_g(local, reduction, &independent, &self.analysis.scaling)
         };
         let mut found = residuals(reduction);
-        if found.worst > FINE {
+        if !found.above.is_empty() {
             let mut u = vec![0.0; self.system().dofs()];
             reduction.slaves.iter().zip(&reduction.g).for_each(|(&j, &g)| u[j] = g);
             let mut rest = self.rest(replay.rhs, &independent, |l| u[self.analysis.numbering.dofs[l] as usize]);

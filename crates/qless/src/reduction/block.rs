@@ -27,17 +27,19 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
         && let Some(LuRelation { slaves, masters, columns, constant }) =
             relation_by_lu(block, &rows, &kept.order, memory)?
     {
-        let relation = columns.transposed();
-        let rows_of_t = slaves.iter().enumerate().map(|(i, &slave)| (slave, relation.row(i)));
-        let relation = clean(block, rows_of_t, &masters, zero);
-        return Ok(solved(block, &slaves, &masters, (relation, without_rounding(block, &rows, &slaves, constant))));
+        let (relation, width) = (columns.transposed(), columns.rows());
+        let row = |(i, &constant)| relation.row(i).chain([(width, constant)]).collect();
+        let rows_of_x: Vec<_> = constant.iter().enumerate().map(row).collect();
+        let cleaning = Cleaning { block, kept: &rows, slaves: &slaves, masters: &masters, zero };
+        return Ok(solved(block, &slaves, &masters, cleaning.run(&rows_of_x)));
     }
     let (columns, rhs) = kept_columns(block, &rows);
     let factor = Faer.factor(&columns, &rhs, 0.0)?;
     let tableau = relate(block, &rows, &factor)?;
-    let (relation, constant) = sparse(block, &tableau, zero);
-    let constant = without_rounding(block, &rows, &tableau.basic, constant);
-    Ok(solved(block, &tableau.basic, &tableau.free, (relation, constant)))
+    let rows_of_x: Vec<Vec<(usize, f64)>> =
+        (0..tableau.basic.len()).map(|i| tableau.row(i).iter().copied().enumerate().collect()).collect();
+    let cleaning = Cleaning { block, kept: &rows, slaves: &tableau.basic, masters: &tableau.free, zero };
+    Ok(solved(block, &tableau.basic, &tableau.free, cleaning.run(&rows_of_x)))
 }
 
 /// The DOFs that may become slaves, so that the slaves are those of [`solve`]: all DOFs if sparse LU chooses the slaves.
@@ -101,15 +103,6 @@ fn relation_by_qr(block: &Block, factor: &Factor) -> Tableau {
     }
 }
 
-/// The relation without rounding, and the constant.
-fn sparse(block: &Block, tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
-    let width = tableau.width - 1;
-    let row = |i: usize| tableau.row(i)[..width].iter().copied().enumerate();
-    let rows = tableau.basic.iter().enumerate().map(|(i, &slave)| (slave, row(i)));
-    let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
-    (clean(block, rows, &tableau.free, zero), constant)
-}
-
 /// Exponents of the DOFs of a block and powers of its rows in one choice of units: those of `matrix`, or balanced ones.
 struct Units<'a> {
     block: &'a Block,
@@ -142,52 +135,102 @@ impl<'a> Units<'a> {
     }
 }
 
-/// Drops entries that are rounding in any units, separately for masters and for prescribed DOFs; `rows` are slaves with their entries.
-fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
-    block: &Block,
-    rows: impl Iterator<Item = (u32, R)>,
-    masters: &[u32],
+/// Drops entries of the relation `u_s = X [u_q; u_p; 1]` that are rounding, where the equations hold without them.
+///
+/// Entries are small in any units, beside the others of their row; those of masters, of prescribed DOFs and constants apart. The units of a
+/// row do not decide alone: a column of X is rounded only if every equation holds without its small entries, so that the sum of the terms of
+/// an equation in the column stays rounding of them.
+struct Cleaning<'a> {
+    block: &'a Block,
+    kept: &'a [usize],
+    slaves: &'a [u32],
+    masters: &'a [u32],
     zero: f64,
-) -> Csr {
-    let units: Vec<(Units, Vec<f64>)> = Units::all(block)
-        .map(|units| {
-            let sizes = units.sizes(masters);
-            (units, sizes)
-        })
-        .collect();
-    let side = |j: usize| usize::from(j >= masters.len());
-    let mut relation = Csr::empty(masters.len() + block.prescribed.len());
-    let mut is_large = Vec::new();
-    for (slave, row) in rows {
-        is_large.clear();
-        is_large.resize(row.clone().count(), false);
-        for (units, sizes) in &units {
-            let unit = -units.dof(slave);
-            let size = |(j, v): (usize, f64)| ldexp(v.abs() * sizes[j], unit);
-            let mut largest = [0.0_f64; 2];
-            row.clone().for_each(|entry| largest[side(entry.0)] = largest[side(entry.0)].max(size(entry)));
-            let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
-            is_large
-                .iter_mut()
-                .zip(row.clone())
-                .for_each(|(is_large, entry)| *is_large |= size(entry) > least[side(entry.0)]);
-        }
-        relation.append(row.zip(&is_large).filter(|(_, is_large)| **is_large).map(|(entry, _)| entry));
-    }
-    relation
 }
 
-/// Constants far below every right-hand side, in any units, are rounding.
-fn without_rounding(block: &Block, rows: &[usize], slaves: &[u32], mut constant: Vec<f64>) -> Vec<f64> {
-    let mut is_large = vec![false; constant.len()];
-    for units in Units::all(block) {
-        let sizes = rows.iter().map(|&i| ldexp(block.rhs[i].abs(), units.row(i))).filter(|&b| b > 0.0);
-        let least = sizes.reduce(f64::min).unwrap_or(0.0);
-        let each = is_large.iter_mut().zip(constant.iter().zip(slaves));
-        each.for_each(|(is_large, (v, &slave))| *is_large |= ldexp(v.abs(), -units.dof(slave)) > NOISE * least);
+impl Cleaning<'_> {
+    /// Rows of X by slave, each with its column numbers in ascending order; the constant is the last column.
+    fn run(&self, rows: &[Vec<(usize, f64)>]) -> (Csr, Vec<f64>) {
+        let width = self.masters.len() + self.block.prescribed.len();
+        let mut is_large = self.large_in_rows(rows);
+        let is_needed = self.columns_that_need_all(rows, &is_large);
+        is_large.iter_mut().zip(rows).for_each(|(is_large, row)| {
+            is_large.iter_mut().zip(row).for_each(|(is_large, (c, v))| *is_large |= is_needed[*c] && *v != 0.0);
+        });
+        let mut relation = Csr::empty(width);
+        let mut constant = vec![0.0; rows.len()];
+        for ((row, is_large), constant) in rows.iter().zip(&is_large).zip(&mut constant) {
+            let kept = || row.iter().zip(is_large).filter(|(_, is_large)| **is_large).map(|(entry, _)| *entry);
+            relation.append(kept().filter(|&(c, _)| c < width));
+            *constant = kept().find(|&(c, _)| c == width).map_or(0.0, |(_, v)| v);
+        }
+        (relation, constant)
     }
-    constant.iter_mut().zip(is_large).filter(|(_, is_large)| !is_large).for_each(|(v, _)| *v = 0.0);
-    constant
+
+    /// Entries that are more than rounding beside the others of their row, in some units.
+    fn large_in_rows(&self, rows: &[Vec<(usize, f64)>]) -> Vec<Vec<bool>> {
+        let (q, p) = (self.masters.len(), self.block.prescribed.len());
+        let side = |c: usize| usize::from(c >= q);
+        let mut is_large: Vec<Vec<bool>> = rows.iter().map(|row| vec![false; row.len()]).collect();
+        for units in Units::all(self.block) {
+            let sizes = units.sizes(self.masters);
+            let sides = self.kept.iter().map(|&i| ldexp(self.block.rhs[i].abs(), units.row(i))).filter(|&b| b > 0.0);
+            let least_side = NOISE * sides.reduce(f64::min).unwrap_or(0.0);
+            for ((row, &slave), is_large) in rows.iter().zip(self.slaves).zip(&mut is_large) {
+                let unit = -units.dof(slave);
+                let size = |&(c, v): &(usize, f64)| ldexp(v.abs() * sizes.get(c).unwrap_or(&1.0), unit);
+                let mut largest = [0.0_f64; 2];
+                let entries = row.iter().filter(|(c, _)| *c < q + p);
+                entries.for_each(|entry| largest[side(entry.0)] = largest[side(entry.0)].max(size(entry)));
+                let least = largest.map(|largest| if largest <= self.zero { self.zero } else { NOISE * largest });
+                is_large.iter_mut().zip(row).for_each(|(is_large, entry)| {
+                    let least = if entry.0 < q + p { least[side(entry.0)] } else { least_side };
+                    *is_large |= size(entry) > least;
+                });
+            }
+        }
+        is_large
+    }
+
+    /// The columns in which some equation does not hold without the small entries.
+    fn columns_that_need_all(&self, rows: &[Vec<(usize, f64)>], is_large: &[Vec<bool>]) -> Vec<bool> {
+        let (q, p) = (self.masters.len(), self.block.prescribed.len());
+        let mut is_rounded = vec![false; q + p + 1];
+        rows.iter().zip(is_large).for_each(|(row, is_large)| {
+            row.iter().zip(is_large).for_each(|((c, v), is_large)| is_rounded[*c] |= !is_large && *v != 0.0);
+        });
+        let mut is_needed = vec![false; q + p + 1];
+        if !is_rounded.contains(&true) {
+            return is_needed;
+        }
+        let mut place = vec![Err(0); self.block.dofs.len()];
+        self.masters.iter().zip(0..).for_each(|(&j, c)| place[j as usize] = Err(c));
+        self.slaves.iter().zip(0..).for_each(|(&j, s)| place[j as usize] = Ok(s));
+        let mut sums = vec![(0.0_f64, 0.0_f64); q + p + 1];
+        for &i in self.kept {
+            let mut add = |c: usize, term: f64| {
+                if is_rounded[c] {
+                    sums[c] = (sums[c].0 + term, sums[c].1 + term.abs());
+                }
+            };
+            for (j, v) in self.block.matrix.row(i) {
+                match place[j] {
+                    Err(c) => add(c, v),
+                    Ok(s) => {
+                        let large = rows[s].iter().zip(&is_large[s]).filter(|(_, is_large)| **is_large);
+                        large.for_each(|(&(c, x), _)| add(c, v * x));
+                    }
+                }
+            }
+            self.block.fixed.row(i).for_each(|(c, v)| add(q + c, v));
+            add(q + p, -self.block.rhs[i]);
+            for (sum, is_needed) in sums.iter_mut().zip(&mut is_needed) {
+                let (sum, size) = std::mem::take(sum);
+                *is_needed |= sum.abs() > NOISE * size;
+            }
+        }
+        is_needed
+    }
 }
 
 /// Residuals up to this, relative to the terms of the equation, need no refinement.

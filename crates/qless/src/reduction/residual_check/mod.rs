@@ -31,7 +31,7 @@ pub(crate) struct Residuals {
     pub worst: f64,
     /// ... and its equation.
     pub row: usize,
-    /// Equations whose residual is above the bound of the caller, ascending, with their residuals.
+    /// Equations whose residual relative to their own terms is above the bound of the caller, ascending, with these residuals.
     pub above: Vec<(usize, f64)>,
 }
 
@@ -90,6 +90,7 @@ fn residuals_of(
                 own = expanded.residuals(local, independent);
             }
         }
+        found.above.extend(own.iter().copied().enumerate().filter(|&(_, residual)| residual > above));
         if !is_fine(&own) {
             expanded.relative_to_components(local, scaling, &mut own);
         }
@@ -97,7 +98,6 @@ fn residuals_of(
             if residual > found.worst {
                 (found.worst, found.row) = (residual, i);
             }
-            found.above.extend((residual > above).then_some((i, residual)));
         }
     }
     found.above.sort_unstable_by(|a, b| (a.0, b.1).partial_cmp(&(b.0, a.1)).unwrap_or(Ordering::Equal));
