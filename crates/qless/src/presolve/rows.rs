@@ -48,7 +48,7 @@ impl Entry {
         self.value.abs() / self.size.max(f64::MIN_POSITIVE)
     }
 
-    /// [`Entry::left`], 0 where it is no more than rounding.
+    /// [`Entry::left`], or 0 if it may be only rounding.
     pub fn certain_left(&self) -> f64 {
         if self.is_certain() { self.left() } else { 0.0 }
     }
