@@ -95,9 +95,9 @@ pub struct Report {
     pub groups: Vec<Group>,
     /// Free DOFs that the equations fix, ascending.
     pub generated_boundary_conditions: Vec<GeneratedCondition>,
-    /// How certain the verdict is to be, ...
+    /// The requested effort.
     pub effort: Effort,
-    /// ... and what that promises, in one sentence.
+    /// The promise of this effort, in one sentence.
     pub promise: &'static str,
     /// How to cure the conflicts; the key is absent if there are none.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
@@ -119,7 +119,7 @@ pub struct Report {
     /// The reduced form, if it was computed.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub reduction: Option<ReductionSizes>,
-    /// Preferences that are not met; the key is absent if all are met.
+    /// Preferences that are not satisfied; the key is absent if all are.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Unmet::is_empty"))]
     pub unmet_preferences: Unmet,
     /// Coefficients that count as zero, because they are rounding of others; the key is absent if there are none.
@@ -149,7 +149,7 @@ impl Report {
 
     /// Reports an analysis, with explanations of at most `terms` members in total.
     ///
-    /// No explanation is computed after the limit is reached, but for those computed together with the last one, so `terms` bounds the
+    /// No explanation is computed after the limit is reached, except those computed together with the last one, so `terms` bounds the
     /// time too. For a generated boundary condition the cost of a factorization counts as terms. [`Report::with_reduction`] and
     /// [`Report::with_timings`] add the reduction and the other times.
     pub fn new(analysis: &Analysis, terms: usize) -> Self {

@@ -174,7 +174,7 @@ impl CondensedPattern {
         Ok(element)
     }
 
-    /// Whether DOF j contributes to these lines.
+    /// Returns true if DOF j contributes to these lines.
     fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
         self.row_of_l(j).any(|(r, _)| lines.contains(&(r as usize)))
     }
