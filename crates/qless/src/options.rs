@@ -113,7 +113,7 @@ impl Effort {
         match self {
             Self::Quick => "not checked: the rank may be wrong",
             Self::Checked => "by estimates; a doubtful rank is called ambiguous",
-            Self::Proved => "by proofs that count rounding; what has none is called ambiguous",
+            Self::Proved => "by proofs that count rounding; a verdict without a proof is called ambiguous",
             Self::Exact => "by comparison with exact arithmetic; a difference is called ambiguous",
         }
     }

@@ -29,7 +29,7 @@ pub enum ArgumentError {
     NotFinite {
         /// Which list.
         what: &'static str,
-        /// Where in the list.
+        /// Its place in the list.
         place: usize,
         /// The number.
         value: f64,
@@ -53,7 +53,7 @@ pub enum ArgumentError {
     Overflow {
         /// Which result.
         what: &'static str,
-        /// Where in the result.
+        /// Its place in the result.
         place: usize,
     },
     /// A list that does not ascend, or that has a number in common with another list.
@@ -61,7 +61,7 @@ pub enum ArgumentError {
     NotAscending {
         /// Which list.
         what: &'static str,
-        /// Where in the list.
+        /// Its place in the list.
         place: usize,
         /// The number found there.
         value: usize,

@@ -1,4 +1,4 @@
-//! Numbers that may be left over from a computation where zero is meant.
+//! Numbers that may be rounding errors of a computation whose exact result is zero.
 //!
 //! A relative tolerance takes every coefficient as exact, but a 4.4e-16 that stands for 0 has a relative error of 100 %. No rule can tell
 //! such a number from data with certainty. Such numbers are therefore only *suspect*, and if they decide, both readings are reported.

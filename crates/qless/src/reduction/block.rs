@@ -117,7 +117,7 @@ struct Units<'a> {
 }
 
 impl<'a> Units<'a> {
-    /// Both; one where they are the same.
+    /// The two choices of units; only one if they are equal.
     fn all(block: &'a Block) -> impl Iterator<Item = Self> {
         let both = block.balanced.iter().any(|&unit| unit != 0);
         [false, true].into_iter().take(1 + usize::from(both)).map(move |is_balanced| Self { block, is_balanced })

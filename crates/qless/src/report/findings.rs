@@ -120,7 +120,7 @@ pub enum Term {
         label: String,
         /// Its prescribed value.
         value: f64,
-        /// Where the value is prescribed, such as `line 17 *BOUNDARY`; the key is absent if that is not known.
+        /// The place in the input, such as `line 17 *BOUNDARY`; the key is absent if it is not known.
         #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
         place: Option<String>,
         /// Its factor.

@@ -41,7 +41,7 @@ pub enum ChangeFinding {
         dof: usize,
         /// Its label.
         label: String,
-        /// Where the value is prescribed; the key is absent if that is not known.
+        /// The place of the value in the input; the key is absent if it is not known.
         #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
         place: Option<String>,
         /// The value.

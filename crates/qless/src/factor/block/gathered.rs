@@ -1,4 +1,4 @@
-//! One block as a matrix, and what its factorization needs from the caller.
+//! One block as a matrix, and the context of its factorization.
 
 use rayon::prelude::*;
 

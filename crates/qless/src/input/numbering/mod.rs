@@ -135,7 +135,7 @@ impl<'a> LocalSystem<'a> {
         &self.numbering.prescribed
     }
 
-    /// Local prescribed DOFs and where they stand in the user's list.
+    /// Local prescribed DOFs and their places in the user's list.
     pub fn prescribed_places(self) -> impl Iterator<Item = (usize, usize)> + 'a {
         let numbering = self.numbering;
         numbering.prescribed.iter().zip(&numbering.places).map(|(&(l, _), &place)| (l, place as usize))

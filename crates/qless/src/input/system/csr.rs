@@ -92,7 +92,7 @@ impl Csr {
         self.col.len()
     }
 
-    /// Where each row starts in [`Csr::columns`] and [`Csr::values`]; length m + 1.
+    /// The start of each row in [`Csr::columns`] and [`Csr::values`]; length m + 1.
     pub fn starts(&self) -> &[usize] {
         &self.start
     }

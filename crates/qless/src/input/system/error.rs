@@ -15,7 +15,7 @@ pub enum SystemError {
     /// A DOF number is not below the number of DOFs.
     #[error("{what} names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the index or the size", dofs.saturating_sub(1))]
     DofOutOfRange {
-        /// Where the DOF is named.
+        /// The coefficient, right-hand side or prescribed value that has this DOF.
         what: Place,
         /// The DOF named.
         dof: usize,
@@ -79,7 +79,7 @@ pub enum SystemError {
     /// An index of the caller's matrix exceeds its rows or columns.
     #[error("entry {place} (from 0) stands in a row or column that is not there; the matrix must be {dofs} x {dofs}")]
     BadIndex {
-        /// Where in the list of indices.
+        /// Its place in the list of indices.
         place: usize,
         /// Rows and columns of the matrix.
         dofs: usize,
@@ -89,7 +89,7 @@ pub enum SystemError {
         "entry {place} (from 0) stands at ({row}, {column}), in the half that is not stored; leave it out, or say that all is stored"
     )]
     WrongHalf {
-        /// Where in the list of indices.
+        /// Its place in the list of indices.
         place: usize,
         /// Its row.
         row: usize,
@@ -106,7 +106,7 @@ pub enum SystemError {
     },
 }
 
-/// Where a number stands in the input.
+/// The place of a number in the input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Coefficient in a row and column.
