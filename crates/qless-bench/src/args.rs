@@ -12,7 +12,7 @@ pub struct BenchArgs {
     /// Folder for the page trade.md with its plots trade.svg, growth.svg and figure-15.svg, and for trade.csv and figure-15.csv
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Only the smallest systems, which takes seconds
+    /// Only the smallest systems; takes seconds
     #[arg(long)]
     pub short: bool,
     /// Runs of each method on each system

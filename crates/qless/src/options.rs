@@ -76,7 +76,7 @@ impl BackendChoice {
 ///
 /// | effort | computes | promises |
 /// | --- | --- | --- |
-/// | `Quick` | rank by tolerance; no distance, no second reading of numbers | T, G and g satisfy the kept equations; the rank may be wrong |
+/// | `Quick` | rank by tolerance; no distance, no second reading of numbers | T, G and g satisfy the kept equations; rank may be wrong |
 /// | `Checked` | rank, distance and error, by estimates | wrong only if an estimate over random signs fails; doubt is reported |
 /// | `Proved` | bounds instead of estimates: [`crate::diagnosis::Proof`] | no verdict without a proof; an unproved verdict is ambiguous |
 /// | `Exact` | the rank in exact arithmetic: [`crate::exact`] | true for the numbers as read; a verdict that differs is ambiguous |

@@ -33,7 +33,7 @@ pub struct Refresher {
     /// The coefficient of the slave in each peeled equation.
     pivots: Vec<f64>,
     solvers: Vec<BlockSolver>,
-    /// By row that presolve eliminated from, the exponent of the scaling by its block.
+    /// For each row that presolve eliminated from, the exponent by which its block scales the row.
     exponents: Vec<i32>,
 }
 

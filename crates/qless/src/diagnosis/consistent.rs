@@ -1,10 +1,11 @@
 //! Chooses kept equations from which all consistent equations follow to the last digits.
 //!
 //! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but u1 from the first two lacks the digits that `1e12 + 1e-3` has lost.
-//! A dropped equation does not hold if a solution of the kept ones leaves a residual above the tolerance of its own terms. If this residual
-//! is within the rounding of its certificate, the equation with the largest term of the certificate is given up instead. Its coefficient
-//! must be at least half of the largest one, so that the kept equations come no nearer to dependence than by that factor. The exchange is
-//! undone in components where an equation that was given up is then not redundant, or where another result is worse.
+//! A dropped equation does not hold if a solution of the kept ones leaves a residual above the tolerance of its own terms. If this
+//! residual is within the rounding of its certificate, the equation with the largest term of the certificate is given up instead. Its
+//! term must exceed those of the dropped equation. Its coefficient must be at least half of the largest one, so that the kept equations
+//! come no nearer to dependence than by that factor. The exchange is undone in components where an equation that was given up is then not
+//! redundant, or where another number of equations is dependent or conflicting.
 
 use std::collections::BTreeSet;
 

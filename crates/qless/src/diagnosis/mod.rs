@@ -70,7 +70,7 @@ pub enum AnalysisError {
     },
 }
 
-/// How much work presolve saved.
+/// The sizes before and after presolve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

@@ -53,7 +53,7 @@ pub fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) ->
 }
 
 impl PassResult {
-    /// The user's rows that presolve kept with steep multipliers.
+    /// The user's rows that presolve kept but that are not reliable ([`NullspaceProbe::doubtful`]).
     pub fn steep_rows(&self) -> impl Iterator<Item = usize> {
         self.probe.doubtful.iter().map(|&t| self.users_row(t))
     }

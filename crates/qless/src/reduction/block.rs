@@ -1,4 +1,5 @@
-//! T, G and g of a block from `C P = Q [R1 R2]` on its independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
+//! T, G and g of a block from `C P = Q [R1 R2]` on its independent rows:
+//! `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
 
 use crate::Csr;
 use crate::factor::backend::faer::Faer;

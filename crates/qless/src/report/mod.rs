@@ -1,11 +1,12 @@
 //! `qless.report/3`: a diagnosis as plain data; with the feature `serde` it serializes to the JSON report.
 //!
-//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` is an [`explanation`](crate::explanation): equations and prescribed
-//! values with coefficients, whose combination is the dependent equation, or `u_s = value` for a fixed DOF.
+//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` is an [`explanation`](crate::explanation): equations and
+//! prescribed values with coefficients, whose combination is the dependent equation, or `u_s = value` for a fixed DOF.
 //!
-//! Explanations can be long: an equation that closes a ring of a million equations depends on all the others. So the total number of members
-//! in a report is limited. Conflicts come first, then generated boundary conditions (at most half of the remaining members), then redundant
-//! equations. If one is omitted, `because` is empty and `because_omitted` is its number of members, or null if it was not computed.
+//! Explanations can be long: an equation that closes a ring of a million equations depends on all the others. So the total number of
+//! members in a report is limited. Conflicts come first, then generated boundary conditions (at most half of the remaining members), then
+//! redundant equations. If one is omitted, `because` is empty and `because_omitted` is its number of members, or null if it was not
+//! computed.
 
 mod budget;
 mod exact;

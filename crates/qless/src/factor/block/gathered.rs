@@ -66,8 +66,8 @@ impl Block {
         selected
     }
 
-    /// Gathers blocks of the given rows, scaled and in balanced units unless the tolerance is absolute; `random` has a number for every row.
-    /// A free DOF is in one block at most.
+    /// Gathers blocks of the given rows, scaled and in balanced units unless the tolerance is absolute. `random` has a number for every
+    /// row. A free DOF is in one block at most.
     pub fn gather(
         rows: &[WorkingRow],
         blocks: &[Vec<u32>],

@@ -1,4 +1,4 @@
-//! From loose equations to a validated [`ConstraintSystem`].
+//! Builds a validated [`ConstraintSystem`] from single equations or from arrays.
 
 use std::sync::Arc;
 

@@ -53,7 +53,7 @@ pub(crate) struct Diagnosed {
     /// Indices of `kept` in a fill-reducing order.
     pub order: Vec<u32>,
     pub dependent: Vec<BlockDependent>,
-    /// How near to dependence the kept rows are.
+    /// Distance of the kept rows from dependence.
     pub nearness: Nearness,
     /// Vectors over the DOFs of the block.
     pub vectors: Vectors,
