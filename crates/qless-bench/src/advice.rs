@@ -1,4 +1,4 @@
-//! What each effort costs, as measured, and five sentences of advice.
+//! The measured cost of each effort, and five sentences of advice.
 
 use std::fmt::Write;
 
@@ -6,16 +6,16 @@ use super::methods::{BenchMethod, EFFORTS, UNIT};
 use super::sample::{Measured, Sample, verdict};
 
 const SENTENCES: &str = "
-- Take `checked`, the default, for models that are solved once they are sound: doubt is said, and where presolve settles all it costs less than one factorization.
-- Take `quick` where the same model was checked before and only its numbers changed, as in a parameter study: a wrong rank passes without a word.
-- Take `proved` where a verdict must not rest on an estimate, as for a report that others sign: what has no proof is called ambiguous.
-- Take `exact` where numbers were typed and are meant as typed, as in a benchmark or a dispute over one equation; computed coefficients are independent to the last digit, and it says so.
-- If `checked` says ambiguous, `exact` settles it for typed numbers; for computed ones only their author can.
+- Take `checked`, the default, for models that are solved after the check: it reports doubt, and costs less than one factorization if presolve handles all equations.
+- Take `quick` if the same model was checked before and only its numbers changed, as in a parameter study: a wrong rank causes no warning.
+- Take `proved` if a verdict must not depend on an estimate, as for a report that others sign: a verdict without a proof is called ambiguous.
+- Take `exact` if numbers were typed and are exact as typed, as in a benchmark or a dispute over one equation. Computed coefficients make equations independent in the last digit, and `exact` reports them as independent.
+- If `checked` calls a rank ambiguous, `exact` decides it for typed numbers; for computed numbers only their author can.
 ";
 
 /// The section of the page.
 pub fn advice(samples: &[Sample], methods: &[BenchMethod]) -> String {
-    let mut text = "## Which effort\n\n| method | median time in bare QRs, least to most | systems | wrong without a word | in doubt | worst residual | peak MiB |\n\
+    let mut text = "## Which effort\n\n| method | median time in bare QRs, least to most | systems | wrong without a warning | in doubt | worst residual | peak MiB |\n\
                     | --- | --- | --- | --- | --- | --- | --- |\n"
         .to_owned();
     for name in EFFORTS.map(qless::Effort::name) {
@@ -41,7 +41,7 @@ fn line(text: &mut String, name: &str, compared: &[(f64, &Sample, Measured)]) {
     _ = writeln!(text, "| {name} | {times} | {} | {silent} | {doubtful} | {residual:.0e} | {peak} |", compared.len());
 }
 
-/// The results of a method on the systems on which the unit was measured too, with the ratio of their times.
+/// The results of a method on the systems on which the unit was measured too, each with the ratio of the two times.
 fn compared<'a>(samples: &'a [Sample], methods: usize, name: &str) -> Vec<(f64, &'a Sample, Measured)> {
     let pairs = samples.chunks(methods).filter_map(|block| {
         let unit = block.iter().find(|sample| sample.method == UNIT)?.measured()?;

@@ -12,25 +12,25 @@ pub struct BenchArgs {
     /// Folder for the page trade.md with its plots trade.svg, growth.svg and figure-15.svg, and for trade.csv and figure-15.csv
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// The smallest systems only, in seconds
+    /// Only the smallest systems; takes seconds
     #[arg(long)]
     pub short: bool,
     /// Runs of each method on each system
     #[arg(long, value_name = "N", default_value = "7", value_parser = runs)]
     pub runs: NonZeroUsize,
-    /// The paper's Figure 15 only: bare factorizations by Gauss elimination and by QR; else it follows tie and mortar
+    /// Only the paper's Figure 15: bare factorizations by Gauss elimination and by QR; without this option it follows tie and mortar
     #[arg(long, conflicts_with_all = ["method", "memory"])]
     pub figure_15: bool,
-    /// Seconds after which a method is given up; where more are foreseen from a smaller system it runs in a process of its own
+    /// Seconds after which a method is stopped; if a smaller system predicts more, the method runs in a process of its own
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
     pub limit: f64,
-    /// The same for other libraries, which are not tried where more are foreseen [default: that of --limit]
+    /// The same for other libraries, which do not run if a smaller system predicts more [default: that of --limit]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub peer_limit: Option<f64>,
     /// Only these families, such as tie; may be repeated
     #[arg(long, value_name = "NAME")]
     pub family: Vec<String>,
-    /// Only these methods, the first of which is what times are compared with; may be repeated
+    /// Only these methods; times are relative to those of the first one; may be repeated
     #[arg(long, value_name = "NAME")]
     pub method: Vec<String>,
     /// Measures memory too: every method once more in a process of its own (Linux)
@@ -39,7 +39,7 @@ pub struct BenchArgs {
     /// One method on the system of this size, for the program itself
     #[arg(long, hide = true, value_name = "SIZE")]
     pub child: Option<String>,
-    /// With --child: all is measured, not memory alone
+    /// With --child: measures everything, not only memory
     #[arg(long, hide = true, requires = "child")]
     pub apart: bool,
     /// No progress display

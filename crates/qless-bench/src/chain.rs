@@ -8,7 +8,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// `free` holds whether each DOF is free.
+    /// `free[j]` is true if DOF j is free.
     pub fn new(free: Vec<bool>) -> Self {
         let mut factor: Vec<(f64, f64)> = Vec::with_capacity(free.len());
         for (j, &is_free) in free.iter().enumerate() {
@@ -19,7 +19,7 @@ impl Chain {
         Self { free, factor }
     }
 
-    /// Whether each DOF is free.
+    /// By DOF, true if it is free.
     pub fn free(&self) -> &[bool] {
         &self.free
     }

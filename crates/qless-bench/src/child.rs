@@ -2,7 +2,7 @@
 //!
 //! The parent runs `qless bench --child SIZE --family F --method M`. The child prints `ready` when it has the system, `done` after
 //! the first elimination, and then its result as one line of JSON (only the memory for methods that the parent runs itself), or
-//! the reason for a failure. The limit applies between the first two lines. The child ends with its standard input, so it ends
+//! the reason for a failure. The time limit applies between `ready` and `done`. The child ends when its standard input ends, so it ends
 //! with the parent.
 
 use std::io::{BufRead, BufReader, Write, copy, sink, stdin};
@@ -76,7 +76,7 @@ fn lines(child: &mut Child) -> Option<Receiver<String>> {
     Some(receive)
 }
 
-/// The child's side. It measures everything if the method runs in the child only. The error is that of standard output.
+/// The child's side. It measures everything if the method runs only in the child. Returns errors of standard output.
 pub fn answer(scene: &Scene, method: &BenchMethod, is_apart: bool, out: &mut dyn Write) -> std::io::Result<()> {
     std::thread::spawn(|| {
         // The parent writes nothing, so an error means the end of the parent.

@@ -8,11 +8,11 @@ use qless::{AnalysisError, ReductionError};
 pub enum GivenUpReason {
     /// The time predicted from a smaller system of the same family exceeds the limit; seconds.
     Foreseen { seconds: f64, limit: f64 },
-    /// It was stopped on a smaller system with this number of equations.
+    /// The method was stopped on a smaller system with this number of equations.
     Smaller { equations: usize, limit: f64 },
-    /// Its process was stopped.
+    /// The process of the method was stopped.
     Stopped { limit: f64 },
-    /// Its process ended without an answer.
+    /// The process of the method ended without an answer.
     Ended,
     /// The error message of the method.
     Failed(String),

@@ -30,11 +30,11 @@ fn solve(apply: impl Fn(&[f64]) -> Vec<f64>, r: &[f64], tolerance: f64) -> Optio
 
 /// Relative residual at which conjugate gradients stop for the multipliers; `spring.rs` refines the solution afterwards.
 const OF_MULTIPLIERS: f64 = 1e-10;
-/// The same for the masters, with T; nothing refines that solution.
+/// Relative residual at which conjugate gradients stop for the masters; nothing refines that solution.
 const OF_MASTERS: f64 = 1e-16;
 
-/// du and dl with `K du + C^T dl = left`, `C du = apart` on the free DOFs, du = 0 on the others: `C K^-1 C^T dl = C K^-1 left - apart`,
-/// rows of C brought to length 1.
+/// Solves `K du + C^T dl = left`, `C du = apart` for du and dl on the free DOFs, with du = 0 on the others, by
+/// `C K^-1 C^T dl = C K^-1 left - apart`. The rows of C are scaled to length 1.
 pub fn with_multipliers(
     k: &Chain,
     system: &ConstraintSystem,
@@ -58,7 +58,7 @@ pub fn with_multipliers(
     Some((k.solve(&pull), multipliers))
 }
 
-/// u with `u_s = T u_q + G u_p + g` and `T*^T (K u - f) = 0`, T* being T over the masters' own rows.
+/// u with `u_s = T u_q + G u_p + g` and `T*^T (K u - f) = 0`. T* is T together with identity rows for the masters.
 pub fn with_masters(f: &[f64], reduction: &Reduction, prescribed: &[f64]) -> Option<Vec<f64>> {
     let at_rest = reduction.expand(&vec![0.0; reduction.masters().len()], prescribed).ok()?;
     let moved = |q: &[f64]| -> Vec<f64> {

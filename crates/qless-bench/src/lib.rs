@@ -1,4 +1,4 @@
-//! `qless bench`: what certainty costs on this machine, in time and memory.
+//! `qless bench`: the cost of certainty on this machine, in time and memory.
 //!
 //! Every method runs on every system, in turns in one process; times are medians. The rank is known by construction. A method
 //! that was stopped on a smaller system of its family does not run on a larger one. A slow method runs in a process of its own,
@@ -108,7 +108,7 @@ fn find(
             found.levels.extend(figure_15::measure(family, args)?);
         }
     }
-    // With names, only what they name is measured.
+    // If methods or families are named, only these are measured.
     if args.method.is_empty() && args.family.is_empty() && !args.figure_15 {
         stage("seeded systems");
         found.shares = share::measure(&found.methods, args.short)?;

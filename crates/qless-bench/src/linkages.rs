@@ -1,8 +1,9 @@
-//! Jacobians of multibody linkages at their reference configuration; each body has a position x and Euler parameters (e0, e), at first
-//! (1, 0). A small change turns it by `2 de`; the parameters keep their norm if `de0 = 0`.
+//! Jacobians of multibody linkages at their reference configuration. Each body has a position x and Euler parameters (e0, e), which are
+//! (1, 0) at first. A small change rotates the body by `2 de`; the parameters keep their norm if `de0 = 0`.
 //!
-//! A closed ring of n hinges and n bodies, one of them the ground, has 7 (n - 1) coordinates and 5 n + (n - 1) equations. It has one
-//! degree of freedom, so the rank is 7 (n - 1) - 1: the other equations are redundant, because hinges are parallel (four-bar) or arranged as by Bricard.
+//! A closed ring of n hinges and n bodies, one of them the ground, has 7 (n - 1) coordinates and 5 n + (n - 1) equations. Because the
+//! hinges are parallel (four-bar) or arranged as by Bricard, it has one degree of freedom. So the rank is 7 (n - 1) - 1, and the other
+//! equations are redundant.
 
 use qless::SystemBuilder;
 use qless_scenes::{Scene, Truth};
@@ -11,13 +12,13 @@ use qless_scenes::{Scene, Truth};
 type Hinge = ([f64; 3], [f64; 3]);
 type BuiltLinkage = Result<Scene, Box<dyn std::error::Error>>;
 
-/// A number of four-bar linkages with parallel hinges: 23 equations of rank 20 each.
+/// `count` four-bar linkages with parallel hinges, each with 23 equations of rank 20.
 pub fn four_bar(count: usize) -> BuiltLinkage {
     let z = [0.0, 0.0, 1.0];
     rings(count, &[([0.0; 3], z), ([0.25, 1.0, 0.5], z), ([2.0, 1.5, 0.25], z), ([1.75, 0.0, -0.25], z)])
 }
 
-/// A number of Bricard's orthogonal linkages, along six edges of a cube: 35 equations of rank 34 each.
+/// `count` orthogonal linkages of Bricard, along six edges of a cube, each with 35 equations of rank 34.
 pub fn bricard(count: usize) -> BuiltLinkage {
     let at = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1], [0, 1, 1], [0, 0, 1]];
     // Hinge i turns about an axis that is perpendicular to the edges before and after it.
@@ -55,7 +56,7 @@ fn rings(count: usize, hinges: &[Hinge]) -> BuiltLinkage {
     Ok(Scene { system: system.build()?, truth, nodes: Vec::new(), dofs: Vec::new() })
 }
 
-/// Coordinate k of `dx + 2 de x r` of the point of a hinge, r from the middle between both hinges of the body.
+/// Coordinate k of `dx + 2 de x r` at the point of a hinge; r starts midway between the two hinges of the body.
 fn point(hinges: &[Hinge], body: usize, hinge: usize, k: usize) -> Vec<(usize, f64)> {
     let middle = |k: usize| f64::midpoint(hinges[body - 1].0[k], hinges[body].0[k]);
     let r = |k: usize| hinges[hinge].0[k] - middle(k);
@@ -63,7 +64,7 @@ fn point(hinges: &[Hinge], body: usize, hinge: usize, k: usize) -> Vec<(usize, f
     vec![(k, 1.0), (4 + next, 2.0 * r(last)), (4 + last, -2.0 * r(next))]
 }
 
-/// Two directions across an axis of coordinates.
+/// Two directions normal to a coordinate axis.
 fn normals(axis: [f64; 3]) -> [[f64; 3]; 2] {
     [1, 2].map(|turn| std::array::from_fn(|k| axis[(k + turn) % 3]))
 }

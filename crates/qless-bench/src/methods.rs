@@ -1,4 +1,4 @@
-//! What is measured: the bare factorization, which is the unit of time, the four efforts, and other libraries.
+//! The measured methods: the bare factorization, which is the unit of time, the four efforts, and other libraries.
 
 use qless::{BackendChoice, Effort, Options};
 
@@ -17,20 +17,20 @@ pub enum Engine {
 pub struct BenchMethod {
     pub name: &'static str,
     pub engine: Engine,
-    /// Whether it runs in a process of its own, where it can be stopped.
+    /// True if it runs in a process of its own, where it can be stopped.
     pub is_apart: bool,
-    /// Whether it holds all of C, zeros too.
+    /// True if it stores all of C, including zeros.
     pub is_dense: bool,
 }
 
 /// The name of the unit of time.
 pub const UNIT: &str = "bare QR";
 
-/// The efforts, from the least certain on.
+/// The efforts, the least certain one first.
 pub const EFFORTS: [Effort; 4] = [Effort::Quick, Effort::Checked, Effort::Proved, Effort::Exact];
 
 impl BenchMethod {
-    /// Whether the limit for other libraries is its own.
+    /// Returns true for another library, which has a time limit of its own.
     pub fn is_peer(&self) -> bool {
         !matches!(self.engine, Engine::Qless(..) | Engine::BareQr)
     }
@@ -40,7 +40,7 @@ impl BenchMethod {
     }
 }
 
-/// All that this program was built with; with names, those only.
+/// All methods that this program was built with; if names are given, only these.
 pub fn all(only: &[String]) -> Vec<BenchMethod> {
     let standard = Options::default();
     let alone = |backend| Options { backend, presolve: false, ..standard.clone() };
@@ -60,7 +60,7 @@ pub fn all(only: &[String]) -> Vec<BenchMethod> {
     all
 }
 
-/// Other libraries in use today.
+/// Other libraries that are in common use.
 #[cfg(feature = "peers")]
 fn peers() -> [BenchMethod; 2] {
     use super::peers::{Eigen, Lapack, Rule};

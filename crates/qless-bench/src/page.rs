@@ -51,7 +51,7 @@ pub fn markdown(
     }
     text += &advice(samples, methods);
     if !shares.is_empty() {
-        text += "\n## Wrong without a word\n\nSystems of a few dozen equations and known rank, each with its seed: combinations, rings, equations typed with \
+        text += "\n## Wrong without a warning\n\nSystems of a few dozen equations and known rank, each with its seed: combinations, rings, equations typed with \
                  few digits, rigid links, triples near dependence, rows in other units.\n\n";
         text += &table(shares);
     }
@@ -69,7 +69,7 @@ fn plots(text: &mut String, samples: &[Sample], methods: &[BenchMethod]) {
         _ = writeln!(
             text,
             "![Certainty against time]({})\n\nA panel for each family, on its largest system: a line for each method, the median as a dot and the \
-             quartiles as a bar. A dot is empty where a rank is wrong without a word. The line joins the four efforts.\n",
+             quartiles as a bar. A dot is empty if a rank is wrong without a warning. The line joins the four efforts.\n",
             panels::FILE
         );
     }

@@ -1,14 +1,14 @@
-//! Certainty against time: a panel for each family, a line for each method, so that no label meets another.
+//! Certainty against time: a panel for each family, with a line for each method, so that labels do not overlap.
 
 use std::fmt::Write;
 
 use super::methods::{BenchMethod, EFFORTS, UNIT};
 use super::sample::{Sample, verdict};
 
-/// The file.
+/// Name of the file.
 pub const FILE: &str = "trade.svg";
 
-/// Pixels: a panel, its plot, and a line of it.
+/// Sizes in pixels: width of a panel, left edge and width of its plot, height of a line.
 const PANEL: f64 = 440.0;
 const LEFT: f64 = 120.0;
 const WIDTH: f64 = 290.0;
@@ -21,7 +21,7 @@ const COLOURS: [&str; 8] = ["#d95f02", "#3b7dd8", "#1b9e77", "#9a5fd0", "#8a8a8a
 const STYLE: &str = "<style>text{font:12px sans-serif;fill:#222}.t{font-weight:bold}.a{fill:#777;font-size:10px}.g{stroke:#ddd}\
 .f{fill:none;stroke:#888;stroke-width:1.5}@media(prefers-color-scheme:dark){text{fill:#ddd}.a{fill:#999}.g{stroke:#444}}</style>";
 
-/// One method in a panel: multiples of the unit as quartiles and median, and whether the rank is right or in doubt.
+/// A method in a panel: quartiles and median as multiples of the unit, and whether the rank is right or in doubt.
 struct Mark {
     line: usize,
     quartiles: [f64; 3],
@@ -55,7 +55,7 @@ fn marks(block: &[Sample]) -> Vec<Mark> {
     block.iter().filter(|sample| sample.method != UNIT).enumerate().filter_map(mark).collect()
 }
 
-/// The picture; none without measurements.
+/// The picture; `None` without measurements.
 pub fn svg(samples: &[Sample], methods: &[BenchMethod]) -> Option<String> {
     let panels = panels(samples, methods);
     let names: Vec<&str> = methods.iter().map(|method| method.name).filter(|&name| name != UNIT).collect();

@@ -21,10 +21,10 @@ pub const COLOURS: [RGBColor; 10] = [
     RGBColor(230, 110, 150),
 ];
 
-/// The file.
+/// Name of the file.
 pub const GROWTH: &str = "growth.svg";
 
-/// File names and their content; no plot without data. The error is what the plotting library says.
+/// File names and contents of the plots that have data. The error is the message of the plotting library.
 pub fn all(samples: &[Sample], methods: &[BenchMethod]) -> Result<Vec<(&'static str, String)>, String> {
     let mut plots: Vec<_> = panels::svg(samples, methods).map(|svg| (panels::FILE, svg)).into_iter().collect();
     if has_growth(samples, methods) {
@@ -33,7 +33,7 @@ pub fn all(samples: &[Sample], methods: &[BenchMethod]) -> Result<Vec<(&'static 
     Ok(plots)
 }
 
-/// Whether there is a time to draw against the number of equations.
+/// Returns true if there is a time to draw against the number of equations.
 pub fn has_growth(samples: &[Sample], methods: &[BenchMethod]) -> bool {
     methods.iter().any(|method| has_points(samples, method))
 }

@@ -24,7 +24,7 @@ pub struct Reference<'a> {
     /// The analysis with default options, for methods that have none of their own.
     analysis: OnceCell<Option<Analysis>>,
     springs: Option<Springs>,
-    /// Ranks of the sets of rows that were asked for.
+    /// Known ranks of sets of rows.
     ranks: RefCell<BTreeMap<Vec<usize>, usize>>,
 }
 
@@ -115,7 +115,7 @@ mod tests {
         let reference = Reference::new(&scene);
         assert_eq!(reference.rank, 8);
         assert_eq!(reference.rank_of((0..12).collect()), 8);
-        // Two rows of each of four triples, or all of two and none of the others.
+        // Two rows of each of four triples; or all rows of two triples, and none of the others.
         assert_eq!(reference.rank_of(vec![0, 1, 3, 4, 6, 7, 9, 10]), 8);
         assert_eq!(reference.rank_of((0..6).collect()), 4);
     }

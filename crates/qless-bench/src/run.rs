@@ -1,4 +1,4 @@
-//! One method on one system: the time of its verdict, and what is judged of it.
+//! Runs one method on one system: the time of its verdict, and the results that are judged.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -12,7 +12,7 @@ use super::methods::{BenchMethod, Engine};
 
 /// The result of one run of a method.
 pub struct Done {
-    /// Seconds: of the analysis, of the bare factorization, or of all that another library does.
+    /// Seconds of the analysis, of the bare factorization, or of the whole elimination by another library.
     pub time: f64,
     pub rank: usize,
     /// `None` for a bare factorization.
@@ -27,7 +27,7 @@ const WARM: f64 = 0.01;
 /// Limit for the repetitions.
 const REPEATS: usize = 10;
 
-/// As [`once`], but with warm caches: otherwise the first method of every round would seem slow.
+/// As [`once`], but with warm caches. Without this, the first method of every round would seem slow.
 pub fn warm(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     warmed(once(system, method)?, system, method)
 }
@@ -70,7 +70,7 @@ fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, GivenUpRe
     Ok(Done { time, rank: analysis.rank(), reduction: Some(reduction), analysis: Some(analysis) })
 }
 
-/// The rank that a method finds, and whether it is in doubt; no reduction is made.
+/// The rank that a method finds, and whether it is in doubt; computes no reduction.
 pub fn verdict(system: &ConstraintSystem, method: &BenchMethod) -> Result<(usize, bool), GivenUpReason> {
     let Engine::Qless(options) = &method.engine else {
         return once(system, method).map(|done| (done.rank, false));
@@ -79,7 +79,7 @@ pub fn verdict(system: &ConstraintSystem, method: &BenchMethod) -> Result<(usize
     Ok((analysis.rank(), analysis.confidence().ambiguous))
 }
 
-/// The tolerance of the bare factorization, absolute as in the paper but as small as the default.
+/// The tolerance of the bare factorization: absolute as in the paper, but as small as the default.
 const TOLERANCE: f64 = 1e-10;
 
 /// The faster of a QR of every block and of its transpose. The time to split into blocks is not included.

@@ -2,14 +2,14 @@
 
 use super::systems::TIE;
 
-/// A method on a system.
+/// The measurement of a method on a system.
 pub struct Sample {
     pub family: &'static str,
     pub size: String,
     pub equations: usize,
     pub method: &'static str,
     pub rank: usize,
-    /// The error is the reason why the method was given up.
+    /// The measurements, or the reason why the method was given up.
     pub result: Result<Measured, String>,
 }
 
@@ -38,7 +38,7 @@ pub struct Measured {
     pub memory: Option<u64>,
 }
 
-/// Whether the rank is right.
+/// `right` if the rank is right, `drops` if it is too small, `keeps` if it is too large.
 pub fn verdict(sample: &Sample, measured: &Measured) -> &'static str {
     match measured.rank.cmp(&sample.rank) {
         std::cmp::Ordering::Equal => "right",
@@ -51,15 +51,15 @@ pub fn verdict(sample: &Sample, measured: &Measured) -> &'static str {
 pub struct Series {
     /// Equations and milliseconds.
     pub points: Vec<(f64, f64)>,
-    /// The exponent of the least-squares line through the logarithms, and its standard error; none where they say nothing.
+    /// The exponent of the least-squares line through the logarithms, and its standard error; `None` if they are not meaningful.
     pub slope: Option<(f64, f64)>,
 }
 
-/// Least number of sizes; two of them are on every line.
+/// Least number of sizes for an exponent; a line fits two sizes exactly.
 const SIZES: usize = 4;
-/// Runs below this many milliseconds are as long as what the machine does beside them.
+/// Runs shorter than this, in milliseconds, are disturbed by other work of the machine.
 const SHORT: f64 = 0.05;
-/// An exponent that is off by more than this does not tell linear from quadratic growth.
+/// With a larger standard error, an exponent does not distinguish linear from quadratic growth.
 const VAGUE: f64 = 0.25;
 
 impl Series {
@@ -72,7 +72,7 @@ impl Series {
         Self { points, slope }
     }
 
-    /// `1.02 ± 0.05`, or why there is none.
+    /// `1.02 ± 0.05`, or the reason why there is no exponent.
     pub fn words(&self) -> String {
         match self.slope {
             Some((exponent, error)) => format!("exponent {exponent:.2} ± {error:.2}"),

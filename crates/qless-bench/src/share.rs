@@ -1,4 +1,4 @@
-//! How often each effort is wrong without a word, over seeded systems of known rank.
+//! The share of wrong verdicts without a warning for each effort, over seeded systems of known rank.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::methods::{BenchMethod, UNIT};
 use super::run::verdict;
 
-/// Systems, and those of the short form.
+/// Numbers of systems, in the full and in the short form.
 const COUNT: u64 = 2_000;
 const SHORT: u64 = 200;
 
@@ -23,8 +23,8 @@ pub struct WrongShare {
     pub doubtful: usize,
 }
 
-/// A system of a few dozen equations: combinations, rings, equations typed with 4 to 8 digits, rigid links, and triples at a distance of
-/// 1e-2 to 1e-9 from dependence, some of them with rows in other units.
+/// A system of a few dozen equations: combinations, rings, equations typed with 4 to 8 digits, rigid links, or triples at a distance of
+/// 1e-2 to 1e-9 from dependence. Some have rows in other units.
 fn scene(seed: u64) -> Result<Scene, SceneError> {
     let n = 6 + (seed / 6 % 20) as usize;
     match seed % 6 {
@@ -37,7 +37,7 @@ fn scene(seed: u64) -> Result<Scene, SceneError> {
     }
 }
 
-/// All methods but the unit of time; an error if a system cannot be generated.
+/// Measures all methods except the unit of time; returns an error if a system cannot be generated.
 pub fn measure(methods: &[BenchMethod], is_short: bool) -> Result<Vec<WrongShare>, String> {
     let count = if is_short { SHORT } else { COUNT };
     let scenes: Result<Vec<Scene>, SceneError> = (0..count).into_par_iter().map(scene).collect();
@@ -57,7 +57,7 @@ fn share(method: &BenchMethod, scenes: &[Scene]) -> WrongShare {
 
 /// A table in Markdown, which can be read as text too.
 pub fn table(shares: &[WrongShare]) -> String {
-    let mut text = "| method | wrong without a word | in doubt | of |\n| --- | --- | --- | --- |\n".to_owned();
+    let mut text = "| method | wrong without a warning | in doubt | of |\n| --- | --- | --- | --- |\n".to_owned();
     for WrongShare { method, systems, wrong, doubtful } in shares {
         _ = writeln!(text, "| {method} | {wrong} | {doubtful} | {systems} |");
     }

@@ -1,8 +1,8 @@
 //! A problem that shows the effect of a reduction on a solution: `K u + C^T lambda = f`, `C u = b`, with `K = I + L`.
 //!
-//! L are springs of stiffness 1 from each DOF to the next, `f_j = 1 + j mod 7`. Its solution u* comes from a multiplier for each
-//! independent equation ([`Saddle`]; in large systems [`with_multipliers`]), which needs no T, and is refined with
-//! residuals in twice the precision, so it is exact to rounding even if equations are nearly dependent.
+//! L are springs of stiffness 1 from each DOF to the next, `f_j = 1 + j mod 7`. The solution u* is computed with a multiplier for each
+//! independent equation ([`Saddle`]; in large systems [`with_multipliers`]), so it needs no T. It is refined with
+//! residuals in twice the precision, and is therefore exact to rounding even if equations are nearly dependent.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Lu;
@@ -14,9 +14,9 @@ use super::chain::Chain;
 use super::gradients::{with_masters, with_multipliers};
 use super::run::Done;
 
-/// For larger systems the sparse LU of the multipliers takes minutes; they are solved by conjugate gradients.
+/// Largest number of DOFs for sparse LU, which takes minutes for more; larger systems are solved by conjugate gradients.
 const MOST_DOFS: usize = 3_000;
-/// Entries of T from which on `T^T K T` may be dense.
+/// Largest number of entries of T; with more, `T^T K T` may be dense.
 const MOST_ENTRIES: usize = 200_000;
 /// Limit for the steps of refinement.
 const STEPS: usize = 20;
@@ -215,7 +215,7 @@ mod tests {
         let reduction = reduction.expect("of the same DOFs");
         let error =
             springs.error(&Done { time: 0.0, rank: 0, reduction: Some(reduction), analysis: None }).expect("small");
-        // The condition of the equations, 1e8, times rounding.
+        // The error is the condition of the equations, 1e8, times rounding.
         assert!((error - 0.5).abs() < 1e-7, "{error}");
     }
 

@@ -22,7 +22,7 @@ pub struct BenchCase {
 type BuiltSystem = Result<Scene, Box<dyn std::error::Error>>;
 
 impl BenchCase {
-    /// Generates the system; the error is a text.
+    /// Generates the system; an error is returned as text.
     pub fn scene(&self) -> Result<Scene, String> {
         (self.make)().map_err(|error| format!("{} {}: {error}", self.family, self.size))
     }
@@ -30,10 +30,10 @@ impl BenchCase {
 
 /// The family of the paper's Table 1.
 pub const TIE: &str = "tie";
-/// Both couplings of its model, on all its levels.
+/// Both couplings of the model of Table 1, on all its levels.
 pub const TABLE_1: [&str; 2] = [TIE, "mortar"];
 
-/// All families, or with `short` their smallest systems (without mortar, which takes long to generate); with names, only those.
+/// All families; with `short`, only their smallest systems (without mortar, which takes long to generate); with names, only those.
 pub fn families(short: bool, only: &[String]) -> Vec<Family> {
     let mut families: Vec<Family> = table_1().into_iter().chain(sized()).chain(extremes()).collect();
     families.retain(|family| only.is_empty() || only.iter().any(|name| name == family.name));

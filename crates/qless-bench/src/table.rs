@@ -78,7 +78,7 @@ fn times(measured: &Measured, first: &Sample) -> Option<f64> {
     Some(measured.time / first.measured()?.time)
 }
 
-/// `method: exponent` of all methods on the paper's tie; empty without times.
+/// `method: exponent` for all methods on the paper's tie; empty without times.
 pub fn exponents(samples: &[Sample], methods: &[BenchMethod]) -> String {
     let exponent = |method: &BenchMethod| {
         let series = Series::new(samples, method.name);

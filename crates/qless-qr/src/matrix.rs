@@ -22,7 +22,7 @@ use std::borrow::Cow;
 pub struct Matrix<'a, P = usize, I = u32> {
     rows: usize,
     cols: usize,
-    /// Whether the lists are rows; otherwise they are columns.
+    /// True if the lists are rows, false if they are columns.
     is_by_rows: bool,
     start: &'a [P],
     index: &'a [I],
@@ -189,7 +189,7 @@ impl<P: Index, I: Index> Matrix<'_, P, I> {
         (lists, Gather(Some(slot)))
     }
 
-    /// Whether the indices of every list strictly ascend.
+    /// Returns true if the indices of every list strictly ascend.
     fn ascends(&self) -> bool {
         let ascends = |list: &[I]| list.windows(2).all(|pair| pair[0].position() < pair[1].position());
         (0..self.lists()).all(|k| ascends(&self.index[self.list(k)]))

@@ -53,7 +53,7 @@ impl Options {
         Self { memory, ..self }
     }
 
-    /// Whether the factor keeps Q, which later right-hand sides need.
+    /// If true, the factor keeps Q, which later right-hand sides need.
     #[must_use]
     pub fn keep_q(self, keep_q: bool) -> Self {
         Self { keep_q, ..self }

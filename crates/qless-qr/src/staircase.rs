@@ -1,8 +1,8 @@
 //! `Q^T F = [R; echelon]`: elimination of a dense front F whose column k is zero below row `stair(k)`.
 //!
 //! Step k reflects rows g..stair(k) so that column k vanishes below row g; then g grows by one. A pivotal column is
-//! dependent if the 2-norm of its part in those rows is at most the tolerance (Heath 1982); it takes no row. Neither does
-//! any other column whose part is zero. Large fronts apply the reflections of a panel at once by matrix products,
+//! dependent if the 2-norm of its part in those rows is at most the tolerance (Heath 1982); it takes no row. Any other column whose part is
+//! zero takes no row either. Large fronts apply the reflections of a panel at once by matrix products,
 //! `C <- (I - V T^T V^T) C` (Schreiber, Van Loan 1989). While a panel updates the columns behind the next one, the next one is eliminated
 //! on another thread.
 
@@ -21,7 +21,7 @@ pub(crate) const PANEL: usize = 48;
 const WIDTHS: [(usize, usize); 3] = [(2_000_000, PANEL), (60_000, 32), (2_500, 16)];
 /// Columns of one matrix product. The number is fixed, so that the bits do not depend on the number of threads.
 const TOGETHER: usize = 64;
-/// Operations that are worth a task: a tenth of a millisecond, many times what it takes to wake a thread.
+/// Least operations of a task: a tenth of a millisecond, many times the time that it takes to wake a thread.
 pub(crate) const TASK: usize = 500_000;
 
 /// The shape of a dense front: its values are `rows` x (`cols` + right-hand sides), by columns.
@@ -53,7 +53,7 @@ pub(crate) struct Echelon {
 }
 
 impl DenseFront<'_> {
-    /// Eliminates all columns of `values`; right-hand sides, behind, are only updated.
+    /// Eliminates all columns of `values`; the right-hand sides after them are only updated.
     pub fn eliminate(&self, arch: Arch, values: &mut [f64], work: &mut ReflectionBuffers, echelon: &mut Echelon) {
         echelon.lead.clear();
         echelon.dropped = 0.0;
@@ -100,7 +100,7 @@ impl DenseFront<'_> {
         }
     }
 
-    /// Eliminates some columns; `values` begins with them, and what stands behind them is updated.
+    /// Eliminates some columns, with which `values` begins, and updates the columns after them.
     fn panel(&self, arch: Arch, columns: Range<usize>, values: &mut [f64], panel: &mut Panel, echelon: &mut Echelon) {
         panel.clear(echelon.lead.len(), columns.end.checked_sub(1).map_or(0, |last| self.stair[last] as usize));
         for (k, j) in columns.enumerate() {
@@ -200,12 +200,13 @@ impl Panel {
         }
     }
 
-    /// What it costs to apply it to so many columns.
+    /// Number of operations to apply it to this many columns.
     fn operations(&self, columns: usize) -> usize {
         4 * self.height * self.tau.len() * columns
     }
 
-    /// Applies the transposed reflections to columns of length `stride`; `products` has room for two numbers by reflection and column.
+    /// Applies the transposed reflections to columns of length `stride`; `products` has room for two numbers for each reflection and
+    /// column.
     fn apply(&self, columns: &mut [f64], stride: usize, products: &mut [f64]) {
         let (width, count) = (self.tau.len(), columns.len() / stride);
         if width * count == 0 {

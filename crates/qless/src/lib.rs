@@ -1,12 +1,11 @@
 //! Constraints `C u = b` that a finite-element solver can trust.
 //!
-//! m linear equations on n DOFs, some DOFs prescribed: [`analyse`] says which equations are redundant or conflicting and why;
-//! [`Analysis::reduction`] chooses slaves and gives `u_s = T u_q + G u_p + g` (Eq. 23-26), as numbers or as factors. Equation and
-//! section numbers are those of the paper on over-constraints by Q-less sparse QR (Appl. Sci. 15 (2025) 13059).
+//! The input is m linear equations on n DOFs, some of which are prescribed. [`analyse`] finds which equations are redundant or
+//! conflicting, and why. [`Analysis::reduction`] chooses slaves and computes `u_s = T u_q + G u_p + g` (Eq. 23-26), as numbers or as
+//! factors. Equation and section numbers are those of the paper on over-constraints by Q-less sparse QR (Appl. Sci. 15 (2025) 13059).
 //!
-//! The way of the data, stage by stage: [`ConstraintSystem`] (validated), scaling by powers of two, presolve (what needs no
-//! factorization), blocks, a [`backend::Backend`] per block, checks of the rank, classification with certificates
-//! ([`Analysis`]), and the [`Reduction`] if it is asked for.
+//! The stages: [`ConstraintSystem`] (validated input), scaling by powers of two, presolve (equations that need no factorization), blocks,
+//! a [`backend::Backend`] per block, checks of the rank, classification with certificates ([`Analysis`]), and the [`Reduction`] on request.
 //!
 //! ```
 //! use qless::{Kind, Options, SystemBuilder, analyse};

@@ -1,24 +1,24 @@
-//! What a caller can choose, with its default.
+//! Options of an analysis, with their defaults.
 
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::noise::Noise;
 use crate::input::preferences::{OptionError, Preferences};
 use crate::input::reading::Reading;
 
-/// How small is zero.
+/// The size below which a remainder counts as zero.
 ///
-/// In words: an equation counts as a combination of others when what remains of it, after the others are subtracted, is at most
-/// `tolerance` of the parts of every coefficient (presolve), or in 2-norm of the equation in balanced units (backend). A dependent
-/// equation conflicts when its right-hand sides disagree by more than `tolerance` of the largest part.
+/// In words: an equation is a combination of others if at most the fraction `tolerance` remains after the others are subtracted. Presolve
+/// measures each coefficient relative to its largest term; a backend measures the 2-norm of the equation in balanced units. A dependent
+/// equation conflicts if its right-hand sides disagree by more than `tolerance` of the largest term.
 ///
-/// As a formula, row k is dependent iff for some y `|c_kj - sum_i y_i c_ij| <= tolerance max_i |y_i c_ij|` for all free DOFs j, and
-/// then conflicting iff `|b_k - sum_i y_i b_i| > tolerance max(|b_k|, max_i |y_i b_i|)`, prescribed DOFs being moved into b.
+/// As a formula: row k is dependent if there is a y with `|c_kj - sum_i y_i c_ij| <= tolerance max_i |y_i c_ij|` for all free DOFs j. It
+/// then conflicts if `|b_k - sum_i y_i b_i| > tolerance max(|b_k|, max_i |y_i b_i|)`. Prescribed DOFs are moved into b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Tolerance {
-    /// Relative, as above; the default is 1e-10.
+    /// Relative, as described above; the default is 1e-10.
     Relative(f64),
-    /// The paper's rule (section 3.2): no scaling, absolute 1e-5. It changes its answer with the units.
+    /// The paper's rule (section 3.2): no scaling, absolute 1e-5. The result depends on the units.
     Paper,
 }
 
@@ -30,13 +30,13 @@ impl Tolerance {
         }
     }
 
-    /// Whether it counts in the units of the equations.
+    /// Returns true if the tolerance is absolute, in the units of the equations.
     pub(crate) fn is_absolute(self) -> bool {
         self == Self::Paper
     }
 }
 
-/// Which rank-revealing factorization works on what presolve leaves.
+/// The rank-revealing factorization of the equations that remain after presolve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BackendChoice {
@@ -52,7 +52,7 @@ pub enum BackendChoice {
 }
 
 impl BackendChoice {
-    /// The backend itself, which may allocate `memory` bytes for a block where it can tell before ([`Options::memory`]).
+    /// The backend itself. It may allocate `memory` bytes for a block, if it can predict the need ([`Options::memory`]).
     ///
     /// # Errors
     /// [`BackendError::NotCompiledIn`] for `Spqr` without the feature.
@@ -72,14 +72,14 @@ impl BackendChoice {
     }
 }
 
-/// How certain a verdict is to be, and so what it may cost.
+/// The certainty of a verdict, which determines its cost.
 ///
-/// | effort | does | promises |
+/// | effort | computes | promises |
 /// | --- | --- | --- |
-/// | `Quick` | rank by tolerance; no distance, no second reading of numbers | T, G and g meet the kept equations; the rank may be wrong |
-/// | `Checked` | the verdict in digits, by estimates | wrong only if an estimate over random signs fails; doubt is said |
-/// | `Proved` | bounds instead of estimates: [`crate::diagnosis::Proof`] | no verdict without a proof; what cannot be proved is ambiguous |
-/// | `Exact` | the rank in exact arithmetic: [`crate::exact`] | true of the numbers as read; a verdict that differs is ambiguous |
+/// | `Quick` | rank by tolerance; no distance, no second reading of numbers | T, G and g satisfy the kept equations; rank may be wrong |
+/// | `Checked` | rank, distance and error, by estimates | wrong only if an estimate over random signs fails; doubt is reported |
+/// | `Proved` | bounds instead of estimates: [`crate::diagnosis::Proof`] | no verdict without a proof; an unproved verdict is ambiguous |
+/// | `Exact` | the rank in exact arithmetic: [`crate::exact`] | true for the numbers as read; a verdict that differs is ambiguous |
 ///
 /// ```
 /// use qless::{Effort, Options, SystemBuilder, analyse};
@@ -108,17 +108,17 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// What a verdict of this effort promises, in one sentence.
+    /// The promise of this effort, in one sentence.
     pub fn promise(self) -> &'static str {
         match self {
             Self::Quick => "not checked: the rank may be wrong",
             Self::Checked => "by estimates; a doubtful rank is called ambiguous",
-            Self::Proved => "by proofs that count rounding; what has none is called ambiguous",
+            Self::Proved => "by proofs that count rounding; a verdict without a proof is called ambiguous",
             Self::Exact => "by comparison with exact arithmetic; a difference is called ambiguous",
         }
     }
 
-    /// The name, as on the command line.
+    /// The name of this effort on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Quick => "quick",
@@ -128,7 +128,7 @@ impl Effort {
         }
     }
 
-    /// Whether the rank is checked.
+    /// Returns true if the rank is checked.
     pub(crate) fn checks(self) -> bool {
         self > Self::Quick
     }
@@ -137,25 +137,25 @@ impl Effort {
 /// Settings of [`crate::analyse`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Which backend factors the blocks that presolve leaves. Default: `Faer`.
+    /// Backend for the blocks that remain after presolve. Default: `Faer`.
     pub backend: BackendChoice,
-    /// How small is zero. Default: relative 1e-10.
+    /// Size below which a remainder counts as zero. Default: relative 1e-10.
     pub tolerance: Tolerance,
-    /// Which numbers may be rounding of others. Default: `Auto`.
+    /// Which numbers may be rounding errors of others. Default: `Auto`.
     pub noise: Noise,
-    /// Whether equations that need no factorization are taken out first. Default: true.
+    /// If true, equations that need no factorization are eliminated first. Default: true.
     pub presolve: bool,
-    /// How certain the verdict is to be. Default: `Checked`. With `Quick` [`crate::Confidence::distance`] is 1 unseen.
+    /// Certainty of the verdict. Default: `Checked`. With `Quick`, [`crate::Confidence::distance`] is 1 without a computation.
     pub effort: Effort,
-    /// What number a double means to [`Effort::Proved`] and [`Effort::Exact`]. Default: `Typed`.
+    /// How [`Effort::Proved`] and [`Effort::Exact`] read a double. Default: `Typed`.
     pub numbers: Reading,
-    /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1, which is met to 1e-9; default 4.
-    /// The nearer to 1, the more exchanges.
+    /// Bound of growth: slaves and masters are exchanged until `max |T_ij|` is at most this, to 1e-9. At least 1; default 4. Bounds near
+    /// 1 need more exchanges.
     pub growth: f64,
-    /// Bytes that the factorization of one block, and exact arithmetic, may allocate. More is refused: before the work by `faer`, `sparse` and `spqr`, as
-    /// soon as rows have filled in beyond it by `gauss`. Default: 16 GiB.
+    /// Bytes that the factorization of one block, and exact arithmetic, may allocate. If more are needed, the analysis is refused: by
+    /// `faer`, `sparse` and `spqr` before the work, by `gauss` as soon as fill exceeds the limit. Default: 16 GiB.
     pub memory: usize,
-    /// DOFs that should or should not be slaves, equations to keep. Default: none.
+    /// DOFs that should or should not be slaves, and equations to keep. Default: none.
     pub preferences: Preferences,
 }
 
@@ -176,7 +176,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Checks every range but those of the preferences, which depend on the system.
+    /// Checks every range except those of the preferences, which depend on the system.
     ///
     /// # Errors
     /// [`OptionError`].

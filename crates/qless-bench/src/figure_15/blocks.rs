@@ -2,9 +2,9 @@
 
 use qless::{ConstraintSystem, Csr};
 
-/// One block, C and its transpose.
+/// One block: C and its transpose.
 pub struct FigureBlock {
-    /// C by columns, as backends take it: row j is column j.
+    /// C by columns, the input of a backend: row j of this matrix is column j of C.
     pub c: Csr,
     /// `C^T` by columns, so row i is equation i.
     pub transposed: Csr,

@@ -8,7 +8,7 @@ use super::{FigureLevel, FigureSide, GAUSS};
 pub struct Pair {
     pub size: String,
     pub equations: f64,
-    /// Seconds.
+    /// Seconds of Gauss elimination.
     pub gauss: f64,
     pub qr: f64,
 }
@@ -82,12 +82,12 @@ pub fn sentence(pairs: &[Pair]) -> Option<String> {
     ))
 }
 
-/// Rounds to hundreds, the accuracy that two levels allow at most.
+/// Rounds to hundreds; two levels do not determine the crossing more accurately.
 fn rounded(equations: f64) -> String {
     thousands((equations / 100.0).round() as usize * 100)
 }
 
-/// The levels on which both were measured.
+/// The levels on which both methods were measured.
 pub fn pairs(levels: &[FigureLevel], family: &str, side: FigureSide, qr: &str) -> Vec<Pair> {
     let pair = |level: &FigureLevel| {
         let (gauss, qr) = (level.time(GAUSS, side)?, level.time(qr, side)?);

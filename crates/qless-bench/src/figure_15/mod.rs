@@ -1,7 +1,7 @@
-//! The paper's Figure 15 measured again: Gauss elimination against sparse QR, block by block, on all levels of Table 1.
+//! Repeats the paper's Figure 15: Gauss elimination against sparse QR, block by block, on all levels of Table 1.
 //!
-//! Factorizations alone, as in the paper: no presolve, no scaling, no check of the rank, one thread. C is factored with b beside it
-//! (Eq. 21 and 26), and `C^T` without b, as the default does to find the dependent equations. All run in turns in one
+//! Only factorizations are measured, as in the paper: no presolve, no scaling, no check of the rank, one thread. C is factored together
+//! with b (Eq. 21 and 26), and `C^T` without b, as the default does to find the dependent equations. All methods run in turns in one
 //! process.
 
 mod blocks;

@@ -17,7 +17,7 @@ pub const FILE: &str = "figure-15.svg";
 /// Lengths of dashes and gaps of the lines for `C^T`, in pixels.
 const DASH: (i32, i32) = (6, 4);
 
-/// From one label to the next, in pixels.
+/// Vertical distance of two labels, in pixels.
 pub const LETTERS: i32 = 13;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;

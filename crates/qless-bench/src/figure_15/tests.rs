@@ -1,4 +1,4 @@
-//! What is said and drawn of Gauss and QR is what was measured.
+//! The text and the plot of Gauss and QR show the measured numbers.
 
 use super::crossing::{Pair, crossings, papers_pairs, sentence};
 use super::plot::{LETTERS, below, lines, marks, plots};

@@ -15,13 +15,13 @@ use crate::BenchArgs;
 /// The tolerance of the paper, section 3.2: absolute.
 const TOLERANCE: f64 = 1e-5;
 
-/// A factorization that takes longer is measured once; seconds.
+/// A factorization that takes longer than this is measured once; seconds.
 const SLOW: f64 = 5.0;
-/// A factorization that takes less is measured at least [`REPEATS`] times; seconds.
+/// A factorization that takes less than this is measured at least [`REPEATS`] times; seconds.
 const SHORT: f64 = 0.1;
 const REPEATS: usize = 15;
 
-/// Measures every level of the family, and coarser meshes. An error if a scene or a thread cannot be created.
+/// Measures every level of the family, and coarser meshes. Returns an error if a scene or a thread cannot be created.
 pub fn measure(family: &Family, args: &BenchArgs) -> Result<Vec<FigureLevel>, String> {
     let pool = ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
     let below = below_table_1(family.name);

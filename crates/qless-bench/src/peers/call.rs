@@ -151,7 +151,7 @@ unsafe fn part<'a, T>(data: *const T, len: usize) -> &'a [T] {
     if len == 0 { &[] } else { unsafe { slice::from_raw_parts(data, len) } }
 }
 
-/// `A <- [R over reflectors]` by dgeqp3 (A is m x n by columns); gives P, the factors of the reflectors, and seconds.
+/// `A <- [R over reflectors]` by dgeqp3 (A is m x n by columns); returns P, the factors of the reflectors, and seconds.
 pub fn geqp3(a: &mut [f64], m: usize, n: usize) -> Result<(Vec<usize>, Vec<f64>, f64), CallError> {
     assert_eq!(a.len(), m * n, "A is not m x n");
     let (mut order, mut tau, mut seconds) = (vec![0; n], vec![0.0; m.min(n)], 0.0);
@@ -163,7 +163,7 @@ pub fn geqp3(a: &mut [f64], m: usize, n: usize) -> Result<(Vec<usize>, Vec<f64>,
     Ok((order.iter().map(|&j: &c_int| j as usize - 1).collect(), tau, seconds))
 }
 
-/// `B <- Q^T B` with the first `rank` reflectors of [`geqp3`]; gives seconds.
+/// `B <- Q^T B` with the first `rank` reflectors of [`geqp3`]; returns seconds.
 pub fn apply(a: &[f64], m: usize, rank: usize, tau: &[f64], b: &mut [f64]) -> Result<f64, CallError> {
     let k = b.len().checked_div(m).unwrap_or(0);
     assert!(b.len() == m * k && a.len() >= m * rank && tau.len() >= rank, "B is not m x k, or A is too small");

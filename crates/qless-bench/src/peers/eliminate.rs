@@ -1,10 +1,10 @@
-//! The paper's elimination by one factorization `C_f P = Q [R1 R2; 0 0]` (Eq. 21-26), as with any QR library:
+//! The paper's elimination by one factorization `C_f P = Q [R1 R2; 0 0]` (Eq. 21-26), which any QR library can do:
 //! `T = -R1^-1 R2`, `G = -R1^-1 Q^T C_p`, `g = R1^-1 Q^T b`. No scaling, no presolve, no check of the rank.
 
 use qless::backend::{Backend, BackendError, Factor};
 use qless::{ConstraintSystem, Csr, Reduction};
 
-/// T, G and g. The slaves are the first independent columns that the factorization takes.
+/// T, G and g. The slaves are the columns that the factorization finds independent.
 ///
 /// # Errors
 /// Those of the backend.
@@ -44,7 +44,7 @@ fn reduction(factor: &Factor, free: &[usize], prescribed: Vec<usize>) -> Reducti
     Reduction::from_parts([slaves, masters, prescribed], t, g_matrix, g).expect("each DOF is once in the order")
 }
 
-/// DOFs in ascending order, and where each stood.
+/// DOFs in ascending order, and the former place of each.
 fn sorted(order: &[usize], free: &[usize]) -> (Vec<usize>, Vec<usize>) {
     let mut places: Vec<usize> = (0..order.len()).collect();
     places.sort_unstable_by_key(|&place| order[place]);
@@ -57,7 +57,7 @@ fn ordered(rows: &Csr, places: &[usize]) -> Csr {
     out
 }
 
-/// `-R1^-1 R2`, a row for each column of R2, from the last number of each column upwards so that zeros cost nothing much.
+/// `-R1^-1 R2`, a row for each column of R2, computed from the last nonzero of each column upwards, so that zeros cost almost nothing.
 fn solved(factor: &Factor) -> Csr {
     let columns = factor.r.transpose().expect("as many columns as free DOFs");
     let start = columns.starts();

@@ -1,4 +1,4 @@
-//! Ranks of known systems, `R^T R = P^T C^T C P`, and `C u = b` for what the elimination gives.
+//! Checks the ranks of known systems, `R^T R = P^T C^T C P`, and `C u = b` for the result of the elimination.
 
 use qless::backend::{Backend, BackendError, Factor};
 use qless::{ConstraintSystem, Csr, Options, SystemBuilder, analyse};

@@ -26,7 +26,7 @@ pub(crate) struct FrontResult {
     /// the i-th.
     lead: Option<Vec<u32>>,
     /// Each row of R from its first column on, followed by its right-hand sides. Then, if `has_rest`, one norm for each
-    /// right-hand side: of the rows for which no column is left.
+    /// right-hand side, over the rows for which no column is left.
     pub values: Vec<f64>,
     pub has_rest: bool,
     pub dropped: f64,

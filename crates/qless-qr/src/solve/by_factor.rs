@@ -12,7 +12,7 @@ impl Factor {
     /// Basic solutions that minimise `|A x - b|` for the B passed to the factorization, n x k by columns.
     ///
     /// # Errors
-    /// [`Error::Overflow`] if they are beyond all numbers.
+    /// [`Error::Overflow`] if they exceed the floating-point range.
     pub fn basic(&self) -> Result<Vec<f64>, Error> {
         self.spread(&self.rhs, self.rank(), self.rest.len())
     }
@@ -117,7 +117,7 @@ impl CompleteFactor<'_> {
     /// The shortest x that minimise `|A x - b|` for the B passed to the factorization, n x k by columns.
     ///
     /// # Errors
-    /// [`Error::Overflow`] if they are beyond all numbers.
+    /// [`Error::Overflow`] if they exceed the floating-point range.
     pub fn minimum_norm(&self) -> Result<Vec<f64>, Error> {
         self.shortest(&self.outer.rhs, self.outer.rank(), self.outer.rest.len())
     }

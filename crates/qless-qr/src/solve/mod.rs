@@ -92,7 +92,7 @@ fn finished<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], x: Vec<f64>, factor
     Ok(Solution { x: all_finite(x)?, residuals, rank, tolerance })
 }
 
-/// Vectors of the given length; if the length is 0, infinitely many.
+/// The vectors of this length, followed by empty ones without end.
 fn each(x: &[f64], length: usize) -> impl Iterator<Item = &[f64]> {
     (0..).map(move |c| x.get(c * length..(c + 1) * length).unwrap_or_default())
 }
@@ -162,7 +162,7 @@ fn wide<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: Options) -> Re
     finished(a, b, x, &factor)
 }
 
-/// Whether x, a solution of the independent equations, satisfies the dependent ones to tolerance.
+/// Returns true if x, a solution of the independent equations, satisfies the dependent ones to tolerance.
 fn is_consistent<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], x: &[f64], factor: &Factor) -> bool {
     let (rounding, dependent) = (20.0 * (a.rows() + a.cols()) as f64 * f64::EPSILON, a.rows() - factor.rank());
     let dropped = factor.tolerance() * (dependent as f64).sqrt();

@@ -41,7 +41,7 @@ pub(crate) struct Forecast {
     pub flops: Vec<f64>,
     /// Work of each subtree.
     pub work: Vec<f64>,
-    /// Operations on the longest way from a leaf to a root, which no number of threads shortens.
+    /// Operations on the longest path from a leaf to a root, which no number of threads shortens.
     pub span: f64,
     /// Entries of R, including peeled rows.
     pub entries: usize,
@@ -72,7 +72,7 @@ fn summed(fronts: &Fronts, flops: &[f64], shapes: &[FrontShape]) -> Vec<f64> {
     work
 }
 
-/// The longest way from a leaf to a root.
+/// The sum along the longest path from a leaf to a root.
 fn longest(fronts: &Fronts, mut serial: Vec<f64>) -> f64 {
     let mut below = vec![0.0_f64; serial.len()];
     for f in 0..fronts.len() {
@@ -94,7 +94,7 @@ struct ContributionPattern {
 struct FrontSimulation {
     shapes: Vec<FrontShape>,
     flops: Vec<f64>,
-    /// Operations of each front that wait for each other.
+    /// Operations of each front that must run one after the other.
     serial: Vec<f64>,
     contribution: Vec<ContributionPattern>,
     place: Vec<u32>,
@@ -154,8 +154,8 @@ impl FrontSimulation {
     }
 }
 
-/// Size, operations and contribution of a front with `begins[k]` rows that begin at column k; of the operations also those that wait for
-/// each other: a column is reflected with half a panel and with the next one, while the columns behind are updated.
+/// Size, operations and contribution of a front with `begins[k]` rows that begin at column k. The second number of operations counts those
+/// that must run one after the other: a column is reflected with half a panel and with the next panel, while later columns are updated.
 fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, [f64; 2], ContributionPattern) {
     let cols = columns.len();
     let (mut stair, mut g, mut flops, mut serial) = (0, 0, 0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Symbolic analysis: what the pattern of A alone decides.
+//! Symbolic analysis: everything that depends on the pattern of A alone.
 //!
 //! `P_r A P_c = [R11 R12; 0 S]` with the singleton columns peeled into R11, and the tree of fronts of S.
 
@@ -56,8 +56,8 @@ impl Symbolic {
         self.forecast.flops.iter().fold(0.0, |sum, flops| sum + flops)
     }
 
-    /// Bound of the speed-up on so many threads: `min(threads, W / S)`, where W are all operations and S those on the longest way from a
-    /// leaf of the tree of fronts to its root, in large fronts those that wait for each other.
+    /// Bound of the speed-up on this many threads: `min(threads, W / S)`. W are all operations; S are those on the longest path from a leaf
+    /// of the tree of fronts to its root, for large fronts only those that cannot run in parallel.
     pub fn speedup(&self, threads: usize) -> f64 {
         let bound = self.flops() / self.forecast.span;
         if bound < threads as f64 { bound } else { threads as f64 }

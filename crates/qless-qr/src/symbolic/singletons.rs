@@ -8,8 +8,8 @@ use super::{Forecast, Symbolic, tree};
 use crate::lists::{Lists, NONE};
 use crate::matrix::Gather;
 
-/// Pairs (column, row) of the singletons, in the order of peeling. `may` says which entries of A can be diagonal: a test
-/// of their values against the tolerance, if values are known.
+/// Pairs (column, row) of the singletons, in the order of peeling. `may` is true for the entries of A that can be diagonal: if values are
+/// known, those above the tolerance.
 pub(super) fn peel(columns: &Lists, rows: &Lists, may: &dyn Fn(usize) -> bool) -> Vec<(u32, u32)> {
     let mut remaining: Vec<u32> = (0..columns.len()).map(|j| columns.list(j).len() as u32).collect();
     let mut taken = vec![false; rows.len()];

@@ -46,7 +46,7 @@ pub enum ChangeError {
     /// An equation of another set.
     #[error("equation {0} belongs to another set; use an equation that `add` of this set returned")]
     Foreign(u32),
-    /// More than 32-bit indices can count, or than fit into memory.
+    /// More DOFs or equations than 32-bit indices can count, or than fit into memory.
     #[error("{found} {what} are too many: indices have 32 bits, and the memory is limited")]
     TooMany {
         /// "DOFs" or "equations".

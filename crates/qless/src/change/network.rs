@@ -9,7 +9,7 @@ const NO_BLOCK: u32 = u32::MAX;
 
 #[derive(Debug)]
 struct NetworkEquation {
-    /// Ascending by DOF, each once, none zero.
+    /// Nonzero terms, ascending by DOF, each DOF once.
     terms: NetworkTerms,
     rhs: f64,
     /// Index of its block.
@@ -32,7 +32,7 @@ pub(super) struct Network {
 
 /// The equations and blocks that an update has to analyse again.
 pub(super) struct Region {
-    /// Ascending.
+    /// The equations, ascending.
     pub equations: Vec<EquationId>,
     pub blocks: Vec<u32>,
 }

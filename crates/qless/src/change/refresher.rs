@@ -33,7 +33,7 @@ pub struct Refresher {
     /// The coefficient of the slave in each peeled equation.
     pivots: Vec<f64>,
     solvers: Vec<BlockSolver>,
-    /// By row that presolve eliminated from, the exponent of the scaling by its block.
+    /// For each row that presolve eliminated from, the exponent by which its block scales the row.
     exponents: Vec<i32>,
 }
 
@@ -62,7 +62,7 @@ pub enum RefreshError {
     /// A list of the wrong length, a number that is not finite, or a reduction of another analysis.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// The new g does not meet the equations, or exceeds the range of doubles.
+    /// The new g does not satisfy the equations, or exceeds the range of doubles.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
 }
@@ -218,7 +218,7 @@ impl Refresher {
         u
     }
 
-    /// Writes `g = u_s - T u_q`, with a step of refinement where residuals are large; restores the old g if they stay too large.
+    /// Writes `g = u_s - T u_q`, with a step of refinement if residuals are large; restores the old g if they stay too large.
     fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
         let new = self.explicit(replay, reduction);
         let old = std::mem::replace(&mut reduction.g, new);
@@ -248,7 +248,7 @@ impl Refresher {
         Ok(())
     }
 
-    /// What the values of the local DOFs leave of the right-hand sides of independent equations: `b - C u`.
+    /// The residuals `b - C u` of the independent equations for these values of the local DOFs; 0 for other equations.
     fn rest(&self, rhs: &[f64], independent: &[bool], u: impl Fn(usize) -> f64) -> Vec<f64> {
         let local = self.local();
         let left = |i: usize| local.row(i).fold(rhs[i], |left, (j, v)| left - v * u(j));

@@ -34,7 +34,7 @@ impl RowRhs {
 pub struct Replay<'a> {
     analysis: &'a Analysis,
     local: LocalSystem<'a>,
-    /// b of the user.
+    /// The user's b.
     pub rhs: &'a [f64],
     /// Values of prescribed DOFs, in local numbers.
     values: Vec<f64>,
@@ -68,7 +68,7 @@ impl<'a> Replay<'a> {
         side
     }
 
-    /// `b - C_p u_p` of an equation of the user, unscaled.
+    /// `b - C_p u_p` of a user's equation, unscaled.
     pub fn of_user(&self, row: usize) -> Mismatch {
         self.side(row, false).effective
     }

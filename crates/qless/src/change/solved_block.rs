@@ -80,7 +80,7 @@ impl SolvedBlock {
         &self.reduction
     }
 
-    /// Whether the rank is ambiguous.
+    /// Returns true if the rank is ambiguous.
     pub fn ambiguous(&self) -> bool {
         self.ambiguous
     }

@@ -29,15 +29,15 @@ pub enum ArgumentError {
     NotFinite {
         /// Which list.
         what: &'static str,
-        /// Where in the list.
+        /// Its place in the list.
         place: usize,
         /// The number.
         value: f64,
     },
-    /// A result of an evaluation before the set changed.
+    /// A result that was evaluated before the set changed.
     #[error("{what} were evaluated before the set changed; evaluate again")]
     Outdated {
-        /// What.
+        /// Which result.
         what: &'static str,
     },
     /// A number that must not be below zero.
@@ -53,7 +53,7 @@ pub enum ArgumentError {
     Overflow {
         /// Which result.
         what: &'static str,
-        /// Where in the result.
+        /// Its place in the result.
         place: usize,
     },
     /// A list that does not ascend, or that has a number in common with another list.
@@ -61,7 +61,7 @@ pub enum ArgumentError {
     NotAscending {
         /// Which list.
         what: &'static str,
-        /// Where in the list.
+        /// Its place in the list.
         place: usize,
         /// The number found there.
         value: usize,
@@ -79,7 +79,7 @@ pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<
     if found == expected { Ok(()) } else { Err(ArgumentError::WrongLength { what, found, expected }) }
 }
 
-/// Checks the length of a list, and that its numbers are finite.
+/// Checks the length of a list, and that all its numbers are finite.
 pub(crate) fn numbers(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), ArgumentError> {
     long(what, numbers.len(), expected)?;
     match numbers.iter().position(|v| !v.is_finite()) {

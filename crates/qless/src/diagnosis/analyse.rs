@@ -1,12 +1,12 @@
-//! The way of the data, top to bottom: equations, scaling, presolve, blocks, backend, classification.
+//! The stages in order: equations, scaling, presolve, blocks, backend, classification.
 //!
 //! ```text
 //! Numbering -> Scaling -> Pipeline::run_verified -> keep_preferred -> generated -> Analysis
 //!
-//! run_verified   run_stages, probe what it kept
-//!                doubts, and what was kept is not far from dependence?  run_stages again, the doubtful components the other way: by
-//!                the backend, or by presolve
-//!                presolve keeps more?  its rank holds
+//! run_verified   run_stages, probe the kept rows
+//!                doubtful components near dependence?  run_stages again; these components go to the backend instead of presolve, or the
+//!                other way round
+//!                presolve keeps more rows?  its rank is used
 //!
 //! run_stages     peel -> gather -> eliminate -> Block::gather -> diagnose -> classify
 //! ```
@@ -42,10 +42,10 @@ use crate::presolve::gather::gather;
 use crate::presolve::peel::peel;
 use crate::{ConstraintSystem, Options, Tolerance};
 
-/// As [`Numbering::new`] gives it.
+/// The result of [`Numbering::new`].
 pub(super) type Numbered = (Numbering, Vec<Column>, Vec<Exponents>);
 
-/// Diagnoses a system as it stands.
+/// Diagnoses a system in one reading of its numbers.
 pub(super) fn read(
     system: ConstraintSystem,
     (numbering, columns, exponents): Numbered,
@@ -84,7 +84,8 @@ pub(super) fn read(
     let kept = keep_preferred(&options.preferences.equations, &mut pass.dependent, &pass.history, &rule);
     let mut rhs = system.rhs().to_vec();
     if !kept.overruled.is_empty() {
-        // The constants of the basis come from equations that were given up: run again with a b that agrees with the preferred ones.
+        // The constants of the basis come from equations that were replaced by preferred ones: run again with a b that agrees with the
+        // latter.
         kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
         let agreeing = Pipeline { local: numbering.view(&system, &rhs), ..pipeline };
         let agreeing = agreeing.run_stages(&held_back)?;
@@ -123,7 +124,7 @@ struct Pipeline<'a> {
     noise: Option<&'a [f64]>,
     rule: &'a MismatchRule<'a>,
     is_absolute: bool,
-    /// Equations that are given up for others.
+    /// Equations that are left out in favour of others.
     absent: &'a BTreeSet<usize>,
     context: FactorContext<'a>,
     started: Instant,
@@ -140,16 +141,16 @@ struct VerifiedPass {
 impl Pipeline<'_> {
     /// Runs the stages until presolve's decisions are verified: once, twice or three times.
     ///
-    /// The second run gives the components on which presolve should not have decided to the backend, or, without presolve, those with
-    /// dependent equations to presolve. Where presolve finds fewer dependent equations, its rank holds: no pivot of presolve has lost
-    /// more than three digits, so the equations that it keeps are independent.
+    /// The second run sends the components on which presolve should not decide to the backend or, without presolve, those with dependent
+    /// equations to presolve. If presolve finds fewer dependent equations, its rank is used: no pivot of presolve has lost more than three
+    /// digits, so the equations that it keeps are independent.
     fn run_verified(&self, presolve: bool) -> Result<VerifiedPass, AnalysisError> {
         let held_back = vec![!presolve; self.local.equations()];
         let first = self.run_and_probe(&held_back)?;
         let (mut known, mut labels) = (None, None);
         let doubtful: Vec<usize> = match presolve {
             _ if !self.context.check => Vec::new(),
-            // While they leave digits, steep multipliers are a sign only: how far what was kept is from dependence can be computed.
+            // While digits are left, steep multipliers are only a sign; the distance of the kept rows from dependence can be computed.
             true if !first.probe.doubtful.is_empty() => {
                 let distances = known.insert(self.distances(&first));
                 let labels = labels.insert(Labels::of(self.local));
@@ -170,7 +171,7 @@ impl Pipeline<'_> {
         let other: Vec<bool> = held_back.iter().zip(&is_tried).map(|(&held, &tried)| held != tried).collect();
         let second = match self.run_and_probe(&other) {
             Err(AnalysisError::Backend(BackendError::OverLimit { .. } | BackendError::OutOfMemory { .. })) => {
-                // The components are too large for the backend: the first result, in doubt.
+                // The components are too large for the backend: return the first result, in doubt.
                 return Ok(self.with_confidence(first, held_back, (0.0, presolve), None));
             }
             second => second?,
@@ -192,7 +193,7 @@ impl Pipeline<'_> {
         Ok(self.with_confidence(pass, decided, (dropped, false), None))
     }
 
-    /// The result without equations that are given up; in components where that is worse they stay. Returns those that are given up.
+    /// Runs without the equations in `gone`, except in components where that is worse. Returns the result and the equations left out.
     fn without(
         &self,
         mut gone: BTreeSet<usize>,
@@ -219,7 +220,7 @@ impl Pipeline<'_> {
         Ok((first, gone))
     }
 
-    /// A run, and a probe of the rows that it kept; the probe is sharper where its first estimate is not harmless.
+    /// Runs the stages and probes the kept rows; probes them more sharply if the first estimate is not harmless.
     fn run_and_probe(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
         let mut pass = self.run_stages(held_back)?;
         let probe_with = |pass: &PassResult, inverse| {
@@ -236,15 +237,15 @@ impl Pipeline<'_> {
         Ok(pass)
     }
 
-    /// Of the cores of the kept equations from dependence; none without checks.
+    /// Distances of the cores of the kept equations from dependence; empty without checks.
     fn distances(&self, pass: &PassResult) -> Vec<CoreDistance> {
         let PassResult { basis, blocks, triangles, history, .. } = pass;
         let kept = KeptRows { system: self.local, basis, history, scaling: self.scaling, blocks, triangles };
         if self.context.check { kept.distances() } else { Vec::new() }
     }
 
-    /// Adds the confidence, with what a second way of elimination has dropped, and a doubt where that was too large. `known` are the
-    /// distances, where they were computed.
+    /// Adds the confidence, with the size of what a second elimination dropped, and a doubt if that was too large. `known` are the
+    /// distances, if they are computed already.
     fn with_confidence(
         &self,
         mut pass: PassResult,
@@ -268,7 +269,7 @@ impl Pipeline<'_> {
         VerifiedPass { pass, held_back, confidence }
     }
 
-    /// Whether a conflict is no more than the last digit with which the coefficients of its equations were typed.
+    /// Returns true if a conflict is within the last digit with which the coefficients of its equations were typed.
     fn agrees_as_typed(&self, d: &Dependent, history: &History) -> bool {
         if d.kind != Kind::Conflicting || d.relative_mismatch >= last_digit(*TYPED.start()) {
             return false;

@@ -5,7 +5,7 @@
 //! e_s   = sum_i c_i row_i             of a DOF s that the equations fix
 //!
 //! error = max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)
-//! refinement: what is left, row_k - sum c_i row_i, is itself expressed by the kept equations and added to c; not with large blocks
+//! refinement: the remainder row_k - sum c_i row_i is itself expressed by the kept equations and added to c; not with large blocks
 //! ```
 
 use std::collections::BTreeMap;
@@ -19,18 +19,18 @@ use crate::common::argument::{ArgumentError, within};
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::scale::ldexp;
 
-/// Refinement factors a block again: one with more numbers (2 MiB) would cost more time and memory than a report may.
+/// Refinement factors a block again. For a block with more entries (2 MiB) that would cost more time and memory than a report should.
 const SMALL: usize = 1 << 18;
 
-/// Most refinements; each gains the digits that the condition of the kept equations leaves.
+/// Largest number of refinements; each gains as many digits as the condition of the kept equations allows.
 const REFINEMENTS: usize = 3;
 
 impl Analysis {
     /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row; empty for an independent one.
     ///
     /// The coefficients are checked and, if their error is above the tolerance and no block is large, refined:
-    /// [`Analysis::because_error`] is the error that is left.
-    /// For every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most `1e-11 / d` of the largest part `|c_i row_il|` of the
+    /// [`Analysis::because_error`] is the remaining error.
+    /// For every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most `1e-11 / d` of the largest term `|c_i row_il|` of the
     /// certificate, whatever the sizes of equations; d is [`Confidence::distance`](crate::Confidence::distance).
     ///
     /// # Errors
@@ -71,12 +71,12 @@ impl Analysis {
         self.expressed([(self.fixed[place], 1.0)])
     }
 
-    /// The certificate with its error, refined while that brings it nearer to the tolerance.
+    /// The certificate with its error, refined as long as that reduces an error above the tolerance.
     pub(crate) fn checked(&self, dependent: &Dependent) -> (Vec<CertificateTerm>, f64) {
         self.refined(dependent, self.options.tolerance.value())
     }
 
-    /// The same, refined while that brings its error nearer to a limit.
+    /// The certificate with its error, refined as long as that reduces an error above `limit`.
     pub(super) fn refined(&self, dependent: &Dependent, limit: f64) -> (Vec<CertificateTerm>, f64) {
         let terms = dependent.source.explain(&self.history);
         if !self.options.effort.checks() {
@@ -101,8 +101,8 @@ impl Analysis {
         best
     }
 
-    /// With or without terms that may be rounding, whichever has the smaller error: each costs the whole error in a DOF that no other
-    /// term has.
+    /// The certificate with or without terms that may be rounding, whichever has the smaller error. Such a term alone gives an error of 1
+    /// at a DOF that no other term contains.
     fn best_of(&self, row: usize, terms: Vec<CertificateTerm>, limit: f64) -> (Vec<CertificateTerm>, f64) {
         let parts = [f64::EPSILON * terms.len() as f64, 1e-13, 1e-11];
         let mut best = self.with_error(row, terms);
@@ -116,15 +116,15 @@ impl Analysis {
         best
     }
 
-    /// Without terms below a part of the largest one, in scaled units.
+    /// The terms above the fraction `part` of the largest one, in scaled units.
     pub(crate) fn pruned(&self, terms: &[CertificateTerm], part: f64) -> Vec<CertificateTerm> {
         let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
         let largest = terms.iter().map(scaled).fold(0.0, f64::max);
         terms.iter().copied().filter(|term| scaled(term) > part * largest).collect()
     }
 
-    /// What a certificate leaves of its equation, by local DOF, and the sum of the sizes of the parts. Summed with twice the digits, so
-    /// that a refinement sees what is really left.
+    /// By local DOF, the remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms. The sum has twice
+    /// the digits, so that a refinement uses the true remainder.
     pub(super) fn parts(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
@@ -158,14 +158,14 @@ impl Analysis {
         (terms, error)
     }
 
-    /// The error of a combination that should give a vector: the largest over the free DOFs.
+    /// The error of a combination that should equal a vector: the largest over the free DOFs.
     pub(crate) fn error_of(&self, vector: impl IntoIterator<Item = (u32, f64)>, terms: &[CertificateTerm]) -> f64 {
         let error = |&(left, size): &(f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
         let parts = self.parts(vector, terms);
         parts.values().map(error).fold(0.0, |most, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
     }
 
-    /// A vector of free DOFs, by local number, as a combination of the kept equations.
+    /// Expresses a vector of free DOFs, by local number, as a combination of the kept equations.
     pub(crate) fn expressed(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
@@ -183,7 +183,7 @@ impl Analysis {
         explainer.because(vector).map(|terms| self.over_kept(terms))
     }
 
-    /// Replaces equations that were given up for others by their certificates.
+    /// Replaces equations that were exchanged for others by their certificates.
     fn over_kept(&self, terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
         let given = |row: usize| match &self.dependent_of(row)?.source {
             Source::Given(because) => Some(because),

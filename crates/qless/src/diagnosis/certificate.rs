@@ -1,7 +1,7 @@
-//! `row_k = sum_i c_i row_i`: why an equation is dependent, in the equations as the user gave them.
+//! `row_k = sum_i c_i row_i`: why an equation is dependent, in terms of the user's equations.
 //!
 //! Presolve subtracted steps from rows, and steps are rows from which earlier steps were subtracted. A certificate is
-//! found by undoing that from the last step to the first. If the kept rows are independent it is the only one, and its
+//! found by undoing that from the last step to the first. If the kept rows are independent, the certificate is unique, and its
 //! support is the smallest set of kept equations that explains the row.
 
 use std::collections::BTreeMap;
@@ -18,10 +18,10 @@ pub struct CertificateTerm {
     pub coefficient: f64,
 }
 
-/// A sum that cancels to within this, relative to its largest part, is zero.
+/// A sum that cancels to this fraction of its largest term is zero.
 const NOISE: f64 = 1e-11;
 
-/// How rows were changed on the way to the blocks.
+/// The operations that changed rows before they reached the blocks.
 pub(crate) struct History {
     /// Row of the user for each row that went through elimination.
     pub rows: Vec<u32>,
@@ -33,7 +33,7 @@ pub(crate) struct History {
     pub exponents: Vec<i32>,
 }
 
-/// A sum and the largest part that went into it.
+/// A sum and its largest term.
 #[derive(Clone, Copy, Default)]
 struct CertificateSum {
     value: f64,
@@ -52,7 +52,7 @@ impl CertificateSum {
 }
 
 impl History {
-    /// The certificate of row `k`, given how it depends on rows of its block (`because`, empty outside blocks).
+    /// The certificate of row `k`. `because` expresses the row by other rows of its block, and is empty outside blocks.
     pub fn certificate(&self, k: u32, because: &[(u32, f64)]) -> Vec<CertificateTerm> {
         let mut rows: BTreeMap<u32, CertificateSum> = BTreeMap::new();
         let mut steps: BTreeMap<u32, CertificateSum> = BTreeMap::new();
@@ -64,8 +64,8 @@ impl History {
         self.expand(rows, steps, self.exponents[self.rows[k as usize] as usize])
     }
 
-    /// The combination of equations that is made of the given amounts of steps and of rows of a block; `exponent` is the
-    /// row scaling of what the combination gives.
+    /// The combination of the user's equations that equals the given multiples of steps and of rows of a block; `exponent` is the
+    /// row scaling of the result.
     pub fn combination(&self, steps: &[(u32, f64)], block: &[(u32, f64)], exponent: i32) -> Vec<CertificateTerm> {
         let mut rows: BTreeMap<u32, CertificateSum> = BTreeMap::new();
         let mut sums: BTreeMap<u32, CertificateSum> = BTreeMap::new();
@@ -77,14 +77,14 @@ impl History {
         self.expand(rows, sums, exponent)
     }
 
-    /// Adds `weight` times what was subtracted from row i.
+    /// Adds `weight` times the steps that were subtracted from row i.
     fn undo(&self, i: u32, weight: f64, steps: &mut BTreeMap<u32, CertificateSum>) {
         for &(step, factor) in &self.factors[i as usize] {
             steps.entry(step).or_default().add(weight * factor);
         }
     }
 
-    /// Steps become rows, the last first.
+    /// Replaces steps by their rows, the last step first.
     fn expand(
         &self,
         mut rows: BTreeMap<u32, CertificateSum>,

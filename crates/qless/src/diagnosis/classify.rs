@@ -1,4 +1,4 @@
-//! Redundant or conflicting: `b_k - sum c_i b_i`, prescribed DOFs moved into b (Eq. 27, 28).
+//! Classifies dependent equations as redundant or conflicting by `b_k - sum c_i b_i`, with prescribed DOFs moved into b (Eq. 27, 28).
 
 use std::sync::OnceLock;
 
@@ -12,12 +12,12 @@ use crate::presolve::eliminated::Eliminated;
 pub(crate) use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
-/// What an equation is.
+/// The verdict on an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Kind {
-    /// No combination of the others that were kept.
+    /// Not a combination of the other kept equations.
     Independent,
     /// A combination of kept equations, and consistent with them.
     Redundant,
@@ -35,23 +35,23 @@ pub struct Dependent {
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
     pub mismatch: f64,
-    /// The mismatch relative to the largest part that went into it; 0 if it is no more than rounding.
+    /// The mismatch relative to its largest term; 0 if it is within rounding.
     pub relative_mismatch: f64,
-    /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
+    /// Remainder of the equation that was treated as zero, relative to the equation; 0 if it is within rounding.
     pub dropped: f64,
-    /// Whether the mismatch would be a conflict if it were no rounding of the largest right-hand side.
+    /// True if the mismatch would be a conflict, were it not within rounding of the largest right-hand side.
     pub(crate) is_suspect: bool,
     /// The mismatch with its size and error, in the units of the equation.
     pub(crate) rest: Mismatch,
     pub(crate) source: Source,
 }
 
-/// What makes a mismatch a conflict.
+/// The rule by which a mismatch is a conflict.
 pub(crate) struct MismatchRule<'a> {
     pub tolerance: f64,
-    /// Whether mismatches below the rounding of the largest right-hand side are suspect, and numbers may be rounded as typed.
+    /// True if mismatches below the rounding of the largest right-hand side are suspect, and typed numbers may be rounded.
     is_auto: bool,
-    /// As [`rounding_of_sides`] gives it, when it is wanted.
+    /// The result of [`rounding_of_sides`], computed when it is needed.
     rounding: OnceLock<Vec<f64>>,
     pub scaling: &'a Scaling,
     pub system: LocalSystem<'a>,
@@ -63,7 +63,7 @@ impl<'a> MismatchRule<'a> {
         Self { tolerance: options.tolerance.value(), is_auto, rounding: OnceLock::new(), scaling, system }
     }
 
-    /// Whether numbers that were typed with few digits may be rounded.
+    /// Returns true if numbers that were typed with few digits may be rounded.
     pub fn reads_digits(&self) -> bool {
         self.is_auto
     }
@@ -77,18 +77,18 @@ impl<'a> MismatchRule<'a> {
     }
 }
 
-/// Where the certificate of a dependent equation comes from.
+/// The origin of the certificate of a dependent equation.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
-    /// Index of the row among those that went through elimination, its certificate over rows of its block, and by how many units in
-    /// the last place of the largest of them its coefficients may be off, for each of them.
+    /// Index of the row among those that went through elimination, its certificate over rows of its block, and the error bound of each
+    /// coefficient: this many units in the last place of the largest one, for each term.
     Traced(u32, BlockCertificate, f64),
     /// The certificate itself.
     Given(Vec<CertificateTerm>),
 }
 
 impl Source {
-    /// Whether the certificate is there without a solve.
+    /// Returns true if the certificate is available without a solve.
     pub fn is_known(&self) -> bool {
         !matches!(self, Self::Traced(_, BlockCertificate::Late(..), _))
     }
@@ -102,11 +102,11 @@ impl Source {
 }
 
 impl Dependent {
-    /// Redundant unless the mismatch is more than the tolerance of its parts, more than rounding, and not suspect.
+    /// Redundant unless the mismatch exceeds the tolerance of its terms, exceeds rounding, and is not suspect.
     pub(crate) fn new(row: usize, rest: Mismatch, dropped: f64, source: Source, rule: &MismatchRule) -> Self {
         let Mismatch { value, size, error } = rest;
         let is_within = value.abs() <= (rule.tolerance * size).max(MORE_THAN_ROUNDING * error);
-        // What is not a number agrees with nothing.
+        // A mismatch that is not finite agrees with nothing.
         let differs = !(is_within && value.is_finite());
         let is_suspect = differs && rule.suspects(row, value);
         Self {
@@ -122,7 +122,7 @@ impl Dependent {
     }
 }
 
-/// Redundant or conflicting, for every dependent row.
+/// Classifies every dependent row as redundant or conflicting.
 pub(crate) fn classify(eliminated: &Eliminated, diagnosed: &[Diagnosed], rule: &MismatchRule) -> Vec<Dependent> {
     let make = |source: u32, mismatch: Mismatch, dropped: f64, (because, units): (BlockCertificate, f64)| {
         let row = eliminated.names[source as usize] as usize;

@@ -1,13 +1,13 @@
-//! How sure a verdict is, in digits: how far the kept equations are from dependence, and how well the dropped ones agree with them.
+//! The certainty of a verdict, in digits: the distance of the kept equations from dependence, and the agreement of the dropped ones.
 
 use crate::ConstraintSystem;
 use crate::diagnosis::classify::Dependent;
 
-/// Kept equations that changes below this make dependent are in doubt: computed coefficients may be wrong in their 8th digit.
+/// If smaller changes make the kept equations dependent, they are in doubt: computed coefficients may be wrong in their 8th digit.
 const NEAR: f64 = 1e-7;
-/// A mismatch of the right-hand sides up to this, relative to its parts, is none: sums of rounded numbers part so.
+/// A mismatch of the right-hand sides up to this, relative to its terms, is zero: sums of rounded numbers differ by as much.
 const NO_MISMATCH: f64 = 1e-12;
-/// A mismatch below this might be meant as none.
+/// A nonzero mismatch below this may stand for zero.
 const SMALL_MISMATCH: f64 = 1e-6;
 
 /// Why a verdict is in doubt.
@@ -18,28 +18,28 @@ const SMALL_MISMATCH: f64 = 1e-6;
 pub enum Doubt {
     /// Kept equations become dependent if coefficients change in their 8th digit or later, or in the last digit with which they were typed.
     Near,
-    /// Dropped equations are no combinations to the last digit: more than rounding is left of them.
+    /// Dropped equations leave more than rounding, so they are no exact combinations of the kept ones.
     NoGap,
     /// Right-hand sides of dependent equations differ by so little that they may be meant as equal.
     Mismatch,
-    /// Coefficients that may be rounding decide: read the other way they give another rank or verdict.
+    /// Coefficients that may be rounding decide the result: another reading of them gives another rank or verdict.
     Noise,
-    /// A second way of elimination, by which the rank would have been verified, needs more memory than is allowed.
+    /// A second elimination, which would verify the rank, needs more memory than is allowed.
     Elimination,
-    /// Some equation has no proof that it is what the analysis says.
+    /// The verdict on some equation has no proof.
     Unproved,
-    /// Exact arithmetic finds another rank, or another answer to whether the equations have a solution.
+    /// Exact arithmetic finds another rank, or another answer to the question whether the equations have a solution.
     Exact,
 }
 
-/// How sure a verdict is, in relative changes of coefficients: units of equations and DOFs have no part in it.
+/// The certainty of a verdict, in relative changes of coefficients; it does not depend on the units of equations and DOFs.
 ///
 /// ```text
 /// distance   smallest d such that changes |E_ij| <= d |c_ij| make the kept equations dependent      1 for triangular ones
 /// error      largest e_k = max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|) of the dropped ones
 /// ```
 ///
-/// Both are estimates on the free DOFs, d within a factor of the number of equations. Where other units lead to other kept equations, the
+/// Both are estimates on the free DOFs, d within a factor of the number of equations. If other units lead to other kept equations, the
 /// estimate of d can differ by a digit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -48,9 +48,9 @@ pub struct Confidence {
     pub distance: f64,
     /// e, beyond rounding; 0 if there is none.
     pub error: f64,
-    /// Whether another tolerance might give another rank or another verdict.
+    /// True if another tolerance might give another rank or another verdict.
     pub ambiguous: bool,
-    /// Why, where it is.
+    /// The reason, if the verdict is ambiguous.
     pub doubt: Option<Doubt>,
 }
 
@@ -68,7 +68,7 @@ impl serde::Serialize for Confidence {
 }
 
 impl Confidence {
-    /// From the two measures; `other` is a doubt that comes from elsewhere.
+    /// From the two measures; `other` is a doubt from another check.
     ///
     /// ```
     /// use qless::Confidence;
@@ -86,18 +86,18 @@ impl Confidence {
         Self::of(self.distance, self.error, self.doubt.or(Some(other)))
     }
 
-    /// `-log10 d`: the verdict stands unless coefficients are wrong in a digit before this one. Infinite, `null` in JSON, where d is 0.
+    /// `-log10 d`: the verdict holds unless coefficients are wrong in a digit before this one. Infinite, `null` in JSON, if d is 0.
     pub fn digits_kept(&self) -> f64 {
         (-self.distance.log10()).max(0.0)
     }
 
-    /// `-log10 e`: so many digits of what was dropped agree with what was kept; infinite, `null` in JSON, where all do.
+    /// `-log10 e`: the number of digits to which the dropped equations agree with the kept ones. Infinite, `null` in JSON, if all agree.
     pub fn digits_dropped(&self) -> f64 {
         -self.error.log10()
     }
 }
 
-/// Dependent equations whose right-hand sides another tolerance might call otherwise.
+/// Dependent equations that might get another verdict with another tolerance of right-hand sides.
 pub(crate) fn doubted<'a>(
     dependent: &'a [Dependent],
     system: &'a ConstraintSystem,
@@ -105,7 +105,7 @@ pub(crate) fn doubted<'a>(
     let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let is_doubtful = move |d: &&Dependent| {
         let small = d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
-        // `0 = b` has no parts and no unit of its own: it is the one equation that is compared with those beside it.
+        // `0 = b` has no terms and no unit of its own, so it alone is compared with other equations.
         let empty = system.matrix().row(d.row).len() == 0;
         small || d.is_suspect || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
     };

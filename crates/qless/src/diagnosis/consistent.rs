@@ -1,10 +1,11 @@
-//! Kept equations of which all consistent equations follow to the last digits.
+//! Chooses kept equations from which all consistent equations follow to the last digits.
 //!
-//! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but the first two give u1 with the digits that `1e12 + 1e-3` has lost.
-//! A dropped equation does not hold if a solution of the kept ones leaves more than the tolerance of its own parts; where no more than the
-//! rounding of its certificate is left, the equation with the largest part of the certificate is given up instead, if its coefficient is
-//! at least half of the largest: the kept equations come no nearer to dependence than by that factor. In components where an equation
-//! that was given up is not redundant then, or something else is worse, that is taken back.
+//! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but u1 from the first two lacks the digits that `1e12 + 1e-3` has lost.
+//! A dropped equation does not hold if a solution of the kept ones leaves a residual above the tolerance of its own terms. If this
+//! residual is within the rounding of its certificate, the equation with the largest term of the certificate is given up instead. Its
+//! term must exceed those of the dropped equation. Its coefficient must be at least half of the largest one, so that the kept equations
+//! come no nearer to dependence than by that factor. The exchange is undone in components where an equation that was given up is then not
+//! redundant, or where another number of equations is dependent or conflicting.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +19,7 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::rows::{MORE_THAN_ROUNDING, WorkingRow};
 
-/// Equations to give up for dropped ones that do not hold, if they are not `wanted`.
+/// Equations to give up for dropped ones that do not hold; equations of `wanted` are never given up.
 pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize]) -> BTreeSet<usize> {
     let (system, PassResult { basis, history, dependent, .. }) = (rule.system, pass);
     let is_zero = |values: &[f64]| values.iter().all(|&value| value == 0.0);
@@ -29,7 +30,7 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
     let u = basis.particular(system, rule.scaling);
     for d in dependent.iter().filter(|d| d.kind == Kind::Redundant) {
         let (left, size) = left_of(system, d.row, &u);
-        // Parts that are rounding of others hold as they are.
+        // An equation whose terms are only rounding is not examined.
         let has_parts = side(system, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
         if has_parts && left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
             let part = |term: &CertificateTerm| (term.coefficient * side(system, term.row).size).abs();
@@ -45,7 +46,7 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
     gone
 }
 
-/// Classifies equations that were given up, as combinations of what a pass without them has kept. Returns those that are not redundant.
+/// Classifies equations that were given up, as combinations of those that a pass without them kept. Returns those that are not redundant.
 ///
 /// # Errors
 /// [`AnalysisError::Backend`] if a block cannot be factored again.
@@ -75,7 +76,7 @@ pub(crate) fn not_redundant(
     Ok(others)
 }
 
-/// `|b - C u|` of an equation, and the largest of its parts.
+/// `|b - C u|` of an equation, and its largest term.
 fn left_of(system: LocalSystem, row: usize, u: &[f64]) -> (f64, f64) {
     let b = system.rhs()[row];
     let parts = system.row(row).map(|(j, v)| v * u[j]);

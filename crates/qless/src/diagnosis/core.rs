@@ -1,34 +1,34 @@
-//! What is left of the kept equations after their triangular parts: only there can elimination cancel.
+//! The cores of the kept equations, which remain after triangular parts are removed: elimination can cancel only there.
 //!
 //! A DOF in one of the equations, or an equation with one DOF, is an irreducible block of one row: `rho = 1`, whatever its numbers
-//! are. Such rows and columns are taken away until none is left. O(nnz).
+//! are. Such rows and columns are removed until none is left. O(nnz).
 
 use crate::common::DisjointSets;
 use crate::input::numbering::LocalSystem;
 
-/// Equations in which every DOF of theirs occurs at least twice, connected.
+/// Connected equations, each of whose DOFs occurs in at least two of them.
 pub struct Core {
     /// The equations, ascending.
     pub rows: Vec<u32>,
-    /// By equation its DOFs that are left, and their coefficients.
+    /// By equation, its remaining DOFs and their coefficients.
     pub entries: Vec<Vec<(u32, f64)>>,
 }
 
-/// Counts of what is left.
+/// Counts of the remaining rows and DOFs.
 struct Peeling<'a> {
     system: LocalSystem<'a>,
-    /// The equations, whether they are left, and how many DOFs each has left.
+    /// The equations, whether each remains, and the number of its remaining DOFs.
     rows: &'a [u32],
     stays: Vec<bool>,
     length: Vec<u32>,
-    /// By DOF the places of its equations, their number, and whether it is left.
+    /// By DOF, the places of its equations, their number, and whether the DOF remains.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
     is_left: Vec<bool>,
     ready: Vec<Removal>,
 }
 
-/// A row or a DOF that is to go.
+/// A row or a DOF to be removed.
 #[derive(Clone, Copy)]
 enum Removal {
     Row(u32),
@@ -63,7 +63,7 @@ pub fn cores(system: LocalSystem, rows: &[u32]) -> Vec<Core> {
 }
 
 impl Peeling<'_> {
-    /// The DOFs of an equation that are left.
+    /// The remaining DOFs of an equation.
     fn left<'b>(&'b self, at: u32, place: &'b [u32]) -> impl Iterator<Item = (u32, f64)> + 'b {
         let row = self.system.row(self.rows[at as usize] as usize);
         let places = row.map(|(j, v)| (place[j], v)).filter(|&(j, _)| j != u32::MAX);
@@ -93,7 +93,7 @@ impl Peeling<'_> {
         }
     }
 
-    /// A DOF that one equation fixes leaves the others.
+    /// Removes a DOF that one equation fixes from the others.
     fn leave(&mut self, j: u32) {
         self.is_left[j as usize] = false;
         for &at in self.holders[j as usize].iter().filter(|&&at| self.stays[at as usize]) {

@@ -1,13 +1,13 @@
-//! How far the kept equations are from dependence: the smallest d such that some E with `|E_ij| <= d |K_ij|` makes K + E rank deficient.
+//! Distance of the kept equations from dependence: the smallest d such that some E with `|E_ij| <= d |K_ij|` makes K + E rank deficient.
 //!
 //! ```text
 //! d >= 1 / rho(|K| |X|)    for any X with K X = I       (y^T (K + E) = 0  ->  |y|^T <= d |y|^T |K| |X|)
-//! rho = 1                  for triangular parts; so only cores are looked at
+//! rho = 1                  for triangular parts, so only cores are computed
 //! v <- |K| |X| v           power method from v = 1; (|X| v)_j as the root mean square of (X (v * s))_j over random signs s
 //! ```
 //!
-//! X is what was factored: steps of elimination, then the shortest solution of each block, then back substitution. Rows and columns
-//! may be scaled by any numbers: rho stays.
+//! X is applied by its factors: steps of elimination, then the minimum-norm solution of each block, then back substitution. Scaling rows
+//! and columns by any numbers does not change rho.
 
 use rayon::prelude::*;
 
@@ -21,11 +21,11 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::{Basis, Kept};
 
-/// Right-hand sides of random signs at a time.
+/// Number of right-hand sides with random signs that are solved together.
 const SIGNS: usize = 8;
 /// Steps of the power method.
 const STEPS: usize = 3;
-/// Of the random signs.
+/// Seed of the random signs.
 const SEED: u64 = 0x2545_f491;
 
 type Lanes = [f64; SIGNS];
@@ -40,19 +40,19 @@ pub(crate) struct KeptRows<'a> {
     pub triangles: &'a [Triangle],
 }
 
-/// How far a core is from dependence.
+/// The distance of a core from dependence.
 #[derive(Clone, Copy)]
 pub(crate) struct CoreDistance {
     /// One of its equations.
     pub row: u32,
     /// The estimate of d, at most 1.
     pub distance: f64,
-    /// Whether it is so near that the digits with which its coefficients were typed decide.
+    /// True if the core is so near dependence that the digits with which its coefficients were typed decide.
     pub is_typed: bool,
 }
 
 impl KeptRows<'_> {
-    /// Of each core.
+    /// The distance of each core.
     pub fn distances(&self) -> Vec<CoreDistance> {
         let cores = cores(self.system, &self.candidates());
         if cores.is_empty() {
@@ -143,8 +143,8 @@ impl KeptRows<'_> {
     }
 }
 
-/// The relative size of the last digit of the equation of a core that was typed with the fewest, if the core is near dependence by so
-/// much; else 0.
+/// The relative size of the last digit of the core's equation that was typed with the fewest digits, or 0 if the core is too far from
+/// dependence for typed digits to matter.
 fn precision(core: &Core, distance: f64) -> f64 {
     if distance >= last_digit(*TYPED.start()) {
         return 0.0;
@@ -152,7 +152,7 @@ fn precision(core: &Core, distance: f64) -> f64 {
     typed_precision(core.entries.iter().map(|row| row.iter().map(|&(_, value)| value)))
 }
 
-/// The shortest solutions of a block; each half of the right-hand sides on a thread of its own, if there are some.
+/// The minimum-norm solutions of a block. With several threads, each half of the right-hand sides is solved on its own thread.
 fn shortest(block: &Block, triangle: &Triangle, sigma: f64, sides: &Vec<Lanes>) -> Vec<Lanes> {
     if rayon::current_num_threads() == 1 {
         return triangle.nearly_shortest(block, sides, sigma);

@@ -1,7 +1,7 @@
 //! Generated boundary conditions: free DOFs that the equations fix to a value (section 2.2, Figure 6).
 //!
-//! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random ones tell this without T:
-//! u_s is then zero to rounding, and for any other s with probability zero only.
+//! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random vectors show this without T:
+//! u_s is then zero to rounding, and for any other s it is zero with probability zero.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -19,7 +19,7 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, free, ldexp};
 use crate::presolve::basis::{Basis, RowOrigin};
 
-/// A sum of parts that cancels to within this, relative to the parts, is zero.
+/// A sum that cancels to this fraction of its terms is zero.
 const NOISE: f64 = 1e-11;
 
 /// Fixed DOFs, ascending by the user's numbers.
@@ -31,7 +31,7 @@ pub(crate) struct Generated {
     pub dofs: Vec<u32>,
 }
 
-/// Those of `fixed` that move with no other random masters either, ascending by the user's numbers.
+/// The DOFs of `fixed` that do not move with other random masters either, ascending by the user's numbers.
 pub(crate) fn find(
     mut fixed: Vec<u32>,
     system: LocalSystem,
@@ -52,7 +52,7 @@ pub(crate) fn find(
     fixed
 }
 
-/// The values `G u_p + g` of fixed DOFs. `is_kept` tells the independent equations; at most `memory` bytes are used to solve them again.
+/// The values `G u_p + g` of fixed DOFs. `is_kept` is true for the independent equations; solving them again may use `memory` bytes.
 pub(crate) fn evaluate(
     dofs: Vec<u32>,
     system: LocalSystem,
@@ -70,8 +70,8 @@ pub(crate) fn evaluate(
     Generated { values: dofs.iter().map(named).collect(), dofs }
 }
 
-/// Where u misses the right-hand side of an equation by more than rounding of its own terms, the kept equations of the component are solved
-/// again, all together and with a step of refinement: an elimination row by row loses small terms beside large ones.
+/// If u misses the right-hand side of an equation by more than the rounding of its own terms, solves the kept equations of the component
+/// again, all together and with a step of refinement. An elimination row by row loses small terms beside large ones.
 fn solve_again(system: LocalSystem, scaling: &Scaling, is_kept: impl Fn(usize) -> bool, memory: usize, u: &mut [f64]) {
     let missed = |i: usize, u: &[f64]| {
         let b = system.rhs()[i];
@@ -109,7 +109,7 @@ fn solve_again(system: LocalSystem, scaling: &Scaling, is_kept: impl Fn(usize) -
             let j = dofs[slave as usize];
             u[j] = ldexp(x, scaling.col(j));
         }
-        // What is no better, or no number, is not taken.
+        // A solution that is not better, or not finite, is discarded.
         let is_better = worst(&rows, u) < before;
         if !is_better {
             dofs.iter().zip(old).for_each(|(&j, old)| u[j] = old);
@@ -117,7 +117,7 @@ fn solve_again(system: LocalSystem, scaling: &Scaling, is_kept: impl Fn(usize) -
     }
 }
 
-/// What is left of `e_s` while equations are taken from it, by the time at which each DOF became a slave.
+/// The remainder of `e_s` after subtracting equations, by (time at which the DOF became a slave, DOF).
 struct GeneratedRemainder {
     parts: BTreeMap<(u32, u32), f64>,
 }
@@ -136,12 +136,12 @@ pub(crate) struct Explainer<'a> {
     pub history: &'a History,
     pub scaling: &'a Scaling,
     pub backend: &'a dyn Backend,
-    /// As [`times`] gives it.
+    /// The result of [`times`].
     pub time: &'a [u32],
 }
 
-/// The row of the basis that gives each DOF; for DOFs of blocks the number of the block, counted on from the rows; `u32::MAX` for
-/// other masters and prescribed DOFs.
+/// The row of the basis that defines each DOF; for DOFs of block k, the number of rows plus k; `u32::MAX` for other masters and prescribed
+/// DOFs.
 pub(crate) fn times(basis: &Basis, dofs: usize) -> Vec<u32> {
     let mut time = vec![u32::MAX; dofs];
     basis.slaves().iter().zip(0..).for_each(|(&slave, t)| time[slave as usize] = t);
@@ -152,7 +152,7 @@ pub(crate) fn times(basis: &Basis, dofs: usize) -> Vec<u32> {
 }
 
 impl Explainer<'_> {
-    /// A vector of free DOFs (local) as a combination of the kept equations, if it is one.
+    /// Expresses a vector of free DOFs (local) as a combination of the kept equations, if it is one.
     pub fn because(&self, vector: impl IntoIterator<Item = (u32, f64)>) -> Result<Vec<CertificateTerm>, BackendError> {
         let parts = vector.into_iter().map(|(j, value)| ((self.time[j as usize], j), value)).collect();
         let mut rest = GeneratedRemainder { parts };
@@ -186,7 +186,7 @@ impl Explainer<'_> {
         Ok(own)
     }
 
-    /// All that is left in one block at once: `C_kept^T y = rest`.
+    /// Removes the remainder in all DOFs of one block at once: `C_kept^T y = rest`.
     fn take_block(&self, rest: &mut GeneratedRemainder, k: usize) -> Result<Vec<(u32, f64)>, BackendError> {
         let (block, solved) = (&self.blocks[k], &self.basis.blocks[k]);
         let mut right = vec![0.0; block.dofs.len()];

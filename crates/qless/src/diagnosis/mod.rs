@@ -1,4 +1,4 @@
-//! What an analysis says of a constraint system, and what can be asked of it afterwards.
+//! The diagnosis of a constraint system, and the questions that it answers afterwards.
 
 mod analyse;
 mod because;
@@ -39,20 +39,20 @@ pub use proof::Proof;
 pub(crate) use readings::analysed_parts;
 pub use readings::{OtherReading, analyse};
 
-/// Why an analysis could not be made.
+/// Why an analysis failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnalysisError {
-    /// A setting out of its range.
+    /// A setting is out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),
     /// The backend failed.
     #[error(transparent)]
     Backend(#[from] BackendError),
-    /// Exact arithmetic was given up.
+    /// Exact arithmetic exceeded its limit.
     #[error(transparent)]
     Exact(#[from] ExactError),
-    /// An equation whose coefficients are all below 2.2e-308, where doubles lose their digits.
+    /// All coefficients of an equation are below 2.2e-308, where doubles lose digits.
     #[error(
         "row {row}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation"
     )]
@@ -60,7 +60,7 @@ pub enum AnalysisError {
         /// The equation, 0-based.
         row: usize,
     },
-    /// Numbers so large or so small that the scaled right-hand side leaves the range of doubles.
+    /// Numbers are so large or so small that the scaled right-hand side leaves the range of doubles.
     #[error(
         "row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation"
     )]
@@ -70,20 +70,20 @@ pub enum AnalysisError {
     },
 }
 
-/// How much work presolve saved.
+/// The sizes before and after presolve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct PresolveStatistics {
-    /// Equations taken out with a DOF that occurs in no other (column singletons).
+    /// Equations removed with a DOF that occurs in no other equation (column singletons).
     pub rows_removed_by_column_singletons: usize,
-    /// Equations taken out by elimination without fill (row singletons, two-term rows, DOFs in two rows).
+    /// Equations removed by elimination without fill (row singletons, two-term rows, DOFs in two rows).
     pub rows_removed_by_elimination: usize,
     /// Equations found dependent before any factorization (empty rows included).
     pub rows_found_dependent: usize,
-    /// Equations left for the backend.
+    /// Equations that remain for the backend.
     pub core_rows: usize,
-    /// Free DOFs in them.
+    /// Free DOFs in these equations.
     pub core_dofs: usize,
     /// Number of blocks.
     pub blocks: usize,
@@ -97,13 +97,13 @@ pub struct PresolveStatistics {
 pub struct Timings {
     /// Scaling and presolve.
     pub presolve: Duration,
-    /// The backend, with everything that follows from its factors.
+    /// The backend, and all computations with its factors.
     pub factor: Duration,
     /// Classification and generated boundary conditions.
     pub classify: Duration,
 }
 
-/// The diagnosis of a constraint system, which it keeps: all that it is asked for is of that system, and of no other.
+/// The diagnosis of a constraint system. It keeps the system, so all later results belong to this system.
 pub struct Analysis {
     pub(crate) identity: Identity,
     pub(crate) system: ConstraintSystem,
@@ -121,24 +121,24 @@ pub struct Analysis {
     pub(crate) backend: (&'static str, String),
     pub(crate) options: Options,
     pub(crate) basis: Basis,
-    /// Of the rows of T, as [`nullspace_probe::NullspaceProbe::bounds`] has them.
+    /// Bounds of the rows of T, as in [`nullspace_probe::NullspaceProbe::bounds`].
     pub(crate) bounds: Vec<f64>,
     pub(crate) blocks: Vec<Block>,
     pub(crate) history: History,
     pub(crate) scaling: Scaling,
-    /// b as analysed, less what equations that were given up for others contradict.
+    /// b as analysed: for equations that were replaced by preferred ones, it is corrected so that it agrees with these.
     pub(crate) rhs: Vec<f64>,
     pub(crate) numbering: Numbering,
     /// Local numbers of [`Analysis::generated`].
     pub(crate) fixed: Vec<u32>,
     times: OnceLock<Vec<u32>>,
-    /// The equations of each DOF, made when an explanation is wanted.
+    /// The equations of each DOF, computed when an explanation needs them.
     pub(crate) incidence: OnceLock<Incidence>,
-    /// The basis with the rows of the blocks, made when they are wanted.
+    /// The basis with the rows of the blocks, computed when it is needed.
     pub(crate) solved: OnceLock<Basis>,
 }
 
-/// Sizes and verdict: the factors would fill pages.
+/// Prints sizes and verdict, because the factors would fill pages.
 impl std::fmt::Debug for Analysis {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut text = f.debug_struct("Analysis");
@@ -154,12 +154,12 @@ impl Analysis {
         self.basis.rank()
     }
 
-    /// The system as it was read: without the coefficients of [`Analysis::noise`].
+    /// The analysed system, without the coefficients of [`Analysis::noise`].
     pub fn system(&self) -> &ConstraintSystem {
         &self.system
     }
 
-    /// What each equation is; length m.
+    /// The verdict on each equation; length m.
     pub fn kinds(&self) -> &[Kind] {
         &self.kinds
     }
@@ -174,17 +174,17 @@ impl Analysis {
         &self.generated
     }
 
-    /// Equations of [`crate::Preferences::equations`] that are dependent on other such equations only, ascending.
+    /// Equations of [`crate::Preferences::equations`] that depend on other such equations only, ascending.
     pub fn unmet_equations(&self) -> &[usize] {
         &self.unmet_equations
     }
 
-    /// How sure the rank is.
+    /// The certainty of the rank.
     pub fn confidence(&self) -> Confidence {
         self.confidence
     }
 
-    /// Coefficients that count as zero by [`Options::noise`], ascending by row; [`Analysis::system`] is without them.
+    /// Coefficients that count as zero by [`Options::noise`], ascending by row; [`Analysis::system`] does not contain them.
     pub fn noise(&self) -> &[NoiseTerm] {
         &self.noise
     }
@@ -199,7 +199,7 @@ impl Analysis {
         self.exact.as_ref()
     }
 
-    /// The chance that [`Analysis::exact_rank`] is wrong: 0 if certificates prove the same rank from above, else what two primes leave.
+    /// Probability bound that [`Analysis::exact_rank`] is wrong: 0 if certificates prove the same rank, else [`ExactRank::error_chance`].
     pub fn exact_error_chance(&self) -> Option<f64> {
         let (exact, proof) = (self.exact.as_ref()?, self.proof.as_ref()?);
         let is_certain = exact.rank == self.rank() && proof.exact == self.dependent.len();
@@ -211,7 +211,7 @@ impl Analysis {
         self.proof.as_ref()
     }
 
-    /// What presolve did.
+    /// Statistics of presolve.
     pub fn presolve(&self) -> PresolveStatistics {
         self.presolve
     }
@@ -226,7 +226,7 @@ impl Analysis {
         (self.backend.0, &self.backend.1)
     }
 
-    /// What is known of an equation if it is dependent.
+    /// The dependent equation in this row, if there is one.
     pub(crate) fn dependent_of(&self, row: usize) -> Option<&Dependent> {
         self.dependent.binary_search_by_key(&row, |d| d.row).ok().map(|place| &self.dependent[place])
     }

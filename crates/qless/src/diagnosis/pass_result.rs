@@ -1,4 +1,4 @@
-//! The result of one run of the stages, asked by row and by component, and the last step from it to an [`Analysis`].
+//! The result of one run of the stages, by row and by component, and its conversion to an [`Analysis`].
 
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -25,7 +25,7 @@ use crate::{ConstraintSystem, Options};
 pub struct PassResult {
     pub basis: Basis,
     pub blocks: Vec<Block>,
-    /// Factors of what the blocks keep.
+    /// Factors of the kept rows of the blocks.
     pub triangles: Vec<Triangle>,
     pub history: History,
     pub dependent: Vec<Dependent>,
@@ -53,17 +53,17 @@ pub fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) ->
 }
 
 impl PassResult {
-    /// The user's rows that presolve kept with steep multipliers.
+    /// The user's rows that presolve kept but that are not reliable ([`NullspaceProbe::doubtful`]).
     pub fn steep_rows(&self) -> impl Iterator<Item = usize> {
         self.probe.doubtful.iter().map(|&t| self.users_row(t))
     }
 
-    /// Those of them that leave their slaves too few digits.
+    /// Those of them whose slaves have too few digits left.
     pub fn lost_rows(&self) -> impl Iterator<Item = usize> {
         self.probe.lost.iter().map(|&t| self.users_row(t))
     }
 
-    /// The user's rows that it dropped far from where they started.
+    /// The user's rows that presolve dropped after it had added large multiples of other rows.
     pub fn far_rows(&self) -> impl Iterator<Item = usize> {
         self.far_dependent.iter().map(|&row| self.history.rows[row as usize] as usize)
     }
@@ -77,7 +77,7 @@ impl PassResult {
         }
     }
 
-    /// By component the number of dependent equations, and of conflicting ones.
+    /// By component, the numbers of dependent and of conflicting equations.
     pub fn counts_by_component(&self, labels: &Labels) -> Vec<(u32, u32)> {
         let mut counts = vec![(0, 0); labels.count];
         for d in &self.dependent {
@@ -138,9 +138,9 @@ impl PassResult {
     }
 }
 
-/// Rows that are worth a thread.
+/// Least number of rows for a thread of their own.
 const ROWS_PER_GROUP: usize = 1 << 14;
-/// Maximal number of groups: each visits all DOFs once.
+/// Largest number of groups; each group visits all DOFs once.
 const MOST_GROUPS: usize = 16;
 
 /// Splits rows into groups of whole components, one thread each. Groups share no free DOF.
@@ -158,7 +158,7 @@ pub fn groups(local: LocalSystem, rows: Vec<u32>) -> Vec<Vec<u32>> {
         }
         groups.last_mut().into_iter().for_each(|group| group.extend(&part));
     }
-    // Within a group the order is that of the rows, not of the components.
+    // Rows of a group ascend, as they would without groups.
     groups.iter_mut().for_each(|group| group.sort_unstable());
     groups
 }

@@ -1,7 +1,7 @@
-//! Equations that the user wants kept: a dependent one changes places with a kept one of its certificate.
+//! Keeps the equations that the user prefers: a dependent one is exchanged for a kept one of its certificate.
 //!
 //! From `row_k = sum c_l row_l` follows `row_i = (row_k - sum_{l != i} c_l row_l) / c_i` for any i with `c_i != 0`: then k is
-//! kept and i depends on it. Where all of a certificate is to be kept, so is more than the rank allows: that wish is unmet.
+//! kept and i depends on it. If all equations of a certificate are preferred, they exceed the rank, and the preference is unmet.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,20 +9,20 @@ use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
 use crate::input::scale::{Scaling, ldexp};
 
-/// A part of a certificate that cancels to within this, relative to its parts, is zero.
+/// A term of a certificate that cancels to this fraction of its parts is zero.
 const NOISE: f64 = 1e-11;
 
-/// What came of the wishes.
+/// The result of the preferences.
 #[derive(Default)]
 pub(crate) struct PreferenceOutcome {
-    /// Wanted equations that are dependent all the same, ascending.
+    /// Preferred equations that are dependent nevertheless, ascending.
     pub unmet: Vec<usize>,
-    /// Equations given up for wanted ones that they conflict with, and what their right-hand sides would have to be
-    /// lowered by to agree.
+    /// Equations given up for preferred ones that contradict them, and the amount by which their right-hand sides have to be
+    /// lowered to agree.
     pub overruled: Vec<(usize, f64)>,
 }
 
-/// Exchanges dependent equations until none of `wanted` is, or no exchange is left.
+/// Exchanges dependent equations until none of `wanted` is dependent, or no exchange is possible.
 pub(crate) fn keep_preferred(
     wanted: &[usize],
     dependent: &mut Vec<Dependent>,
@@ -56,7 +56,7 @@ struct Exchangeable {
 }
 
 impl Exchangeable {
-    /// Whether an exchange made this equation dependent.
+    /// Returns true if an exchange made this equation dependent.
     fn changed(&self) -> bool {
         matches!(self.dependent.source, Source::Given(_))
     }
@@ -82,14 +82,14 @@ fn certificate(dependent: &Dependent, history: &History) -> BTreeMap<usize, f64>
     dependent.source.explain(history).into_iter().map(|term| (term.row, term.coefficient)).collect()
 }
 
-/// The equation of a certificate with the largest part, of those that may go.
+/// The equation with the largest term of a certificate, among those that are not wanted.
 fn substitute_for(because: &BTreeMap<usize, f64>, wanted: &BTreeSet<usize>, scaling: &Scaling) -> Option<usize> {
     let part = |(&row, c): (&usize, &f64)| (row, ldexp(c.abs(), -scaling.row[row]));
     let may_go = because.iter().filter(|(row, _)| !wanted.contains(row)).map(part);
     may_go.reduce(|a, b| if b.1 > a.1 { b } else { a }).map(|(row, _)| row)
 }
 
-/// Equation k is kept, i depends on it.
+/// Keeps equation k instead of i, which then depends on it.
 fn exchange(all: &mut BTreeMap<usize, Exchangeable>, k: usize, i: usize, rule: &MismatchRule) {
     let Some(Exchangeable { mut because, dependent }) = all.remove(&k) else { return };
     let pivot = because.remove(&i).unwrap_or(1.0);
@@ -109,10 +109,10 @@ fn exchange(all: &mut BTreeMap<usize, Exchangeable>, k: usize, i: usize, rule: &
     all.insert(i, Exchangeable { because, dependent: Dependent::new(i, rest, dependent.dropped, GIVEN, rule) });
 }
 
-/// Filled in at the end.
+/// Replaced at the end by the certificate.
 const GIVEN: Source = Source::Given(Vec::new());
 
-/// Adds a part to a sum over equations; what cancels is no term.
+/// Adds a term to a sum over equations; removes a term that cancels.
 pub(crate) fn add(because: &mut BTreeMap<usize, f64>, row: usize, part: f64) {
     let old = because.get(&row).copied().unwrap_or(0.0);
     if (old + part).abs() <= NOISE * old.abs().max(part.abs()) {

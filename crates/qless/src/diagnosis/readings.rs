@@ -1,4 +1,4 @@
-//! The entrance: a system is read as it stands, or twice where numbers of it may be rounding.
+//! The entry point: reads a system as given, or twice if some of its numbers may be rounding.
 
 use std::collections::HashSet;
 
@@ -11,13 +11,13 @@ use crate::input::noise::{NoiseTerm, Suspects};
 use crate::input::numbering::Numbering;
 use crate::{ConstraintSystem, Effort, Kind, Noise, Options, Tolerance};
 
-/// What a system is if numbers that may be rounding are read the other way.
+/// The result if numbers that may be rounding are read the other way.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct OtherReading {
-    /// Whether suspect coefficients count as zero in this reading; as given otherwise.
+    /// True if suspect coefficients count as zero in this reading, false if they count as given.
     pub as_zero: bool,
-    /// The coefficients that it reads in another way, ascending by row.
+    /// The coefficients that are read differently, ascending by row.
     pub terms: Vec<NoiseTerm>,
     /// Its rank.
     pub rank: usize,
@@ -69,11 +69,11 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     Ok(analysis)
 }
 
-/// Bytes of a coefficient of exact elimination, modulo each of two primes at a time.
+/// Bytes of a coefficient in exact elimination modulo two primes at the same time.
 const BYTES: usize = 48;
 
 impl Analysis {
-    /// Adds the exact rank of the system as given; a part with another result is in doubt.
+    /// Adds the exact rank of the system as given; sets a doubt if a part has another result.
     fn compare_with_exact(&mut self, system: &ConstraintSystem) -> Result<(), AnalysisError> {
         let settings = Settings { fill: self.options.memory / BYTES, ..self.options.numbers.into() };
         let exact = exact::rank(system, settings)?;
@@ -81,7 +81,7 @@ impl Analysis {
             self.confidence = self.confidence.or(Doubt::Exact);
         }
         self.exact = Some(exact);
-        // Where exact arithmetic agrees, what has no proof is in no doubt.
+        // If exact arithmetic agrees, a missing proof is no doubt.
         self.proof = Some(Proof::of(self));
         Ok(())
     }
@@ -99,7 +99,7 @@ pub(crate) fn analysed_parts(kinds: &[Kind], exact: &ExactRank) -> Vec<PartRank>
     parts
 }
 
-/// Analyses the system without equations that are rounding, and the components concerned once more, with every suspect number the
+/// Analyses the system without equations that are rounding. Then analyses the affected components again, with every suspect number read the
 /// other way.
 fn read_twice(system: &ConstraintSystem, options: &Options, suspects: &Suspects) -> Result<Analysis, AnalysisError> {
     let without = |terms: &[NoiseTerm], is_read: &dyn Fn(usize) -> bool| {

@@ -192,7 +192,7 @@ impl Elimination {
         &self.prescribed_values
     }
 
-    /// Whether a DOF is a slave; false for numbers from n on.
+    /// Returns true if a DOF is a slave; false for numbers from n on.
     pub fn is_slave(&self, dof: usize) -> bool {
         matches!(self.roles.of.get(dof), Some(Role::Slave(_)))
     }

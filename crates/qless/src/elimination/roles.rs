@@ -12,13 +12,13 @@ pub(super) enum Role {
 
 /// The roles of the DOFs, with data derived from T, G and g.
 pub(super) struct Roles {
-    /// By DOF.
+    /// Role of each DOF.
     pub of: Vec<Role>,
     /// `G u_p + g`, by slave.
     pub constants: Vec<f64>,
     /// `T^T`: for each master the DOFs of the slaves whose rows contain it.
     pub of_masters: Csr,
-    /// Whether each slave belongs to a factored part; empty if T is explicit.
+    /// By slave, true if it belongs to a factored part; empty if T is explicit.
     factored: Vec<bool>,
 }
 
@@ -48,7 +48,7 @@ impl Roles {
         self.constants.iter_mut().zip(&reduction.g).for_each(|(sum, g)| *sum += g);
     }
 
-    /// Whether slave i belongs to a factored part.
+    /// Returns true if slave i belongs to a factored part.
     pub fn is_factored(&self, i: usize) -> bool {
         self.factored.get(i).is_some_and(|&factored| factored)
     }

@@ -17,7 +17,7 @@ pub enum Storage {
 }
 
 impl Storage {
-    /// Whether it includes entry (row, column).
+    /// Returns true if it includes entry (row, column).
     pub(super) fn holds(self, row: usize, column: usize) -> bool {
         match self {
             Self::Full => true,

@@ -3,13 +3,13 @@
 use super::{Explanation, Member};
 use crate::ConstraintSystem;
 
-/// Most numbers in the line; the others are counted.
+/// Largest number of terms in the line; the others are only counted.
 const SHOWN: usize = 6;
-/// Most characters of a label.
+/// Largest number of characters of a label.
 const LABEL: usize = 30;
 
 impl Explanation {
-    /// What the members give and what equation `row` asks: `0.5 (line 17) - 0 (line 13) = 0.5, but 0 is asked (line 11)`.
+    /// The sum of the members and the right-hand side of equation `row`: `0.5 (line 17) - 0 (line 13) = 0.5, but 0 is asked (line 11)`.
     ///
     /// Equations whose right-hand side is zero are left out, and numbers have at most six digits.
     ///
@@ -27,7 +27,7 @@ impl Explanation {
     /// ```
     pub fn arithmetic(&self, system: &ConstraintSystem, row: usize) -> String {
         let mut parts: Vec<Part> = self.members.iter().filter_map(|&member| Part::new(system, member)).collect();
-        // What is not zero is shown first if there is no room for all.
+        // Nonzero terms are shown first if there is no room for all.
         if parts.len() > SHOWN {
             parts.sort_by_key(|part| part.value == 0.0);
         }
@@ -42,7 +42,7 @@ impl Explanation {
     }
 }
 
-/// A factor times a right-hand side or a prescribed value, and where that stands.
+/// A factor times a right-hand side or a prescribed value, and the place of the value in the input.
 struct Part {
     factor: f64,
     value: f64,
@@ -79,7 +79,7 @@ impl Part {
     }
 }
 
-/// The line of a label that begins with one, such as `line 41` of `line 41 *EQUATION 3:1`; else the label, shortened.
+/// `line 41` for a label such as `line 41 *EQUATION 3:1`; for other labels, the label, shortened.
 pub(super) fn short(label: &str) -> String {
     let words: Vec<&str> = label.split_whitespace().take(2).collect();
     match words[..] {
@@ -90,7 +90,7 @@ pub(super) fn short(label: &str) -> String {
     }
 }
 
-/// At most six significant digits.
+/// The number with at most six significant digits.
 fn digits(x: f64) -> String {
     let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
     let text = format!("{:?}", rounded + 0.0);

@@ -1,4 +1,4 @@
-//! The equations that may explain another: all that the kept ones agree with, and prescribed values.
+//! Candidates for the explanation of an equation: prescribed values, and all equations that agree with the kept ones.
 
 use crate::Kind;
 use crate::input::incidence::Incidence;
@@ -11,12 +11,12 @@ pub(super) struct Candidates<'a> {
     pub incidence: &'a Incidence,
     pub scaling: &'a Scaling,
     pub kinds: &'a [Kind],
-    /// The equation to explain, which is no candidate.
+    /// The equation to explain, which is not a candidate itself.
     pub row: Option<usize>,
 }
 
 impl<'a> Candidates<'a> {
-    /// Conflicting equations explain nothing: a circle with two of them can hide both conflicts.
+    /// Conflicting equations are no candidates: a circle with two of them can hide both conflicts.
     pub fn is_allowed(&self, row: u32) -> bool {
         let row = row as usize;
         self.kinds[row] != Kind::Conflicting && self.row != Some(row)

@@ -1,11 +1,11 @@
-//! Which of several changes is the most plausible: nobody can know, but typing errors are rare numbers with many digits.
+//! Sorts changes by plausibility. The true error is unknown, but typing errors usually are rare numbers with many digits.
 
 use std::collections::HashMap;
 
 use super::changes::{Change, Number};
 use crate::ConstraintSystem;
 
-/// How often each number occurs among right-hand sides and among prescribed values.
+/// The number of occurrences of each number among right-hand sides and among prescribed values.
 pub(super) struct Plausibility<'a> {
     system: &'a ConstraintSystem,
     sides: HashMap<u64, usize>,
@@ -31,7 +31,8 @@ impl<'a> Plausibility<'a> {
         rounded(if largest > 0.0 { b / largest } else { b })
     }
 
-    /// Sorts ways: to common numbers from rare ones, then to numbers with fewer digits, then from numbers other than zero, then by place.
+    /// Sort key of a way: changes from rare numbers to common ones come first, then those to numbers with fewer digits, then those from
+    /// nonzero numbers, then by place.
     pub fn key(&self, way: &[Change]) -> (isize, usize, usize, Vec<Number>) {
         let common = way.iter().map(|change| self.surplus(change)).sum::<isize>();
         let digits = way.iter().map(|change| digits(change.to)).sum();
@@ -39,7 +40,7 @@ impl<'a> Plausibility<'a> {
         (-common, digits, zeros, way.iter().map(|change| change.number).collect())
     }
 
-    /// How many other numbers are as after the change, less how many are as before.
+    /// How many other numbers equal the new value, minus how many equal the old value.
     fn surplus(&self, change: &Change) -> isize {
         let count = |counts: &HashMap<u64, usize>, key: u64| counts.get(&key).copied().unwrap_or(0) as isize;
         match change.number {
@@ -55,7 +56,7 @@ impl<'a> Plausibility<'a> {
     }
 }
 
-/// The bits of a size with nine digits.
+/// The bits of `|x|`, rounded to nine digits.
 fn rounded(x: f64) -> u64 {
     let rounded: f64 = format!("{:.8e}", x.abs()).parse().unwrap_or(x);
     rounded.to_bits()

@@ -18,14 +18,14 @@ pub enum Number {
 pub struct Change {
     /// The number.
     pub number: Number,
-    /// Its value.
+    /// Its present value.
     pub from: f64,
     /// The value that cures, rounded to 12 digits.
     pub to: f64,
 }
 
 impl From<Member> for Number {
-    /// The number that a member brings.
+    /// The number that a member contributes.
     fn from(member: Member) -> Self {
         match member {
             Member::Equation { row, .. } => Self::RightHandSide(row),

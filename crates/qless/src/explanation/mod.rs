@@ -1,20 +1,21 @@
-//! Why an equation is dependent or a DOF fixed, by few equations and prescribed values.
+//! Explains why an equation is dependent or a DOF fixed, by few equations and prescribed values.
 //!
 //! ```text
 //! row_k = sum_i c_i row_i + sum_j d_j e_j      over all DOFs; e_j: the prescribed value of DOF j, as an equation `u_j = value`
 //! b_k  ?= sum_i c_i b_i   + sum_j d_j value_j  equal: redundant; not equal: conflicting
 //! ```
 //!
-//! Certificates ([`Analysis::because`]) are over kept equations, unique, and can be long. Explanations are over all equations that the kept
-//! ones agree with, also redundant ones, and short where that is cheap:
+//! Certificates ([`Analysis::because`]) use kept equations only; they are unique, and can be long. Explanations may use all equations that
+//! agree with the kept ones, also redundant ones, and are short if that is cheap:
 //!
 //! ```text
 //! circle         equations with one or two DOFs: the shortest circle, by breadth-first search
-//! neighbourhood  elimination among the equations near by
-//! certificate    otherwise
+//! neighbourhood  elimination among nearby equations
+//! certificate    if neither finds an explanation
 //! ```
 //!
-//! Every explanation is *irreducible*: its members are independent and no factor is zero, so that no part of them gives the equation.
+//! Every explanation is *irreducible*: its members are independent and no factor is zero, so no smaller set of its members explains the
+//! equation.
 
 mod arithmetic;
 mod candidates;
@@ -37,13 +38,13 @@ use candidates::Candidates;
 pub use changes::{Change, Number};
 pub use repair::{Freed, Repair};
 
-/// Most equations that a search for a circle visits; a search over so many takes a millisecond.
+/// Largest number of equations that a search for a circle visits; such a search takes a millisecond.
 const MOST_VISITED: usize = 1 << 14;
 
-/// A sum that cancels to within this, relative to its parts, is zero.
+/// A sum that cancels to this fraction of its terms is zero.
 const NOISE: f64 = 1e-11;
 
-/// A combination that leaves no more than this of its parts gives a sum: equations agree to more digits, and certificates lose few of them.
+/// A combination equals a sum if at most this fraction of its terms is left: equations agree to more digits, and certificates lose few.
 const SAME: f64 = 1e-9;
 
 /// An explanation with more members is compared with the certificate, which may be shorter.
@@ -80,21 +81,21 @@ impl Member {
     }
 }
 
-/// Equations and prescribed values of which another equation, or the value of a fixed DOF, is the sum.
+/// Equations and prescribed values whose sum is another equation, or the value of a fixed DOF.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Explanation {
     /// Equations, ascending, then prescribed values, ascending. Empty for the equation `0 = b`.
     pub members: Vec<Member>,
-    /// The right-hand side that they give: `sum_i c_i b_i + sum_j d_j value_j`. Another equation with this right-hand side would be redundant;
-    /// a fixed DOF has this value.
+    /// The right-hand side of their sum: `sum_i c_i b_i + sum_j d_j value_j`. The explained equation would be redundant with this
+    /// right-hand side; a fixed DOF has this value.
     pub right_hand_side: f64,
     /// `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs.
     pub error: f64,
 }
 
 impl Explanation {
-    /// From its parts.
+    /// An explanation with these members, right-hand side and error.
     pub fn new(members: Vec<Member>, right_hand_side: f64, error: f64) -> Self {
         Self { members, right_hand_side, error }
     }
@@ -104,8 +105,8 @@ impl Analysis {
     /// Why an equation is dependent, in few members; `None` for an independent one.
     ///
     /// `row_k = sum_i c_i row_i + sum_j d_j e_j` over all DOFs, where `e_j` are prescribed values. The members are irreducible: without any
-    /// one of them the others do not give the equation. The search is bounded (16,384 visited or 128 eliminated equations); beyond that the
-    /// certificate explains.
+    /// one of them, the others do not explain the equation. The search is bounded (16,384 visited or 128 eliminated equations); beyond that
+    /// the certificate is the explanation.
     ///
     /// ```
     /// use qless::explanation::Member;
@@ -167,7 +168,7 @@ impl Analysis {
         Ok((found.error <= SAME).then_some(found))
     }
 
-    /// What gives a vector: few equations, or else kept ones.
+    /// Expresses a vector by few equations if they are found, else by kept equations.
     fn combination(&self, vector: &[(u32, f64)]) -> Result<Explanation, BackendError> {
         let terms = if let Some(terms) = self.short(None, vector).0 {
             terms
@@ -179,7 +180,7 @@ impl Analysis {
         Ok(self.with_values(vector, terms, None))
     }
 
-    /// The explanation of a dependent equation and its cost in operations; the certificate without a search.
+    /// The explanation of a dependent equation and its cost in operations. Without `search`, the explanation is the certificate.
     pub(crate) fn explained(&self, dependent: &Dependent, search: bool) -> (Explanation, usize) {
         let local = self.numbering.view(&self.system, self.system.rhs());
         let vector: Vec<(u32, f64)> = local.row(dependent.row).map(|(j, value)| (j as u32, value)).collect();
@@ -198,7 +199,7 @@ impl Analysis {
         (explanation, effort)
     }
 
-    /// A vector as a combination of few equations, if one is found within the bounds, and the operations that this took.
+    /// A vector as a combination of few equations, if one is found within the bounds, and the number of operations.
     fn short(&self, dependent: Option<&Dependent>, vector: &[(u32, f64)]) -> (Option<Vec<CertificateTerm>>, usize) {
         let system = self.numbering.view(&self.system, self.system.rhs());
         let row = dependent.map(|dependent| dependent.row);
@@ -217,7 +218,7 @@ impl Analysis {
         (near.map(terms).filter(is_good), visited + effort)
     }
 
-    /// A certificate without the terms that are rounding of others: it is unique, so that no other term can be left out.
+    /// A certificate without terms that are rounding of others. It is unique, so no other term can be left out.
     fn without_rounding(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
         let pruned = self.pruned(&terms, NOISE);
         let error = |terms: &[CertificateTerm]| self.error_of(vector.iter().copied(), terms);
@@ -225,8 +226,8 @@ impl Analysis {
         if is_good { pruned } else { terms }
     }
 
-    /// Whether the right-hand side of an explanation says of an equation what its certificate says: differences are errors of the equations'
-    /// own agreement, each within the tolerance.
+    /// Returns true if the right-hand side of an explanation agrees with the verdict of the certificate. Differences come from equations
+    /// that agree only to the tolerance.
     fn is_of(&self, dependent: &Dependent, explanation: &Explanation) -> bool {
         let b = self.system.rhs()[dependent.row];
         let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);
@@ -235,7 +236,7 @@ impl Analysis {
         agrees && (dependent.kind == Kind::Redundant || mismatch.abs() >= dependent.mismatch.abs() / 2.0)
     }
 
-    /// What a member gives to the right-hand side.
+    /// The contribution of a member to the right-hand side.
     fn part(&self, member: Member) -> f64 {
         match member {
             Member::Equation { row, coefficient } => coefficient * self.system.rhs()[row],
@@ -243,7 +244,7 @@ impl Analysis {
         }
     }
 
-    /// The explanation by these equations and the prescribed values that they leave; computes the error unless it is known.
+    /// The explanation by these equations and the prescribed values in their remainder; computes the error unless it is known.
     fn with_values(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>, error: Option<f64>) -> Explanation {
         let system = self.numbering.view(&self.system, self.system.rhs());
         let mut left: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
@@ -277,7 +278,7 @@ impl Analysis {
     }
 }
 
-/// Ascending by row, without zeros.
+/// Certificate terms, ascending by row, without zeros.
 fn terms(factors: Vec<(u32, f64)>) -> Vec<CertificateTerm> {
     let term = |(row, coefficient)| CertificateTerm { row: row as usize, coefficient };
     let mut terms: Vec<CertificateTerm> = factors.into_iter().filter(|&(_, factor)| factor != 0.0).map(term).collect();

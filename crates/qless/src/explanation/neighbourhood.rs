@@ -1,22 +1,22 @@
-//! Short explanations elsewhere: elimination in a growing neighbourhood of the equation.
+//! Short explanations of general equations: elimination in a growing neighbourhood of the equation.
 //!
-//! The neighbourhood grows by levels: equations that share a free DOF with it, those with the fewest new DOFs first. Each equation that is no
-//! combination of those before it is kept. As soon as the kept ones give the vector, their coefficients are unique, so that an explanation of
-//! all those that are not zero is irreducible.
+//! The neighbourhood grows by levels. A level has the equations that share a free DOF with the neighbourhood, those with the fewest new
+//! DOFs first. An equation is kept if it is no combination of earlier ones. As soon as the vector is a combination of the kept equations,
+//! its coefficients are unique, so the explanation by all equations with nonzero coefficients is irreducible.
 
 use std::collections::{HashMap, HashSet};
 
 use super::candidates::Candidates;
 use crate::input::scale::ldexp;
 
-/// Most equations of a neighbourhood: one elimination is about 128^2 * 512 operations, some milliseconds.
+/// Largest number of equations of a neighbourhood: one elimination is about 128^2 * 512 operations, which take some milliseconds.
 const MOST: usize = 128;
-/// Equations are longer in nets of many DOFs; beyond this they are not local.
+/// Largest number of DOFs of a neighbourhood: longer equations are not local.
 const MOST_DOFS: usize = 512;
-/// A sum that cancels to within this of its parts is zero.
+/// A sum that cancels to this fraction of its terms is zero.
 const NOISE: f64 = 1e-11;
 
-/// An equation while others are subtracted: numbers with the size of the parts that went into them.
+/// The remainder of an equation while others are subtracted: values, and the sizes of the terms that went into them.
 #[derive(Clone, Default)]
 struct Remainder {
     values: Vec<f64>,
@@ -41,7 +41,7 @@ impl Remainder {
         }
     }
 
-    /// The numbers without rounding.
+    /// All numbers, with zero for those that are rounding.
     fn cleaned(&self, noise: f64) -> Vec<f64> {
         (0..self.values.len()).map(|k| self.get(k, noise)).collect()
     }
@@ -53,14 +53,14 @@ impl Remainder {
     }
 }
 
-/// A kept equation: what is left of it, its pivot, and the equations (places in the list of kept ones) that it is made of.
+/// A kept equation: its remainder, its pivot, and its factors over the kept equations (by place in the list of kept ones).
 struct Pivot {
     values: Vec<f64>,
     column: usize,
     made_of: Vec<f64>,
 }
 
-/// The neighbourhood, its elimination, and what is left of the vector.
+/// The neighbourhood, its elimination, and the remainder of the vector.
 struct Neighbourhood<'a> {
     candidates: &'a Candidates<'a>,
     columns: HashMap<u32, usize>,
@@ -73,7 +73,7 @@ struct Neighbourhood<'a> {
     effort: usize,
 }
 
-/// A vector of free DOFs as a combination of equations near it, `(row, factor)`, and the number of multiplications.
+/// Expresses a vector of free DOFs by equations near it, as `(row, factor)`; also returns the number of multiplications.
 pub(super) fn near(candidates: &Candidates, vector: &[(u32, f64)], tolerance: f64) -> (Option<Vec<(u32, f64)>>, usize) {
     let mut near = Neighbourhood {
         candidates,
@@ -100,7 +100,7 @@ impl Neighbourhood<'_> {
         *self.columns.entry(dof).or_insert(next)
     }
 
-    /// Level by level until the vector is a combination; false if it is none within the bounds.
+    /// Adds level after level until the vector is a combination; returns false if the bounds are reached before.
     fn grow(&mut self, mut dofs: Vec<u32>) -> bool {
         while !dofs.is_empty() {
             let level = self.level(&dofs);
@@ -121,9 +121,9 @@ impl Neighbourhood<'_> {
         false
     }
 
-    /// Equations beside these DOFs that are not taken yet, those with the fewest unknown DOFs first.
+    /// Equations that contain one of these DOFs and are not in the neighbourhood yet, those with the fewest new DOFs first.
     fn level(&self, dofs: &[u32]) -> Vec<u32> {
-        // No more equations are looked at than could be taken, with a margin for long lists of one DOF.
+        // Examines no more equations than could be used, with a margin for DOFs with long lists.
         let beside = dofs.iter().flat_map(|&dof| self.candidates.rows(dof).iter().copied().take(8 * MOST));
         let mut level: Vec<u32> =
             beside.filter(|&row| self.candidates.is_allowed(row) && !self.taken.contains(&row)).collect();
@@ -134,7 +134,7 @@ impl Neighbourhood<'_> {
         level
     }
 
-    /// Subtracts the pivots from an equation, and keeps it if something is left.
+    /// Subtracts the pivots from an equation, and keeps it if the remainder is not zero.
     fn take(&mut self, row: u32) {
         let (mut rest, mut made_of) = (Remainder::default(), Remainder::default());
         for (dof, value) in self.candidates.free(row).collect::<Vec<_>>() {
@@ -156,7 +156,7 @@ impl Neighbourhood<'_> {
         (0..self.left.values.len()).all(|k| self.left.get(k, self.tolerance) == 0.0)
     }
 
-    /// The factors of the kept equations, in the units of the user: `made_of` holds them with the other sign.
+    /// The factors of the kept equations, in the user's units; `made_of` has them with the opposite sign.
     fn factors(&self) -> Vec<(u32, f64)> {
         let factor = |(k, &row): (usize, &u32)| {
             (row, -ldexp(self.made_of.get(k, NOISE), self.candidates.scaling.row[row as usize]))
@@ -165,7 +165,7 @@ impl Neighbourhood<'_> {
     }
 }
 
-/// Subtracts pivots from `first` on; returns the number of multiplications.
+/// Subtracts the pivots from `first` on; returns the number of multiplications.
 fn eliminate(pivots: &[Pivot], first: usize, rest: &mut Remainder, made_of: &mut Remainder) -> usize {
     let mut effort = 0;
     for pivot in &pivots[first..] {

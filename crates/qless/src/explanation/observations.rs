@@ -1,4 +1,4 @@
-//! Mismatches of conflicts, and which changes of numbers cure them all: `m_o + sum_w a_ow x_w = 0`.
+//! Mismatches of conflicts, and the changes of numbers that cure all of them: `m_o + sum_w a_ow x_w = 0`.
 
 use std::collections::BTreeMap;
 
@@ -6,15 +6,15 @@ use super::Explanation;
 use super::changes::Number;
 use crate::common::DisjointSets;
 
-/// Most numbers of which pairs are tried: 300 of them have 45,000 pairs.
+/// Largest number of numbers whose pairs are tried: 300 numbers have 45,000 pairs.
 const MOST_PAIRED: usize = 300;
-/// Numbers that agree to this, relative to their size, are equal: mismatches have more digits.
+/// Numbers that agree to this, relative to their size, count as equal: mismatches have more digits.
 const EQUAL: f64 = 1e-6;
 
 /// The effects of one number on observations: `m_o` grows by `effect` times the change.
 pub(super) type Effects = Vec<(usize, f64)>;
 
-/// Mismatches to cure, and the numbers that act on them.
+/// Mismatches to cure, and the numbers that affect them.
 #[derive(Default)]
 pub(super) struct Observations {
     pub mismatches: Vec<f64>,
@@ -22,7 +22,7 @@ pub(super) struct Observations {
 }
 
 impl Observations {
-    /// A mismatch, on which each member acts by its coefficient, with the other sign.
+    /// Adds a mismatch. Each member changes it by its coefficient, with the opposite sign.
     pub fn add(&mut self, mismatch: f64, explanation: &Explanation) {
         let o = self.mismatches.len();
         self.mismatches.push(mismatch);
@@ -31,7 +31,7 @@ impl Observations {
         }
     }
 
-    /// Observations that have numbers in common.
+    /// Groups of observations, connected by common numbers.
     pub fn groups(&self) -> Vec<Vec<usize>> {
         let mut sets = DisjointSets::new(self.mismatches.len());
         for effects in self.effects.values() {
@@ -55,7 +55,7 @@ impl Observations {
         some
     }
 
-    /// Numbers that cure everything alone, with their changes.
+    /// Numbers that cure all mismatches alone, with their changes.
     pub fn singles(&self) -> Vec<Vec<(Number, f64)>> {
         let cures = |(&number, effects): (&Number, &Effects)| {
             let change = -self.mismatches[effects[0].0] / effects[0].1;
@@ -66,7 +66,7 @@ impl Observations {
         self.effects.iter().filter_map(cures).collect()
     }
 
-    /// Pairs of numbers that cure everything together.
+    /// Pairs of numbers that cure all mismatches together.
     pub fn pairs(&self) -> Vec<Vec<(Number, f64)>> {
         let all: Vec<(Number, Vec<f64>)> =
             self.effects.iter().map(|(&number, effects)| (number, self.dense(effects))).collect();
@@ -109,8 +109,8 @@ impl Observations {
         (0..n).all(is_cured).then_some([x, y])
     }
 
-    /// One number after the other, each the one that cures most of what is left. The right-hand side of a conflict cures it alone, so that
-    /// this ends.
+    /// Chooses one number after the other, always the one that cures most of the remaining mismatches. The right-hand side of a conflict
+    /// cures it alone, so this ends.
     pub fn greedy(&self) -> Vec<(Number, f64)> {
         let mut left = self.mismatches.clone();
         let mut chosen: BTreeMap<Number, f64> = BTreeMap::new();
@@ -127,7 +127,8 @@ impl Observations {
     }
 }
 
-/// The largest number of mismatches that one change of a number cures, less those that it spoils, if that is any; and the change.
+/// The change of a number that cures most mismatches, and the number of these minus the number that it spoils; None if this is not
+/// positive.
 fn gain(left: &[f64], effects: &Effects) -> Option<(usize, f64)> {
     let spoiled = effects.iter().filter(|&&(o, _)| left[o] == 0.0).count();
     let open: Vec<_> = effects.iter().filter(|&&(o, _)| left[o] != 0.0).collect();
@@ -137,7 +138,7 @@ fn gain(left: &[f64], effects: &Effects) -> Option<(usize, f64)> {
     (count > spoiled).then(|| (count - spoiled, change))
 }
 
-/// Whether a mismatch and a change of it cancel.
+/// Returns true if a mismatch and a change of it cancel.
 fn is_zero(mismatch: f64, change: f64) -> bool {
     (mismatch + change).abs() <= EQUAL * mismatch.abs().max(change.abs())
 }

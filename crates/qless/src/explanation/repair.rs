@@ -6,8 +6,9 @@
 //!                                               sum_w a_kw x_w = 0       for redundant ones
 //! ```
 //!
-//! Of the redundant equations random sums are taken: a number that has no part in them has no part in any of them, with probability 1. To
-//! leave an equation out cures the same as another right-hand side of it. Conflicts that have no number in common are cured apart.
+//! Random sums represent the redundant equations: a number that does not occur in them occurs in none of these equations, with
+//! probability 1. Removing an equation has the same effect as another right-hand side of it. Conflicts without a common number are cured
+//! separately.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,24 +21,24 @@ use crate::factor::backend::BackendError;
 use crate::input::scale::ldexp;
 use crate::{Analysis, Dependent, Kind};
 
-/// Most conflicts that are looked at one by one; of more, random sums are taken, which tell single changes only.
+/// Largest number of conflicts that are examined one by one. More conflicts are replaced by random sums, which show single changes only.
 const MOST_CONFLICTS: usize = 64;
-/// Random sums of more conflicts, and of redundant equations: two that agree do so by chance with probability 0.
+/// Number of random sums for more conflicts: a change that is wrong agrees with both by chance with probability 0.
 const SUMS: usize = 2;
-/// Most conflicts for which pairs of changes are searched completely.
+/// Largest number of conflicts for which pairs of changes are searched completely.
 const HANDFUL: usize = 8;
-/// Most ways that are listed; the others are counted.
+/// Largest number of ways that are listed; the others are only counted.
 const MOST_WAYS: usize = 16;
-/// Part of the largest number of a random sum that counts as zero: it is cancelled by others.
+/// A number below this fraction of the largest one of a random sum counts as zero, because its terms cancel.
 const NOISE: f64 = 1e-9;
 
-/// What could be freed.
+/// An equation or DOF that could be freed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Freed {
-    /// A dependent equation, 0-based, from the others.
+    /// A dependent equation, 0-based, that could become independent.
     Equation(usize),
-    /// A fixed DOF, 0-based, from its value.
+    /// A fixed DOF, 0-based, that could become free.
     Dof(usize),
 }
 
@@ -55,11 +56,11 @@ pub struct Repair {
 }
 
 impl Analysis {
-    /// How to cure the conflicts: the fewest right-hand sides and prescribed values, with the values that cure.
+    /// How to cure the conflicts: the fewest right-hand sides and prescribed values, with their new values.
     ///
-    /// Single changes and, for up to 8 conflicts, pairs of changes are searched completely; more changes are chosen one by one, each the one
-    /// that cures most. Redundant equations stay redundant. Of equally many changes, those come first that bring a rare number to a common one
-    /// or to one with fewer digits.
+    /// Single changes and, for up to 8 conflicts, pairs of changes are searched completely. If more changes are needed, they are chosen
+    /// one by one, always the one that cures most. Redundant equations stay redundant. Of ways with equally many changes, those come
+    /// first that replace a rare number by a common one, or by one with fewer digits.
     ///
     /// ```
     /// use qless::explanation::Number;
@@ -101,7 +102,7 @@ impl Analysis {
         Ok(groups.into_iter().map(of_group).collect())
     }
 
-    /// The mismatch of each conflict with all numbers that act on it.
+    /// The mismatch of each conflict with all numbers that affect it.
     fn observe(&self, conflicts: &[&Dependent]) -> Observations {
         let mut observed = Observations::default();
         for dependent in conflicts {
@@ -114,7 +115,7 @@ impl Analysis {
         observed
     }
 
-    /// Random sums of the conflicts.
+    /// Mismatches of random sums of the conflicts.
     fn observe_sums(&self, conflicts: &[&Dependent]) -> Result<Observations, BackendError> {
         let mut observed = Observations::default();
         for sum in 0..SUMS {
@@ -124,7 +125,7 @@ impl Analysis {
         Ok(observed)
     }
 
-    /// Numbers of which some dependent equations are made, their own excepted.
+    /// The numbers that explain the selected dependent equations, except their own right-hand sides.
     fn numbers_of(&self, wanted: impl Fn(&Dependent) -> bool) -> Result<BTreeSet<Number>, BackendError> {
         let some: Vec<&Dependent> = self.dependent.iter().filter(|d| wanted(d)).collect();
         if some.is_empty() {
@@ -134,8 +135,8 @@ impl Analysis {
         Ok(explanation.members.iter().map(|&member| member.into()).collect())
     }
 
-    /// What makes a dependent equation independent, or frees a fixed DOF, if it alone is left out: members of the certificate
-    /// that no other dependent equation can stand for. Kept equations and prescribed values only, and redundant equations never.
+    /// Numbers whose removal alone makes a dependent equation independent, or frees a fixed DOF: the members of its certificate that no
+    /// other dependent equation can replace. These are kept equations and prescribed values, never redundant equations.
     ///
     /// ```
     /// use qless::explanation::{Freed, Number};
@@ -179,7 +180,7 @@ impl Analysis {
         let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
         let mut b = 0.0;
         for d in dependent {
-            // Between 1 and 2, in the units of scaled equations, so that no equation hides another.
+            // The weight is between 1 and 2 in the units of scaled equations, so that no equation hides another.
             let weight = 1.0 + (random.next() >> 11) as f64 / (1_u64 << 53) as f64;
             let weight = ldexp(weight, self.scaling.row[d.row]);
             system.row(d.row).for_each(|(j, value)| *sum.entry(j as u32).or_default() += weight * value);
@@ -214,7 +215,7 @@ impl Analysis {
             Number::Prescribed(dof) => self.system.prescribed_value(dof).unwrap_or_default(),
         };
         let to = from + change;
-        // Rounding of the change, whose digits end where those of the larger number do.
+        // The change is rounded; its digits end with those of the larger number.
         let is_zero = to.abs() <= 1e-11 * from.abs().max(change.abs());
         let rounded = format!("{to:.11e}").parse().unwrap_or(to);
         Change { number, from, to: if is_zero { 0.0 } else { rounded } }

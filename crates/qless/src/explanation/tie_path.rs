@@ -8,24 +8,24 @@ use std::collections::HashMap;
 
 use super::candidates::Candidates;
 
-/// How a vertex was reached.
+/// How the search reached a vertex.
 #[derive(Clone, Copy)]
 struct Reached {
-    /// Index of the DOF of the equation from which the search came.
+    /// Index of the DOF of the equation from which the search started.
     side: usize,
     depth: usize,
-    /// The vertex before, and the equation between; `None` at the start.
+    /// The previous vertex, and the equation between; `None` at the start.
     from: Option<(u32, u32)>,
 }
 
-/// What joins the last vertex of a path to the ground.
+/// The connection of the last vertex of a path to the ground.
 #[derive(Clone, Copy)]
 enum Grounded {
     Equation(u32),
     Prescribed,
 }
 
-/// A closed circle: paths to these vertices, and the equation that joins them, if they are not grounded.
+/// A closed circle: paths to the vertices `ends`, and the equation `joint` that joins them, unless they are grounded.
 struct Circle {
     length: usize,
     ends: Vec<u32>,
@@ -37,13 +37,13 @@ struct Circle {
 struct TieSearch<'a> {
     candidates: &'a Candidates<'a>,
     reached: HashMap<u32, Reached>,
-    /// The first vertex of each side that is grounded.
+    /// For each side, the grounded vertex with the shortest path, and the length of that path.
     ground: Vec<Option<(u32, usize, Grounded)>>,
     best: Option<Circle>,
 }
 
-/// The equations of the shortest circle through a vector with one or two DOFs, each with the DOF that it takes from the vector, and the
-/// number of equations visited, which is at most `most`. A circle whose ratios do not close is none: the caller checks.
+/// The equations of the shortest circle through a vector with one or two DOFs, each with the DOF that it eliminates from the vector, and
+/// the number of equations visited, which is at most `most`. The coefficients of the circle may not match; the caller checks that.
 pub(super) fn shortest_circle(candidates: &Candidates, ends: &[u32], most: usize) -> (Option<Vec<(u32, u32)>>, usize) {
     if ends.is_empty() || ends.len() > 2 {
         return (None, 0);
@@ -54,7 +54,7 @@ pub(super) fn shortest_circle(candidates: &Candidates, ends: &[u32], most: usize
 }
 
 impl TieSearch<'_> {
-    /// Level by level, until no circle of the next level can be shorter; returns the number of equations visited.
+    /// Searches level by level, until no circle of the next level can be shorter; returns the number of equations visited.
     fn run(&mut self, ends: &[u32], most: usize) -> usize {
         let mut level: Vec<u32> = ends.to_vec();
         for (side, &end) in ends.iter().enumerate() {
@@ -73,8 +73,8 @@ impl TieSearch<'_> {
         effort
     }
 
-    /// Whether vertices at this depth can close a shorter circle: two of them by an equation, or those of each side that has no path to the
-    /// ground yet by such a path.
+    /// Returns true if vertices at this depth can close a shorter circle: by an equation between two of them, or by paths to the ground
+    /// of all sides that have none yet.
     fn may_improve(&self, depth: usize) -> bool {
         let missing = self.ground.iter().filter(|ground| ground.is_none()).count();
         let known: usize = self.ground.iter().flatten().map(|ground| ground.1).sum();
@@ -83,7 +83,7 @@ impl TieSearch<'_> {
         self.best.as_ref().is_none_or(|best| best.length > by_ground.min(by_equation))
     }
 
-    /// Follows the equations of a vertex, at most `most`; returns their number.
+    /// Follows at most `most` equations of a vertex; returns their number.
     fn visit(&mut self, vertex: u32, most: usize, next: &mut Vec<u32>) -> usize {
         let Reached { side, depth, from } = self.reached[&vertex];
         let rows = self.candidates.rows(vertex);
@@ -124,7 +124,7 @@ impl TieSearch<'_> {
         }
     }
 
-    /// Notes the shortest path of a side to the ground; with one of every side the circle is closed.
+    /// Records the shortest path of a side to the ground. If every side has one, the circle is closed.
     fn reach_ground(&mut self, vertex: u32, side: usize, length: usize, by: Grounded) {
         if self.ground[side].is_some_and(|known| known.1 <= length) {
             return;
@@ -147,7 +147,7 @@ impl TieSearch<'_> {
         }
     }
 
-    /// The equations of a circle, from the sides to where they meet. Prescribed values are no equations.
+    /// The equations of a circle, from the sides to their meeting point. Prescribed values are not equations.
     fn equations(&self, circle: &Circle) -> Vec<(u32, u32)> {
         let mut all = Vec::new();
         for (k, &end) in circle.ends.iter().enumerate() {
@@ -167,7 +167,7 @@ impl TieSearch<'_> {
     }
 }
 
-/// The factors with which these equations, one after the other, take their DOFs from a vector.
+/// The factors with which these equations, one after the other, eliminate their DOFs from a vector.
 pub(super) fn factors(candidates: &Candidates, vector: &[(u32, f64)], circle: &[(u32, u32)]) -> Vec<(u32, f64)> {
     let mut left: HashMap<u32, f64> = vector.iter().copied().collect();
     let mut all = Vec::new();

@@ -1,19 +1,19 @@
 //! `C^T = [L11; L21] U`, rows in the order of the slaves: sparse LU of independent equations (Gilbert and Peierls 1988).
 //!
-//! Column k of L and U is an equation. Of what is left of it after the equations before, a largest DOF becomes its slave, so that
-//! `|L_ij|` is bounded by `1 / THRESHOLD` and with it, in practice, `T^T = -L21 L11^-1`: slaves are well-conditioned because they were
-//! looked for among all DOFs of the equation, not because they come first. O(operations on numbers that are not zero).
+//! Column k of L and U is an equation. After the earlier equations are eliminated from it, one of its largest DOFs becomes its slave, so
+//! that `|L_ij|` is bounded by `1 / THRESHOLD`. In practice this also bounds `T^T = -L21 L11^-1`: slaves are well-conditioned because they
+//! are chosen among all DOFs of the equation, and not by their order. The cost is that of the operations on nonzeros.
 
 use crate::Csr;
 use crate::factor::backend::BackendError;
 
-/// A slave is at least this fraction of the largest DOF in what is left of its equation.
+/// The coefficient of a slave is at least this fraction of the largest one left in its equation.
 const THRESHOLD: f64 = 0.9;
 
-/// What is less than this part of the largest number of an equation, after the elimination, is rounding.
+/// After the elimination, a number below this fraction of the largest number of its equation is rounding.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// Which DOFs are slaves, and the factors of their columns. Steps count equations in the order of the elimination.
+/// The slaves, and the factors of their columns. Steps count equations in the order of the elimination.
 #[derive(Clone, Debug)]
 pub(crate) struct SparseLu {
     /// DOF of each step.
@@ -28,17 +28,17 @@ pub(crate) struct SparseLu {
     pub diagonal: Vec<f64>,
 }
 
-/// Why there are no factors.
+/// Reasons why a factorization fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LuError {
-    /// An equation has no DOF left: it depends on those before, or its DOFs may not be slaves.
+    /// An equation has no DOF left: it depends on earlier equations, or its DOFs may not be slaves.
     Dependent,
-    /// More memory than this many bytes.
+    /// The factors need this many bytes, which is more than the limit.
     Memory(usize),
 }
 
 impl LuError {
-    /// The same for the caller of the library; `memory` is the limit.
+    /// Converts to the error of a backend; `memory` is the limit.
     pub fn of_block(self, backend: &'static str, rows: &Csr, memory: usize) -> BackendError {
         let (rows, cols) = (rows.rows(), rows.cols);
         match self {
@@ -66,17 +66,17 @@ struct LuWork<'a> {
     upper: Csr,
     slaves: Vec<u32>,
     diagonal: Vec<f64>,
-    /// The equation worked on, by DOF.
+    /// The current equation, by DOF.
     x: Vec<f64>,
     /// The last step that reached each DOF.
     seen: Vec<u32>,
-    /// DOFs reached, those that change others before them.
+    /// DOFs reached, in the order of [`LuWork::reach`].
     reached: Vec<u32>,
     stack: Vec<(u32, usize)>,
 }
 
-/// Factors `equations` (r x n, independent) in an `order` that fills little; slaves are chosen among the DOFs for which `may` holds.
-/// At most `memory` bytes.
+/// Factors `equations` (r x n, independent) in the fill-reducing `order`, in at most `memory` bytes. Slaves are chosen among the DOFs for
+/// which `may` is true.
 pub(crate) fn factor(
     equations: &Csr,
     order: &[usize],
@@ -105,7 +105,7 @@ pub(crate) fn factor(
     for (k, &equation) in order.iter().enumerate() {
         work.reach(k as u32, equation);
         work.eliminate(k, equation)?;
-        // Numbers of L and U are held twice when rows are made of columns.
+        // The numbers of L and U exist twice while columns are converted to rows.
         let bytes = 32 * (work.values.len() + work.upper.nnz());
         if bytes > memory {
             return Err(LuError::Memory(bytes));
@@ -115,7 +115,7 @@ pub(crate) fn factor(
 }
 
 impl LuWork<'_> {
-    /// Lists the DOFs that the equation will hold, each after those that it changes.
+    /// Lists the DOFs of the equation after the elimination, each one after the DOFs that it changes.
     fn reach(&mut self, k: u32, equation: usize) {
         self.reached.clear();
         for (j, _) in self.equations.row(equation) {
@@ -140,7 +140,7 @@ impl LuWork<'_> {
         }
     }
 
-    /// Where the column of L of a slave is; nothing for a master.
+    /// The range of a slave's column of L; empty for a master.
     fn column(&self, dof: u32) -> std::ops::Range<usize> {
         match self.step_of[dof as usize] {
             NONE => 0..0,
@@ -167,7 +167,7 @@ impl LuWork<'_> {
         self.choose(k, ROUNDING * largest)
     }
 
-    /// The slave of step k, and the column of L that it makes of what is left.
+    /// Chooses the slave of step k, and stores the rest of the equation as a column of L.
     fn choose(&mut self, k: usize, rounding: f64) -> Result<(), LuError> {
         let left = |&&dof: &&u32| self.step_of[dof as usize] == NONE;
         let may = |&&dof: &&u32| self.count[dof as usize] != NONE;

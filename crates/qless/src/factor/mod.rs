@@ -1,4 +1,4 @@
-//! What presolve leaves: factored block by block, by any backend, and by sparse LU where slaves are wanted.
+//! Factors the equations that remain after presolve: block by block with any backend, and by sparse LU if slaves are needed.
 
 pub mod backend;
 pub(crate) mod block;

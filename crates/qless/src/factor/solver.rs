@@ -1,6 +1,6 @@
 //! `C_S x = c` for many sparse c: `C_S = U^T L11^T` by [`super::lu`], with a step of refinement (Skeel 1980).
 //!
-//! The cost is that of the numbers that are there: sets of bits tell which, in order. Rounding is dropped from a column if its equations
+//! The cost is that of the nonzeros, which bit sets list in order. Rounding is dropped from a column if its equations
 //! hold without the dropped numbers: slaves have units of their own, so a small number alone is no sign of rounding.
 
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use crate::Csr;
 /// Entries of a column below this, relative to its largest, are rounding if the equations hold without them.
 pub(crate) const NOISE: f64 = 1e-14;
 
-/// Numbers below this part of the largest of a column are not followed up: they decay without end.
+/// Numbers below this fraction of the largest one of a column are not followed further, because they would decay without end.
 const FADED: f64 = 1e-19;
 
 /// Parts of the largest number of a column below which numbers are dropped.
@@ -34,7 +34,7 @@ pub(crate) struct SlaveSolver {
     step: Vec<u32>,
 }
 
-/// Numbers by step, most of them zero; which are not is told by bits.
+/// Numbers by step, most of them zero; a bit set marks the nonzeros.
 struct SparseFactors {
     values: Vec<f64>,
     bits: Vec<u64>,
@@ -68,7 +68,7 @@ impl SparseFactors {
         }
     }
 
-    /// Takes the numbers out in ascending order; `next` may add later ones.
+    /// Removes the numbers in ascending order; `next` may add later ones.
     fn drain_up(&mut self, mut next: impl FnMut(&mut Self, usize, f64)) {
         for word in 0..self.bits.len() {
             while self.bits[word] != 0 {
@@ -80,7 +80,7 @@ impl SparseFactors {
         }
     }
 
-    /// The same in descending order; `next` may add earlier ones.
+    /// Removes the numbers in descending order; `next` may add earlier ones.
     fn drain_down(&mut self, mut next: impl FnMut(&mut Self, usize, f64)) {
         for word in (0..self.bits.len()).rev() {
             while self.bits[word] != 0 {
@@ -93,7 +93,7 @@ impl SparseFactors {
     }
 }
 
-/// Arrays of one thread; empty between columns.
+/// Work arrays of one thread; empty between columns.
 struct SolverWork {
     right: SparseFactors,
     y: SparseFactors,
@@ -104,7 +104,7 @@ struct SolverWork {
 }
 
 impl SlaveSolver {
-    /// `equations` as they were factored.
+    /// `equations` must be those that were factored.
     pub fn new(equations: &Csr, lu: SparseLu) -> Self {
         let r = lu.order.len();
         let mut step = vec![0; r];
@@ -189,7 +189,7 @@ impl SlaveSolver {
         y
     }
 
-    /// Numbers of the factors.
+    /// Number of nonzeros of the factors.
     pub fn nnz(&self) -> usize {
         self.lu.l.nnz() + self.lu.u.nnz() + self.lu.diagonal.len()
     }

@@ -1,4 +1,5 @@
-//! Connected components of the graph of equations and free DOFs: nothing that is said of one depends on another (section 3.1).
+//! Connected components of the graph of equations and free DOFs. They are independent: a result for one does not depend on the others
+//! (section 3.1).
 
 use crate::common::DisjointSets;
 use crate::input::numbering::LocalSystem;
@@ -23,7 +24,7 @@ pub(crate) struct Labels {
 }
 
 impl Labels {
-    /// Of all equations.
+    /// The labels of all equations.
     pub fn of(system: LocalSystem) -> Self {
         let free = system.free();
         let dofs = |i: usize| system.parts(i).0.iter().copied().filter(|&j| free[j as usize]);
@@ -45,7 +46,7 @@ impl Labels {
         Self { of_row, count }
     }
 
-    /// Marks all rows that are connected with some.
+    /// Marks all rows in the components of the given rows.
     pub fn mark(&self, rows: &[usize], marked: &mut [bool]) {
         let mut of_label = vec![false; self.count];
         rows.iter().for_each(|&i| of_label[self.of_row[i] as usize] = true);

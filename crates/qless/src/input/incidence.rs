@@ -2,7 +2,7 @@
 
 use super::numbering::LocalSystem;
 
-/// Rows by local DOF, ascending. O(nnz) time, 4 (nnz + n) bytes.
+/// The rows of each local DOF, ascending. O(nnz) time, 4 (nnz + n) bytes.
 pub(crate) struct Incidence {
     start: Vec<u32>,
     rows: Vec<u32>,
@@ -27,7 +27,7 @@ impl Incidence {
         Self { start, rows }
     }
 
-    /// The equations that hold a DOF.
+    /// The equations that contain a DOF.
     pub fn rows(&self, dof: u32) -> &[u32] {
         let j = dof as usize;
         &self.rows[self.start[j] as usize..self.start[j + 1] as usize]

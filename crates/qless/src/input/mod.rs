@@ -1,4 +1,4 @@
-//! From the user's equations to scaled ones over the DOFs that occur, and their connected components.
+//! Turns the user's equations into scaled ones over the DOFs that occur, and finds their connected components.
 
 pub mod components;
 pub mod incidence;

@@ -1,7 +1,7 @@
-//! Numbers that may be left over from a computation where zero is meant.
+//! Numbers that may be rounding errors of a computation whose exact result is zero.
 //!
-//! A relative measure takes every coefficient at its word: 4.4e-16 where 0 was meant is wrong by all of itself. No rule can tell such
-//! a number from data with certainty. So numbers are only *suspect*, and where they decide, both readings are reported.
+//! A relative tolerance takes every coefficient as exact, but a 4.4e-16 that stands for 0 has a relative error of 100 %. No rule can tell
+//! such a number from data with certainty. Such numbers are therefore only *suspect*, and if they decide, both readings are reported.
 
 use std::collections::HashSet;
 
@@ -10,39 +10,44 @@ use crate::input::numbering::{Exponents, LocalSystem};
 use crate::input::scale::{balanced_powers, balanced_rows, exponent, free, ldexp};
 use crate::{ConstraintSystem, OptionError};
 
-/// `2^-46` = 1.4e-14: a sum of a hundred parts leaves so much of rounding. Below it a coefficient is suspect.
+/// `2^-46` = 1.4e-14: the rounding error of a sum of a hundred terms. A smaller coefficient is suspect.
 pub(crate) const SUSPECT: i32 = -46;
-/// Numbers of up to so many decimal digits are not left over from a computation.
+/// Numbers with at most this many decimal digits are not the result of rounding.
 const NOT_LEFT_OVER: usize = 8;
-/// What rounding leaves of numbers of size 1 are multiples of `2^-60`: sums of units in the last place of numbers down to `2^-8`.
+/// Rounding errors of numbers of size 1 are multiples of `2^-60`: one unit in the last place of a number of size `2^-8`.
 const QUANTUM: i32 = -60;
 
-/// Data are above `2^-20` of the largest of their equation where units do not mix: a millionth is what inputs span, and far above
-/// [`SUSPECT`].
+/// If units do not mix, data are above `2^-20` of the largest coefficient of their equation: inputs span a factor of a million, and that is
+/// far above [`SUSPECT`].
 const DATA: i32 = -20;
 
-/// Equations of rounding are about as small as the suspect coefficients beside them: sixteen units in the last place.
+/// Coefficients of an equation that consists of rounding are at most sixteen times the suspect coefficients of its component.
 const ALIKE: f64 = 16.0;
 
-/// Which numbers may be rounding of others, so that zero is meant.
+/// Decides which numbers may be rounding errors that stand for zero.
 ///
-/// A coefficient is *suspect* if it is below `2^-46` (1.4e-14) of the largest of its equation, in balanced units; also in those given, if all
-/// coefficients of its component are either above `2^-20` of the largest or between `2^-46` and `2^-60`; or if it stands in an equation of
-/// nothing but rounding: below `2^-46` of the largest coefficients of its DOFs, multiples of what rounding leaves of those,
-/// and no larger than sixteen times the largest other suspect coefficient of its component. A mismatch of right-hand sides is suspect if it is below
-/// `2^-46` of the largest right-hand side and prescribed term of its component, in balanced units. Numbers of up to 8 decimal digits were
-/// typed and are never suspect.
+/// A coefficient is *suspect* if one of these holds:
+///
+/// - In balanced units, it is below `2^-46` (1.4e-14) of the largest coefficient of its equation.
+/// - The same holds in the user's units, and every coefficient of its component is either above `2^-20` of the largest of its equation or
+///   between `2^-60` and `2^-46` of it.
+/// - All coefficients of its equation look like rounding: each is below `2^-46` of the largest coefficients of the equation's DOFs, a
+///   multiple of their rounding unit, and at most sixteen times the largest other suspect coefficient of the component.
+///
+/// A mismatch of right-hand sides is suspect if it is below `2^-46` of the largest right-hand side and prescribed term of its component,
+/// in balanced units. Numbers of up to 8 decimal digits were typed and are never suspect.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Noise {
-    /// Suspect equations and mismatches count as zero, single coefficients as given. Where another reading would give another rank or
-    /// verdict, the result is ambiguous, and [`crate::Analysis::other_reading`] tells it.
+    /// Suspect equations and mismatches count as zero, and single coefficients as given. If another reading gives another rank or
+    /// verdict, the result is ambiguous, and [`crate::Analysis::other_reading`] returns it.
     #[default]
     Auto,
-    /// Everything is data.
+    /// No number is suspect.
     None,
-    /// Coefficients below this part of the largest of their equation, equations below this part of the largest coefficients of their DOFs,
-    /// and mismatches below this part of the largest right-hand side and prescribed term are zero; in the units in which they are given.
+    /// Three kinds of numbers count as zero, all in the user's units: coefficients below this fraction of the largest of their equation,
+    /// equations below this fraction of the largest coefficients of their DOFs, and mismatches below this fraction of the largest
+    /// right-hand side and prescribed term.
     Relative(f64),
     /// The absolute error of each equation's coefficients and right-hand side is known: numbers within it are zero.
     Floors {
@@ -72,7 +77,7 @@ impl Noise {
     }
 }
 
-/// A coefficient that counts as zero, or would in another reading.
+/// A coefficient that counts as zero, or would count as zero in another reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct NoiseTerm {
@@ -84,7 +89,7 @@ pub struct NoiseTerm {
     pub coefficient: f64,
 }
 
-/// Suspect coefficients, ascending by row and DOF: those of equations of nothing else, and the others.
+/// Suspect coefficients, ascending by row and DOF: `rows` for equations with no other coefficients, `single` for the rest.
 #[derive(Default)]
 pub(crate) struct Suspects {
     pub rows: Vec<NoiseTerm>,
@@ -92,7 +97,7 @@ pub(crate) struct Suspects {
 }
 
 impl Suspects {
-    /// What the option takes as zero at once, and what it only suspects.
+    /// Finds the coefficients that the option sets to zero at once, and those that it only suspects.
     pub fn find(system: LocalSystem, exponents: &[Exponents], noise: &Noise) -> Self {
         match noise {
             Noise::None => Self::default(),
@@ -101,7 +106,7 @@ impl Suspects {
                 if single.is_empty() {
                     return Self::default();
                 }
-                // Rounding seldom comes alone: equations in small units have no small coefficients beside them in their component.
+                // Rounding errors seldom occur alone; an equation in small units has no suspect coefficients beside it in its component.
                 let labels = Labels::of(system);
                 let label = |row: usize| labels.of_row[row] as usize;
                 let mut largest = vec![0.0_f64; labels.count];
@@ -132,14 +137,14 @@ impl Suspects {
     }
 }
 
-/// By row and DOF, each once.
+/// Sorts by row and DOF, and removes repeats.
 fn ascending(mut terms: Vec<NoiseTerm>) -> Vec<NoiseTerm> {
     terms.sort_unstable_by_key(|term| (term.row, term.dof));
     terms.dedup();
     terms
 }
 
-/// Digits of the shortest decimal that gives this double.
+/// Number of digits of the shortest decimal that reads back as this double.
 pub(crate) fn digits(value: f64) -> usize {
     let text = format!("{value:e}");
     let mantissa = text.split('e').next().unwrap_or_default();
@@ -150,16 +155,16 @@ pub(crate) fn is_typed(value: f64) -> bool {
     digits(value) <= NOT_LEFT_OVER
 }
 
-/// Equations with coefficients of so many digits were rounded when they were typed: fewer are exact, more are computed.
+/// Numbers of digits at which the coefficients of an equation were rounded by typing: with fewer they are exact, with more computed.
 pub(crate) const TYPED: std::ops::RangeInclusive<usize> = 4..=12;
 
-/// The relative size of the last of so many digits.
+/// The relative size of the last digit of a number with this many digits.
 pub(crate) fn last_digit(digits: usize) -> f64 {
     10_f64.powi(1 - digits as i32)
 }
 
-/// The relative size of the last digit of the equation that was typed with the fewest, of some with their coefficients; 0 if all are exact
-/// or computed.
+/// The relative size of the last digit of the equation that was typed with the fewest digits; 0 if all equations are exact or computed.
+/// An equation is given by its coefficients.
 pub(crate) fn typed_precision<T: Iterator<Item = f64>>(equations: impl Iterator<Item = T>) -> f64 {
     let longest = |equation: T| equation.map(digits).max().unwrap_or_default();
     equations.map(longest).filter(|digits| TYPED.contains(digits)).min().map_or(0.0, last_digit)
@@ -172,17 +177,17 @@ fn terms(system: LocalSystem<'_>, row: usize) -> impl Iterator<Item = NoiseTerm>
     })
 }
 
-/// Coefficients up to a part of the largest of their equation, as given.
+/// Coefficients up to the fraction `part` of the largest of their equation, in the user's units.
 fn below(system: LocalSystem<'_>, i: usize, part: f64) -> impl Iterator<Item = NoiseTerm> + '_ {
     let most = free(system, i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
     terms(system, i).filter(move |term| term.coefficient.abs() <= part * most)
 }
 
-/// Computed coefficients that are small beside the largest of their equation: in balanced units, or, since a DOF that has nothing but
-/// rounding gets a small unit when balanced, [`as_given`].
+/// Computed coefficients that are small beside the largest of their equation, in balanced units or [`as_given`]. The second test is needed
+/// because balancing gives a small unit to a DOF that has only rounding errors.
 fn suspect(system: LocalSystem, exponents: &[Exponents]) -> Vec<NoiseTerm> {
     let power = f64::from(SUSPECT);
-    // A power of two is lost by rounding exponents down.
+    // Rounding the exponents down can lose a power of two.
     let spans = |i: usize| {
         let Exponents { least, most } = exponents[i];
         least < most && f64::from(least) - f64::from(most) <= power + 1.0
@@ -201,8 +206,8 @@ fn suspect(system: LocalSystem, exponents: &[Exponents]) -> Vec<NoiseTerm> {
     found
 }
 
-/// Coefficients as small as what rounding leaves of the largest of their equation, in the units given, in components where nothing is
-/// smaller and all else is far larger. Where units mix, coefficients of other sizes are found beside them.
+/// Coefficients as small as rounding errors of the largest of their equation, in the user's units. They count only in components whose
+/// other coefficients are all far larger, and none smaller: if units mix, coefficients of other sizes occur too.
 fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     let labels = Labels::of(system);
     let mut may_be = vec![false; labels.count];
@@ -223,7 +228,7 @@ fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     spanning.iter().filter(|&&i| may_be[labels.of_row[i] as usize]).flat_map(of).collect()
 }
 
-/// Equations below a part of the largest coefficients of their DOFs, `may_be` rounding of the largest of these.
+/// Equations whose coefficients are below a fraction of the largest coefficients of their DOFs, and pass `may_be(row, value, largest)`.
 fn rows_below(
     system: LocalSystem,
     exponents: &[Exponents],
@@ -231,7 +236,7 @@ fn rows_below(
     may_be: impl Fn(usize, f64, f64) -> bool,
 ) -> Vec<NoiseTerm> {
     let largest = exponents.iter().map(|e| i32::from(e.most)).fold(0, i32::max);
-    // A power of two is lost by rounding exponents down.
+    // Rounding the exponents down can lose a power of two.
     let below = largest + 1 + exponent(part);
     let is_small = |&i: &usize| exponents[i].most > 0 && i32::from(exponents[i].most) <= below;
     let rows: Vec<usize> = (0..system.equations()).filter(is_small).collect();
@@ -249,13 +254,13 @@ fn rows_below(
     rows.into_iter().filter(is_rounding).flat_map(|i| terms(system, i)).collect()
 }
 
-/// Whether a number is what sums of numbers up to `most` leave: a few units in the last place of them, computed.
+/// Returns true if a number can be the rounding error of a sum of numbers up to `most`: a few units in their last place, not typed.
 fn is_left_of(value: f64, most: f64) -> bool {
     let multiple = ldexp(value, -(exponent(most) + QUANTUM));
     multiple.fract() == 0.0 && !is_typed(value)
 }
 
-/// By equation, the error of right-hand sides that the option knows of, in scaled rows; None where there is none.
+/// By equation, the error of its right-hand side in scaled rows; None if the option states no errors.
 pub(crate) fn of_right_hand_sides(system: LocalSystem, of_row: &[i32], noise: &Noise) -> Option<Vec<f64>> {
     match noise {
         Noise::Auto | Noise::None => None,
@@ -280,7 +285,7 @@ fn largest_side(system: LocalSystem, of_row: &[i32]) -> f64 {
 }
 
 /// By equation, the power of two below which a mismatch may be rounding of the largest right-hand side or prescribed term of its component,
-/// in balanced units; NaN without free DOFs.
+/// in balanced units; NaN for an equation without free DOFs.
 pub(crate) fn rounding_of_sides(system: LocalSystem) -> Vec<f64> {
     let units = balanced_rows(system, |_| true);
     let labels = Labels::of(system);

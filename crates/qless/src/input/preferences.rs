@@ -1,23 +1,23 @@
-//! What the user wants of the choice of slaves and of kept equations.
+//! The user's preferences for slaves and kept equations.
 
 use std::collections::HashSet;
 
 use crate::ConstraintSystem;
 use crate::input::numbering::Numbering;
 
-/// Preferences that hold wherever the equations allow it; what they do not allow is reported
+/// Preferences that hold as far as the equations allow. The unmet ones are reported
 /// ([`crate::Analysis::unmet_equations`], [`crate::Reduction::unmet_masters`], [`crate::Reduction::unmet_slaves`]).
 ///
-/// Which sets of DOFs can be slaves is given by the rank alone, so that an exchange of a slave for a master, or of a kept
-/// equation for a dependent one, reaches every wish that can be met: what remains unmet cannot be met by any choice.
+/// The rank alone decides which sets of DOFs can be slaves. Therefore exchanging a slave for a master, or a kept equation for a dependent
+/// one, meets every preference that can be met; an unmet one cannot be met by any choice.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Preferences {
-    /// DOFs (0-based) that must not be slaves: loaded ones, interfaces to other codes. A free DOF that is fixed by the
-    /// equations, or that they express by other such DOFs only, is a slave all the same.
+    /// DOFs (0-based) that must not be slaves, such as loaded ones or interfaces to other codes. A free DOF is a slave nevertheless if the
+    /// equations fix it, or if they express it by other DOFs of this list only.
     pub masters: Vec<usize>,
     /// DOFs (0-based) preferred as slaves, as long as the bound of growth holds.
     pub slaves: Vec<usize>,
-    /// Equations (0-based) to keep where a choice of the dependent ones is possible.
+    /// Equations (0-based) to keep if there is a choice of the dependent ones.
     pub equations: Vec<usize>,
 }
 
@@ -42,7 +42,7 @@ pub enum OptionError {
     /// Growth below 1 cannot always be reached.
     #[error("the growth bound is {0}; it must be a number of at least 1, such as 4")]
     Growth(f64),
-    /// A preference names what is not there.
+    /// A preference names a DOF or equation that does not exist.
     #[error("a preference names {what} {found}, but there are {count} (numbers from 0 to {last})", last = .count.saturating_sub(1))]
     Preference {
         /// "DOF" or "equation".
@@ -72,7 +72,7 @@ fn within(what: &'static str, numbers: &[usize], count: usize) -> Result<(), Opt
     outside.map_or(Ok(()), |&found| Err(OptionError::Preference { what, found, count }))
 }
 
-/// How much a DOF is wanted as a slave.
+/// The preference for a DOF as a slave, in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum SlavePreference {
     Master,
@@ -80,7 +80,7 @@ pub(crate) enum SlavePreference {
     Slave,
 }
 
-/// The wish for every local DOF.
+/// The preference for every local DOF.
 pub(crate) struct SlavePreferences(Vec<SlavePreference>);
 
 impl SlavePreferences {
@@ -98,12 +98,12 @@ impl SlavePreferences {
         self.0.get(dof as usize).copied().unwrap_or(SlavePreference::None)
     }
 
-    /// Whether there is any.
+    /// Returns true if there is any preference.
     pub fn any(&self) -> bool {
         !self.0.is_empty()
     }
 
-    /// Local DOFs with a wish.
+    /// Local DOFs with this preference.
     pub fn with(&self, wish: SlavePreference) -> impl Iterator<Item = u32> + '_ {
         self.0.iter().zip(0..).filter(move |(w, _)| **w == wish).map(|(_, j)| j)
     }

@@ -1,27 +1,27 @@
-//! `± digits base^exponent`: what a double stands for.
+//! The number that a double stands for: `± digits base^exponent`.
 
-/// What number a double means.
+/// How a double is read as a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Reading {
     /// The shortest decimal that reads back as the double, so 0.1 is 1/10 and `0.1 + 0.2 = 0.3`.
     ///
-    /// That is the number which was typed wherever it had at most 15 digits; of a longer one it is the first 16 or 17. A
-    /// coefficient that was computed (a weight of a tie, a rotated direction, a sum of repeated terms) was never typed: its
-    /// shortest decimal is as good as its binary value, and no better.
+    /// If the number was typed with at most 15 digits, this is the number itself; of a longer one, this is its first 16 or 17 digits. A
+    /// coefficient that was computed (a weight of a tie, a rotated direction, a sum of repeated terms) was never typed: its shortest
+    /// decimal is as good as its binary value, and no better.
     Typed,
     /// The binary double itself, a whole number times a power of two.
     Stored,
 }
 
-/// A number that is not rounded any more.
+/// An exact number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
     pub(crate) negative: bool,
     /// Below 10^17, hence below every prime of 61 bits: no coefficient but 0 has the residue 0.
     pub(crate) digits: u64,
-    /// Whether the base is ten, else two.
+    /// The base is ten if true, else two.
     pub(crate) decimal: bool,
     pub(crate) exponent: i32,
 }
@@ -40,7 +40,7 @@ impl Number {
         }
     }
 
-    /// From `d.ddde-xx`, which Rust prints with as few digits as read back the same.
+    /// Reads `d.ddde-xx`, which Rust prints with the fewest digits that read back as the same double.
     fn shortest(negative: bool, size: f64) -> Self {
         let text = format!("{size:e}");
         let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!(typed(0.0).1, 0);
     }
 
-    /// Printed again, the digits are the double; and they are few enough for every prime.
+    /// The digits print as the double, and every prime exceeds them.
     #[test]
     fn both_readings_give_the_double_back() {
         for (k, x) in randoms(3).take(20_000).enumerate() {
@@ -108,7 +108,7 @@ mod tests {
             let exponent = k as i32 % 500 - 250;
             let value: f64 = format!("{digits}e{exponent}").parse().expect("a number");
             let (_, found, power) = typed(value);
-            // Trailing zeros may be in the exponent or not.
+            // Trailing zeros may be part of the digits or of the exponent.
             let [a, b] = [(digits, exponent), (found, power)].map(|(mut d, mut e)| {
                 while d % 10 == 0 {
                     (d, e) = (d / 10, e + 1);

@@ -47,7 +47,7 @@ impl Mismatch {
         Self { value: row.effective, size: row.effective_size, error: row.effective_error }
     }
 
-    /// All times `2^exponent`.
+    /// All three numbers times `2^exponent`.
     pub fn scaled(self, exponent: i32) -> Self {
         let Self { value, size, error } = self;
         Self { value: ldexp(value, exponent), size: ldexp(size, exponent), error: ldexp(error, exponent) }

@@ -10,7 +10,7 @@ pub(crate) struct Gathered {
     pub names: Vec<u32>,
     /// Local DOF of each number used in `rows`.
     pub dofs: Vec<u32>,
-    /// Whether each of them is free.
+    /// By number, true if the DOF is free.
     pub free: Vec<bool>,
     /// In `rows`, coefficients of DOF j are multiplied by `2^power[j]`. A prescribed DOF may have any unit; this makes its coefficients
     /// comparable with the others.
@@ -18,10 +18,10 @@ pub(crate) struct Gathered {
     pub rows: Vec<WorkingRow>,
 }
 
-/// The row (of the user) whose scaled right-hand side or coefficients leave the range of doubles.
+/// The user's row whose scaled right-hand side or coefficients leave the range of doubles.
 pub(crate) struct OutOfRange(pub usize);
 
-/// Gathers some equations; `noise` are errors of right-hand sides, in scaled rows, by the user's equation.
+/// Gathers some equations; `noise` has the errors of right-hand sides, in scaled rows, by the user's equation.
 pub(crate) fn gather(
     system: LocalSystem,
     names: Vec<u32>,

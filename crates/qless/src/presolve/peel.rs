@@ -4,7 +4,7 @@
 //! peeled row is independent of all others and occurs in no certificate. Cost O(nnz). The slave must have the largest coefficient of its
 //! row, so that peeling does not increase growth. [`super::eliminate`] has weaker thresholds for the remaining rows.
 //!
-//! Last come rows with a slave so small that what follows might take it for zero: it proves all the same that its row is independent.
+//! Rows with a tiny slave come last. A later factorization might take such a slave for zero, but it proves that its row is independent.
 //!
 //! Rows whose slave is strictly larger than all other coefficients are peeled first. This set does not depend on the order of the
 //! rows. So an MPI rank can peel some of them by its own equations alone, and the result for the others does not change.
@@ -26,18 +26,18 @@ pub(crate) struct Peeled {
 /// Marks the count of a prescribed DOF, which cannot be a slave.
 const PRESCRIBED: u32 = 1 << 31;
 
-/// How large a slave must be beside the other coefficients of its row.
+/// Required size of a slave relative to the other coefficients of its row.
 #[derive(Clone, Copy, PartialEq)]
 enum SlaveSize {
-    /// Larger than all.
+    /// The slave exceeds every other coefficient.
     Larger,
-    /// None is larger.
+    /// No coefficient exceeds the slave.
     Largest,
-    /// Below [`TINY`] of the largest: a factorization may drop it.
+    /// The slave is below [`TINY`] of the largest: a factorization may drop it.
     Tiny,
 }
 
-/// Four digits above a tolerance of 1e-10: what is larger is kept by every factorization.
+/// Four digits above a tolerance of 1e-10: every factorization keeps larger coefficients.
 const TINY: f64 = 1e-6;
 
 struct Peeling<'a> {
@@ -45,22 +45,22 @@ struct Peeling<'a> {
     scaling: &'a Scaling,
     preferences: &'a SlavePreferences,
     columns: Vec<Column>,
-    /// A stack of DOFs that became singletons. Each DOF is pushed at most once, so there is room for all. ...
+    /// A stack of DOFs that became singletons. Each DOF is pushed at most once, so there is room for all.
     ready: Vec<u32>,
-    /// ... Its height. DOFs are written without a branch, because it would be unpredictable.
+    /// Height of the stack. DOFs are written without a branch, because it would be unpredictable.
     top: usize,
     /// All rows before this one have been tried already.
     tried: usize,
-    /// How large a slave must be, ...
+    /// Required relative size of a slave.
     slave: SlaveSize,
-    /// ... and above which number.
+    /// A slave must exceed this number.
     least: f64,
     out: Peeled,
 }
 
-/// Peels all rows, of those of `held` only with tiny slaves, and as if those that are `absent` were not there. `columns` counts all
-/// rows. Among several candidates of a row the most preferred one is the slave, then the first. Its coefficient is above `least`, an
-/// absolute tolerance or 0.
+/// Peels all rows. Rows of `held` are peeled only if their slave is tiny. Rows of `absent` are ignored, although `columns` counts them.
+/// Of several candidates of a row, the first one of the most preferred is the slave. Its coefficient exceeds `least`, which
+/// is an absolute tolerance or 0.
 pub(crate) fn peel(
     system: LocalSystem,
     columns: &[Column],
@@ -106,7 +106,7 @@ impl Peeling<'_> {
     fn leave_column(&mut self, i: usize, j: u32) {
         let column = &mut self.columns[j as usize];
         column.leave(i as u32);
-        // A row that was not tried yet will be tried anyway.
+        // A row that was not tried yet is tried later anyway.
         self.ready[self.top] = j;
         self.top += usize::from(column.count == 1 && (column.rows as usize) < self.tried);
     }

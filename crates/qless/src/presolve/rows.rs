@@ -7,24 +7,24 @@ use crate::input::scale::ldexp;
 /// Rows longer than this find their entries by a hash table.
 const LONG: usize = 48;
 
-/// A coefficient, its largest part, and a bound of its rounding error.
+/// A coefficient, the size of its largest term, and a bound of its rounding error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub dof: u32,
-    /// The bound relative to the size: single precision is enough, whatever the unit.
+    /// The bound relative to the size; as a ratio it needs only single precision, in any unit.
     error: f32,
-    /// Largest multiple of a coefficient of the user that went into the value: what is left is judged relative to it, in any unit.
+    /// Largest multiple of a user's coefficient that was added to the value. The remainder is measured relative to it, in any unit.
     size: f64,
     pub value: f64,
 }
 
 impl Entry {
-    /// As given: exact to the last place.
+    /// A coefficient of the user, exact to the last place.
     pub fn given(dof: u32, value: f64) -> Self {
         Self::new(dof, value, f64::EPSILON * value.abs(), value.abs())
     }
 
-    /// With its error and its largest part, which is the value itself if that is larger.
+    /// With its error and the size of its largest term; the size is at least the value.
     pub fn new(dof: u32, value: f64, error: f64, size: f64) -> Self {
         let size = size.max(value.abs());
         Self { dof, error: (error / size.max(f64::MIN_POSITIVE)) as f32, size, value }
@@ -43,17 +43,17 @@ impl Entry {
         f64::from(self.error) * self.size
     }
 
-    /// What is left of the parts, at most 1.
+    /// The fraction of the largest term that is left, at most 1.
     pub fn left(&self) -> f64 {
         self.value.abs() / self.size.max(f64::MIN_POSITIVE)
     }
 
-    /// [`Entry::left`], 0 where it is no more than rounding.
+    /// [`Entry::left`], or 0 if it may be only rounding.
     pub fn certain_left(&self) -> f64 {
         if self.is_certain() { self.left() } else { 0.0 }
     }
 
-    /// Whether the coefficient is certainly more than rounding.
+    /// Returns true if the coefficient certainly exceeds rounding.
     pub fn is_certain(&self) -> bool {
         self.value.abs() > MORE_THAN_ROUNDING * self.error()
     }
@@ -77,9 +77,10 @@ pub(crate) struct WorkingRow {
     pub effective: f64,
     pub effective_size: f64,
     pub effective_error: f64,
-    /// The largest that was left of the parts of a coefficient of a free DOF that was dropped, beyond rounding.
+    /// The largest fraction left of a free DOF's coefficient that was dropped, beyond rounding.
     pub dropped: f64,
-    /// Bound of the multiple of any user's equation that the row contains: the product of the factors. It amplifies rounding errors of
+    /// Bound of the multiples of the user's equations in this row: the product of the factors. It amplifies rounding errors of those
+    /// equations.
     /// that equation.
     pub reach: f64,
     table: Option<HashMap<u32, u32, Hasher>>,
@@ -134,7 +135,8 @@ impl WorkingRow {
         }
     }
 
-    /// Adds to the entry at a position. If the sum is zero within rounding, returns what is left of its parts beyond rounding, or 0.
+    /// Adds to the entry at a position. If the sum is zero within its error bound, returns the fraction of its terms that is left, or 0
+    /// if that is only rounding.
     pub fn add(&mut self, position: usize, value: f64, error: f64, size: f64) -> Option<f64> {
         let entry = &mut self.entries[position];
         let sum = entry.value + value;

@@ -1,4 +1,5 @@
-//! T, G and g of a block from `C P = Q [R1 R2]` on its independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
+//! T, G and g of a block from `C P = Q [R1 R2]` on its independent rows:
+//! `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
 
 use crate::Csr;
 use crate::factor::backend::faer::Faer;
@@ -110,7 +111,7 @@ struct Units<'a> {
 }
 
 impl<'a> Units<'a> {
-    /// Both; one where they are the same.
+    /// The two choices of units; only one if they are equal.
     fn all(block: &'a Block) -> impl Iterator<Item = Self> {
         let both = block.balanced.iter().any(|&unit| unit != 0);
         [false, true].into_iter().take(1 + usize::from(both)).map(move |is_balanced| Self { block, is_balanced })

@@ -293,7 +293,7 @@ fn part_of_slaves(local: LocalSystem, reduction: &Reduction, labels: &Labels) ->
 }
 
 impl Reduction {
-    /// Lists the preferences that the slaves do not meet.
+    /// Lists the preferences that the slaves do not satisfy.
     pub(crate) fn compare(mut self, preferences: &Preferences) -> Self {
         let listed = |numbers: &[usize], unmet: &dyn Fn(usize) -> bool| {
             let mut all: Vec<usize> = numbers.iter().copied().filter(|&j| unmet(j)).collect();

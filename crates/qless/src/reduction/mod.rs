@@ -34,11 +34,11 @@ pub enum Form {
     Auto,
 }
 
-/// Errors of a reduction; a reduction that does not meet the equations is never returned.
+/// Errors of a reduction; a reduction that does not satisfy the equations is never returned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReductionError {
-    /// T, G and g do not meet an equation.
+    /// T, G and g do not satisfy an equation.
     #[error(
         "row {row}: the reduced form has a relative residual of {residual:.1e}, but at most 1e-10 is allowed; the equations are too nearly \
          dependent to be solved for slaves: check their confidence, and rescale them or remove equations that nearly repeat others"
@@ -66,7 +66,7 @@ pub enum ReductionError {
 /// DOFs are 0-based; `masters` are all free DOFs that are not slaves, including those that occur in no equation.
 #[derive(Clone, Debug, Default)]
 pub struct Reduction {
-    /// The analysis that made it.
+    /// Identity of the analysis that computed it.
     pub(crate) of: Identity,
     pub(crate) slaves: Vec<usize>,
     pub(crate) masters: Vec<usize>,

@@ -34,7 +34,7 @@ impl<'a> SlaveOrder<'a> {
         let mut count = 0;
         for (&slave, i) in self.slave.iter().zip(0..) {
             let place = self.place[slave as usize].wrapping_sub(first);
-            // Without a branch, because it would be unpredictable.
+            // A branch here would be unpredictable.
             batch[count] = (i, place);
             count += usize::from(place < length);
             if count == BATCH {

@@ -15,13 +15,13 @@ pub(crate) struct ReductionInput<'a> {
     pub basis: &'a Basis,
     /// Bounds of the rows of T; infinite for rows that need substitution.
     pub bounds: &'a [f64],
-    /// Whether each local DOF is fixed; empty if none is.
+    /// By local DOF, true if it is fixed; empty if none is.
     pub fixed: Vec<bool>,
     pub preferences: SlavePreferences,
     /// The bound of growth.
     pub growth: f64,
     pub scaling: &'a Scaling,
-    /// By equation.
+    /// By equation, true if it is independent.
     pub independent: Vec<bool>,
     /// Bytes for sparse factors.
     pub memory: usize,
@@ -62,7 +62,7 @@ impl Relation<'_> {
         self.slave.len()
     }
 
-    /// Whether row i is an equation of the user, solved for a DOF: then its terms ascend by the user's numbers.
+    /// Returns true if row i is a user's equation solved for a DOF; its terms then ascend by the user's numbers.
     pub fn is_users(&self, i: usize) -> bool {
         i < self.basis.peeled.len() && self.place[i] == OF_BASIS
     }

@@ -9,10 +9,10 @@ use crate::{Analysis, ConstraintSystem, Dependent, Kind};
 /// Explanations that are computed at a time, by all threads.
 const TOGETHER: usize = 64;
 
-/// Operations of all searches for short explanations in a report, a second or two; beyond that, certificates explain.
+/// Operations of all searches for short explanations in a report: a second or two. Beyond that, certificates serve as explanations.
 const SEARCH: usize = 1 << 30;
 
-/// The number of members that remain, and of operations of searches.
+/// The numbers of members and of search operations that remain.
 pub(super) struct Budget<'a> {
     system: &'a ConstraintSystem,
     analysis: &'a Analysis,

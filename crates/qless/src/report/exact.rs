@@ -16,9 +16,9 @@ pub struct ExactFinding {
     pub rank: usize,
     /// Exact rank of C with the right-hand side as an additional column.
     pub augmented_rank: usize,
-    /// Whether the equations have a solution, that is, the two ranks are equal.
+    /// True if the equations have a solution, that is, if the two ranks are equal.
     pub solvable: bool,
-    /// Chance that this rank is wrong: 0 if certificates prove it too.
+    /// Bound of the probability that this rank is wrong: 0 if certificates prove it too.
     pub error_chance: f64,
     /// The primes, as text, because most readers of JSON round numbers of 61 bits.
     pub primes: [String; 2],
@@ -41,9 +41,9 @@ pub struct ExactDifference {
     pub rank: usize,
     /// Its rank in the analysis.
     pub analysis_rank: usize,
-    /// Whether it has a solution in exact arithmetic.
+    /// True if it has a solution in exact arithmetic.
     pub solvable: bool,
-    /// Whether it has one in the analysis.
+    /// True if it has a solution in the analysis.
     pub analysis_solvable: bool,
 }
 

@@ -3,18 +3,18 @@
 use crate::explanation::Member;
 use crate::{CertificateTerm, ConstraintSystem, Kind};
 
-/// What a system is if numbers that may be rounding are read the other way: [`crate::diagnosis::OtherReading`].
+/// The result if numbers that may be rounding are read the other way: [`crate::diagnosis::OtherReading`].
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct OtherReadingFinding {
-    /// Whether the coefficients count as zero in it; as given otherwise.
+    /// True if the coefficients count as zero in this reading, false if they count as given.
     pub as_zero: bool,
     /// Its rank.
     pub rank: usize,
     /// Number of its conflicting equations.
     pub conflicting: usize,
-    /// The coefficients concerned.
+    /// The coefficients that are read differently.
     pub coefficients: Vec<NoiseCoefficient>,
 }
 
@@ -57,7 +57,8 @@ pub struct DependentEquation {
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, with prescribed DOFs moved into b.
     pub mismatch: f64,
-    /// Of a conflict, what the members give and what the equation asks, in words: [`Explanation::arithmetic`](crate::explanation::Explanation::arithmetic); the key is absent otherwise.
+    /// For a conflict, the sum of the members and the right-hand side of the equation, in words:
+    /// [`Explanation::arithmetic`](crate::explanation::Explanation::arithmetic); the key is absent otherwise.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub arithmetic: Option<String>,
     /// `because`, and `because_omitted` if it is omitted.
@@ -88,7 +89,7 @@ pub struct GeneratedCondition {
 pub struct Certificate {
     /// The terms, ascending. Also empty for the equation `0 = b`, which is a combination of no equations.
     pub because: Vec<Term>,
-    /// Whether terms are omitted.
+    /// The number of omitted terms, if any.
     #[cfg_attr(feature = "serde", serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing"))]
     pub omitted: Omitted,
     /// Error of the terms, [`Analysis::because_error`](crate::Analysis::because_error); the key is absent if it is at most the tolerance.
@@ -119,7 +120,7 @@ pub enum Term {
         label: String,
         /// Its prescribed value.
         value: f64,
-        /// Where the value is prescribed, such as `line 17 *BOUNDARY`; the key is absent if that is not known.
+        /// The place in the input, such as `line 17 *BOUNDARY`; the key is absent if it is not known.
         #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
         place: Option<String>,
         /// Its factor.

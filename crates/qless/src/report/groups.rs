@@ -17,15 +17,15 @@ pub struct Group {
     pub kind: Kind,
     /// Their common label.
     pub label: String,
-    /// The common labels of the equations that explain them, as far as explanations are known; theirs is left out.
+    /// The common labels of the equations that explain them, as far as explanations are known; their own label is left out.
     pub by: Vec<String>,
     /// Their rows, from 1; the first is the example.
     pub rows: Vec<usize>,
 }
 
 impl Group {
-    /// Groups of equations, in the order of their first rows: conflicts before redundant ones. `found` has the row from 1, the kind, the label
-    /// and the labels of what explains it.
+    /// Groups of equations, in the order of their first rows: conflicts before redundant ones. `found` has the row (from 1), the kind,
+    /// the label, and the labels of the members of its explanation.
     ///
     /// ```
     /// use qless::Kind;
@@ -81,7 +81,7 @@ impl Group {
     }
 }
 
-/// What stands for prescribed values among the labels that explain.
+/// The label of prescribed values in an explanation.
 pub const PRESCRIBED: &str = "prescribed values";
 
 /// The label without the DOF at its end: `line 41 *TIE 3:1` becomes `line 41 *TIE`.
@@ -96,7 +96,7 @@ fn place(label: &str) -> String {
     }
 }
 
-/// Each number becomes `#`.
+/// Replaces each number by `#`.
 fn without_numbers(label: &str) -> String {
     let mut text = String::new();
     for c in label.chars() {

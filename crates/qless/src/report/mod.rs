@@ -1,11 +1,12 @@
 //! `qless.report/3`: a diagnosis as plain data; with the feature `serde` it serializes to the JSON report.
 //!
-//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` is an [`explanation`](crate::explanation): equations and prescribed
-//! values with coefficients, whose combination is the dependent equation, or `u_s = value` for a fixed DOF.
+//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` is an [`explanation`](crate::explanation): equations and
+//! prescribed values with coefficients, whose combination is the dependent equation, or `u_s = value` for a fixed DOF.
 //!
-//! Explanations can be long: an equation that closes a ring of a million equations depends on all the others. So the total number of members
-//! in a report is limited. Conflicts come first, then generated boundary conditions (at most half of the remaining members), then redundant
-//! equations. If one is omitted, `because` is empty and `because_omitted` is its number of members, or null if it was not computed.
+//! Explanations can be long: an equation that closes a ring of a million equations depends on all the others. So the total number of
+//! members in a report is limited. Conflicts come first, then generated boundary conditions (at most half of the remaining members), then
+//! redundant equations. If one is omitted, `because` is empty and `because_omitted` is its number of members, or null if it was not
+//! computed.
 
 mod budget;
 mod exact;
@@ -95,9 +96,9 @@ pub struct Report {
     pub groups: Vec<Group>,
     /// Free DOFs that the equations fix, ascending.
     pub generated_boundary_conditions: Vec<GeneratedCondition>,
-    /// How certain the verdict is to be, ...
+    /// The requested effort.
     pub effort: Effort,
-    /// ... and what that promises, in one sentence.
+    /// The promise of this effort, in one sentence.
     pub promise: &'static str,
     /// How to cure the conflicts; the key is absent if there are none.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
@@ -119,7 +120,7 @@ pub struct Report {
     /// The reduced form, if it was computed.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub reduction: Option<ReductionSizes>,
-    /// Preferences that are not met; the key is absent if all are met.
+    /// Preferences that are not satisfied; the key is absent if all are.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Unmet::is_empty"))]
     pub unmet_preferences: Unmet,
     /// Coefficients that count as zero, because they are rounding of others; the key is absent if there are none.
@@ -149,7 +150,7 @@ impl Report {
 
     /// Reports an analysis, with explanations of at most `terms` members in total.
     ///
-    /// No explanation is computed after the limit is reached, but for those computed together with the last one, so `terms` bounds the
+    /// No explanation is computed after the limit is reached, except those computed together with the last one, so `terms` bounds the
     /// time too. For a generated boundary condition the cost of a factorization counts as terms. [`Report::with_reduction`] and
     /// [`Report::with_timings`] add the reduction and the other times.
     pub fn new(analysis: &Analysis, terms: usize) -> Self {

@@ -10,7 +10,7 @@ use crate::{Analysis, ConstraintSystem};
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct RepairFinding {
-    /// The rows that it cures, from 1.
+    /// The conflicting rows that it cures, from 1.
     pub conflicts: Vec<usize>,
     /// Changes that cure all of them together, the most plausible way first; at most 16 ways, all of the same size.
     pub ways: Vec<Vec<ChangeFinding>>,
@@ -24,7 +24,7 @@ pub struct RepairFinding {
 #[cfg_attr(feature = "serde", serde(untagged))]
 #[non_exhaustive]
 pub enum ChangeFinding {
-    /// Of the right-hand side of an equation; to leave the equation out cures the same.
+    /// Another right-hand side of an equation; removing the equation cures the same conflicts.
     Equation {
         /// Its row, from 1.
         row: usize,
@@ -32,21 +32,21 @@ pub enum ChangeFinding {
         label: String,
         /// The right-hand side.
         from: f64,
-        /// The one that cures.
+        /// The right-hand side that cures.
         to: f64,
     },
-    /// Of a prescribed value.
+    /// Another prescribed value.
     Prescribed {
         /// The DOF, from 1.
         dof: usize,
         /// Its label.
         label: String,
-        /// Where the value is prescribed; the key is absent if that is not known.
+        /// The place of the value in the input; the key is absent if it is not known.
         #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
         place: Option<String>,
         /// The value.
         from: f64,
-        /// The one that cures.
+        /// The value that cures.
         to: f64,
     },
 }

@@ -97,7 +97,7 @@ pub struct FactoredSizes {
     pub predicted: usize,
 }
 
-/// Preferences that are not met, with 1-based numbers.
+/// Preferences that are not satisfied, with 1-based numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -111,7 +111,7 @@ pub struct Unmet {
 }
 
 impl Unmet {
-    /// Whether every preference is met.
+    /// Returns true if every preference is satisfied.
     pub fn is_empty(&self) -> bool {
         self.equations.is_empty() && self.masters.is_empty() && self.slaves.is_empty()
     }
@@ -153,7 +153,7 @@ pub struct Milliseconds {
     pub total: f64,
 }
 
-/// Rounded to microseconds.
+/// Milliseconds, rounded to microseconds.
 pub(super) fn milliseconds(time: Duration) -> f64 {
     (time.as_secs_f64() * 1e6).round() / 1e3
 }

@@ -7,15 +7,15 @@ use super::ExactError;
 use super::field::Field;
 use super::row::{Change, ModularEntry, ModularRow};
 
-/// What became of the rows, by their numbers in the order given.
+/// The result of an elimination, as row numbers in the given order.
 pub(in crate::diagnosis) struct Eliminated {
     /// Rows that served as pivots: as many as the rank.
     pub(in crate::diagnosis) pivots: Vec<u32>,
-    /// Rows that say `0 = c` with c other than 0 in the end.
+    /// Rows that become `0 = c` with a nonzero c.
     pub(in crate::diagnosis) contradicting: Vec<u32>,
 }
 
-/// Eliminates `cols` columns of rows with right-hand sides, which may hold at most `limit` coefficients at a time.
+/// Eliminates `cols` columns of rows with right-hand sides. The rows may hold at most `limit` coefficients at a time.
 pub(in crate::diagnosis) fn eliminate(
     field: Field,
     rows: Vec<Vec<ModularEntry>>,
@@ -46,11 +46,11 @@ struct EliminateWork {
     holders: Vec<Vec<u32>>,
     /// Number of remaining rows that hold each column.
     count: Vec<u32>,
-    /// Columns that were down to one row when noted.
+    /// Columns that had one row when they were added here.
     singletons: Vec<u32>,
-    /// `(length, row)` as of when noted, shortest first.
+    /// `(length, row)` at the time of adding, shortest first.
     short: BinaryHeap<Reverse<(usize, u32)>>,
-    /// Entries for which the rows have room, and entries in `holders`.
+    /// Entries for which the rows have capacity, and entries in `holders`.
     room: usize,
     listed: usize,
     limit: usize,
@@ -71,7 +71,7 @@ impl EliminateWork {
         Self { field, rows, rhs, holders, count, singletons, short, room, listed, limit }
     }
 
-    /// A column in one row, else the rarest column of the shortest row; none when all rows are empty.
+    /// A column with one row, else the rarest column of the shortest row; None if all rows are empty.
     fn pivot(&mut self) -> Option<(u32, u32)> {
         while let Some(col) = self.singletons.pop() {
             if self.count[col as usize] == 1 {

@@ -1,8 +1,8 @@
-//! `Z / p`: whole numbers modulo a prime below 2^62, kept as `a 2^64 mod p` (Montgomery 1985), so that no product is divided.
+//! `Z / p`: integers modulo a prime below 2^62, stored as `a 2^64 mod p` (Montgomery 1985), so that multiplication needs no division.
 
 use crate::input::reading::Number;
 
-/// Arithmetic on residues. Zero is 0; what stands for another number is of no interest outside.
+/// Arithmetic on residues. Zero is stored as 0; other stored values have no meaning outside.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnosis) struct Field {
     p: u64,
@@ -16,10 +16,10 @@ pub(in crate::diagnosis) struct Field {
 }
 
 impl Field {
-    /// For an odd p below 2^62. Inverses ask for a prime; the rest holds for every odd p.
+    /// For an odd p below 2^62. Inverses need a prime; all else holds for every odd p.
     pub(in crate::diagnosis) fn new(p: u64) -> Self {
         debug_assert!(p % 2 == 1 && p < 1 << 62);
-        // Newton's step doubles the right bits: 3, 6, 12, 24, 48, 96.
+        // Newton's step doubles the number of correct bits: 3, 6, 12, 24, 48, 96.
         let inverse = (0..5).fold(p, |x, _| x.wrapping_mul(2_u64.wrapping_sub(p.wrapping_mul(x))));
         let square = ((u128::MAX % u128::from(p)) as u64 + 1) % p;
         let mut field = Self { p, inverse: inverse.wrapping_neg(), square, half: 0, tenth: 0 };

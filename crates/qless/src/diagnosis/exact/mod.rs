@@ -1,13 +1,12 @@
 //! `rank C_f` and `rank [C_f | b - C_p u_p]` in exact arithmetic, modulo two primes drawn at random.
 //!
-//! The third reading of a rank, beside the analysis in floating point and the singular values. It knows no tolerance: an
-//! equation is a combination of others to the last digit or it is not. So it settles a rank that the analysis calls ambiguous,
-//! provided that the numbers are meant as they stand; what was rounded before it was typed (0.3333 for 1/3) is not
-//! dependent to the last digit, and there the floating-point rank is the one that was meant.
-//!
+//! This is the third way to find a rank, beside the analysis in floating point and the singular values. It has no tolerance: an
+//! equation either is exactly a combination of others, or it is not. So it decides a rank that the analysis calls ambiguous,
+//! provided that the numbers are exact as given. Equations that were rounded before they were typed (0.3333 for 1/3) are not exactly
+//! dependent; for these the floating-point rank is the intended one.
 //! # How sure
-//! A matrix of whole numbers, rows scaled by a power of ten (or two), has the rank modulo p that it has exactly, or a smaller
-//! one, never a larger one; and a smaller one only if p divides every minor of the size of the rank. A double is a whole
+//! A matrix of whole numbers, rows scaled by a power of ten (or two), has modulo p its exact rank or a smaller one, never a larger
+//! one. The rank is smaller only if p divides every minor of the size of the rank. A double is a whole
 //! number below 10^17 times a power of ten between -324 and 308, so each row of such a minor is below `2^2177` in 2-norm (for at
 //! most 2^32 DOFs), and by Hadamard a minor of size r is below `2^(2177 r)`. At most `2177 r / 60 < 40 r` primes above 2^60 divide it;
 //! `[C_f | b - C_p u_p]`, whose last column holds products, adds less than 120 to that. Of the primes between 2^60 and 2^61
@@ -17,13 +16,13 @@
 //! (40 (r + 3) / 2.7e16)^2   =  2e-24 for r = 1000,  2e-18 for r = 1,000,000
 //! ```
 //!
-//! over all draws of the primes, for any matrix chosen before they are drawn. With the fixed seed of [`Settings`] results repeat; who
-//! distrusts them takes another seed. The same bound holds for the number of a connected part's rank.
+//! over all draws of the primes, for any matrix chosen before they are drawn. With the fixed seed of [`Settings`] results repeat; another
+//! seed checks them independently. The same bound holds for the rank of a single connected part.
 //!
-//! # The way of the data
-//! DOFs that occur in one equation and equations with one unknown DOF are counted without arithmetic, once for both primes;
-//! the rest is eliminated modulo each prime, from the shortest row and its rarest column, so two-term equations go before longer
-//! ones. What no order keeps sparse ends with [`ExactError::Fill`] instead of taking all memory.
+//! # The steps
+//! DOFs that occur in one equation, and equations with one unknown DOF, are counted without arithmetic, once for both primes. The other
+//! equations are eliminated modulo each prime, from the shortest row and its rarest column, so two-term equations come before longer
+//! ones. If the rows fill in beyond the limit, the result is [`ExactError::Fill`].
 //!
 //! ```
 //! use qless::SystemBuilder;
@@ -51,7 +50,7 @@ use crate::ConstraintSystem;
 
 pub use crate::input::reading::Reading;
 
-/// How to take a rank; made from a [`Reading`] with the default of the rest.
+/// How a rank is computed; can be made from a [`Reading`] with defaults for the rest.
 ///
 /// ```
 /// use qless::exact::{Reading, Settings};
@@ -60,9 +59,9 @@ pub use crate::input::reading::Reading;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// What number a double means.
+    /// How a double is read as a number.
     pub reading: Reading,
-    /// Which primes are drawn. Default: 1.
+    /// Seed from which the primes are drawn. Default: 1.
     pub seed: u64,
     /// Coefficients that the elimination may hold at a time for each prime, 24 bytes each. Default: 2^25, so 0.8 GB for each.
     pub fill: usize,
@@ -76,8 +75,8 @@ impl From<Reading> for Settings {
 
 /// `rank C_f` and `rank [C_f | b - C_p u_p]`, in total and for each connected part; `C_f` are the columns of free DOFs.
 ///
-/// `settings` is a [`Reading`], or [`Settings`] for other primes or more memory. On two threads where there are two; the result is the
-/// same on any number, and in every order of equations and DOFs.
+/// `settings` is a [`Reading`], or [`Settings`] for other primes or more memory. Uses two threads if there are two. The result does not
+/// depend on the number of threads, nor on the order of equations and DOFs.
 ///
 /// # Errors
 /// [`ExactError::Fill`].
@@ -102,7 +101,7 @@ pub fn rank(system: &ConstraintSystem, settings: impl Into<Settings>) -> Result<
     run::rank(system, settings.into())
 }
 
-/// An exact rank that was given up.
+/// Why an exact rank was not computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExactError {
@@ -124,11 +123,11 @@ pub enum ExactError {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ExactRank {
-    /// What a double was taken for.
+    /// How doubles were read.
     pub reading: Reading,
     /// Rank of `C_f`, the columns of free DOFs.
     pub rank: usize,
-    /// Rank of `[C_f | b - C_p u_p]`: the same where the equations have a solution, else one more.
+    /// Rank of `[C_f | b - C_p u_p]`: the same if the equations have a solution, else one more.
     pub augmented_rank: usize,
     /// The primes, between 2^60 and 2^61.
     pub primes: [u64; 2],
@@ -144,19 +143,19 @@ pub struct ExactRank {
 pub struct PartRank {
     /// Its number of equations.
     pub equations: usize,
-    /// The rank of their free DOFs' coefficients.
+    /// The rank of its columns of free DOFs.
     pub rank: usize,
-    /// Whether they have a solution.
+    /// True if its equations have a solution.
     pub solvable: bool,
 }
 
 impl ExactRank {
-    /// Largest chance that the rank is too small: `(40 (r + 3) / 2.7e16)^2`, over all draws of the primes.
+    /// Upper bound of the probability that the rank is too small: `(40 (r + 3) / 2.7e16)^2`, over all draws of the primes.
     pub fn error_chance(&self) -> f64 {
         (40.0 * (self.rank as f64 + 3.0) / 2.7e16).powi(2)
     }
 
-    /// Whether `C_f u_f = b - C_p u_p` has a solution.
+    /// Returns true if `C_f u_f = b - C_p u_p` has a solution.
     pub fn is_solvable(&self) -> bool {
         self.augmented_rank == self.rank
     }

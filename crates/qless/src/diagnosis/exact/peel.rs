@@ -1,22 +1,22 @@
-//! Equations that count without any arithmetic: a DOF that occurs in no other, or no other free DOF in it.
+//! Counts equations without arithmetic: those with a DOF that occurs in no other equation, and those with one unknown DOF.
 //!
-//! Which coefficients are zero decides both, and none that is not zero has the residue 0: so this is done once for all primes.
+//! Both depend only on which coefficients are zero. No nonzero coefficient has the residue 0, so this is done once for all primes.
 
 use crate::Csr;
 
-/// What is left of `C_f`, and what was taken.
+/// The remaining part of `C_f`, and the equations that were removed.
 pub(super) struct Peeled {
-    /// Equations that hold a DOF which occurs in none of those left: independent, whatever their numbers.
+    /// Equations with a DOF that occurs in no remaining equation: independent, whatever their coefficients are.
     pub(super) rows: Vec<u32>,
-    /// `(equation, DOF)`, where all other DOFs of the equation are prescribed or fixed by an earlier one.
+    /// `(equation, DOF)`; all other DOFs of the equation are prescribed or fixed by an earlier one.
     pub(super) fixing: Vec<(u32, u32)>,
-    /// The equations left.
+    /// The remaining equations.
     pub(super) rest: Vec<u32>,
-    /// Whether each DOF is still unknown: neither prescribed nor fixed.
+    /// By DOF, true if it is still unknown: neither prescribed nor fixed.
     pub(super) unknown: Vec<bool>,
 }
 
-/// Takes singletons until there are none, columns first.
+/// Removes singletons until there are none, columns first.
 pub(super) fn peel(matrix: &Csr, free: &[bool]) -> Peeled {
     let mut work = PeelWork::new(matrix, free);
     loop {
@@ -35,12 +35,12 @@ struct PeelWork<'a> {
     /// The rows of each column: `holder[start[j]..start[j + 1]]`.
     start: Vec<usize>,
     holder: Vec<u32>,
-    /// Rows left that hold each DOF, and unknown DOFs of each row.
+    /// By DOF, the number of remaining rows that contain it; by row, the number of its unknown DOFs.
     holders: Vec<u32>,
     length: Vec<u32>,
     taken: Vec<bool>,
     unknown: Vec<bool>,
-    /// Columns and rows that were singletons when noted.
+    /// Columns and rows that were singletons when they were added here.
     columns: Vec<u32>,
     rows: Vec<u32>,
     peeled: Vec<u32>,
@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(peeled.unknown, [false; 3]);
     }
 
-    /// Rows that hold no unknown DOF are nobody's.
+    /// Rows without an unknown DOF remain.
     #[test]
     fn rows_without_free_dofs_are_left() {
         assert_eq!(peel(&matrix(2, &[&[], &[0]]), &[false; 2]).rest, [0, 1]);

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use super::field::Field;
 use crate::common::SplitMix64;
 
-/// The first twelve primes: Miller and Rabin's test with these bases errs for no number below 3.3e24 (Sorenson, Webster 2015).
+/// The first twelve primes: the Miller-Rabin test with these bases is exact below 3.3e24 (Sorenson, Webster 2015).
 const BASES: [u64; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
 
 /// Two different primes in `2^60..2^61`, the same for the same seed; each is as likely as any other.
@@ -20,12 +20,12 @@ pub(in crate::diagnosis) fn two(seed: u64) -> [u64; 2] {
     }
 }
 
-/// Primes that [`first`] has.
+/// Number of primes in the list of [`first`].
 const KNOWN: usize = 64;
-/// Of these primes.
+/// Seed of the list.
 const SEED: u64 = 0x7072_696d;
 
-/// Different primes in `2^60..2^61`, at most 64, always the same.
+/// The first `count` primes of a fixed list of 64 different primes in `2^60..2^61`.
 pub(in crate::diagnosis) fn first(count: usize) -> &'static [u64] {
     static ALL: OnceLock<Vec<u64>> = OnceLock::new();
     let make = || {
@@ -50,7 +50,7 @@ fn draw(numbers: &mut SplitMix64) -> u64 {
     }
 }
 
-/// Whether n is prime, without a doubt, for n below 2^62.
+/// Returns true if n is prime; exact for n below 2^62.
 pub(in crate::diagnosis) fn is_prime(n: u64) -> bool {
     if n < 2 || BASES.iter().any(|base| n.is_multiple_of(*base)) {
         return BASES.contains(&n);
@@ -59,7 +59,7 @@ pub(in crate::diagnosis) fn is_prime(n: u64) -> bool {
     BASES.iter().all(|&base| passes(&field, n, base))
 }
 
-/// `base^d = 1` or `base^(d 2^k) = -1` for a k below s, with `n - 1 = d 2^s` and d odd: what holds for every prime n.
+/// `base^d = 1` or `base^(d 2^k) = -1` for a k below s, with `n - 1 = d 2^s` and d odd: true for every prime n.
 fn passes(field: &Field, n: u64, base: u64) -> bool {
     let twos = (n - 1).trailing_zeros();
     let (one, minus_one) = (field.of(1), field.of(n - 1));

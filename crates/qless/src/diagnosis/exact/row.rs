@@ -1,4 +1,4 @@
-//! A row of residues that takes a short row's multiple without being copied.
+//! A sparse row of residues, to which a multiple of a short row is added without a copy of the row.
 
 use std::cmp::Ordering;
 
@@ -7,17 +7,17 @@ use super::field::Field;
 /// `(column, residue)`.
 pub(in crate::diagnosis) type ModularEntry = (u32, u64);
 
-/// A row is so many times longer than another where looking its columns up is cheaper than merging.
+/// If a row is this many times longer than another one, looking its columns up is cheaper than merging.
 const LONG: usize = 8;
 
-/// What happened to a coefficient.
+/// A change of the pattern of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::diagnosis) enum Change {
     Appeared,
     Vanished,
 }
 
-/// A sparse row. Coefficients that cancel stay as zeros and new ones stand apart, until either are many.
+/// A sparse row. Cancelled coefficients stay as zeros, and new ones are stored separately, until there are many of either.
 #[derive(Clone, Debug, Default)]
 pub(in crate::diagnosis) struct ModularRow {
     /// Ascending by column.
@@ -39,7 +39,7 @@ impl ModularRow {
         self.live
     }
 
-    /// Entries for which memory is taken.
+    /// Entries for which memory is allocated.
     pub(in crate::diagnosis) fn room(&self) -> usize {
         self.entries.capacity() + self.late.capacity()
     }
@@ -49,7 +49,7 @@ impl ModularRow {
         self.entries.iter().chain(&self.late).filter(|entry| entry.1 != 0).map(|entry| entry.0)
     }
 
-    /// A coefficient that is not zero.
+    /// The coefficient of a column, if it is not zero.
     pub(in crate::diagnosis) fn get(&self, col: u32) -> Option<u64> {
         let find = |list: &[ModularEntry]| list.binary_search_by_key(&col, |entry| entry.0).ok().map(|k| list[k].1);
         find(&self.entries).or_else(|| find(&self.late)).filter(|&value| value != 0)
@@ -61,7 +61,7 @@ impl ModularRow {
         self.entries
     }
 
-    /// `row += factor pivot`; says which coefficients appear and vanish.
+    /// `row += factor pivot`; calls `changed` for coefficients that appear or vanish.
     pub(in crate::diagnosis) fn add(
         &mut self,
         field: &Field,
@@ -147,7 +147,7 @@ mod tests {
     use crate::common::random::randoms;
     use crate::diagnosis::exact::prime;
 
-    /// Short and long rows added in random order, against a map.
+    /// Adds short and long rows in random order, and compares with a map.
     #[test]
     fn sums_are_those_of_a_map() {
         let field = Field::new(prime::two(1)[0]);

@@ -1,4 +1,4 @@
-//! Peel, eliminate modulo each prime, and put the counts of the parts together.
+//! Peels, eliminates modulo each prime, and combines the counts of the parts.
 
 use super::eliminate::eliminate;
 use super::field::Field;
@@ -25,10 +25,10 @@ pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<Exac
     Ok(ExactRank { reading: settings.reading, rank, augmented_rank, primes, part_of, parts })
 }
 
-/// The rank of each part, and the number by which `b - C_p u_p` raises it: 0 or 1.
+/// The rank of each part, and the increase of this rank by the column `b - C_p u_p`: 0 or 1.
 type ExactCounts = Vec<(usize, usize)>;
 
-/// Neither rank is ever found too large, so the larger counts.
+/// Combines the counts of two primes. A rank modulo a prime is never too large, so the larger one counts.
 fn united(part_of: &[u32], counts: &[ExactCounts; 2]) -> Vec<PartRank> {
     let both = counts[0].iter().zip(&counts[1]);
     let mut parts: Vec<PartRank> = both
@@ -41,7 +41,7 @@ fn united(part_of: &[u32], counts: &[ExactCounts; 2]) -> Vec<PartRank> {
     parts
 }
 
-/// What peeling left, and what it took.
+/// The equations that remain after peeling, with the peeled ones.
 struct ExactRemainder<'a> {
     system: &'a ConstraintSystem,
     settings: Settings,
@@ -97,7 +97,7 @@ impl ExactRemainder<'_> {
         known.fold(own, |rest, (j, v)| field.sub(rest, field.mul(self.residue(field, v), values[j])))
     }
 
-    /// The coefficients of unknown DOFs in the rows left, and how many such DOFs there are.
+    /// The coefficients of unknown DOFs in the remaining rows, and the number of such DOFs.
     fn rows(&self, field: &Field) -> (Vec<Vec<ModularEntry>>, usize) {
         let unknown = |&(j, _): &(usize, f64)| self.peeled.unknown[j];
         let entries = |row: u32| self.system.matrix().row(row as usize).filter(unknown);
@@ -111,7 +111,7 @@ impl ExactRemainder<'_> {
             cols += 1;
         }
         let row = |&row: &u32| {
-            // Room for what is there and no more, since room counts as fill.
+            // Exact capacity, because unused capacity counts as fill.
             let mut list = Vec::with_capacity(entries(row).count());
             list.extend(entries(row).map(|(j, v)| (number[j], self.residue(field, v))));
             list
@@ -120,9 +120,9 @@ impl ExactRemainder<'_> {
     }
 }
 
-/// For each equation the number of its part; parts are counted in the order of their first equations.
+/// For each equation, the number of its part; parts are numbered by their first equations.
 ///
-/// Every equation without a free DOF is a part of its own. In O(coefficients), but for a factor that is 4 in practice.
+/// Every equation without a free DOF is a part of its own. O(nnz) times a factor that is about 4 in practice.
 pub(super) fn parts(matrix: &Csr, free: &[bool]) -> Vec<u32> {
     const NONE: u32 = u32::MAX;
     let mut first_with = vec![NONE; matrix.cols];

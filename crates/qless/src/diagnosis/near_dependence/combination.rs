@@ -1,4 +1,4 @@
-//! `d = row_k - sum_i y_i row_i`: a row over kept ones, and how much it differs from them.
+//! `d = row_k - sum_i y_i row_i`: a row as a combination of kept ones, and the difference.
 
 use std::collections::BTreeMap;
 
@@ -9,20 +9,20 @@ use crate::diagnosis::certificate::CertificateTerm;
 use crate::factor::backend::{Factor, norm};
 use crate::input::scale::ldexp;
 
-/// Parts of a combination below this many times the difference only fit what was rounded.
+/// Terms of a combination below this many times the difference only fit rounding errors.
 const FITTED: f64 = 3.0;
 /// Terms with `|y_i| |row_i|` below this many times `sqrt(distance) |row_k|` are uncertain: they may belong to the combination or not.
 const UNTOLD: f64 = 0.3;
-/// The combination without the uncertain terms is taken if its distance is at most this many times as large.
+/// The combination without the uncertain terms is used if its distance is at most this many times as large.
 const LOSS: f64 = 3.0;
 /// A row must agree with its combination to at least this many decimal digits to be nearly dependent.
 const LEAST_DIGITS: u32 = 2;
-/// A row takes the place of one that is at least this large a part of it.
+/// A row can be exchanged for a term whose size is at least this fraction of the row.
 const NEUTRAL: f64 = 0.9;
-/// Most digits that a double has.
+/// Largest number of digits of a double.
 const DIGITS: f64 = 16.0;
 
-/// A row over kept ones, all numbered within their part.
+/// A row as a combination of kept ones; row numbers are those within their part.
 pub(super) struct NearCombination {
     pub row: usize,
     /// `y_i` by row.
@@ -32,7 +32,7 @@ pub(super) struct NearCombination {
 }
 
 impl NearCombination {
-    /// The least squares fit by the triangular factor of the kept rows, `y <- y + R^-1 R^-T C d` twice from 0: Q is not needed.
+    /// The least-squares fit by the triangular factor of the kept rows: `y <- y + R^-1 R^-T C d`, twice from 0. Q is not needed.
     pub fn fit(part: &ScaledEquations, factor: &Factor, columns: &Csr, kept: &[usize], row: usize) -> Self {
         let mut rest = dense(part, row);
         let mut y = vec![0.0; kept.len()];
@@ -53,7 +53,7 @@ impl NearCombination {
         found
     }
 
-    /// Leaves out small terms, where the others say it nearly as well.
+    /// Drops small terms if the other ones fit nearly as well.
     fn shorten(&mut self, part: &ScaledEquations) {
         let least = UNTOLD * self.distance.sqrt() * length(part, self.row);
         let large = |(&i, &y): (&usize, &f64)| (y.abs() * length(part, i) > least).then_some((i, y));
@@ -64,13 +64,13 @@ impl NearCombination {
         }
     }
 
-    /// Whether it is one that somebody can have meant: near, and by each coefficient.
+    /// Returns true if the combination may be intended: the row is near it, also in each coefficient.
     pub fn is_near(&self, part: &ScaledEquations, limit: f64) -> bool {
         self.distance <= limit && self.digits(part) >= LEAST_DIGITS
     }
 
-    /// What the terms leave of the row, by DOF: the difference, its largest part and, where only one equation holds the DOF, its
-    /// coefficient there relative to its largest.
+    /// By DOF, the remainder of the row: the difference, its largest term and, if only one equation contains the DOF, its coefficient there
+    /// relative to the largest of that equation.
     fn rest(&self, part: &ScaledEquations) -> BTreeMap<usize, (f64, f64, Option<f64>)> {
         let mut rest: BTreeMap<usize, (f64, f64, Option<f64>)> = BTreeMap::new();
         let mut add = |row: usize, y: f64| {
@@ -93,7 +93,7 @@ impl NearCombination {
         self.distance = if largest > 0.0 { norm(&rest).powi(2) / largest } else { 0.0 };
     }
 
-    /// Decimals at which the row and its combination part.
+    /// Number of decimals to which the row and its combination agree.
     fn digits(&self, part: &ScaledEquations) -> u32 {
         let rest = self.rest(part);
         let relative = |&(sum, most, alone): &(f64, f64, Option<f64>)| alone.unwrap_or_else(|| sum.abs() / most);
@@ -101,14 +101,14 @@ impl NearCombination {
         (-largest.log10()).clamp(0.0, DIGITS).floor() as u32
     }
 
-    /// The latest row after this one that could as well stand in its place.
+    /// The latest row after this one that could be exchanged for it.
     fn later(&self, part: &ScaledEquations) -> Option<usize> {
         let own = NEUTRAL * length(part, self.row);
         let mut later = self.terms.range(self.row + 1..).rev();
         later.find(|&(&i, y)| y.abs() * length(part, i) >= own).map(|(&i, _)| i)
     }
 
-    /// Solves for one of its terms, which becomes its row.
+    /// Solves for one of the terms, which becomes the row.
     fn exchange(&mut self, term: usize) {
         let Some(pivot) = self.terms.remove(&term) else { return };
         self.terms.values_mut().for_each(|y| *y /= -pivot);
@@ -116,7 +116,7 @@ impl NearCombination {
         self.row = term;
     }
 
-    /// Replaces a term by the combination that it now is.
+    /// Replaces a term by its combination `by`.
     fn replace(&mut self, by: &BTreeMap<usize, f64>, term: usize, least: f64) {
         let Some(factor) = self.terms.remove(&term) else { return };
         for (&i, y) in by {
@@ -126,13 +126,13 @@ impl NearCombination {
     }
 }
 
-/// Of rows that nearly say the same the earlier one is kept.
+/// Keeps the earlier ones of nearly equivalent rows.
 pub(super) fn in_order(part: &ScaledEquations, found: &mut [NearCombination]) {
     let mut holders: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (k, c) in found.iter().enumerate() {
         c.terms.keys().for_each(|&i| holders.entry(i).or_default().push(k));
     }
-    // Each exchange moves a dropped row down.
+    // Each exchange replaces a dropped row by a later one.
     let mut budget = 4 * found.len() + 16;
     for k in 0..found.len() {
         while let Some(term) = found[k].later(part).filter(|_| budget > 0) {
@@ -152,7 +152,7 @@ pub(super) fn in_order(part: &ScaledEquations, found: &mut [NearCombination]) {
     }
 }
 
-/// In the user's rows and units.
+/// The combination in the user's rows and units.
 pub(super) fn explain(part: &ScaledEquations, found: &NearCombination) -> NearDependent {
     let k = found.row;
     let term = |(&i, &y): (&usize, &f64)| CertificateTerm {

@@ -1,12 +1,12 @@
-//! One connected part: a QR of `C^T` that drops rows nearer than [`NEAR`] to others, and the gap between those and the rest.
+//! The equations of one connected part, scaled to one size, and the choice of equations that matter for near dependence.
 
 use crate::Csr;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 
-/// Rows of one size over DOFs of their own.
+/// Rows scaled to one size, over the DOFs of their part.
 pub(super) struct ScaledEquations {
-    /// Row of the user of each, ascending.
+    /// The user's row of each row, ascending.
     pub rows: Vec<u32>,
     /// The power of two by which each was multiplied.
     pub exponents: Vec<i32>,
@@ -14,7 +14,7 @@ pub(super) struct ScaledEquations {
 }
 
 impl ScaledEquations {
-    /// `number` has a place for each DOF, none of which belongs to another part.
+    /// `number` has an entry for each DOF; no DOF of these rows belongs to another part.
     pub fn new(system: LocalSystem, rows: Vec<u32>, scaling: &Scaling, number: &mut [u32]) -> Self {
         let mut entries = Vec::new();
         let (mut starts, mut exponents) = (vec![0], Vec::new());
@@ -48,14 +48,14 @@ impl ScaledEquations {
     }
 }
 
-/// A coefficient of an own DOF counts from here on, relative to the largest of its row.
+/// Least coefficient of a DOF that occurs in one row only, relative to the largest of this row, for which the row is left out.
 const LARGE: f64 = 0.25;
-/// Times that rows are left out for DOFs which only rows left out before had shared: each costs accuracy.
+/// Number of rounds in which rows are left out. Each round can leave more DOFs in one row only, and costs accuracy.
 const TIMES: usize = 3;
 
-/// Those of some rows that have no large coefficient on a DOF of their own, ascending.
+/// The rows without a large coefficient on a DOF that occurs in no other row, ascending.
 ///
-/// In a combination with difference d such a row has a factor of at most `|d| / 0.25`: what was said of the other rows holds without it.
+/// In a combination with difference d, a row with such a coefficient has a factor of at most `|d| / 0.25`, so it can be left out.
 pub(super) fn without_own(system: LocalSystem, mut rows: Vec<u32>, scaling: &Scaling) -> Vec<u32> {
     let free = |i: u32| system.row(i as usize).filter(|&(j, _)| system.free()[j]);
     let mut count = vec![0_u32; system.dofs()];

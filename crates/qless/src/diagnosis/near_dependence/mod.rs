@@ -1,8 +1,8 @@
-//! `row_k ~ sum_i c_i row_i`: independent as typed, but by so little that they may be meant as the same.
+//! `row_k ~ sum_i c_i row_i`: equations that are independent as typed, but so nearly dependent that they may be meant as dependent.
 //!
-//! The rank of an analysis is that of the numbers as they stand. Equations that somebody typed a second time with six digits, or
-//! cosines of four, are independent by what was rounded; as meant, fewer are. A part of the system is read a second time if
-//! its equations fall into two sorts: most far from dependence and some near it, with a clear gap between them.
+//! The rank of an analysis is that of the numbers as given. Equations that were typed a second time with six digits, or cosines with
+//! four digits, are independent only because of rounding. A part of the system gets a second reading if its equations fall into two
+//! groups: most of them far from dependence and some near it, with a clear gap between them.
 
 mod combination;
 mod equations;
@@ -16,7 +16,7 @@ use combination::{NearCombination, explain, in_order};
 use equations::{ScaledEquations, without_own};
 use rayon::prelude::*;
 
-/// The second reading of a system: as it is probably meant.
+/// A second reading of a system: as it is probably meant.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NearDependence {
@@ -32,8 +32,8 @@ pub struct NearDependence {
 pub struct NearDependent {
     /// The equation, 0-based.
     pub row: usize,
-    /// Decimals at which it and the combination part: `floor(-log10 max_j |c_kj - sum_i y_i c_ij| / p_j)`, where `p_j` is the largest
-    /// part of the difference, or the largest of all DOFs where only one equation holds DOF j.
+    /// Decimals to which it and the combination agree: `floor(-log10 max_j |c_kj - sum_i y_i c_ij| / p_j)`, where `p_j` is the largest
+    /// term of the difference at DOF j or, if only one equation contains DOF j, the largest term of this equation at any DOF.
     pub digits: u32,
     /// About the smallest change of one coefficient, relative to the largest of the equation (by a power of two), that makes it a
     /// combination: `|d|^2 / max |d_j|` for the difference d.
@@ -42,27 +42,27 @@ pub struct NearDependent {
     pub because: Vec<CertificateTerm>,
 }
 
-/// Numbers up to which a part is dense: without pivoting near dependence is easily missed.
+/// Largest number of entries of a part that is factored densely: without pivoting, near dependence is easily missed.
 const SMALL: usize = 1 << 20;
 
-/// Rows of which so little remains are candidates: what three decimals leave of two coefficients of 1 at most.
+/// Rows with a remainder below this are candidates; rounding two coefficients of 1 to three decimals leaves less.
 const NEAR: f64 = 1e-2;
-/// What is kept must be so many times farther from dependence than what is not.
+/// The kept rows must be this many times farther from dependence than the other ones.
 const GAP: f64 = 30.0;
 
 impl NearDependence {
-    /// Decimals to which all of the equations agree with others.
+    /// Decimals to which all of the equations agree with their combinations.
     pub fn digits(&self) -> u32 {
         self.equations.iter().map(|equation| equation.digits).min().unwrap_or(0)
     }
 }
 
 impl Analysis {
-    /// Equations that are independent as typed but may be meant as combinations of others; None where no such reading stands
-    /// out, as in a long chain, whose singular values fall without a gap.
+    /// Equations that are independent as typed but may be meant as combinations of others; None if no such reading stands
+    /// out, as in a long chain, whose singular values decrease without a gap.
     ///
-    /// Cost: at most three factorizations for each connected part, however many nearly dependent equations it holds. Of equations that
-    /// nearly repeat each other the earlier ones are kept.
+    /// Cost: at most three factorizations for each connected part, for any number of nearly dependent equations. Of equations that
+    /// nearly repeat each other, the earlier ones are kept.
     ///
     /// ```
     /// use qless::{Options, SystemBuilder, analyse};
@@ -81,7 +81,7 @@ impl Analysis {
     /// ```
     ///
     /// # Errors
-    /// [`BackendError`] where a part is too large for the memory allowed.
+    /// [`BackendError`] if a part is too large for the memory allowed.
     pub fn near_dependence(&self) -> Result<Option<NearDependence>, BackendError> {
         let local = self.numbering.view(&self.system, self.system.rhs());
         let rows = (0..self.kinds.len() as u32).filter(|&i| self.kinds[i as usize] == Kind::Independent).collect();
@@ -102,7 +102,7 @@ impl Analysis {
     }
 }
 
-/// Rows kept, rows near to them, and how far the kept ones are from dependence.
+/// Kept rows, rows near them, and the distance of the kept ones from dependence.
 struct SplitEquations {
     kept: Vec<usize>,
     near: Vec<NearCombination>,
@@ -117,7 +117,7 @@ impl SplitEquations {
 }
 
 impl ScaledEquations {
-    /// The equations nearly dependent on others, or none without a clear gap.
+    /// The equations that nearly depend on others; empty without a clear gap.
     pub fn near(&self, backend: &dyn Backend) -> Result<Vec<NearDependent>, BackendError> {
         let factor = backend.factor(&self.matrix, &[], NEAR)?;
         let (kept, dropped) = factor.order.split_at(factor.rank);
@@ -137,8 +137,8 @@ impl ScaledEquations {
         Ok(reading.near.iter().map(|c| explain(self, c)).collect())
     }
 
-    /// Takes back what is farther than the limit: a chain loses rows by the length of what remains of them, though no coefficient
-    /// of that is small.
+    /// Returns rows beyond the limit to the kept ones. A chain loses such rows because the 2-norm of their remainder is small, although no
+    /// coefficient of the remainder is.
     fn within(
         &self,
         reading: SplitEquations,
@@ -157,7 +157,7 @@ impl ScaledEquations {
         Ok(self.read(&factor, kept, &near.iter().map(|c| c.row).collect::<Vec<_>>()))
     }
 
-    /// Least squares of some rows over the kept ones, whose factor is given.
+    /// Least-squares fits of some rows by the kept ones, whose factor is given.
     fn read(&self, factor: &Factor, kept: Vec<usize>, rows: &[usize]) -> SplitEquations {
         let columns = self.select(&kept);
         let fit = |&row: &usize| NearCombination::fit(self, factor, &columns, &kept, row);

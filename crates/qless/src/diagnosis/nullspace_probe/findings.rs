@@ -1,40 +1,39 @@
-//! What a pass finds, and how much of it is to be relied on.
+//! The findings of a pass, and the limits of their reliability.
 
-/// A slave that moves more than this, for masters of size 1, stands at the end of multipliers that grew: what presolve made of
-/// its equations has lost that many digits.
+/// If a slave moves more than this for masters of size 1, multipliers have grown along the way: presolve's rows have lost that many digits.
 const STEEP: f64 = 1e3;
-/// A slave that moves more than this, for right-hand sides of size 1, stands for equations that are nearly dependent.
+/// If a slave moves more than this for right-hand sides of size 1, its equations are nearly dependent.
 const WEAK: f64 = 3e4;
-/// A row to which more than this of a user's equation was added has lost that many digits, and so has a slave that moves more: of the
-/// sixteen of a double, those of the tolerance of 1e-10 are left.
+/// If more than this times a user's equation was added to a row, the row has lost that many digits, and so has a slave that moves more. Of
+/// the sixteen digits of a double, those of the tolerance of 1e-10 are left.
 const FAR: f64 = 1e5;
 
-/// A sample that is nearer to its limit than this factor is drawn again with numbers that depend on the component alone.
+/// A sample that is within this factor of its limit is drawn again, with numbers that depend on the component alone.
 const NEARLY: f64 = 0.1;
 
-/// Rows of `C_S^-1` up to this size are looked at no closer.
+/// Rows of `C_S^-1` up to this size need no closer estimate.
 const HARMLESS: f64 = 8.0;
 
-/// What a pass finds.
+/// The findings of a pass.
 #[derive(Default)]
 pub(crate) struct NullspaceProbe {
-    /// How large a slave can become for right-hand sides of size 1, by the sizes of the numbers of `C_S^-1` or for random ones. C_S holds
+    /// Largest value of a slave for right-hand sides of size 1: a bound from the entries of `C_S^-1`, or a random sample. C_S contains
     /// the kept equations on their slaves.
     pub(super) largest: f64,
-    /// The largest move of a slave.
+    /// The largest motion of a slave for random masters.
     pub(super) steepest: f64,
-    /// Rows made by presolve that should not be relied on, for growth or for nearness to dependence.
+    /// Rows made by presolve that are not reliable, because of growth or nearness to dependence.
     pub doubtful: Vec<usize>,
-    /// Those of them whose slaves have too few digits left, however far the equations are from dependence.
+    /// Those of them whose slaves have too few digits left, whatever the distance from dependence.
     pub lost: Vec<usize>,
-    /// Slaves that stay at zero for random masters, each in its unit, and zero prescribed values.
+    /// Slaves that stay zero for random masters, each in its unit, and zero prescribed values.
     pub immobile: Vec<u32>,
-    /// For each row of the basis a bound of that row of T: its own largest coefficient, infinite where it names other slaves.
+    /// For each row of the basis, a bound of its row of T: its largest coefficient, or infinity if it contains other slaves.
     pub bounds: Vec<f64>,
 }
 
 impl NullspaceProbe {
-    /// Whether no number is large, so that nothing hangs on how others were drawn.
+    /// Returns true if all numbers are small, so that the result does not depend on the random numbers.
     pub fn is_harmless(&self) -> bool {
         is_at_most(self.steepest, NEARLY * STEEP) && self.doubtful.is_empty() && is_at_most(self.largest, HARMLESS)
     }
@@ -43,7 +42,7 @@ impl NullspaceProbe {
     pub(super) fn judge(&mut self, t: usize, is_peeled: bool, sample: f64, moves: f64, far: bool) {
         self.steepest = if is_at_most(moves, self.steepest) { self.steepest } else { moves };
         self.largest = if is_at_most(sample, self.largest) { self.largest } else { sample };
-        // What is no number is no small one. What is peeled is triangular, so it is not near dependence, whatever its numbers are.
+        // A NaN is not small. Peeled rows are triangular, so they are not near dependence, whatever their numbers are.
         if far || !is_at_most(moves, STEEP) || !(is_peeled || is_at_most(sample, WEAK)) {
             self.doubtful.push(t);
             if is_far(moves) {
@@ -53,13 +52,13 @@ impl NullspaceProbe {
     }
 }
 
-/// False for what is no number.
+/// False for NaN.
 #[inline]
 fn is_at_most(x: f64, limit: f64) -> bool {
     x <= limit
 }
 
-/// Whether more than [`FAR`] times some equation of the user went into a row, so that about that many digits are lost.
+/// Returns true if more than [`FAR`] times a user's equation went into a row, so that about that many digits are lost.
 pub(crate) fn is_far(reach: f64) -> bool {
     !is_at_most(reach, FAR)
 }

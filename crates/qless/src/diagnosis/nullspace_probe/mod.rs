@@ -1,4 +1,4 @@
-//! One pass over the kept equations, last to first, for all that can be told of a DOF from those that make it.
+//! One pass over the kept equations, last to first, which estimates the motion and accuracy of every slave.
 
 mod findings;
 mod random_keys;
@@ -13,27 +13,27 @@ pub(crate) use findings::{NullspaceProbe, is_far};
 pub(crate) use random_keys::{RandomKeys, random_sides};
 use random_keys::{SEEDS, random_step_sides, sizes_of_inverse};
 
-/// A sum of parts that cancels to within this, relative to the parts, is zero.
+/// A sum that cancels to this fraction of its terms is zero.
 const NOISE: f64 = 1e-11;
 
-/// Which random numbers.
+/// Which set of random numbers is used.
 #[derive(Clone, Copy)]
 pub(crate) enum ProbeSample {
     First,
     Second,
 }
 
-/// How large `C_S^-1` is, row by row.
+/// Estimate of the rows of `C_S^-1`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum InverseEstimate {
-    /// The sum of the sizes of its numbers, along all ways from slave to slave: it depends on the component alone, however numbers
-    /// are drawn.
+    /// The sum of the sizes of its entries, along all paths from slave to slave. It depends on the component alone, not on random
+    /// numbers.
     Bound,
-    /// For random right-hand sides.
+    /// The value for random right-hand sides.
     Sample,
 }
 
-/// The first or the second sample, of masters and right-hand sides. O(nnz).
+/// Probes with the first or the second sample of masters and right-hand sides. O(nnz).
 pub(crate) fn probe(
     system: LocalSystem,
     basis: &Basis,
@@ -50,7 +50,7 @@ pub(crate) fn probe(
     }
 }
 
-/// What a pass needs.
+/// The input of a pass.
 struct ProbePass<'a> {
     system: LocalSystem<'a>,
     basis: &'a Basis,
@@ -75,7 +75,7 @@ impl ProbePass<'_> {
             let slave = basis.slave(t);
             let terms = basis.row(system, t);
             let Sums { moves, size, sample, bound } = sums::<BOUND>(terms, slave, &states, scaling);
-            // What is no number is not at rest.
+            // A NaN does not count as zero.
             let moves = if moves.abs() <= NOISE * size { 0.0 } else { moves };
             out.bounds[t] = bound;
             if moves == 0.0 {
@@ -98,18 +98,18 @@ impl ProbePass<'_> {
     }
 }
 
-/// A DOF, as far as the pass has come.
+/// The state of a DOF during the pass.
 #[derive(Clone, Copy)]
 pub struct State {
-    /// Its value for the random masters; what cancels is exactly zero.
+    /// Its value for the random masters; exactly zero if its terms cancel.
     pub u: f64,
-    /// Its value in scaled units for random right-hand sides; 0 for masters and prescribed DOFs only, and for slaves of which
-    /// nothing is known.
+    /// Its value in scaled units for random right-hand sides. It is 0 only for masters, prescribed DOFs, and slaves whose value is
+    /// not known yet.
     pub w: f64,
 }
 
-/// Masters at random, prescribed DOFs at zero; in the second sample each in the unit in which its largest coefficient is as large as its
-/// equation, so that no move is lost beside those of others.
+/// Random masters and zero prescribed DOFs. In the second sample each master has the unit in which its largest coefficient is as large as
+/// its equation, so that no motion is lost beside others.
 pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: ProbeSample, seed: u64) -> Vec<State> {
     let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
     let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
@@ -125,7 +125,7 @@ pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: P
     states
 }
 
-/// By DOF the power of two of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
+/// By DOF, the power of two of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
 fn exponents(system: LocalSystem, scaling: &Scaling) -> Vec<i32> {
     let mut most = vec![None; system.dofs()];
     for i in 0..system.equations() {
@@ -138,7 +138,7 @@ fn exponents(system: LocalSystem, scaling: &Scaling) -> Vec<i32> {
     most.into_iter().map(Option::unwrap_or_default).collect()
 }
 
-/// The DOFs of a block move as a random vector of its null space says; those that stay are listed.
+/// Moves the DOFs of a block by a random vector of its null space, and lists those that do not move.
 pub fn enter(block: &Kept, which: ProbeSample, scaling: &Scaling, states: &mut [State], immobile: &mut Vec<u32>) {
     let Vectors { moves, sample, .. } = &block.vectors;
     for ((&j, &u), &w) in block.dofs.iter().zip(&moves[which as usize]).zip(sample) {
@@ -149,21 +149,21 @@ pub fn enter(block: &Kept, which: ProbeSample, scaling: &Scaling, states: &mut [
     }
 }
 
-/// A slave's sample is told from a master's by not being zero.
+/// Makes a slave's sample nonzero, because zero marks a master.
 #[inline]
 pub fn apart_from_zero(sample: f64) -> f64 {
     if sample == 0.0 { f64::MIN_POSITIVE } else { sample }
 }
 
-/// What the terms of a row come to.
+/// Sums over the terms of a row.
 pub struct Sums {
     /// `sum_k value_k u_k`.
     pub moves: f64,
-    /// Its largest part.
+    /// The largest term of `moves`.
     pub size: f64,
     /// `sum_k value_k w_k` in scaled columns.
     pub sample: f64,
-    /// `max_k |value_k|`; infinite where a slave is among them.
+    /// `max_k |value_k|`; infinite if a slave is among the DOFs.
     pub bound: f64,
 }
 

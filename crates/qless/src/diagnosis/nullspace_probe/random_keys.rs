@@ -1,4 +1,4 @@
-//! By what random numbers are drawn.
+//! Keys from which random numbers are drawn.
 
 use crate::common::random::signed;
 use crate::diagnosis::certificate::History;
@@ -6,11 +6,11 @@ use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::presolve::eliminated::Eliminated;
 
-/// Of the random masters and right-hand sides.
+/// Seeds of the random masters and right-hand sides.
 pub(super) const SEEDS: [u64; 2] = [0x9e37_79b9, 0x85eb_ca6b];
 
-/// By what random numbers are drawn: places within the component, so that they are the same whatever stands beside it, or, where
-/// nothing hangs on them, places in the whole.
+/// Keys from which random numbers are drawn: places within the component, so that the numbers do not depend on other components. If the
+/// result does not depend on the numbers, the keys are places in the whole system.
 #[derive(Default)]
 pub(crate) struct RandomKeys {
     rows: Vec<u32>,
@@ -63,7 +63,7 @@ pub fn random_step_sides(history: &History, keys: &RandomKeys, seed: u64) -> Vec
     right
 }
 
-/// The sizes of the rows of `L^-1`, by step.
+/// By step, the sum of sizes in its row of `L^-1`.
 pub fn sizes_of_inverse(history: &History) -> Vec<f64> {
     let mut bounds: Vec<f64> = Vec::with_capacity(history.steps.len());
     for &row in &history.steps {
@@ -78,7 +78,7 @@ fn after(own: f64, factors: &[(u32, f64)], steps: &[f64]) -> f64 {
     own - factors.iter().map(|&(step, factor)| factor * steps[step as usize]).sum::<f64>()
 }
 
-/// A random right-hand side after elimination, for every row of the core: the one of which blocks give their samples.
+/// A random right-hand side after elimination, for every row of the core. The blocks compute their samples from it.
 pub(crate) fn random_sides(eliminated: &Eliminated, keys: &RandomKeys) -> Vec<f64> {
     let own = |row: u32| signed(SEEDS[0], keys.row(eliminated.names[row as usize]));
     let mut steps: Vec<f64> = Vec::with_capacity(eliminated.steps.len());

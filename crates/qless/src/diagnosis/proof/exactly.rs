@@ -1,4 +1,4 @@
-//! Certificates in exact arithmetic: modulo primes whose product is larger than what has to be zero.
+//! Verifies certificates in exact arithmetic, modulo primes whose product exceeds every number that has to be zero.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -13,31 +13,31 @@ use crate::exact::Reading;
 use crate::input::numbering::LocalSystem;
 use crate::input::reading::Number;
 
-/// What an explanation is in exact arithmetic.
+/// The result of verifying an explanation exactly.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
-    /// Whether the equation is a combination of the rows of its certificate.
+    /// True if the equation is a combination of the rows of its certificate.
     pub is_combination: bool,
-    /// Whether its right-hand side is the same combination.
+    /// True if its right-hand side is the same combination.
     pub sides_agree: bool,
 }
 
 /// Bits of a prime above `2^60`.
 const BITS: f64 = 60.0;
-/// Most primes: 64 of them hold numbers of 3,840 bits, three times the range of doubles.
+/// Largest number of primes: 64 of them hold numbers of 3,840 bits, three times the range of doubles.
 const PRIMES: usize = 64;
-/// Most rows of a certificate whose minors are looked at: each row adds up to two primes, and each prime an elimination.
+/// Largest number of rows of a certificate whose minors are computed: each row adds up to two primes, and each prime an elimination.
 const ROWS: usize = 32;
-/// Coefficients that such an elimination may hold.
+/// Coefficients that one such elimination may hold.
 const FILL: usize = 1 << 20;
 
-/// Different primes whose product has more than so many bits; none if they would be too many.
+/// Different primes whose product has more than `bits` bits; None if this needs more than [`PRIMES`].
 fn primes(bits: f64) -> Option<&'static [u64]> {
     let count = (bits.max(0.0) / BITS).floor() + 1.0;
     (count <= PRIMES as f64).then(|| &prime::first(PRIMES)[..count as usize])
 }
 
-/// The system in which certificates are read.
+/// The system whose certificates are verified.
 pub(super) struct Explanation<'a> {
     system: LocalSystem<'a>,
     reading: Reading,
@@ -55,7 +55,7 @@ impl<'a> Explanation<'a> {
         Number::read(value, self.reading)
     }
 
-    /// `row_k = sum_i c_i row_i` with the fractions that the coefficients stand for; none if they stand for none.
+    /// Verifies `row_k = sum_i c_i row_i` with fractions near the coefficients; None if there are no such fractions.
     pub fn identity(&self, row: usize, terms: &[CertificateTerm]) -> Option<Found> {
         let own =
             Rational { numerator: Number { negative: true, digits: 1, decimal: false, exponent: 0 }, denominator: 1 };
@@ -95,7 +95,7 @@ impl<'a> Explanation<'a> {
         Some(found)
     }
 
-    /// The same by the ranks of the rows and of the rows with their right-hand sides; none if they are too many or too large.
+    /// Verifies it by the ranks of the rows and of the rows with their right-hand sides; None if they are too many or too large.
     pub fn minors(&self, row: usize, terms: &[CertificateTerm]) -> Option<Found> {
         if terms.len() > ROWS {
             return None;
@@ -122,7 +122,7 @@ impl<'a> Explanation<'a> {
             };
             let done = eliminate(field, matrix.into_iter().map(placed).collect(), sides, place.len(), FILL).ok()?;
             found.is_combination &= done.pivots.len() <= terms.len();
-            // Fewer pivots modulo a prime prove nothing of the right-hand sides.
+            // Too few pivots modulo a prime prove nothing about the right-hand sides.
             if done.pivots.len() != terms.len() && !done.contradicting.is_empty() {
                 return None;
             }
@@ -144,7 +144,7 @@ impl<'a> Explanation<'a> {
         (entries, side)
     }
 
-    /// Sizes of the coefficients of free DOFs, and of the parts of the right-hand side, both times c.
+    /// Sizes of the coefficients of free DOFs, and of the terms of the right-hand side, both times c.
     fn sizes(&self, i: usize, c: f64) -> [NumberSize; 2] {
         let (mut of_dofs, mut of_sides) = (NumberSize::default(), NumberSize::default());
         let b = self.system.rhs()[i];

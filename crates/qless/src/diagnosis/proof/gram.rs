@@ -6,28 +6,28 @@
 //! x^T A A^T x >= sum_i (s_i - sum_j (|E| + |F|)_ij) x_i^2        for |x_i x_j| <= (x_i^2 + x_j^2) / 2
 //! ```
 //!
-//! The sums over j are two products with |A| and |L|. They are known after the factorization only, so s is small first, and once more twice
-//! what was needed. Powers of two scale rows and DOFs, which changes no rank; each row then has a coefficient between 1 and 2, beside which
-//! what underflows is nothing.
+//! The sums over j are two products with |A| and |L|. They are known only after the factorization, so s is small at first; a second attempt
+//! uses twice the s that was needed. Powers of two scale rows and DOFs, which does not change the rank. Each row then has a coefficient
+//! between 1 and 2, beside which underflow is negligible.
 
 use qless_qr::Symbolic;
 
 use crate::diagnosis::core::Core;
 use crate::input::scale::{Component, RANGE, exponent, ldexp};
 
-/// The part of the diagonal that is subtracted first: eight roundings. The proof works for cores whose smallest singular value in these
-/// units is above its root.
+/// The fraction of the diagonal that is subtracted first: eight roundings. The proof succeeds for cores whose smallest singular value, in
+/// these units, exceeds the root of this.
 const SHIFT: f64 = f64::EPSILON * 4.0;
-/// Fewer equations are factored in their own order.
+/// With fewer equations, their order is not changed.
 const FEW: usize = 16;
-/// Sums of positive numbers that bound others are larger than they say by less than this.
+/// Factor by which a computed sum of positive numbers can be too small as a bound, with a margin.
 const SLACK: f64 = 1.0 + 1e-6;
-/// Bytes of a number of L.
+/// Bytes of an entry of L.
 const BYTES: usize = 16;
 
-/// False if that could not be proved, also for want of `memory` in bytes.
+/// Returns false if independence could not be proved, also because of a lack of `memory` (in bytes).
 pub(super) fn is_independent(core: &Core, memory: usize) -> bool {
-    // Most cores need no other units, which cost more than a factorization of a small one.
+    // Most cores need no balanced units, which cost more than the factorization of a small core.
     [false, true]
         .into_iter()
         .any(|is_balanced| ScaledCore::new(core, is_balanced).is_some_and(|a| a.is_independent(memory)))
@@ -51,7 +51,7 @@ struct GramFactor {
 }
 
 impl ScaledCore {
-    /// None if coefficients are so small or so far apart that they lose digits.
+    /// None if coefficients are so small, or of such different size, that they lose digits.
     fn new(core: &Core, is_balanced: bool) -> Option<Self> {
         let mut dofs: Vec<u32> = core.entries.iter().flatten().map(|&(j, _)| j).collect();
         dofs.sort_unstable();
@@ -68,7 +68,7 @@ impl ScaledCore {
         Some(scaled)
     }
 
-    /// Scales rows to a largest coefficient between 1 and 2, after DOFs to their balanced units if those are wanted.
+    /// Scales rows to a largest coefficient between 1 and 2, after scaling DOFs to balanced units if that is requested.
     fn scale(&mut self, is_balanced: bool) -> Option<()> {
         if self.rows.iter().flatten().any(|&(_, v)| !v.is_normal()) {
             return None;
@@ -82,7 +82,7 @@ impl ScaledCore {
         Some(())
     }
 
-    /// Exponents of the DOFs in balanced units; none if they are those of the user or out of range.
+    /// Exponents of the DOFs in balanced units; None if they equal those of the user or are out of range.
     fn units(&self) -> Option<Vec<i32>> {
         let terms = |i: u32| self.rows[i as usize].iter().map(|&(j, v)| (j as usize, v));
         let mut place = vec![0; self.dofs];
@@ -106,7 +106,7 @@ impl ScaledCore {
         false
     }
 
-    /// The order of the rows that a QR factorization of `A^T` would have.
+    /// Sorts the rows in the order of a QR factorization of `A^T`.
     fn reorder(&mut self) {
         if self.rows.len() < FEW {
             return;
@@ -123,7 +123,7 @@ impl ScaledCore {
         }
     }
 
-    /// `L L^T = A A^T - shift diag(A A^T)`, row by row; none if that is not positive definite, or L takes more than `memory`.
+    /// `L L^T = A A^T - shift diag(A A^T)`, row by row; None if that is not positive definite, or L needs more than `memory`.
     fn cholesky(&self, shift: f64, memory: usize) -> Option<GramFactor> {
         let count = self.rows.len();
         let mut factor = GramFactor { diagonal: Vec::with_capacity(count), columns: vec![Vec::new(); count] };
@@ -152,7 +152,7 @@ impl ScaledCore {
                 column.push((k, value));
             }
             entries += pattern.len();
-            // Not a number is not positive.
+            // A NaN is not positive.
             let is_positive = diagonal > 0.0;
             if !is_positive || entries > memory / BYTES {
                 return None;
@@ -199,10 +199,11 @@ impl GramFactor {
 
 const NONE: u32 = u32::MAX;
 
-/// The elimination tree, as it grows row by row (Liu 1990): the columns of row k of L are those from the entries of the matrix up to k.
+/// The elimination tree, which grows row by row (Liu 1990). The columns of row k of L are the nodes on the paths from the entries of row k
+/// of the matrix up to k.
 struct EliminationTree {
     parent: Vec<u32>,
-    /// The last row whose way passed here.
+    /// The last row whose path contained this node.
     seen: Vec<u32>,
 }
 
@@ -247,7 +248,7 @@ mod tests {
                 is_independent(&core(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>()), usize::MAX)
             };
             assert!(proved(&rows), "{size}");
-            // The sum of two rows, as it rounds; and the same off by less than a bound can tell.
+            // The rounded sum of two rows, and the same with a difference too small for the bound.
             rows.push(rows[0].iter().zip(&rows[1]).map(|(a, b)| a + b).collect());
             assert!(!proved(&rows), "{size}");
             rows[size][0] *= 1.0 + 1e-12;

@@ -1,8 +1,8 @@
 //! Proofs of a verdict, with rounding counted: the kept equations are independent, and every other one is a combination of them.
 //!
 //! ```text
-//! kept      triangular   a DOF in one equation only, or an equation with one DOF: taken away until only cores are left. Their numbers
-//!                        do not count, so this comes first and needs no arithmetic
+//! kept      triangular   a DOF in one equation only, or an equation with one DOF: removed until only cores are left. Their numbers
+//!                        do not matter, so this comes first and needs no arithmetic
 //!           bounded      A holds the equations of a core in scaled rows and columns, s is a small part of the diagonal of A A^T:
 //!                        fl(A A^T) - diag(s) = L L^T   runs to its end, and for every i
 //!                        s_i > (gamma |L| |L|^T e + gamma |A| |A|^T e + 2 u diag(A A^T))_i       gamma_n = n u / (1 - n u)
@@ -13,13 +13,13 @@
 //!           enclosed     |row_kj - sum_i c_i row_ij| <= 2^-46 (|row_kj| + sum_i |c_i row_ij|),  if numbers have more than 12 digits
 //! ```
 //!
-//! Right-hand sides, with prescribed DOFs moved into them, are one more column: a redundant equation agrees in it, a conflicting one does
-//! not. Numbers are read as [`crate::Options::numbers`] says. The bound holds for both readings, since a decimal differs from its double by
-//! a rounding, which gamma counts. Numbers of more than 12 digits were computed: no sum of them is zero to the last digit, so their
+//! Right-hand sides, with prescribed DOFs moved into them, are one more column. It agrees for a redundant equation and differs for a
+//! conflicting one. [`crate::Options::numbers`] decides how numbers are read. The bound holds for both readings: a decimal differs from its
+//! double by a rounding, which gamma counts. Numbers of more than 12 digits were computed. No sum of them is exactly zero, so their
 //! combinations are enclosed. 2^-46 is the size below which a number may be rounding of others ([`crate::Noise`]).
 //!
-//! Cost: a sparse Cholesky factorization of each core, and O(nnz) of each certificate for each prime. Which DOFs the equations fix is not
-//! part of the proof.
+//! Cost: a sparse Cholesky factorization of each core, and O(nnz) of each certificate for each prime. The proof does not cover which DOFs
+//! the equations fix.
 
 mod exactly;
 mod gram;
@@ -57,11 +57,11 @@ use rounded_sides::{has_computed_sides, is_computed, sides_agree};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Proof {
-    /// Kept equations that are triangular, whatever their numbers are.
+    /// Kept equations in triangular parts, which are independent whatever their numbers are.
     pub triangular: usize,
     /// Kept equations that a bound with rounding counted proves to be independent.
     pub bounded: usize,
-    /// Kept equations that have full rank modulo a prime.
+    /// Kept equations that have full rank modulo a prime, and therefore are independent.
     pub modular: usize,
     /// Dependent equations that are exactly the combination of their certificate, and whose right-hand side exactly agrees or differs.
     pub exact: usize,
@@ -72,7 +72,7 @@ pub struct Proof {
 }
 
 impl Analysis {
-    /// Proves what the analysis says; what has no proof is in doubt.
+    /// Proves the verdicts of the analysis; a verdict without a proof is in doubt.
     pub(super) fn prove(&mut self) {
         let proof = Proof::of(self);
         if !proof.unproved.is_empty() {
@@ -81,8 +81,8 @@ impl Analysis {
         self.proof = Some(proof);
     }
 
-    /// Compares right-hand sides that rounding alone does not explain in exact arithmetic, where certificates are short: elimination loses
-    /// digits of them where it substitutes large values, or nearly parallel equations. What is contradicted is in doubt.
+    /// If certificates are short, compares in exact arithmetic those right-hand sides whose mismatch rounding alone does not explain.
+    /// Elimination loses their digits if it substitutes large values or nearly parallel equations. A contradicted verdict is in doubt.
     pub(super) fn check_sides(&mut self) {
         if self.confidence.ambiguous || self.options.tolerance.is_absolute() {
             return;
@@ -96,7 +96,7 @@ impl Analysis {
     }
 }
 
-/// Whether the right-hand sides as typed say otherwise than the verdict.
+/// Returns true if the right-hand sides as typed contradict the verdict.
 fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent) -> bool {
     let terms = dependent.source.explain(&analysis.history);
     let (row, is_redundant) = (dependent.row, dependent.kind == Kind::Redundant);
@@ -104,11 +104,11 @@ fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &D
         return false;
     }
     let agrees = exact_sides(explanation, row, &terms).is_none_or(|agree| agree == is_redundant);
-    // Those that were computed agree to rounding only.
+    // Computed right-hand sides agree only to rounding.
     !(agrees || is_redundant && has_computed_sides(analysis, row, &terms))
 }
 
-/// Whether the right-hand side is the combination of its certificate, if the equation exactly is.
+/// If the equation is exactly the combination of its certificate: whether its right-hand side is, too.
 fn exact_sides(explanation: &Explanation, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
     let is_exact = |found: &Found| found.is_combination;
     let found = explanation.identity(row, terms).filter(is_exact);
@@ -116,7 +116,7 @@ fn exact_sides(explanation: &Explanation, row: usize, terms: &[CertificateTerm])
 }
 
 impl Proof {
-    /// What can be proved of an analysis.
+    /// Collects the proofs of an analysis.
     pub(super) fn of(analysis: &Analysis) -> Self {
         let mut proof = Self::default();
         proof.add_kept(analysis);
@@ -156,7 +156,7 @@ impl Proof {
 /// Bytes of a coefficient during modular elimination.
 const BYTES: usize = 24;
 
-/// Whether a core has full row rank modulo a prime; false too if elimination would take too much memory.
+/// Returns true if a core has full row rank modulo a prime; false also if elimination would need too much memory.
 fn has_full_rank(core: &Core, analysis: &Analysis) -> bool {
     let field = Field::new(prime::first(1)[0]);
     let mut dofs: Vec<u32> = core.entries.iter().flatten().map(|&(j, _)| j).collect();
@@ -174,7 +174,7 @@ fn has_full_rank(core: &Core, analysis: &Analysis) -> bool {
     done.is_ok_and(|done| done.pivots.len() == count)
 }
 
-/// Whether the verdict on a dependent equation is exact (`true`), or true to rounding (`false`); none without a proof.
+/// Proves the verdict on a dependent equation exactly (`true`) or to rounding (`false`); None without a proof.
 fn dropped(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent) -> Option<bool> {
     let terms = analysis.checked(dependent).0;
     if terms.iter().any(|term| analysis.kinds[term.row] != Kind::Independent) {
@@ -183,7 +183,7 @@ fn dropped(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent
     let row = dependent.row;
     match exact_sides(explanation, row, &terms) {
         Some(agree) if agree == (dependent.kind == Kind::Redundant) => Some(true),
-        // A right-hand side that was computed agrees to rounding.
+        // A computed right-hand side agrees only to rounding.
         Some(_) if dependent.kind == Kind::Redundant && has_computed_sides(analysis, row, &terms) => {
             is_enclosed(analysis, dependent, &terms).then_some(false)
         }
@@ -192,7 +192,7 @@ fn dropped(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent
     }
 }
 
-/// Whether the verdict is true to rounding by the certificate as it is, or refined.
+/// Returns true if the verdict holds to rounding by the given certificate, or by a refined one.
 fn is_enclosed(analysis: &Analysis, dependent: &Dependent, terms: &[CertificateTerm]) -> bool {
     let (row, is_redundant) = (dependent.row, dependent.kind == Kind::Redundant);
     let holds = |terms: &[CertificateTerm]| {
@@ -204,11 +204,11 @@ fn is_enclosed(analysis: &Analysis, dependent: &Dependent, terms: &[CertificateT
     }
 }
 
-/// Numbers below this part of others may be rounding of them.
+/// A number below this fraction of others may be rounding of them.
 const ROUNDING: f64 = f64::EPSILON * 64.0;
 
-/// Whether a certificate gives its equation to rounding, with the error of the sums counted: sums of n parts of twice the digits are off by
-/// at most a unit in the last place and `(n u)^2` of their parts (Ogita, Rump, Oishi 2005).
+/// Returns true if a certificate gives its equation to rounding, with the error of the sums counted. A sum of n terms in twice the digits
+/// is wrong by at most a unit in the last place and `(n u)^2` of its terms (Ogita, Rump, Oishi 2005).
 fn is_combination(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let n = (terms.len() + 2) as f64 * f64::EPSILON;
     let is_rounding = |&(left, size): &(f64, f64)| {

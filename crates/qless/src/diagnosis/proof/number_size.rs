@@ -1,4 +1,4 @@
-//! How large whole numbers become once fractions are cleared: `sum of sizes * 10^tens * 2^twos`, in bits.
+//! Sizes of whole numbers after fractions are cleared: `sum of sizes * 10^tens * 2^twos`, in bits.
 
 use crate::input::reading::Number;
 
@@ -11,14 +11,14 @@ pub(super) struct NumberSize {
 }
 
 impl NumberSize {
-    /// Takes a number in; `size` is at least its part of the sum.
+    /// Adds a number; `size` is at least its contribution to the sum.
     pub fn add(&mut self, number: Number, size: f64) {
         let below = if number.decimal { &mut self.tens } else { &mut self.twos };
         *below = (*below).max(-number.exponent);
         self.sum += size.abs();
     }
 
-    /// Both together.
+    /// Adds the numbers of another sum.
     pub fn join(&mut self, other: Self) {
         (self.tens, self.twos) = (self.tens.max(other.tens), self.twos.max(other.twos));
         self.sum += other.sum;
@@ -29,7 +29,7 @@ impl NumberSize {
         Self { tens: self.tens + other.tens, twos: self.twos + other.twos, ..self }
     }
 
-    /// Bits of the sum times the common denominator, with its sign and the rounding of the sum; infinite out of range.
+    /// Bits of the sum times the common denominator, with its sign and the rounding of the sum; infinite if it is out of range.
     pub fn bits(&self) -> f64 {
         if self.sum == 0.0 {
             return 0.0;

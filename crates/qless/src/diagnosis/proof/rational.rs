@@ -12,13 +12,13 @@ pub(super) struct Rational {
     pub denominator: u64,
 }
 
-/// Largest denominator. Fractions up to it are `2^-44` apart, which is what certificates are accurate to.
+/// Largest denominator. Fractions with such denominators differ by `2^-44` or more, and certificates are accurate to that.
 const MOST: u64 = 1 << 22;
 const NEAR: f64 = 1.0 / (1_u64 << 44) as f64;
 
 impl Rational {
-    /// The first convergent of the continued fraction of `c / 2^k` that is near, for `c / 2^k` between 1 and 2. It is a guess: what is made
-    /// of it is verified exactly.
+    /// The first convergent of the continued fraction of `c / 2^k`, a number between 1 and 2, that is within [`NEAR`]. It is a guess, and
+    /// every result from it is verified exactly.
     pub fn near(c: f64) -> Option<Self> {
         if !c.is_normal() {
             return None;

@@ -1,21 +1,21 @@
-//! Right-hand sides of a certificate, to rounding: `b_k - sum_i c_i b_i - sum_p (row_kp - sum_i c_i row_ip) u_p`.
+//! Compares the right-hand sides of a certificate to rounding: `b_k - sum_i c_i b_i - sum_p (row_kp - sum_i c_i row_ip) u_p`.
 
 use super::ROUNDING;
 use crate::diagnosis::Analysis;
 use crate::diagnosis::certificate::CertificateTerm;
 use crate::input::noise::digits;
 
-/// Numbers of more digits were computed; 12 are the most with which a number counts as typed.
+/// Numbers with more digits than this count as computed, the others as typed.
 const TYPED: usize = 12;
 
-/// Whether a coefficient of free DOFs in an explanation was computed.
+/// Returns true if a coefficient of free DOFs in an explanation was computed.
 pub(super) fn is_computed(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
     let of_row = |i: usize| local.row(i).any(|(j, v)| local.free()[j] && digits(v) > TYPED);
     std::iter::once(row).chain(terms.iter().map(|term| term.row)).any(of_row)
 }
 
-/// Whether a number that its right-hand sides are made of was computed.
+/// Returns true if a number in the right-hand sides of an explanation was computed.
 pub(super) fn has_computed_sides(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
     let computed = |v: f64| digits(v) > TYPED;
@@ -24,7 +24,7 @@ pub(super) fn has_computed_sides(analysis: &Analysis, row: usize, terms: &[Certi
         || local.prescribed().iter().any(|&(_, value)| computed(value))
 }
 
-/// Whether the right-hand sides agree to rounding (`true`), or differ by more whatever the rounding was (`false`); none if neither is sure.
+/// True if the right-hand sides agree to rounding, false if they differ by more than any rounding; None if neither is certain.
 pub(super) fn sides_agree(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
     let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
     let mut value = vec![];
@@ -38,7 +38,7 @@ pub(super) fn sides_agree(analysis: &Analysis, row: usize, terms: &[CertificateT
     let (sum, size) =
         value.iter().fold((Compensated::default(), 0.0), |(sum, size), &part| (sum.add(part), size + part.abs()));
     let n = value.len() as f64 * f64::EPSILON;
-    // Each part has at most three roundings, and their sum one.
+    // Each term has at most three roundings, and their sum one.
     let error = (2.0 * f64::EPSILON + n * n) * size;
     let difference = (sum.value + sum.lost).abs();
     match difference {
@@ -49,7 +49,7 @@ pub(super) fn sides_agree(analysis: &Analysis, row: usize, terms: &[CertificateT
     }
 }
 
-/// A sum, and what it lost (Neumaier 1974).
+/// A sum and its rounding error (Neumaier 1974).
 #[derive(Clone, Copy, Default)]
 struct Compensated {
     value: f64,

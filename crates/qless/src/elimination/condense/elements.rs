@@ -120,9 +120,9 @@ impl CondensedPattern {
         self.add(elimination, &element, &mut LineRange { lines: 0..self.unknowns(), values: k_q, load: f_q })
     }
 
-    /// Computes `K_q` and `f_q` from all elements. Element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` adds its numbers to zeros.
-    /// Each thread has a range of lines and computes the elements that contribute to it; elements at the borders are computed by several
-    /// threads. Sums are in the order of the elements, so that bits do not depend on the number of threads.
+    /// Computes `K_q` and `f_q` from all elements. Element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` adds its numbers to
+    /// zeros. Each thread has a range of lines and computes the elements that contribute to it; elements at the borders are computed by
+    /// several threads. Sums are in the order of the elements, so that bits do not depend on the number of threads.
     ///
     /// # Errors
     /// As [`CondensedPattern::add_element`].
@@ -174,7 +174,7 @@ impl CondensedPattern {
         Ok(element)
     }
 
-    /// Whether DOF j contributes to these lines.
+    /// Returns true if DOF j contributes to these lines.
     fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
         self.row_of_l(j).any(|(r, _)| lines.contains(&(r as usize)))
     }

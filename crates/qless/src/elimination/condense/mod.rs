@@ -34,7 +34,7 @@ pub enum PrescribedDofs {
     Kept,
 }
 
-/// The pattern of K_q, and the way from values of K to values of K_q. It belongs to the elimination that made it, and stays valid after
+/// The pattern of K_q, and the map from values of K to values of K_q. It belongs to the elimination that made it, and stays valid after
 /// [`crate::Elimination::update`].
 #[derive(Clone, Debug)]
 pub struct CondensedPattern {
@@ -188,7 +188,7 @@ impl CondensedPattern {
         self.storage
     }
 
-    /// The equations of factored parts, which the unknowns must meet: a solver enforces them by multipliers.
+    /// The equations of factored parts, which the unknowns must satisfy: a solver enforces them by multipliers.
     pub fn remaining_equations(&self, elimination: &Elimination) -> Vec<usize> {
         let blocks = elimination.reduction.factored.iter();
         let mut equations: Vec<usize> = blocks.flat_map(|block| block.equations.clone()).collect();
@@ -234,7 +234,7 @@ impl CondensedPattern {
         Ok((sums.into_iter().collect(), rhs))
     }
 
-    /// Whether lines are columns, as in K.
+    /// Returns true if lines are columns, as in K.
     pub fn is_by_columns(&self) -> bool {
         self.by_columns
     }

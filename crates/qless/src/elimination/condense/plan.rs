@@ -19,7 +19,7 @@ pub(super) struct CondensePlan {
     pub of_slaves: Entries,
     /// Entries of the lines of prescribed DOFs, if `K u_0` is summed by columns.
     pub of_prescribed: Vec<(u32, Entries)>,
-    /// Whether lines are columns of a matrix that need not be symmetric.
+    /// True if lines are columns of a matrix that need not be symmetric.
     pub by_columns: bool,
     /// Pattern of `W = K_S L`.
     pub w: Lines,
@@ -125,7 +125,7 @@ impl CondensedPattern {
         self.row_of_l(j as usize).map(|(r, _)| r).filter(|&r| stored(r)).for_each(|r| union.add(r));
     }
 
-    /// Whether line q of K_q contains index r.
+    /// Returns true if line q of K_q contains index r.
     #[inline]
     pub(super) fn is_stored(&self, q: usize, r: u32) -> bool {
         self.half.holds(q, r as usize)

@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(Ok(factor), Sparse { memory: usize::MAX }.factor(&columns, &[], 1e-10));
     }
 
-    /// The sparse backend saves hardly an operation here, and two thirds of the time.
+    /// Sparse QR needs about as many operations as dense QR here, but a third of the time.
     #[test]
     fn a_block_that_fills_in_is_sparse() {
         let mut random = Random(9);

@@ -18,7 +18,7 @@ impl Factor {
         Ok(self.solved(z))
     }
 
-    /// `R1^-1 R2`: for each of the n - r dependent columns its r coefficients over the independent ones.
+    /// `R1^-1 R2`: the r coefficients of each of the n - r dependent columns over the independent ones.
     ///
     /// # Errors
     /// [`ArgumentError::WrongLength`] unless R has r rows and at least r columns.

@@ -158,7 +158,7 @@ mod tests {
         crate::factor::backend::check::families(&super::Faer);
     }
 
-    /// Columns with remainders from 1e-8 to 1e-13, unsorted: updated norms are rounding there.
+    /// Columns with remainders from 1e-8 to 1e-13, unsorted: updated norms are only rounding at this size.
     #[test]
     fn pivots_descend_below_the_root_of_rounding() {
         let mut random = crate::factor::backend::check::Random(5);

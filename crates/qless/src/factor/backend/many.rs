@@ -1,6 +1,7 @@
-//! `R1^-1 Z` and `R1^-T Z` for some vectors at once: each entry of R is read once for all of them.
+//! `R1^-1 Z` and `R1^-T Z` for several vectors at once: each entry of R is read once for all of them.
 //!
-//! Rows of one front have the same columns behind their triangle: some such rows at a time share their columns and what is read of Z.
+//! Rows of one front have the same columns to the right of their triangle. [`ROWS`] such rows are processed together and share the reads of
+//! columns and of Z.
 //! The loops use the widest SIMD registers of the processor. The order of additions does not depend on their width, so the result is
 //! the same to the last bit on every processor.
 
@@ -68,14 +69,14 @@ impl Factor {
         }
     }
 
-    /// Whether [`ROWS`] rows from `first` on have the same columns behind their triangle, as rows of one front have.
+    /// Returns true if [`ROWS`] rows from `first` on have the same columns to the right of their triangle, as rows of one front do.
     #[inline(always)]
     fn is_run(&self, first: usize) -> bool {
         let is_next = |i: usize| self.row_of_r1(i).0[1..] == *self.row_of_r1(i + 1).0;
         (first..first + ROWS - 1).all(is_next)
     }
 
-    /// A step of `Z <- R1^-1 Z` for H rows that are a run, and L vectors from `lane` on.
+    /// A step of `Z <- R1^-1 Z` for H rows of a run ([`Factor::is_run`]), and L vectors from `lane` on.
     #[inline(always)]
     fn rows_backward<const H: usize, const W: usize, const L: usize>(
         &self,
@@ -101,7 +102,7 @@ impl Factor {
         (0..H).for_each(|r| z[first + r][lane..lane + L].copy_from_slice(&own[r]));
     }
 
-    /// A step of `Z <- R1^-T Z` for H rows that are a run, and L vectors from `lane` on.
+    /// A step of `Z <- R1^-T Z` for H rows of a run, and L vectors from `lane` on.
     #[inline(always)]
     fn rows_forward<const H: usize, const W: usize, const L: usize>(&self, first: usize, lane: usize, z: &mut Slab<W>) {
         let (corner, values, places) = self.run::<H>(first);
@@ -123,7 +124,7 @@ impl Factor {
         }
     }
 
-    /// Of H rows that are a run: by row the values of the triangle and those behind it, and the columns behind it.
+    /// For H rows of a run: the values in the triangle and those to the right of it, by row, and the columns to the right of it.
     #[inline(always)]
     fn run<const H: usize>(&self, first: usize) -> ([&[f64]; H], [&[f64]; H], &[u32]) {
         let places = &self.row_of_r1(first + H - 1).0[1..];
@@ -142,7 +143,7 @@ impl Factor {
     }
 }
 
-// Structures, since a closure would not be inlined into the function that enables wider registers.
+// These are structures because a closure would not be inlined into the function that enables wider registers.
 struct Backward<'a, const W: usize>(&'a Factor, &'a mut Slab<W>);
 struct Forward<'a, const W: usize>(&'a Factor, &'a mut Slab<W>);
 struct Product<'a>(&'a Factor, &'a Slab);

@@ -51,12 +51,12 @@ pub trait Backend: Send + Sync {
     /// Name and version of the library that computes the factorization, for the report.
     fn version(&self) -> String;
 
-    /// Whether W is orthogonal: then R has the singular values of A.
+    /// Returns true if W is orthogonal; R then has the singular values of A.
     fn is_orthogonal(&self) -> bool {
         true
     }
 
-    /// Whether it pivots columns for a block of this size, instead of keeping the first independent ones.
+    /// Returns true if the backend pivots columns for a block of this size, instead of keeping the first independent ones.
     fn pivots(&self, _rows: usize, _cols: usize) -> bool {
         false
     }
@@ -82,7 +82,7 @@ pub struct Factor {
     pub r: Csr,
     /// First r rows of W B, r x k by columns.
     pub rhs: Vec<f64>,
-    /// For each of the k right-hand sides the 2-norm of the remaining rows of W B: the residual.
+    /// For each of the k right-hand sides, the 2-norm of the remaining rows of W B: the residual.
     pub rest: Vec<f64>,
     /// Frobenius norm of the entries that were treated as zero to find the rank.
     pub dropped: f64,

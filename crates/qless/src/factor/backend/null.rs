@@ -27,11 +27,11 @@ use crate::common::random::randoms;
 const STEPS: usize = 2;
 /// Values below the limit have converged if they are smaller than all others by this factor.
 const CLEAR: f64 = 1e3;
-/// Number of vectors at first, ...
+/// Initial number of vectors.
 const BLOCK: usize = WIDTH;
-/// ... the factor by which it grows if those are not enough, ...
+/// Factor by which the number of vectors grows if they are not enough.
 const GROWTH: usize = 2;
-/// ... and its maximum: a matrix with more small singular values is not nearly of full rank.
+/// Largest number of vectors: a matrix with more small singular values is not nearly of full rank.
 const MOST: usize = 512;
 
 /// Columns of R1 that are nearly combinations of others.
@@ -43,9 +43,9 @@ pub(crate) struct Weak {
 }
 
 impl Factor {
-    /// As many columns as R1 has singular values of at most `limit`: without them these singular values vanish. The columns in which
-    /// the singular vectors are most independent are chosen. `expected` is the number of values to start with. None if there are more
-    /// than [`MOST`].
+    /// Finds one column for each singular value of R1 that is at most `limit`; without these columns R1 has no such singular values. They
+    /// are the columns in which the singular vectors are most independent. `expected` is the number of values to start with. None if
+    /// there are more than [`MOST`].
     pub(crate) fn weak_columns(&self, limit: f64, expected: usize) -> Result<Option<Weak>, BackendError> {
         let Some(null) = self.near_null(limit, expected) else { return Ok(None) };
         if null.ncols() == 0 {
@@ -142,8 +142,8 @@ fn triangle(mut a: Mat<f64>) -> Mat<f64> {
     Mat::from_fn(k, k, |i, j| if i <= j { a[(i, j)] } else { 0.0 })
 }
 
-/// Singular values, descending, and right singular vectors of a small square matrix. The QR algorithm is used at every size: from 128
-/// rows on faer would divide and conquer, which returned 2e-5 for one of many zeros.
+/// Singular values, descending, and right singular vectors of a small square matrix. The QR algorithm is used at every size: faer's divide
+/// and conquer, its default from 128 rows on, returned 2e-5 for one of many zeros.
 fn singular(a: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     let k = a.ncols();
     let mut params = Spec::<SvdParams, f64>::default();

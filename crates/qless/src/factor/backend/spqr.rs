@@ -65,11 +65,11 @@ pub struct Statistics {
     pub tasks: usize,
     /// Peak memory of CHOLMOD, in bytes.
     pub memory: usize,
-    /// Seconds of the symbolic analysis, ...
+    /// Seconds of the symbolic analysis.
     pub analysis: f64,
-    /// ... of the factorization alone, ...
+    /// Seconds of the factorization alone.
     pub factorization: f64,
-    /// ... and of the whole call, including the copy of the results.
+    /// Seconds of the whole call, including the copy of the results.
     pub total: f64,
 }
 
@@ -84,7 +84,7 @@ impl Spqr {
         spqr_sys::tree::count()
     }
 
-    /// Whether task trees run on oneTBB in this process.
+    /// Returns true if task trees run on oneTBB in this process.
     pub fn has_trees() -> bool {
         spqr_sys::tree::is_active()
     }
@@ -200,7 +200,7 @@ fn nothing_to_factor(n: usize, b: TallRhs) -> Result<Factor, TryReserveError> {
     Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })
 }
 
-/// Whether row i starts at column i: then R1 is upper triangular and nonsingular.
+/// Returns true if row i starts at column i; R1 is then upper triangular and nonsingular.
 fn is_trapezoidal(r: &Csr) -> bool {
     (0..r.rows()).all(|i| r.row(i).next().is_some_and(|(j, _)| j == i))
 }

@@ -1,4 +1,4 @@
-//! One block as a matrix, and what its factorization needs from the caller.
+//! One block as a matrix, and the context of its factorization.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::input::scale::{Component, RANGE, exponent, ldexp};
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::{Entry, WorkingRow};
 
-/// One block as a matrix: m rows over the free DOFs `dofs`, with what stands on the other side.
+/// One block as a matrix: m rows over the free DOFs `dofs`, with right-hand sides and prescribed terms.
 #[derive(Clone)]
 pub(crate) struct Block {
     /// Indices of the rows among those that went through presolve.
@@ -18,9 +18,9 @@ pub(crate) struct Block {
     pub exponents: Vec<i32>,
     /// Free DOFs of the block, ascending; the columns of `matrix`.
     pub dofs: Vec<u32>,
-    /// By DOF the exponent of the unit in which `matrix` has it: balanced units until the kept rows are known, then 0.
+    /// By DOF, the exponent of its unit in `matrix`: balanced units until the kept rows are known, then 0.
     pub units: Vec<i32>,
-    /// By DOF the exponent of its balanced unit beside that of `matrix`: 0 until the block goes back to the units of its rows.
+    /// By DOF, the exponent of its balanced unit relative to that of `matrix`: 0 until the block returns to the units of its rows.
     pub balanced: Vec<i32>,
     pub matrix: Csr,
     /// Prescribed DOFs of the block, ascending; the columns of `fixed`.
@@ -29,30 +29,30 @@ pub(crate) struct Block {
     pub rhs: Vec<f64>,
     /// `b - C_p u_p`, scaled as the rows.
     pub effective: Vec<Mismatch>,
-    /// The largest that is left of the parts of a coefficient of each row, beyond rounding.
+    /// By row, the largest fraction that is left of the terms of a coefficient, beyond rounding.
     pub certain: Vec<f64>,
     /// A random right-hand side, after presolve.
     pub random: Vec<f64>,
 }
 
-/// What the stages of a block share.
+/// Data that all stages of a block use.
 #[derive(Clone, Copy)]
 pub(crate) struct FactorContext<'a> {
     pub backend: &'a dyn Backend,
     pub tolerance: f64,
-    /// Whether the rank is checked.
+    /// True if the rank is checked.
     pub check: bool,
-    /// What finds singular values where the backend does not.
+    /// Computes singular values if the backend does not.
     pub reference: DenseOrSparse,
 }
 
 impl<'a> FactorContext<'a> {
-    /// `memory` bounds the bytes of a block.
+    /// `memory` bounds the bytes of a block in the reference backend.
     pub fn new(backend: &'a dyn Backend, tolerance: f64, check: bool, memory: usize) -> Self {
         Self { backend, tolerance, check, reference: DenseOrSparse::new(memory) }
     }
 
-    /// A backend that finds singular values.
+    /// A backend whose R has the singular values of the block.
     pub fn orthogonal(&self) -> &dyn Backend {
         if self.backend.is_orthogonal() { self.backend } else { &self.reference }
     }
@@ -66,8 +66,8 @@ impl Block {
         selected
     }
 
-    /// Gathers blocks of the given rows, scaled and in balanced units unless the tolerance is absolute; `random` has a number for every row.
-    /// A free DOF is in one block at most.
+    /// Gathers blocks of the given rows, scaled and in balanced units unless the tolerance is absolute. `random` has a number for every
+    /// row. A free DOF is in one block at most.
     pub fn gather(
         rows: &[WorkingRow],
         blocks: &[Vec<u32>],
@@ -110,7 +110,7 @@ impl Block {
         let free =
             || row.entries.iter().map(|entry| (place[entry.dof as usize], entry)).filter(|&(j, _)| j != u32::MAX);
         let free = || free().map(|(j, entry)| (j as usize, entry));
-        // A row of which nothing is left has no size.
+        // A row without remaining coefficients has no size.
         let largest = free().map(|(j, entry)| ldexp(entry.size(), self.units[j])).reduce(f64::max);
         let shift = if is_scaled { largest.map_or(0, |largest| -exponent(largest)) } else { 0 };
         let sorted = |mut entries: Vec<(usize, f64)>| {
@@ -129,8 +129,8 @@ impl Block {
         self.exponents.push(shift);
     }
 
-    /// Goes back from balanced units to those that the rows had, each row with a largest coefficient of 1: there slaves are chosen, and
-    /// reductions computed.
+    /// Returns from balanced units to those of the rows, each row scaled to a largest coefficient of 1. Slaves are chosen, and reductions
+    /// computed, in these units.
     pub fn restore_units(&mut self) {
         if self.units.iter().all(|&unit| unit == 0) {
             return;
@@ -160,17 +160,17 @@ impl Block {
     }
 }
 
-/// What the blocks are gathered from.
+/// Input of [`Block::gather`].
 #[derive(Clone, Copy)]
 struct Given<'a> {
     rows: &'a [WorkingRow],
-    /// By free DOF its column, `u32::MAX` for the others.
+    /// Column of each free DOF of the block; `u32::MAX` for other DOFs.
     place: &'a [u32],
     random: &'a [f64],
     is_scaled: bool,
 }
 
-/// The free DOFs of a block, ascending; in `place`, the column of each.
+/// The free DOFs of a block, ascending; writes the column of each to `place`.
 fn numbered(rows: &[WorkingRow], block: &[u32], is_free: &[bool], place: &mut [u32]) -> Vec<u32> {
     let mut dofs = Vec::new();
     for entry in block.iter().flat_map(|&i| &rows[i as usize].entries) {
@@ -185,7 +185,7 @@ fn numbered(rows: &[WorkingRow], block: &[u32], is_free: &[bool], place: &mut [u
     dofs
 }
 
-/// Exponents of the DOFs of a block.
+/// Exponents of the balanced units of the DOFs of a block.
 fn balanced_units(rows: &[WorkingRow], block: &[u32], place: &[u32], count: usize) -> Vec<i32> {
     let terms = |i: u32| {
         let certain = rows[i as usize].entries.iter().filter(|entry| entry.is_certain());
@@ -194,7 +194,7 @@ fn balanced_units(rows: &[WorkingRow], block: &[u32], place: &[u32], count: usiz
     };
     let component = Component::gather(block.to_vec(), terms, &mut vec![0; count]);
     let mut units = vec![0; count];
-    // Where balanced numbers might leave the range of doubles, those of the user are taken.
+    // If balanced numbers might leave the range of doubles, the user's units are kept.
     if let Some(found) = component.units().filter(|found| found.iter().all(|unit| unit.abs() < RANGE)) {
         component.dofs.iter().zip(found).for_each(|(&j, unit)| units[j as usize] = unit);
     }

@@ -1,7 +1,7 @@
-//! The equations that presolve leaves, block by block: which rows depend on which, and how the DOFs can move (Eq. 21, 22).
+//! The equations that remain after presolve, block by block: which rows depend on which, and how the DOFs can move (Eq. 21, 22).
 //!
 //! The diagnosis factors `C^T`: its dependent columns are the dependent equations, and `R1 y = R2_k` gives the certificate of row k.
-//! Heath-style rank detection is far more often right on `C^T` (tall) than on C. Random vectors of the null space ([`triangle`]) tell
+//! Heath-style rank detection is far more often right on `C^T` (tall) than on C. Random vectors of the null space ([`triangle`]) show
 //! which DOFs can move. No slave is chosen here.
 
 pub(crate) mod dependent;
@@ -18,11 +18,11 @@ use unexplained::unexplained;
 
 pub(crate) use gathered::{Block, FactorContext};
 
-/// Which rows of a block depend on which, and how its DOFs can move; with the factor of the kept rows.
+/// Finds which rows of a block depend on which, and how its DOFs can move. Also returns the factor of the kept rows.
 ///
-/// Balanced units are as good as the coefficients are alike. Where they drop rows that are no combinations, the block is diagnosed again in
-/// the units of its rows, and the choice that keeps more holds. In balanced units a rotation grows, so that some DOFs seem to rest beside
-/// others: the motions hold in which fewer DOFs rest.
+/// Balanced units work best if the coefficients of a row are of similar size. If rows that are no combinations are dropped in balanced
+/// units, the block is diagnosed again in the units of its rows, and the result that keeps more rows is used. Rotations become large in
+/// balanced units, so that some DOFs seem fixed beside others. The motions in which fewer DOFs are fixed are used.
 pub(crate) fn diagnose(block: &mut Block, means: FactorContext) -> Result<(Diagnosed, Triangle), BackendError> {
     let mut rows = dependent::find(block, means)?;
     let mut vectors = rows.triangle.vectors(block);
@@ -43,7 +43,7 @@ pub(crate) fn diagnose(block: &mut Block, means: FactorContext) -> Result<(Diagn
         let mut plain = block.clone();
         plain.restore_units();
         let triangle = Triangle::of(&plain, &rows.kept, &[], means)?;
-        // Rows that are dependent to the last bit in these units are not all there.
+        // Rows that are dependent to the last bit in these units are missing from the triangle.
         if triangle.rows.len() == rows.kept.len() {
             let mut other = triangle.vectors(&plain);
             other.restore_units(&[], triangle.factor.smallest_singular_value().0);

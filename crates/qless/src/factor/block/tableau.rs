@@ -1,26 +1,26 @@
-//! `x_B = Y x_N`, and what it becomes when a basic and a non-basic variable change places.
+//! `x_B = Y x_N`, with exchanges of a basic and a nonbasic variable.
 //!
-//! Serves twice: dependent rows over kept rows (`row_k = sum y_ki row_i`), slaves over masters (`u_s = T u_q + ...`).
-//! Exchanging row i with column j divides by `y_ij`, so the determinant of the basis grows by `|y_ij|`: where it is 1
-//! or more nothing is lost.
+//! The tableau has two uses: dependent rows over kept rows (`row_k = sum y_ki row_i`), and slaves over masters (`u_s = T u_q + ...`).
+//! Exchanging row i with column j divides by `y_ij` and multiplies the determinant of the basis by `|y_ij|`. If that is at least 1, no
+//! accuracy is lost.
 
-/// Dense, by rows; the last columns may be fixed (prescribed DOFs and the constant): they never change places.
+/// Dense, by rows. The last columns may be fixed (prescribed DOFs and the constant) and are then never exchanged.
 #[derive(Clone, Debug)]
 pub(crate) struct Tableau {
     /// Name of each row's variable.
     pub basic: Vec<u32>,
-    /// Names of the columns that may change places.
+    /// Names of the columns that may be exchanged.
     pub free: Vec<u32>,
-    /// Columns in all.
+    /// Number of columns, including fixed ones.
     pub width: usize,
     pub data: Vec<f64>,
 }
 
-/// Beyond this many entries no exchange is made for the sake of order alone.
+/// A tableau with more entries is not exchanged for the sake of order.
 const LARGE: usize = 4_000_000;
-/// A basis that is further than this many exchanges from a good one is better chosen afresh.
+/// Largest number of exchanges to reach a bound; a basis further away from it is better chosen anew.
 const MOST_EXCHANGES: usize = 100;
-/// An exchange for the sake of order must not cost determinant.
+/// Least `|y_ij|` of an exchange for the sake of order, so that the determinant hardly decreases.
 const NEUTRAL: f64 = 0.9;
 
 impl Tableau {
@@ -28,8 +28,8 @@ impl Tableau {
         &self.data[i * self.width..(i + 1) * self.width]
     }
 
-    /// Exchanges wherever that costs no accuracy and `better(column, row)` says that the column's variable would rather
-    /// be basic. Each exchange must improve the order, so this ends; it is cut short on large tableaus.
+    /// Exchanges variables if that costs no accuracy and `better(column, row)` is true: the column's variable is then preferred as the
+    /// basic one. Each exchange improves the order, so this ends; a budget limits it, and a large tableau stays unchanged.
     pub fn prefer(&mut self, better: impl Fn(u32, u32) -> bool) {
         if self.data.len() > LARGE {
             return;
@@ -43,8 +43,8 @@ impl Tableau {
         }
     }
 
-    /// Exchanges until no entry of a column that may change places is larger than `bound`: each exchange multiplies the
-    /// determinant of the basis by more than that, so this ends. False if it was given up: too large, or too far away.
+    /// Exchanges until no entry of a column that may be exchanged is larger than `bound`. Each exchange multiplies the determinant of the
+    /// basis by more than that, so this ends. Returns false if it gives up: the tableau is too large, or needs too many exchanges.
     pub fn limit(&mut self, bound: f64) -> bool {
         for _ in 0..MOST_EXCHANGES {
             match self.largest().filter(|&(i, j)| self.row(i)[j].abs() > bound) {
@@ -68,7 +68,7 @@ impl Tableau {
         wanted.reduce(|a, b| if better(self.free[b], self.free[a]) { b } else { a })
     }
 
-    /// Row i's variable and column j's change places.
+    /// Exchanges the variables of row i and column j.
     pub fn exchange(&mut self, i: usize, j: usize) {
         let width = self.width;
         let (start, pivot) = (i * width, self.data[i * width + j]);

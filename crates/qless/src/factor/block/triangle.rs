@@ -1,4 +1,4 @@
-//! `C_k^T P = Q R` of the kept rows: all that a diagnosis asks of a block, by triangular solves with R.
+//! `C_k^T P = Q R` of the kept rows: computes everything that a diagnosis needs of a block by triangular solves with R.
 //!
 //! ```text
 //! certificate of row c    y = R^-1 Q^T c                       Q^T c from the factorization
@@ -18,15 +18,15 @@ use crate::factor::backend::many::{Slab, WIDTH, slabs};
 use crate::factor::backend::{BackendError, Factor};
 use crate::presolve::basis::Vectors;
 
-/// Seeds of the vectors of the null space: two, for a number that is zero in both by chance is none.
+/// Seeds of the two random vectors of the null space: an entry can be zero by chance in one of them, but hardly in both.
 const SEEDS: [u64; 2] = [0x51ed_270b, 0x85eb_ca6b];
 
-/// Most corrections of vectors of the null space, ...
+/// Largest number of corrections of the null-space vectors.
 const CORRECTIONS: usize = 3;
-/// ... and weights with which one has brought no more than rounding.
+/// If no weight of a correction exceeds this, the correction is only rounding.
 const DONE: f64 = 1e-12;
 
-/// What an estimate may be wrong by, relative to itself: it is read to a tenth of a digit.
+/// Allowed relative error of an estimate, which is reported to a tenth of a digit.
 const ENOUGH: f64 = 1e-3;
 
 /// Two vectors, number by number.
@@ -37,9 +37,9 @@ pub(crate) struct Triangle {
     pub factor: Arc<Factor>,
     /// Row of the block for each column of R1.
     pub rows: Vec<usize>,
-    /// Rows of which the factor can tell the certificates: those asked for, then those left out as dependent.
+    /// Rows whose certificates the factor can compute: those asked for, then those left out as dependent.
     pub dropped: Vec<usize>,
-    /// How many were asked for.
+    /// Number of rows asked for.
     asked: usize,
 }
 
@@ -50,15 +50,15 @@ pub(super) fn seeds(block: &Block) -> Vec<f64> {
 }
 
 impl Triangle {
-    /// What a backend kept of a whole block.
+    /// The factor of a whole block with the rows that the backend kept.
     pub fn whole(factor: Factor) -> Self {
         let (rows, dropped) = factor.order.split_at(factor.rank);
         let (rows, dropped) = (rows.to_vec(), dropped.to_vec());
         Self { factor: Arc::new(factor), rows, dropped, asked: 0 }
     }
 
-    /// Factors rows that are known to be independent; those that are not, to the last bit, are left out. With the rows `asked`, of
-    /// which certificates will be wanted, as right-hand sides.
+    /// Factors rows that are known to be independent; rows that are dependent to the last bit are left out. The rows `asked` are right-hand
+    /// sides, so that their certificates can be computed.
     pub fn of(block: &Block, kept: &[usize], asked: &[usize], means: FactorContext) -> Result<Self, BackendError> {
         let mut sides = seeds(block);
         for &k in asked {
@@ -73,12 +73,12 @@ impl Triangle {
         Ok(Self { factor: Arc::new(factor), rows, dropped, asked: asked.len() })
     }
 
-    /// Whether all that was dropped stands in R2, where certificates can be made some at a time.
+    /// Returns true if all dropped rows are columns of R2, so that certificates can be computed a few at a time.
     pub fn holds_dropped(&self) -> bool {
         self.asked == 0
     }
 
-    /// 2-norm of what the rows leave of each row that was asked for.
+    /// 2-norm of the remainder of each row asked for.
     pub fn rests(&self) -> &[f64] {
         &self.factor.rest[SEEDS.len()..]
     }
@@ -98,7 +98,7 @@ impl Triangle {
         all
     }
 
-    /// Everything that is asked of the null space and of solutions.
+    /// The null-space vectors and the solutions that a diagnosis needs.
     pub fn vectors(&self, block: &Block) -> Vectors {
         let moves = self.motions(block);
         let sides = |c: usize, i: usize| match c {
@@ -110,7 +110,7 @@ impl Triangle {
         Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], sample: lane(&x, 0), particular: lane(&x, 1) }
     }
 
-    /// Two random vectors of the null space; with as many rows as DOFs nothing moves, whatever rounding leaves.
+    /// Two random vectors of the null space. They are zero if there are as many rows as DOFs, whatever rounding leaves.
     fn motions(&self, block: &Block) -> VectorPair {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         if r == n {
@@ -122,7 +122,7 @@ impl Triangle {
         let seeds = seeds(block);
         let mut moves = pair(n, |c, j| seeds[c * n + j]);
         self.subtract_from(block, &weights, &mut moves);
-        // Again for what large weights have left by rounding.
+        // Corrects the rounding errors of large weights.
         for _ in 0..CORRECTIONS {
             let mut left = self.times(block, &moves);
             self.normal(&mut left);
@@ -134,7 +134,7 @@ impl Triangle {
         moves
     }
 
-    /// `x` with `C_k x = b`, in the range of `C_k^T`: a solve and its correction.
+    /// `x` with `C_k x = b`, in the range of `C_k^T`: a solve and one correction.
     pub fn shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
         let mut x = self.first_shortest(block, b);
         let mut step = self.times(block, &x);
@@ -144,14 +144,14 @@ impl Triangle {
         x
     }
 
-    /// As [`Triangle::shortest`], where a part of a thousand is enough: corrected only where it has to be. A solve without correction
-    /// has the relative error `u |C|^2 / sigma^2`.
+    /// As [`Triangle::shortest`], to a relative error of 1e-3: corrected only if necessary. A solve without correction has the relative
+    /// error `u |C|^2 / sigma^2`.
     pub fn nearly_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>, sigma: f64) -> Slab<W> {
         let enough = f64::EPSILON * self.size_squared(block) < ENOUGH * sigma * sigma;
         if enough { self.first_shortest(block, b) } else { self.shortest(block, b) }
     }
 
-    /// At least `|C_k|^2`: the largest sum of a row times the largest sum of a column.
+    /// An upper bound of `|C_k|^2`: the largest sum of a row times the largest sum of a column.
     fn size_squared(&self, block: &Block) -> f64 {
         let (mut columns, mut rows) = (vec![0.0; block.matrix.cols], 0.0_f64);
         for &k in &self.rows {

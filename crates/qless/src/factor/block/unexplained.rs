@@ -1,15 +1,17 @@
-//! Dropped rows that are no combinations of the kept ones, coefficient by coefficient.
+//! Finds dropped rows that are no combination of the kept ones, coefficient by coefficient.
 //!
 //! ```text
 //! e_k = max_j |row_kj - sum y_i row_ij| / (|row_kj| + sum |y_i row_ij|)
 //! y <- y + (R^T R)^-1 C_k (row_k - sum y_i row_i)       while e_k is above 1e-3
 //! ```
 //!
-//! A factorization compares what is left of a row with its largest coefficients, so it may drop a row for which small ones decide. A row
-//! is no combination if more than 1e-3 of the parts of a coefficient is left, the limit of presolve for pivots; rounding leaves less.
-//! A coefficient y_i below `u |y| / (1e-3 sigma)` is not known to 1e-3 itself: where the row has no coefficient and only such y_i have
-//! parts, what is left is rounding of these. So certificates that decay along a chain are certificates.
-//! Cost: the coefficients of the rows of each certificate; where certificates are computed late, of the dropped rows.
+//! A factorization compares the remainder of a row with its largest coefficients, so it may drop a row that is independent only because of
+//! its small coefficients. A row is no combination if more than 1e-3 of the terms of a coefficient is left, the limit of presolve for
+//! pivots; rounding leaves less. A coefficient y_i below `u |y| / (1e-3 sigma)` has itself an error of more than 1e-3. If only such y_i
+//! contribute to a DOF, and the row has no coefficient there, the remainder at that DOF is their rounding error. Certificates that decay
+//! along a chain are therefore accepted.
+//!
+//! Cost: the coefficients of the rows of each certificate; if certificates are computed late, those of the dropped rows.
 
 use rayon::prelude::*;
 
@@ -21,21 +23,21 @@ use crate::input::scale::ldexp;
 use crate::presolve::basis::{BlockCertificate, BlockDependent};
 use crate::presolve::eliminate::SUSPECT;
 
-/// A product with a vector of the null space is rounding up to this part of its terms.
+/// A product with a null-space vector counts as rounding up to this fraction of its terms.
 const NOISE: f64 = 64.0 * f64::EPSILON;
-/// Most refinements of a certificate.
+/// Largest number of refinements of a certificate.
 const REFINEMENTS: usize = 2;
-/// Coefficients of a certificate below this part of the largest may be rounding; the certificate counts without them if that is better.
+/// Coefficients of a certificate below one of these fractions of the largest may be rounding; they are left out if that reduces the error.
 const ROUNDING: [f64; 3] = [0.0, 1e-13, 1e-11];
 
-/// What a certificate leaves of its row.
+/// The remainder of a row after subtracting its certificate.
 struct Rest {
     left: Vec<f64>,
     size: Vec<f64>,
-    /// Whether a part is known to three digits.
+    /// By DOF, true if one of its terms is known to three digits.
     is_known: Vec<bool>,
     touched: Vec<usize>,
-    /// Coefficients of certificates up to this part of the largest are not.
+    /// Coefficients of certificates up to this fraction of the largest are not known to three digits.
     uncertain: f64,
 }
 
@@ -90,21 +92,21 @@ fn moved(block: &Block, k: usize, moves: &[Vec<f64>; 2]) -> f64 {
     moves.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A dropped row of which its certificate leaves more than [`SUSPECT`].
+/// A dropped row whose certificate leaves more than [`SUSPECT`] of it.
 struct Unexplained {
-    /// Its place among the dependent rows, ...
+    /// Its place among the dependent rows.
     place: usize,
-    /// ... and in the block.
+    /// Its place in the block.
     k: usize,
     /// Rows of the block and their coefficients.
     certificate: Vec<(usize, f64)>,
     error: f64,
-    /// Whether a refinement may still help.
+    /// True if another refinement may help.
     is_open: bool,
 }
 
-/// Refines certificates that leave more than [`SUSPECT`] of their row; what they leave then counts as dropped. Returns the number of rows
-/// of which more is left.
+/// Refines certificates that leave more than [`SUSPECT`] of their row. If more is still left, the remainder counts as dropped. Returns the
+/// number of these rows.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> usize {
     let Rows { dependent, triangle, left, nearness, .. } = rows;
     let new = || Rest::new(block.matrix.cols, nearness.sigma);
@@ -133,7 +135,7 @@ pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2])
     found.iter().filter(|row| row.error > SUSPECT).count()
 }
 
-/// Writes a refined certificate, its mismatch and what it leaves.
+/// Writes a refined certificate, its mismatch and its remainder.
 fn write(block: &Block, d: &mut BlockDependent, Unexplained { k, certificate, error, .. }: &Unexplained) {
     let largest = certificate.iter().fold(0.0, |most: f64, (_, y)| most.max(y.abs()));
     let error_of_y = d.units * certificate.len() as f64 * f64::EPSILON * largest;
@@ -152,7 +154,7 @@ fn write(block: &Block, d: &mut BlockDependent, Unexplained { k, certificate, er
     }
 }
 
-/// Certificates with a smaller error, where there are any; at most [`WIDTH`] at a time.
+/// Refines certificates as long as that reduces their error; at most [`WIDTH`] at a time.
 fn refine(block: &Block, triangle: &Triangle, rest: &mut Rest, some: &mut [Unexplained]) {
     for _ in 0..REFINEMENTS {
         let mut left: Slab = vec![[0.0; WIDTH]; block.matrix.cols];
@@ -164,7 +166,7 @@ fn refine(block: &Block, triangle: &Triangle, rest: &mut Rest, some: &mut [Unexp
         for (c, row) in some.iter_mut().enumerate().filter(|(_, row)| row.is_open) {
             let before = row.error;
             improve(block, triangle, rest, row, |i| steps[i][c]);
-            // A step that does not halve the error is not the first of two that bring it down.
+            // If a step does not halve the error, a second step will not bring it below the limit.
             row.is_open = row.error > SUSPECT && row.error < before / 2.0;
         }
         if !some.iter().any(|row| row.is_open) {
@@ -173,7 +175,7 @@ fn refine(block: &Block, triangle: &Triangle, rest: &mut Rest, some: &mut [Unexp
     }
 }
 
-/// Takes a step, with or without the coefficients that may be rounding, if it leaves less of the row.
+/// Applies a step, with or without the coefficients that may be rounding, if that reduces the error.
 fn improve(block: &Block, triangle: &Triangle, rest: &mut Rest, row: &mut Unexplained, step: impl Fn(usize) -> f64) {
     let mut y = vec![0.0; block.matrix.rows()];
     row.certificate.iter().for_each(|&(i, v)| y[i] = v);

@@ -1,7 +1,7 @@
-//! DOFs by first appearance: number l for the l-th DOF that the equations name, row after row.
+//! Numbers DOFs by first appearance: l is the l-th DOF that the equations name, row after row.
 //!
-//! Models number their DOFs as they like, also at random; equations of one place stand together. By first appearance an
-//! array over DOFs is read nearly in sequence by every stage, and DOFs outside all equations cost nothing.
+//! Models may number their DOFs in random order, but equations that share DOFs are usually adjacent. With numbers by first appearance,
+//! every stage reads an array over DOFs nearly in sequence, and DOFs outside all equations cost nothing.
 //! O(nnz + n) time, 4 nnz + 5 n bytes.
 
 mod pass;
@@ -10,7 +10,7 @@ use pass::Pass;
 
 use crate::{ConstraintSystem, Csr};
 
-/// The local number of every coefficient's DOF, and what they stand for.
+/// The local number of every coefficient's DOF, and the user's data of each local DOF.
 pub(crate) struct Numbering {
     /// Local DOF of each entry of C, in the order of C.
     entries: Vec<u32>,
@@ -20,11 +20,11 @@ pub(crate) struct Numbering {
     pub free: Vec<bool>,
     /// Local prescribed DOFs with their values, in the user's order.
     prescribed: Vec<(usize, f64)>,
-    /// Where each of them stands in the user's list.
+    /// The place of each of them in the user's list.
     places: Vec<u32>,
 }
 
-/// Rows that hold a DOF: how many, and their exclusive or, which is the row itself where there is one.
+/// The rows that contain a DOF: their number, and their exclusive or, which is the row itself if there is one.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Column {
     pub count: u32,
@@ -32,21 +32,21 @@ pub(crate) struct Column {
 }
 
 impl Column {
-    /// Takes a row in.
+    /// Adds a row.
     #[inline]
     pub fn enter(&mut self, row: u32) {
         self.count += 1;
         self.rows ^= row;
     }
 
-    /// Takes in the rows of another count of the same DOF.
+    /// Adds the rows of another count of the same DOF.
     #[inline]
     fn join(&mut self, other: Self) {
         self.count += other.count;
         self.rows ^= other.rows;
     }
 
-    /// Takes it out again.
+    /// Removes a row.
     #[inline]
     pub fn leave(&mut self, row: u32) {
         self.count -= 1;
@@ -54,7 +54,7 @@ impl Column {
     }
 }
 
-/// Smallest and largest exponent of a row's coefficients, as their bits hold it: plus 1023, 0 for subnormal numbers.
+/// Smallest and largest exponent of a row's coefficients, biased as in the bits: plus 1023, and 0 for subnormal numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Exponents {
     pub least: u16,
@@ -62,12 +62,12 @@ pub(crate) struct Exponents {
 }
 
 impl Exponents {
-    /// Whether there are coefficients and all of them are below the smallest normal number.
+    /// Returns true if there are coefficients and all of them are subnormal.
     pub fn is_subnormal(self) -> bool {
         self.most == 0 && self.least != u16::MAX
     }
 
-    /// Of no coefficient.
+    /// The range of a row without coefficients.
     const NONE: Self = Self { least: u16::MAX, most: 0 };
 
     #[inline]
@@ -78,7 +78,7 @@ impl Exponents {
 }
 
 impl Numbering {
-    /// Numbers the DOFs; counts their rows and finds the range of each row on the way.
+    /// Numbers the DOFs, counts the rows of each, and finds the range of each row in the same pass.
     pub fn new(system: &ConstraintSystem) -> (Self, Vec<Column>, Vec<Exponents>) {
         let (entries, pass) = pass::number(system.matrix());
         let named = system.prescribed().iter().zip(0..).filter_map(|(&(j, value), place)| {
@@ -92,7 +92,7 @@ impl Numbering {
         (Self { entries, dofs, free, prescribed, places }, columns, exponents)
     }
 
-    /// The system with these numbers and b as given.
+    /// The system with these numbers and the right-hand sides `rhs`.
     pub fn view<'a>(&'a self, system: &'a ConstraintSystem, rhs: &'a [f64]) -> LocalSystem<'a> {
         LocalSystem { system, matrix: system.matrix(), numbering: self, rhs }
     }
@@ -135,7 +135,7 @@ impl<'a> LocalSystem<'a> {
         &self.numbering.prescribed
     }
 
-    /// Local prescribed DOFs and where they stand in the user's list.
+    /// Local prescribed DOFs and their places in the user's list.
     pub fn prescribed_places(self) -> impl Iterator<Item = (usize, usize)> + 'a {
         let numbering = self.numbering;
         numbering.prescribed.iter().zip(&numbering.places).map(|(&(l, _), &place)| (l, place as usize))
@@ -163,7 +163,7 @@ impl<'a> LocalSystem<'a> {
         dofs.iter().zip(values).map(|(&j, &v)| (j as usize, v))
     }
 
-    /// The coefficient of a DOF in an equation that holds it.
+    /// The coefficient of a DOF in an equation that contains it.
     pub fn coefficient(self, i: usize, dof: u32) -> f64 {
         let (dofs, values) = self.parts(i);
         dofs.iter().position(|&j| j == dof).map_or(1.0, |k| values[k])

@@ -1,7 +1,7 @@
-//! The pass over C that numbers its DOFs, of very many equations each half by a thread of its own.
+//! The pass over C that numbers its DOFs. For a very large C, two threads number one half of the equations each.
 //!
-//! A half numbers the DOFs that it names by first appearance. Those of the second half then come after those of the first,
-//! but for the ones that the first names too: the numbers are those of one pass over all equations.
+//! Each half numbers its DOFs by first appearance. DOFs of the second half get numbers after those of the first, unless the first half
+//! contains them too. The result equals that of one pass over all equations.
 
 use std::hint::black_box;
 use std::ops::Range;
@@ -13,30 +13,30 @@ use crate::Csr;
 use crate::common::pool::gather;
 use crate::common::prefetch::{BATCH, IN_CACHE};
 
-/// With fewer equations the second thread gains nothing: measured at 3e5 and 1e6.
+/// With fewer equations the second thread gains nothing, as measured at 3e5 and 1e6.
 const WORTH_HALVES: usize = 1 << 20;
 
-/// DOFs for which there is room at once: memory reserved beyond the DOFs that come up is never touched.
+/// Initial capacity in DOFs. Memory that is reserved beyond the DOFs found is never touched.
 const ROOM: usize = 1 << 10;
 
-/// No number yet.
+/// Marks a DOF without a number.
 const NONE: u32 = u32::MAX;
 
-/// What a pass over some equations finds.
+/// The result of a pass over some equations.
 pub(super) struct Pass {
     /// Local number of each of the user's DOFs.
     local: Vec<u32>,
-    /// The same of the second half, and what its numbers became.
+    /// The local numbers of the second half, and the final number of each.
     later: Option<(Vec<u32>, Vec<u32>)>,
     /// The user's number of each local DOF.
     pub dofs: Vec<u32>,
     /// The equations of each local DOF.
     pub columns: Vec<Column>,
-    /// The range of each equation's coefficients.
+    /// The range of exponents of each equation's coefficients.
     pub exponents: Vec<Exponents>,
 }
 
-/// The local DOF of each entry of C, and all else that the pass finds.
+/// The local DOF of each entry of C, and the result of the pass.
 pub(super) fn number(c: &Csr) -> (Vec<u32>, Pass) {
     let mut entries = vec![0; c.nnz()];
     let pass = if c.rows() < WORTH_HALVES || rayon::current_num_threads() == 1 {
@@ -57,10 +57,10 @@ fn in_halves(c: &Csr, entries: &mut [u32]) -> Pass {
 }
 
 impl Pass {
-    /// Numbers the DOFs of these equations in `entries`, counts their rows and finds the range of each row on the way.
+    /// Numbers the DOFs of these equations in `entries`, counts the rows of each, and finds the range of each row in the same pass.
     fn over(c: &Csr, rows: Range<usize>, entries: &mut [u32]) -> Self {
         let mut local = vec![NONE; c.cols];
-        // One place more than there are DOFs: each entry writes to the next free place, without a branch that nobody can predict.
+        // One place more than there are DOFs: each entry writes to the next free place without a branch, which would be unpredictable.
         let most = c.cols.min(entries.len()) + 1;
         let (mut dofs, mut columns) = (Vec::with_capacity(most), Vec::with_capacity(most));
         let mut count = 0;
@@ -100,13 +100,13 @@ impl Pass {
         Self { local, later: None, dofs, columns, exponents }
     }
 
-    /// The local number of a DOF that is named.
+    /// The local number of a DOF, if the equations contain it.
     pub fn find(&self, j: usize) -> Option<u32> {
         let of_later = |(local, numbers): &(Vec<u32>, Vec<u32>)| numbers.get(local[j] as usize).copied();
         Some(self.local[j]).filter(|&l| l != NONE).or_else(|| self.later.as_ref().and_then(of_later))
     }
 
-    /// Takes in the pass over the equations that follow.
+    /// Appends the pass over the equations that follow.
     fn append(&mut self, later: Self) -> &[u32] {
         let mut numbers = gather(&self.local, &later.dofs);
         for ((number, j), column) in numbers.iter_mut().zip(later.dofs).zip(later.columns) {
@@ -127,7 +127,7 @@ impl Pass {
 mod tests {
     use super::*;
 
-    /// `rows` equations of three DOFs out of `cols`, whose numbers follow no order.
+    /// `rows` equations of three DOFs out of `cols`, in an irregular order.
     fn mixed(rows: usize, cols: u32) -> Csr {
         let mut c = Csr::empty(cols as usize);
         for i in 0..rows as u32 {

@@ -4,32 +4,32 @@
 //! min over p, q   sum over coefficients   phi(log2 |c_ij| + p_i - q_j),   phi'(x) = x for x > 0, x / (1 - x) for x < 0
 //! ```
 //!
-//! The minimum is one point, apart from a constant for each component, and moves with the units: `D1 C D2` has the same balanced
-//! coefficients. No small coefficient pulls by more than 1, so one of 1e-159 that is left of a zero moves nothing far. Solved by reweighted
-//! least squares: each step is `L p = f` with the Laplacian of the graph of rows and DOFs.
+//! The minimum is unique, apart from a constant for each component, and does not depend on the user's units: `D1 C D2` has the same
+//! balanced coefficients. The pull `|phi'|` of a small coefficient is below 1, so a 1e-159 that stands for zero moves no unit far. The
+//! minimum is found by reweighted least squares: each step solves `L p = f` with the Laplacian of the graph of rows and DOFs.
 
 use super::laplacian::{Edge, solve};
 
-/// Steps of reweighting; each leaves less of the way, and one that moves no coefficient by a power of two is the last.
+/// Largest number of reweighting steps. The iteration ends earlier, at the first step that changes no coefficient by a factor of two.
 const MOST_STEPS: usize = 30;
 
-/// Components of so many equations are looked at by passes first: where the user's units are consistent that is enough. The least squares
-/// of a component below it take milliseconds, of one of 10,000 a quarter of a second.
+/// Components of this many equations are first balanced by relaxation, which is enough if the user's units are consistent. Least squares
+/// take milliseconds for a smaller component, and a quarter of a second for one of 10,000 equations.
 const LARGE: usize = 1_000;
-/// Passes of relaxation; it needs more only where units differ over long ways.
+/// Largest number of relaxation passes. More are needed only if units differ between distant parts of the graph.
 const MOST_PASSES: usize = 10;
 
-/// Sweeps of equilibration; the first ones halve what is missing, in powers of two, the others level what is left.
+/// Sweeps of equilibration. The first ones halve the deviation in powers of two, and the others level the remainder.
 const SWEEPS: usize = 30;
 
-/// DOFs whose balanced units lie within this power of two stay in the units of the user: a pivot is then above 1e-6 of its row, four
-/// digits above what a tolerance of 1e-10 drops.
+/// If the balanced units of all DOFs lie within this power of two, DOFs keep the user's units: a pivot is then above 1e-6 of its row, four
+/// digits above the entries that a tolerance of 1e-10 drops.
 const NEAR: f64 = 20.0;
 
-/// Half of the range of exponents: the other half is for the coefficients.
+/// Half of the range of exponents; the other half remains for the coefficients.
 pub(crate) const RANGE: i32 = 512;
 
-/// Of a double.
+/// Bits of the significand of a double.
 const BITS: f64 = 53.0;
 
 /// The coefficients of one component, with powers of two instead of numbers.
@@ -43,7 +43,7 @@ pub(crate) struct Component {
 }
 
 impl Component {
-    /// Gathers the terms `(DOF, coefficient)` of some equations; `place` is room for all DOFs, with any numbers.
+    /// Gathers the terms `(DOF, coefficient)` of some equations; `place` is scratch space for all DOFs, with any content.
     pub fn gather<T: Iterator<Item = (usize, f64)>>(
         rows: Vec<u32>,
         terms: impl Fn(u32) -> T,
@@ -62,21 +62,21 @@ impl Component {
         Self { rows, dofs, entries }
     }
 
-    /// The exponents -q of the DOFs, 0 for most; none where the user's units are near enough.
+    /// The exponents -q of the DOFs, 0 for most; None if the user's units are within [`NEAR`].
     pub fn units(&self) -> Option<Vec<i32>> {
         self.units_beyond(NEAR)
     }
 
-    /// The exponents -q of the DOFs, none where all lie within a power of two.
+    /// The exponents -q of the DOFs; None if all lie within the power of two `near`.
     pub fn units_beyond(&self, near: f64) -> Option<Vec<i32>> {
         let q = self.balanced(near)?.0;
         let usual = median(&q);
         Some(q.iter().map(|q| (usual - q).round() as i32).collect())
     }
 
-    /// Exponents of the DOFs that are near those of the user and leave few coefficients small beside others of their row: equilibrated, or
-    /// balanced where equilibration has stopped too early, since one large coefficient is enough for it. None as in
-    /// [`Component::equilibrated`].
+    /// Exponents of the DOFs near the user's units that leave few coefficients small beside others of their row: equilibrated units, or
+    /// balanced units if they halve the smallness. Equilibration can leave small coefficients, since one large coefficient satisfies a
+    /// DOF. None as in [`Component::equilibrated`].
     pub fn near_users(&self, near: i32) -> Option<Vec<i32>> {
         let equilibrated = self.equilibrated(near)?;
         let small = self.smallness(&equilibrated);
@@ -86,7 +86,7 @@ impl Component {
         Some(balanced.filter(is_better).unwrap_or(equilibrated))
     }
 
-    /// By how many powers of two coefficients are below [`NEAR`] beside the largest of their row, in all; a zero is no smaller than 53.
+    /// Sum over coefficients of the powers of two below [`NEAR`], relative to the largest of their row; a zero counts as 53 bits below.
     fn smallness(&self, col: &[i32]) -> f64 {
         let power = |&(_, j, power): &(u32, u32, f64)| power + f64::from(col[j as usize]);
         let of_row = |row: &[(u32, u32, f64)]| {
@@ -96,8 +96,8 @@ impl Component {
         self.entries.chunk_by(|a, b| a.0 == b.0).map(of_row).sum()
     }
 
-    /// Exponents of the DOFs with which the coefficients of each row and DOF have one 2-norm (Ruiz 2001), 0 for most: small coefficients
-    /// have little part in it. None where no DOF of two equations or more is off by more than a power of two.
+    /// Exponents of the DOFs for which the coefficients of each row and DOF have equal 2-norms (Ruiz 2001), 0 for most. Small
+    /// coefficients hardly influence them. None if every DOF of two equations or more is within the power of two `near`.
     pub fn equilibrated(&self, near: i32) -> Option<Vec<i32>> {
         let (mut row, mut col) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
         let mut count = vec![0; col.len()];
@@ -121,7 +121,7 @@ impl Component {
         units.iter().zip(count).any(|(unit, count)| count > 1 && unit.abs() > near).then_some(units)
     }
 
-    /// Whether each DOF of two equations or more has a coefficient near the largest of its equation.
+    /// Returns true if each DOF of two equations or more has a coefficient near the largest of its equation.
     fn is_led(&self, near: i32, count: &[i32]) -> bool {
         let mut largest = vec![f64::NEG_INFINITY; count.len()];
         for row in self.entries.chunk_by(|a, b| a.0 == b.0) {
@@ -149,7 +149,7 @@ impl Component {
         }
     }
 
-    /// q of the DOFs, and the balanced coefficients, as powers of two; none where all q lie within a power of two.
+    /// q of the DOFs, and the balanced coefficients, as powers of two; None if all q lie within the power of two `near`.
     fn balanced(&self, near: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let m = self.rows.len();
         if m >= LARGE
@@ -181,8 +181,8 @@ impl Component {
         Some((q, powers))
     }
 
-    /// The minimum over one row or DOF after the other, from the units of the user: q and the coefficients as [`Component::balanced`] gives
-    /// them, once no row and no DOF moves by a power of two. None where that takes many passes.
+    /// Minimizes over one row or DOF after the other, starting from the user's units. Returns q and the coefficients as in
+    /// [`Component::balanced`] once no row and no DOF moves by a power of two; None if this takes more than [`MOST_PASSES`].
     fn relaxed(&self) -> Option<(Vec<f64>, Vec<f64>)> {
         let (mut p, mut q) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
         for pass in 0..MOST_PASSES {
@@ -266,7 +266,7 @@ impl Sum {
         }
     }
 
-    /// 0 without coefficients.
+    /// The power; 0 without coefficients.
     fn power(self) -> f64 {
         if self.sum > 0.0 { self.most + self.sum.log2() } else { 0.0 }
     }

@@ -4,14 +4,14 @@
 //! L = sum_e w_e (delta_a - delta_b) (delta_a - delta_b)^T      e = (a, b)
 //! ```
 //!
-//! A tree is solved in O(n), from its leaves to the root and back. Ties between weights are broken at random: a random tree is near most
-//! edges, where one of a breadth first search leaves long ways between neighbours.
+//! A tree is solved in O(n), from its leaves to the root and back. Ties between weights are broken at random: the ends of most edges are
+//! near each other in a random tree, but a breadth-first tree leaves long paths between neighbours.
 
 use crate::common::{DisjointSets, SplitMix64};
 
-/// Steps; a solution that is not reached is still one that no unit has changed.
+/// Largest number of steps. An unconverged solution is usable too, because scaling by any powers of two is exact.
 const MOST_STEPS: usize = 300;
-/// Part of the residual, in the norm of the preconditioner, that may be left: units are wanted to a power of two.
+/// Residual at convergence, relative to f in the norm of the preconditioner: units need only be right to a power of two.
 const LEFT: f64 = 1e-5;
 
 /// An edge between two nodes.
@@ -21,14 +21,14 @@ pub struct Edge {
     pub weight: f64,
 }
 
-/// A spanning tree, its nodes from the root to the leaves: node, parent, and the edge between them.
+/// A spanning tree as (node, parent, edge between them), in the order from the root to the leaves.
 struct Tree(Vec<(u32, u32, u32)>);
 
 impl Tree {
-    /// The heaviest of a connected graph.
+    /// The heaviest spanning tree of a connected graph.
     fn heaviest(nodes: usize, edges: &[Edge]) -> Self {
         let mut random = SplitMix64::new(nodes as u64);
-        // The power of two is enough to tell heavy from light, and leaves the rest to chance.
+        // The exponent distinguishes heavy from light edges well enough; chance orders edges of equal exponents.
         let key = |edge: &Edge| std::cmp::Reverse(edge.weight.to_bits() >> 52);
         let mut order: Vec<(std::cmp::Reverse<u64>, u64, u32)> =
             edges.iter().zip(0..).map(|(edge, e)| (key(edge), random.next(), e)).collect();

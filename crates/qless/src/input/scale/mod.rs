@@ -1,7 +1,7 @@
 //! `C' = D_r C D_c` with powers of two: exact, and internal to the factorization.
 //!
-//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Columns are scaled only where
-//! whole columns of a component are off by more than `2^10`. Blocks find their rank in balanced units ([`balance`]); slaves are chosen and
+//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Columns are scaled only if whole
+//! columns of a component deviate by more than `2^10`. The rank of a block is found in balanced units ([`balance`]); slaves are chosen and
 //! reductions computed in units near those of the user.
 
 mod balance;
@@ -15,19 +15,19 @@ use super::numbering::{Exponents, LocalSystem};
 pub(crate) use balance::{Component, RANGE};
 pub(crate) use powers::{exponent, ldexp};
 
-/// Columns stay as they are while pivots are above this power of two of their rows: they lose no more than these ten of 53 bits.
+/// Columns keep their units while pivots are above this power of two of their rows, because they then lose at most 10 of 53 bits.
 const NEAR: i32 = 10;
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
 #[derive(Clone, Debug)]
 pub(crate) struct Scaling {
     pub row: Vec<i32>,
-    /// Empty where no column is scaled.
+    /// Empty if no column is scaled.
     pub col: Vec<i32>,
 }
 
 impl Scaling {
-    /// Every entry as it is.
+    /// The scaling that changes no entry.
     pub fn none(rows: usize) -> Self {
         Self { row: vec![0; rows], col: Vec::new() }
     }
@@ -42,8 +42,7 @@ impl Scaling {
     }
 }
 
-/// Scales `C` by its free DOFs in each row, and by its columns where units mix; a row without free DOFs is scaled by its prescribed
-/// ones.
+/// Scales each row by its free DOFs, and columns if units mix. A row without free DOFs is scaled by its prescribed DOFs.
 pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents]) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
     if rows::scale(system, exponents, &mut scaling) >= -NEAR {
@@ -58,7 +57,7 @@ pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents]) -> Scaling 
     scaling
 }
 
-/// Balanced rows, and balanced columns in components that hold a marked equation.
+/// Scaling with balanced columns in components that contain a marked equation, and rows scaled to match.
 pub(crate) fn balanced_where(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
     let in_range = |units: &Vec<i32>| units.iter().all(|unit| unit.abs() < RANGE);
@@ -69,8 +68,8 @@ pub(crate) fn balanced_where(system: LocalSystem, is_marked: impl Fn(usize) -> b
     scaling
 }
 
-/// Exponents of equations in balanced units, of those in components that hold a marked one; each component apart from a constant. NaN
-/// without free DOFs.
+/// Exponents of the equations in balanced units, for components that contain a marked equation, apart from a constant for each component.
+/// NaN for other equations, and for those without free DOFs.
 pub(crate) fn balanced_rows(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut units = vec![f64::NAN; system.equations()];
     for component in marked_components(system, is_marked) {
@@ -79,8 +78,8 @@ pub(crate) fn balanced_rows(system: LocalSystem, is_marked: impl Fn(usize) -> bo
     units
 }
 
-/// Calls `job` with each equation of the components that hold a marked one, and its free coefficients in balanced units, as powers of
-/// two.
+/// Calls `job` with each equation of the components that contain a marked one, and with its free coefficients in balanced units, as powers
+/// of two.
 pub(crate) fn balanced_powers(
     system: LocalSystem,
     is_marked: impl Fn(usize) -> bool,
@@ -91,7 +90,7 @@ pub(crate) fn balanced_powers(
     }
 }
 
-/// Exponents of the columns; empty where all are 0. Only components with an equation that spans much need any.
+/// Exponents of the columns; empty if all are 0. Only components with an equation for which `spans_much` is true are scaled.
 fn units(
     system: LocalSystem,
     spans_much: impl Fn(usize) -> bool,

@@ -1,4 +1,4 @@
-//! From loose equations to a validated [`ConstraintSystem`].
+//! Builds a validated [`ConstraintSystem`] from single equations or from arrays.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ pub struct SystemBuilder {
     rhs: Vec<f64>,
     labels: Vec<String>,
     prescribed: Vec<(usize, f64)>,
-    /// Where values are prescribed, by DOF.
+    /// Places in the input at which values are prescribed, by DOF.
     places: Vec<(usize, String)>,
     dof_labels: Vec<String>,
 }
@@ -103,7 +103,7 @@ pub(super) fn from_triplets(
     prescribed: &[(usize, f64)],
 ) -> Result<ConstraintSystem, SystemError> {
     check_sizes(rows, dofs)?;
-    // Before anything of that size is made.
+    // Check before allocating memory for this number of rows.
     check_rhs(rhs, rows)?;
     let mut start = vec![0; rows + 1];
     for (entry, &(row, _, _)) in triplets.iter().enumerate() {
@@ -151,7 +151,7 @@ fn check_sizes(rows: usize, dofs: usize) -> Result<(), SystemError> {
     if dofs == 0 { Err(SystemError::Empty { rows }) } else { Ok(()) }
 }
 
-/// Sorts the terms of one row, sums repeats, drops what is zero or cancels to rounding.
+/// Sorts the terms of one row, sums repeats, and drops sums that are zero or cancel to rounding.
 fn push_checked(matrix: &mut Csr, row: usize, terms: &mut [(usize, f64)]) -> Result<(), SystemError> {
     for &(dof, value) in &*terms {
         let what = Place::Coefficient { row, dof };
@@ -197,7 +197,7 @@ fn finish(matrix: Csr, rhs: &[f64], prescribed: &[(usize, f64)]) -> Result<Const
     Ok(ConstraintSystem { numbers: Arc::new(numbers), labels: Arc::default() })
 }
 
-/// Ascending by DOF; the same value twice is accepted, two values are not.
+/// Sorts by DOF. A DOF may be given the same value twice, but not two values.
 fn unique_prescribed(dofs: usize, given: &[(usize, f64)]) -> Result<Vec<(usize, f64)>, SystemError> {
     for &(dof, value) in given {
         let what = Place::Prescribed { dof };

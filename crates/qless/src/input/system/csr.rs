@@ -9,7 +9,7 @@ const PART: usize = 1 << 13;
 
 /// Sparse m x n matrix in compressed rows; columns ascend within a row and none repeats.
 ///
-/// Whatever made it, it is whole: starts ascend from 0 to the number of entries, columns are below n.
+/// Every constructor guarantees that starts ascend from 0 to the number of entries, and that columns are below n.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Csr {
     pub(crate) cols: usize,
@@ -40,7 +40,7 @@ impl Csr {
         Self { cols, start: vec![0], col: Vec::new(), val: Vec::new() }
     }
 
-    /// From its arrays, as other libraries have them: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
+    /// From the three arrays of the format: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
     ///
     /// ```
     /// use qless::{Csr, SystemError};
@@ -61,7 +61,7 @@ impl Csr {
         Ok(Self { cols, start, col, val })
     }
 
-    /// The m x n matrix without entries; no memory is touched before somebody reads it.
+    /// The m x n matrix without entries; the memory of its starts is zero pages that nothing touches before the first read.
     ///
     /// ```
     /// use qless::Csr;
@@ -92,7 +92,7 @@ impl Csr {
         self.col.len()
     }
 
-    /// Where each row starts in [`Csr::columns`] and [`Csr::values`]; length m + 1.
+    /// The start of each row in [`Csr::columns`] and [`Csr::values`]; length m + 1.
     pub fn starts(&self) -> &[usize] {
         &self.start
     }
@@ -107,7 +107,7 @@ impl Csr {
         &self.val
     }
 
-    /// The values, for others in the same pattern.
+    /// The values, which may be overwritten; the pattern stays.
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.val
     }
@@ -123,7 +123,7 @@ impl Csr {
     ///
     /// # Errors
     /// [`SystemError::DofOutOfRange`] for a column that is not below n, [`SystemError::NotAscending`],
-    /// [`SystemError::TooLarge`]; the matrix is then as it was.
+    /// [`SystemError::TooLarge`]; the matrix is then unchanged.
     pub fn push_row(&mut self, entries: impl IntoIterator<Item = (usize, f64)>) -> Result<(), SystemError> {
         fits("the number of rows", self.rows() + 1)?;
         let first = self.col.len();
@@ -142,7 +142,7 @@ impl Csr {
         Ok(())
     }
 
-    /// Appends a row that is known to be one; where they are sorted later, entries may come in any order.
+    /// Appends a valid row without checks; entries may be in any order if the caller sorts them later.
     pub(crate) fn append(&mut self, entries: impl IntoIterator<Item = (usize, f64)>) {
         for (j, v) in entries {
             debug_assert!(j < self.cols);
@@ -163,10 +163,10 @@ impl Csr {
     /// ```
     ///
     /// # Errors
-    /// [`SystemError::TooLarge`] if there are too many columns for rows, or for the memory that is there.
+    /// [`SystemError::TooLarge`] if there are more columns than the library allows rows, or than memory allows.
     pub fn transpose(&self) -> Result<Self, SystemError> {
         fits("the number of columns", self.cols)?;
-        // Only the number of columns can be large without anything having been stored for it.
+        // The number of columns can be large without any stored data; the other sizes cannot.
         let room = |_| SystemError::TooLarge { what: "the number of columns", found: self.cols };
         let (mut start, mut next) = (Vec::new(), Vec::new());
         start.try_reserve_exact(self.cols + 1).map_err(room)?;
@@ -181,7 +181,7 @@ impl Csr {
         self.transposed_with(vec![0; self.cols + 1], Vec::new())
     }
 
-    /// In `start`, zero for each column and one more, and with the room of `next`.
+    /// The transpose, built in `start` (length n + 1, all zero) and in the spare memory of `next`.
     fn transposed_with(&self, mut start: Vec<usize>, mut next: Vec<usize>) -> Self {
         for &j in &self.col {
             start[j as usize + 1] += 1;
@@ -225,7 +225,7 @@ pub(super) fn fits(what: &'static str, found: usize) -> Result<(), SystemError> 
     if found < u32::MAX as usize { Ok(()) } else { Err(SystemError::TooLarge { what, found }) }
 }
 
-/// Starts of compressed rows or columns: 0, never decreasing, the number of entries; as many values as indices.
+/// Checks starts of compressed rows or columns: they ascend from 0 to the number of entries, and there are as many values as indices.
 pub(super) fn check_starts(start: &[usize], nnz: usize, values: usize) -> Result<(), SystemError> {
     if values != nnz {
         return Err(SystemError::WrongLength { what: "the list of values", found: values, expected: nnz });
@@ -242,7 +242,7 @@ pub(super) fn check_starts(start: &[usize], nnz: usize, values: usize) -> Result
     Ok(())
 }
 
-/// All rows, by all threads; the fault of the first one that has some.
+/// Checks all rows in parallel; returns the fault of the first bad row.
 fn check_rows(cols: usize, start: &[usize], col: &[u32]) -> Result<(), SystemError> {
     let rows = start.len() - 1;
     let fault = |row: usize| check_row(row, cols, &col[start[row]..start[row + 1]]).err();
@@ -250,7 +250,7 @@ fn check_rows(cols: usize, start: &[usize], col: &[u32]) -> Result<(), SystemErr
     (0..rows.div_ceil(PART)).into_par_iter().find_map_first(first).map_or(Ok(()), Err)
 }
 
-/// Columns ascend, and are below `cols`.
+/// Checks that columns ascend, and are below `cols`.
 fn check_row(row: usize, cols: usize, columns: &[u32]) -> Result<(), SystemError> {
     let mut before = None;
     for &column in columns {

@@ -1,4 +1,4 @@
-//! What can be wrong with a constraint system, by row and column.
+//! Errors of a constraint system, with row and column.
 
 /// Why a set of equations is not a valid constraint system. Rows and DOFs are 0-based, as in the API.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -15,7 +15,7 @@ pub enum SystemError {
     /// A DOF number is not below the number of DOFs.
     #[error("{what} names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the index or the size", dofs.saturating_sub(1))]
     DofOutOfRange {
-        /// Where the DOF is named.
+        /// The coefficient, right-hand side or prescribed value that has this DOF.
         what: Place,
         /// The DOF named.
         dof: usize,
@@ -32,7 +32,7 @@ pub enum SystemError {
         /// How many there are.
         rows: usize,
     },
-    /// Arrays whose lengths must agree do not.
+    /// Arrays have different lengths, but their lengths must agree.
     #[error("{what} has {found} entries, expected {expected}")]
     WrongLength {
         /// Which array.
@@ -42,7 +42,7 @@ pub enum SystemError {
         /// The length needed.
         expected: usize,
     },
-    /// Columns of a compressed row that do not ascend.
+    /// The columns of a compressed row do not ascend.
     #[error("row {row}: column {column} comes after column {before}; columns must ascend and not repeat within a row")]
     NotAscending {
         /// The row.
@@ -52,7 +52,7 @@ pub enum SystemError {
         /// The one before it.
         before: usize,
     },
-    /// Compressed rows or columns whose starts are not 0, ascending, nnz.
+    /// The starts of compressed rows or columns do not ascend from 0 to the number of entries.
     #[error("start {index} is {value}; starts must begin at 0, never decrease and end at the number of entries")]
     BadStarts {
         /// Index into the starts.
@@ -60,7 +60,7 @@ pub enum SystemError {
         /// The start found there.
         value: usize,
     },
-    /// One DOF prescribed with two different values.
+    /// A DOF is prescribed with two different values.
     #[error("DOF {dof} is prescribed twice, as {first} and as {second}; remove one")]
     PrescribedTwice {
         /// The DOF.
@@ -70,33 +70,33 @@ pub enum SystemError {
         /// The value met later.
         second: f64,
     },
-    /// There are no DOFs at all.
+    /// There are no DOFs.
     #[error("the system is empty: it has {rows} equations and no DOFs")]
     Empty {
         /// Number of equations.
         rows: usize,
     },
-    /// An index of a matrix of the caller that is no row or column of it.
+    /// An index of the caller's matrix exceeds its rows or columns.
     #[error("entry {place} (from 0) stands in a row or column that is not there; the matrix must be {dofs} x {dofs}")]
     BadIndex {
-        /// Where in the list of indices.
+        /// Its place in the list of indices.
         place: usize,
         /// Rows and columns of the matrix.
         dofs: usize,
     },
-    /// An entry in the half of a symmetric matrix that is said not to be stored.
+    /// An entry lies in the half of a symmetric matrix that, according to the caller, is not stored.
     #[error(
         "entry {place} (from 0) stands at ({row}, {column}), in the half that is not stored; leave it out, or say that all is stored"
     )]
     WrongHalf {
-        /// Where in the list of indices.
+        /// Its place in the list of indices.
         place: usize,
         /// Its row.
         row: usize,
         /// Its column.
         column: usize,
     },
-    /// A size that does not fit the 32-bit indices of the library, or the memory.
+    /// A size exceeds the 32-bit indices of the library, or the memory.
     #[error("{what} is {found}; at most {} are supported", u32::MAX)]
     TooLarge {
         /// Which size.
@@ -106,7 +106,7 @@ pub enum SystemError {
     },
 }
 
-/// Where a number stands in the input.
+/// The place of a number in the input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Coefficient in a row and column.

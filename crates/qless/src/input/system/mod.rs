@@ -1,8 +1,7 @@
-//! `C u = b` with some DOFs prescribed (Eq. 2, 20): the validated input of everything else.
+//! `C u = b` with some DOFs prescribed (Eq. 2, 20): the validated input of all other stages.
 //!
-//! A [`ConstraintSystem`] is finite, in range, and has each DOF at most once in a row: coefficients
-//! given for the same row and DOF are summed, and a sum that cancels to rounding (a few units in the
-//! last place of its parts) is no coefficient at all.
+//! All numbers of a [`ConstraintSystem`] are finite, all indices are in range, and a row has each DOF at most once. Coefficients given for
+//! the same row and DOF are summed; a sum that cancels to rounding (a few units in the last place of its terms) is not stored.
 
 mod builder;
 mod convert;
@@ -16,7 +15,7 @@ pub use builder::SystemBuilder;
 pub use csr::Csr;
 pub use error::{Place, SystemError};
 
-/// m equations `C u = b` on n DOFs, some of which carry prescribed values.
+/// m equations `C u = b` on n DOFs, some of which are prescribed.
 ///
 /// ```
 /// use qless::SystemBuilder;
@@ -30,7 +29,7 @@ pub use error::{Place, SystemError};
 /// # Ok::<(), qless::SystemError>(())
 /// ```
 ///
-/// It never changes, and a clone shares all of it: [`crate::Analysis`] keeps one.
+/// A system is immutable, and a clone shares its data: [`crate::Analysis`] keeps one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintSystem {
     numbers: Arc<Numbers>,
@@ -44,17 +43,17 @@ struct Numbers {
     prescribed: Vec<(usize, f64)>,
 }
 
-/// Of all equations and all DOFs, or empty.
+/// Labels of all equations and of all DOFs; each list may be empty.
 #[derive(Debug, Default, PartialEq)]
 struct SystemLabels {
     equations: Vec<String>,
     dofs: Vec<String>,
-    /// Where values are prescribed, ascending by DOF.
+    /// Places in the input at which values are prescribed, ascending by DOF.
     places: Vec<(usize, String)>,
 }
 
 impl ConstraintSystem {
-    /// From triplets `(row, DOF, coefficient)`, summed where they repeat, and b of length `rows`.
+    /// From triplets `(row, DOF, coefficient)`, which are summed if they repeat, and b of length `rows`.
     ///
     /// # Errors
     /// [`SystemError`] for an index out of range, a number that is not finite, or a wrong length.
@@ -101,7 +100,7 @@ impl ConstraintSystem {
         builder::from_triplets(matrix.rows(), matrix.cols, &triplets, rhs, prescribed)
     }
 
-    /// Names the equations (one per row) and the DOFs; an empty list leaves numbers in their place.
+    /// Labels the equations (one per row) and the DOFs. With an empty list, numbers serve as labels.
     ///
     /// # Errors
     /// [`SystemError::WrongLength`].
@@ -118,7 +117,7 @@ impl ConstraintSystem {
         Ok(Self { labels: Arc::new(SystemLabels { equations, dofs, places }), ..self })
     }
 
-    /// The places of prescribed values; the first of a DOF counts.
+    /// Sets the places of prescribed values; the first place of a DOF counts.
     fn with_places(mut self, mut places: Vec<(usize, String)>) -> Self {
         places.sort_by_key(|&(dof, _)| dof);
         places.dedup_by_key(|&mut (dof, _)| dof);
@@ -128,7 +127,7 @@ impl ConstraintSystem {
         self
     }
 
-    /// Some coefficients and right-hand sides, the others being zero; the same labels.
+    /// A copy with the selected coefficients and right-hand sides; the others are zero. Labels are shared.
     pub(crate) fn only(&self, entry: impl Fn(usize, usize) -> bool, side: impl Fn(usize) -> bool) -> Self {
         let Numbers { matrix, rhs, prescribed } = &*self.numbers;
         let mut some = Csr::empty(matrix.cols);
@@ -182,7 +181,7 @@ impl ConstraintSystem {
         prescribed.binary_search_by_key(&dof, |&(j, _)| j).ok().map(|at| prescribed[at].1)
     }
 
-    /// Where the value of a DOF is prescribed, if that is known: [`SystemBuilder::prescribe_at`].
+    /// The place at which the value of a DOF is prescribed, if it is known: [`SystemBuilder::prescribe_at`].
     pub fn prescribed_place(&self, dof: usize) -> Option<&str> {
         let places = &self.labels.places;
         places.binary_search_by_key(&dof, |&(j, _)| j).ok().map(|at| places[at].1.as_str())
@@ -198,18 +197,18 @@ impl ConstraintSystem {
         &self.labels.dofs
     }
 
-    /// The label of an equation, or its 1-based row where it has none.
+    /// The label of an equation, or `row` and its 1-based number.
     pub fn equation_label(&self, row: usize) -> String {
         self.labels.equations.get(row).map_or_else(|| format!("row {}", from_one(row)), Clone::clone)
     }
 
-    /// The label of a DOF, or its 1-based number where it has none.
+    /// The label of a DOF, or `DOF` and its 1-based number.
     pub fn dof_label(&self, dof: usize) -> String {
         self.labels.dofs.get(dof).map_or_else(|| format!("DOF {}", from_one(dof)), Clone::clone)
     }
 }
 
-/// Also of the largest place, which is none of a system but may be asked for.
+/// `place + 1`, without overflow: a caller may ask for the label of any `usize`.
 fn from_one(place: usize) -> u128 {
     place as u128 + 1
 }

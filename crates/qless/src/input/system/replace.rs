@@ -1,15 +1,15 @@
-//! Rows of a sparse matrix replaced by others, in place.
+//! Replaces rows of a sparse matrix in place.
 
 use std::ops::Range;
 
 use super::csr::fits;
 use super::{Csr, SystemError};
 
-/// Entries that stay together: where they were, and where they go.
+/// Consecutive entries that are kept: their old range and their new start.
 type ReplacedRun = (Range<usize>, usize);
 
 impl Csr {
-    /// Replaces each of these ranges of rows, which ascend, by the rows of a matrix with as many columns; what follows moves up or down.
+    /// Replaces each of these ascending ranges of rows by the rows of a matrix with as many columns. Later rows move up or down.
     ///
     /// The arrays are moved once for all ranges, from the first that changes its number of entries.
     ///
@@ -24,7 +24,7 @@ impl Csr {
     ///
     /// # Errors
     /// [`SystemError::BadStarts`] with the place of a range that starts before the last one ends, or ends beyond the rows,
-    /// [`SystemError::WrongLength`] for another number of columns, [`SystemError::TooLarge`]; the matrix is then as it was.
+    /// [`SystemError::WrongLength`] for another number of columns, [`SystemError::TooLarge`]; the matrix is then unchanged.
     pub fn replace_rows(&mut self, edits: &[(Range<usize>, Self)]) -> Result<(), SystemError> {
         let mut before = 0;
         for (index, (rows, new)) in edits.iter().enumerate() {
@@ -49,7 +49,7 @@ impl Csr {
         let (ends, count) = runs(self.rows(), edits.iter().map(|(rows, new)| (rows.clone(), new.rows())));
         shift(&mut self.col, &entries, length);
         shift(&mut self.val, &entries, length);
-        // Ends of rows move with their rows, and by as much as their entries do.
+        // Row ends move with their rows, by the distance that the entries move.
         self.start.remove(0);
         shift(&mut self.start, &ends, count);
         self.start.insert(0, 0);
@@ -68,7 +68,8 @@ impl Csr {
     }
 }
 
-/// The runs between the ranges that are replaced by so many, one more than these, and the length in the end.
+/// The kept runs between the replaced ranges (one more than there are ranges), and the new length. `replaced` has each range and the length
+/// of its replacement.
 fn runs(length: usize, replaced: impl Iterator<Item = (Range<usize>, usize)>) -> (Vec<ReplacedRun>, usize) {
     let (mut all, mut from, mut to) = (Vec::new(), 0, 0);
     for (range, count) in replaced {
@@ -80,7 +81,8 @@ fn runs(length: usize, replaced: impl Iterator<Item = (Range<usize>, usize)>) ->
     (all, to + length - from)
 }
 
-/// Moves the runs: those that go down from the first, those that go up from the last, so that none lands on one that has yet to move.
+/// Moves the runs. Those that move down start with the first, those that move up with the last, so that no run overwrites one that has
+/// yet to move.
 fn shift<T: Copy + Default>(all: &mut Vec<T>, runs: &[ReplacedRun], length: usize) {
     all.resize(all.len().max(length), T::default());
     runs.iter().filter(|(from, to)| *to < from.start).for_each(|(from, to)| all.copy_within(from.clone(), *to));
@@ -102,7 +104,7 @@ mod tests {
         all
     }
 
-    /// Against a matrix that is made from the rows in the end: longer, shorter, none, and many at once.
+    /// Compares with a matrix built from the final rows: longer, shorter, empty and many replacements.
     #[test]
     fn rows_are_those_of_a_new_matrix() {
         for seed in 0..500_usize {

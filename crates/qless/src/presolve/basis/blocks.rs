@@ -28,7 +28,7 @@ impl BlockCertificate {
     }
 }
 
-/// LateTerms of the rows that a block dropped.
+/// Computes certificates of the rows that a block dropped.
 pub(crate) trait LateTerms: Debug + Send + Sync {
     /// The terms for the k-th row, ascending.
     fn terms(&self, k: usize) -> Vec<(u32, f64)>;
@@ -53,13 +53,13 @@ pub(crate) struct Diagnosed {
     /// Indices of `kept` in a fill-reducing order.
     pub order: Vec<u32>,
     pub dependent: Vec<BlockDependent>,
-    /// How near to dependence the kept rows are.
+    /// Distance of the kept rows from dependence.
     pub nearness: Nearness,
-    /// Over the DOFs of the block.
+    /// Vectors over the DOFs of the block.
     pub vectors: Vectors,
 }
 
-/// The block solved for its slaves: `u_s = relation (u_q, u_p) + constant`.
+/// The slaves of a block: `u_s = relation (u_q, u_p) + constant`.
 #[derive(Clone, Debug)]
 pub(crate) struct Solved {
     pub slaves: Vec<u32>,
@@ -74,9 +74,9 @@ pub(crate) struct Solved {
 pub(crate) struct Vectors {
     /// Random vectors of the null space of the kept rows: admissible motions of the DOFs.
     pub moves: [Vec<f64>; 2],
-    /// Minimum-norm solution for the random right-hand side ...
+    /// Minimum-norm solution for the random right-hand side.
     pub sample: Vec<f64>,
-    /// ... and for `b - C_p u_p`.
+    /// Minimum-norm solution for `b - C_p u_p`.
     pub particular: Vec<f64>,
 }
 
@@ -86,12 +86,12 @@ const ZERO_UNITS: f64 = 8.0;
 const ZERO: [f64; 2] = [1e-13, 1e-8];
 
 impl Vectors {
-    /// How many DOFs do not move in the first motion.
+    /// Number of DOFs that do not move in the first motion.
     pub fn resting(&self) -> usize {
         self.moves[0].iter().filter(|&&v| v == 0.0).count()
     }
 
-    /// What does not move is zero; then from balanced units to those of the rows.
+    /// Sets entries below the threshold of motion to zero, and converts from balanced units to those of the rows.
     pub fn restore_units(&mut self, units: &[i32], sigma: f64) {
         let zero = (ZERO_UNITS * f64::EPSILON / sigma).clamp(ZERO[0], ZERO[1]);
         for v in self.moves.iter_mut().flatten().filter(|v| v.abs() <= zero) {
@@ -115,7 +115,7 @@ pub(crate) struct Nearness {
 }
 
 impl Nearness {
-    /// Whether the rank is not in doubt; false if the distance is NaN.
+    /// Returns true if the rank is not in doubt; false if the distance is NaN.
     pub fn is_sound(self) -> bool {
         self.distance >= NEAR
     }

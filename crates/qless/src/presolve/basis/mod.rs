@@ -22,9 +22,9 @@ pub(crate) use row::BasisRow;
 pub(crate) struct Basis {
     slaves: Vec<u32>,
     constants: Vec<f64>,
-    /// The user's equations of the peeled rows, ...
+    /// The user's equations of the peeled rows.
     pub peeled: Vec<u32>,
-    /// ... and the position of the slave in each.
+    /// Position of the slave in each peeled row.
     positions: Vec<u32>,
     /// End of each of the other rows in `dofs` and `values`.
     ends: Vec<usize>,
@@ -47,9 +47,9 @@ pub(crate) struct Kept {
     pub order: Vec<u32>,
     /// Distance of the kept rows from dependence.
     pub nearness: Nearness,
-    /// Its free DOFs, ...
+    /// Its free DOFs.
     pub dofs: Vec<u32>,
-    /// ... and vectors over them.
+    /// Vectors over these DOFs.
     pub vectors: Vectors,
 }
 
@@ -63,7 +63,7 @@ pub(crate) enum RowOrigin {
 }
 
 impl Basis {
-    /// Without rows, with room for this many equations.
+    /// A basis without rows, with capacity for this many equations.
     pub fn with_capacity(rows: usize) -> Self {
         Self {
             slaves: Vec::with_capacity(rows),
@@ -177,7 +177,7 @@ impl Basis {
         &self.constants
     }
 
-    /// The scaled pivot of a step.
+    /// The scaled pivot of an eliminated row.
     pub fn pivot_of_step(&self, step: usize) -> f64 {
         self.pivots[step]
     }
@@ -242,7 +242,7 @@ impl Basis {
         }
     }
 
-    /// The solution with masters at zero, outside of blocks, by DOF.
+    /// The solution with all masters zero, by DOF; slaves of blocks have the values of the blocks' particular solutions.
     pub fn particular(&self, system: LocalSystem, scaling: &Scaling) -> Vec<f64> {
         let mut u = vec![0.0; system.dofs()];
         system.prescribed().iter().for_each(|&(j, value)| u[j] = value);

@@ -42,7 +42,7 @@ impl<'a> BasisRow<'a> {
     /// DOF and coefficient of term k.
     #[inline]
     fn term(&self, k: usize) -> (u32, f64) {
-        // Without a branch, because it would be unpredictable.
+        // A branch here would be unpredictable.
         let at = k + usize::from(k >= self.slave);
         (self.dofs[at], self.value(self.values[at]))
     }

@@ -5,9 +5,10 @@
 //! Long chains take linear time, without recursion. A row whose free coefficients all vanish is dependent. If more than [`LARGE`] rows of
 //! a part remain, DOFs that occur in few rows are then eliminated with some fill, by the rule of Markowitz (1957).
 //!
-//! Each coefficient has a bound of its rounding error, and its largest part. A coefficient within its error bound is zero. A row is also
-//! dependent if at most `tolerance` is left of the parts of each of its coefficients: what was never subtracted from is no remainder,
-//! however small. A row of which less than [`SUSPECT`] is left goes to the backend, whose rank is checked.
+//! Each coefficient has a bound of its rounding error, and the size of its largest term. A coefficient within its error bound is zero. A
+//! row is also dependent if at most the fraction `tolerance` is left of the terms of each coefficient. A coefficient from which nothing
+//! was subtracted is no remainder, however small. If less than [`SUSPECT`] of a row is left, it goes to the backend, whose rank is
+//! checked.
 
 use std::collections::VecDeque;
 
@@ -19,11 +20,11 @@ use crate::input::scale::ldexp;
 mod order;
 mod pivot;
 
-/// A coefficient of whose parts less than this is left is no pivot: it has lost three digits.
+/// A coefficient that retains less than this fraction of its terms is not used as a pivot: it has lost three digits.
 pub(crate) const SUSPECT: f64 = 1e-3;
-/// A pivot is at least this fraction of each entry that it eliminates, which bounds the multipliers, ...
+/// A pivot is at least this fraction of each entry that it eliminates, which bounds the multipliers.
 const THRESHOLD: f64 = 0.1;
-/// ... and at least a fraction of its row, strict levels first, which bounds the growth of T where possible.
+/// A pivot is also at least a fraction of its row, strict levels first, which bounds the growth of T if possible.
 /// The first levels add no fill; the others are used only while a part has more than [`LARGE`] rows.
 const LEVELS: [FillLevel; 6] = [
     FillLevel { rows: 2, of_row: 1.0 },
@@ -124,7 +125,7 @@ impl LowFillElimination<'_> {
                 self.holders[j as usize].push(i as u32);
             }
         }
-        // Fixed DOFs first: then no digit of theirs is lost in a difference.
+        // Fixed DOFs are eliminated first, so that their values lose no digits in differences.
         let (fixed, others): (Vec<u32>, Vec<u32>) =
             (0..self.out.rows.len() as u32).partition(|&i| self.out.rows[i as usize].free == 1);
         self.short_rows = [fixed, others].concat().into();

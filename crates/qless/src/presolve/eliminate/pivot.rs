@@ -23,7 +23,7 @@ impl LowFillElimination<'_> {
         true
     }
 
-    /// The largest that is left of the parts of a coefficient of a free DOF; the largest coefficient if the tolerance is absolute.
+    /// The largest fraction that is left of the terms of a coefficient of a free DOF; the largest coefficient if the tolerance is absolute.
     fn left(&self, i: u32) -> f64 {
         let entries = self.out.rows[i as usize].entries.iter();
         let free = entries.filter(|entry| self.is_free[entry.dof as usize]);
@@ -100,7 +100,7 @@ impl LowFillElimination<'_> {
         let free = self.is_free[l as usize];
         let row = &mut self.out.rows[k as usize];
         if free {
-            // A product that underflowed was not zero.
+            // A product that underflowed was not exactly zero.
             let underflow = if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { 0.0 };
             row.dropped = row.dropped.max(underflow);
         }

@@ -119,7 +119,7 @@ impl<'a> ScaledPart<'a> {
         Ok(())
     }
 
-    /// Whether any column of the part is scaled.
+    /// Returns true if any column of the part is scaled.
     fn is_scaled(&self, input: &ReductionInput) -> bool {
         self.dofs.iter().any(|&j| input.scaling.col(j as usize) != 0)
     }

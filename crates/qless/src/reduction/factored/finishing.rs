@@ -36,7 +36,7 @@ pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
 
 struct GroupSearch<'a> {
     equations: &'a Csr,
-    /// By DOF.
+    /// The equations of each DOF.
     columns: Csr,
     done: Vec<bool>,
     /// Number of remaining equations of each DOF.

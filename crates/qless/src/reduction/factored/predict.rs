@@ -11,7 +11,7 @@ pub(crate) struct Prediction {
     pub given: usize,
     /// Upper bound of the nonzeros of its rows of T.
     pub predicted: usize,
-    /// Whether T needs substitution: a row contains another slave, or the part has a block.
+    /// True if T needs substitution: a row contains another slave, or the part has a block.
     pub needs_work: bool,
 }
 

@@ -14,7 +14,7 @@ pub struct Expanded {
     pub u: Vec<f64>,
     /// For each DOF the sum of the magnitudes of its terms, if it was computed. The magnitude of the DOF itself is a lower bound.
     pub sizes: Option<Vec<f64>>,
-    /// Whether the equations have the right-hand side b for this term, else 0.
+    /// True if the equations have the right-hand side b for this term, else it is 0.
     pub with_rhs: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct ExpansionInput<'a> {
     pub local: LocalSystem<'a>,
     pub reduction: &'a Reduction,
     pub scaling: &'a Scaling,
-    /// Whether masters are random in the units of the scaling, not in those of the user.
+    /// True if masters are random in the units of the scaling, false in those of the user.
     pub is_balanced: bool,
 }
 

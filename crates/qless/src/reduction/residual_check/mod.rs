@@ -2,8 +2,8 @@
 //!
 //! The terms T u_q, G u_p and g are expanded separately, with random u_q and u_p, and inserted into the equations. The residual of an
 //! equation is relative to its coefficients and to the largest DOF of its part, measured by the magnitudes of its terms in the unit of the
-//! DOF; that of an equation with a right-hand side is relative to its own terms, for g. One pass over C, T and G. Parts are computed only
-//! if the residual of an equation is not small relative to its own terms.
+//! DOF. For g, the residual of an equation with a right-hand side is relative to its own terms. One pass over C, T and G; parts are
+//! computed only if the residual of an equation is not small relative to its own terms.
 
 mod expanded;
 
@@ -70,7 +70,7 @@ fn residuals_of(
     above: f64,
 ) -> Residuals {
     let mut found = Residuals { worst: 0.0, row: 0, above: Vec::new() };
-    // In the units of the user, and where these mix in balanced ones too: either alone may hide an equation beside others.
+    // Residuals are computed in the user's units and, if these mix, in balanced units too: either alone may hide an equation beside others.
     let is_mixed = |i: usize| local.row(i).any(|(j, _)| scaling.col(j) != 0);
     let balanced = if scaling.col.is_empty() { Scaling::none(0) } else { balanced_where(local, is_mixed) };
     let units = [Some((scaling, false)), (!balanced.col.is_empty()).then_some((&balanced, true))];

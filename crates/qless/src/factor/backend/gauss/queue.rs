@@ -7,13 +7,13 @@ const NONE: u32 = u32::MAX;
 
 /// One list of rows for each length, linked both ways; every change takes O(1).
 pub(super) struct Queue {
-    /// The first row of each length; one list more for those that wait behind all others.
+    /// The first row of each length; the last list has the rows that wait behind all others.
     head: Vec<u32>,
     next: Vec<u32>,
     previous: Vec<u32>,
-    /// Length of each row; [`NONE`] once it no longer waits.
+    /// Length of each row; [`NONE`] if the row does not wait.
     length: Vec<u32>,
-    /// No row is shorter.
+    /// No row is shorter than this.
     least: usize,
 }
 

@@ -170,7 +170,7 @@ unsafe fn slice<'a, T>(data: *const T, length: usize) -> &'a [T] {
     if length == 0 { &[] } else { unsafe { std::slice::from_raw_parts(data, length) } }
 }
 
-/// A as CHOLMOD sees it, m x n in compressed columns. C takes mutable pointers but only reads.
+/// A as a CHOLMOD matrix, m x n in compressed columns. C takes mutable pointers but only reads.
 fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_sparse {
     cholmod_sparse {
         nrow: columns.cols,
@@ -190,7 +190,7 @@ fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_s
     }
 }
 
-/// B as CHOLMOD sees it; C only reads it.
+/// B as a CHOLMOD matrix; C only reads it.
 fn dense_view(b: TallRhs) -> cholmod_dense {
     cholmod_dense {
         nrow: b.rows,

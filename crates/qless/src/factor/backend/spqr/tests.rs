@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A by columns, and what the checks need of it.
+/// A by columns, with its rank.
 struct Case {
     name: &'static str,
     columns: Csr,
@@ -230,7 +230,7 @@ fn negative_tolerances_are_not_read_as_settings() {
     }
 }
 
-/// Results are plain data; what C holds stays on its thread.
+/// Results are plain data; values with C memory stay on their thread.
 #[test]
 fn types_are_send_and_sync_where_that_is_true() {
     trait OrNot {
@@ -253,7 +253,7 @@ fn types_are_send_and_sync_where_that_is_true() {
     assert!(Is::<Spqr>::is_send() && !Is::<call::Call>::is_send());
 }
 
-/// Shapes at the edge of what there is.
+/// Empty matrices, single entries, and up to 40 right-hand sides.
 #[test]
 fn empty_shapes_and_many_right_hand_sides() {
     for (m, n) in [(0, 0), (0, 3), (3, 0), (1, 1), (5, 2), (2, 5)] {
@@ -268,7 +268,7 @@ fn empty_shapes_and_many_right_hand_sides() {
     }
 }
 
-/// m x n without entries, but for 1 x 1.
+/// m x n without entries, except that all columns have one entry if m is 1.
 fn from_columns(m: usize, n: usize) -> Csr {
     let mut columns = Csr::empty(m);
     (0..n).for_each(|_| columns.append((m == 1).then_some((0, 2.0))));
@@ -277,7 +277,7 @@ fn from_columns(m: usize, n: usize) -> Csr {
 
 #[test]
 fn sizes_that_overflow_are_refused() {
-    // More rows than 64-bit indices of C count, without an entry: nothing of that size is ever made.
+    // More rows than 64-bit indices of C can count, but no entries, so nothing of that size is allocated.
     let columns = Csr::empty(usize::MAX);
     assert_eq!(
         Spqr::default().factor(&columns, &[], 1e-10).unwrap_err(),
@@ -297,7 +297,7 @@ fn numbers_that_are_not_finite_are_refused() {
 
 #[test]
 fn threads_do_not_disturb_each_other() {
-    // Values may differ in the last bits where BLAS itself runs threads.
+    // Values may differ in the last bits if BLAS itself runs threads.
     let orders = || cases().iter().map(|case| factored(case, &[]).order).collect::<Vec<_>>();
     let alone = orders();
     std::thread::scope(|scope| {

@@ -1,4 +1,4 @@
-//! Which rows of a block are kept, and `row = sum y_i row_i` for the others: certificates and what they leave of rows and right-hand sides.
+//! Kept rows of a block, and certificates `row = sum y_i row_i` of the others, with the remainders of rows and right-hand sides.
 
 use crate::Csr;
 use crate::factor::backend::{BackendError, Factor, largest_place, part_of_largest};
@@ -9,56 +9,56 @@ use crate::input::scale::ldexp;
 use crate::presolve::basis::{BlockCertificate, BlockDependent as Dependent, NEAR, Nearness};
 use crate::presolve::eliminated::Mismatch;
 
-/// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
-/// conditioned, those below [`ROUNDING`] units in the last place times the condition.
+/// Coefficients of a certificate below this, relative to its largest, are rounding. If the kept rows are badly conditioned, the limit is
+/// [`ROUNDING`] units in the last place times the condition.
 pub(super) const NOISE: f64 = 1e-11;
 
-/// Units in the last place, times the root of the size, that a QR may leave of a dependent row.
+/// Bound of the remainder of a dependent row after a QR, in units in the last place times the root of the size.
 pub(super) const ROUNDING: f64 = 8.0;
 
-/// A row of which presolve left less than this is small as a whole.
+/// A row whose 2-norm after presolve is below this is small as a whole.
 const SMALL_ROW: f64 = 1e-9;
 
-/// Error of a certificate, in units in the last place of its largest coefficient for each of its terms, times the condition of
-/// the kept rows.
+/// Error of a certificate: this many units in the last place of its largest coefficient for each term, times the condition of the kept
+/// rows.
 pub(super) const CERTIFICATE_UNITS: f64 = 2.0;
 
-/// Numbers of certificates up to which all are made at once.
+/// Certificates with at most this many coefficients in total are all computed at once.
 pub(super) const MANY: usize = 4_000_000;
 
-/// Coefficients of certificates above this are exchanged for smaller ones where the kept rows seem nearly dependent.
+/// Coefficients of certificates above this are exchanged for smaller ones if the kept rows seem nearly dependent.
 pub(super) const STEEP: f64 = 2.0;
 
-/// Kept rows (positions in the block) and dependent ones.
+/// Kept rows (positions in the block) and dependent rows.
 pub(crate) struct Rows {
     pub kept: Vec<usize>,
-    /// Indices of `kept` in an order in which they fill little.
+    /// Indices of `kept` in a fill-reducing order.
     pub order: Vec<usize>,
     pub dependent: Vec<Dependent>,
     pub nearness: Nearness,
-    /// Of the kept rows.
+    /// The factor of the kept rows.
     pub triangle: Triangle,
-    /// Root mean square of what was left of the dependent rows, or 0 if rounding explains it.
+    /// Root mean square of the remainders of the dependent rows, or 0 if rounding explains it.
     pub left: f64,
 }
 
-/// Rows that are kept, with their factor, and what is known of them.
+/// The kept rows: their factor, their nearness to dependence, and the weakest of them.
 pub(super) struct Choice {
     pub near: Nearness,
     pub weakest: Weakest,
     pub triangle: Triangle,
 }
 
-/// The kept row with the largest part in the smallest singular vector.
+/// The kept row with the largest component in the singular vector of the smallest singular value.
 #[derive(Clone, Copy)]
 pub(super) struct Weakest {
     pub row: usize,
-    /// What the other kept rows leave of it, in 2-norm; not less than its distance from their span.
+    /// 2-norm of its combination with the other kept rows by the singular vector: an upper bound of its distance from their span.
     pub left: f64,
 }
 
 impl Choice {
-    /// What a factor of the whole block kept; factored anew where the backend is not orthogonal.
+    /// The rows that a factor of the whole block kept, factored again if the backend is not orthogonal.
     pub fn new(block: &Block, factor: Factor, means: FactorContext) -> Result<Self, BackendError> {
         let whole = Triangle::whole(factor);
         if means.backend.is_orthogonal() {
@@ -67,19 +67,19 @@ impl Choice {
         Self::of(block, &whole.rows, &whole.dropped, means)
     }
 
-    /// Some rows, those left out that are dependent to the last bit; `asked` are rows of which certificates will be wanted.
+    /// Factors the rows `kept` except those that are dependent to the last bit. Certificates can then be computed for the rows `asked`.
     pub fn of(block: &Block, kept: &[usize], asked: &[usize], means: FactorContext) -> Result<Self, BackendError> {
         Ok(Self::measured(block, Triangle::of(block, kept, asked, means)?, means))
     }
 
-    /// Largest 2-norm of what the kept rows leave of those asked for, or 0 if rounding explains it.
+    /// Largest 2-norm of the remainders of the rows asked for, or 0 if rounding explains it.
     pub fn remainder(&self, block: &Block) -> f64 {
         let left = self.triangle.rests().iter().copied().fold(0.0, f64::max);
         if left > noise_of(block) { left } else { 0.0 }
     }
 
-    /// `sigma` and, with its singular vectors y of the rows and v of the DOFs, `sigma / (max |y_i| max |v_j|)`: the entry of the
-    /// inverse that is largest in the direction in which the rows are nearest to dependence.
+    /// Computes sigma and the distance from dependence, which is `sigma / (max |y_i| max |v_j|)` with the singular vectors y of the rows
+    /// and v of the DOFs: the smallest change of one coefficient in the direction in which the rows are nearest to dependence.
     fn measured(block: &Block, triangle: Triangle, means: FactorContext) -> Self {
         let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
         let place = largest_place(&y);
@@ -109,7 +109,7 @@ pub(super) fn rows(block: &Block, tableau: &Tableau, left: f64, choice: Choice, 
     Rows { dependent: all.collect(), kept, order, nearness, triangle, left }
 }
 
-/// The dropped rows over the kept ones.
+/// The dropped rows as combinations of the kept ones.
 pub(super) fn over_kept(triangle: &Triangle) -> Tableau {
     let names = |some: &[usize]| some.iter().map(|&i| i as u32).collect();
     Tableau {
@@ -120,7 +120,7 @@ pub(super) fn over_kept(triangle: &Triangle) -> Tableau {
     }
 }
 
-/// What the certificate of dependent row i leaves of it.
+/// The remainder of dependent row i after subtracting its certificate.
 pub(super) fn rest(block: &Block, tableau: &Tableau, i: usize) -> Vec<f64> {
     let mut rest = vec![0.0; block.matrix.cols];
     block.matrix.row(tableau.basic[i] as usize).for_each(|(j, v)| rest[j] = v);
@@ -130,20 +130,20 @@ pub(super) fn rest(block: &Block, tableau: &Tableau, i: usize) -> Vec<f64> {
     rest
 }
 
-/// Root mean square of what was left of the dependent rows, or 0 if rounding explains it.
+/// Root mean square of the remainders of the dependent rows, or 0 if rounding explains it.
 pub(super) fn beyond_rounding(factor: &Factor, block: &Block) -> f64 {
     let m = block.matrix.rows() as f64;
     let left = factor.dropped / (m - factor.rank as f64).max(1.0).sqrt();
     if left > noise_of(block) { left } else { 0.0 }
 }
 
-/// What rounding may leave of a dependent row.
+/// Bound of the rounding error in the remainder of a dependent row.
 pub(super) fn noise_of(block: &Block) -> f64 {
     let (m, n) = (block.matrix.rows() as f64, block.matrix.cols as f64);
     ROUNDING * f64::EPSILON * (m.sqrt() + n.sqrt())
 }
 
-/// The columns of certificates in the order of the rows that they stand for.
+/// The columns of certificates, sorted by the rows that they refer to.
 pub(super) fn by_row(block: &Block, free: &[u32]) -> Vec<usize> {
     let mut places: Vec<usize> = (0..free.len()).collect();
     places.sort_unstable_by_key(|&j| block.rows[free[j] as usize]);
@@ -167,26 +167,26 @@ pub(super) fn dependent(
     let units = CERTIFICATE_UNITS / sigma.min(1.0);
     let error = units * because.len() as f64 * f64::EPSILON * largest;
     let mismatch = mismatch(block, tableau, i, noise * largest, error);
-    // What is left of all rows together may be no more than rounding of the parts of each.
+    // The remainder of all rows together may be only the rounding error of each row's terms.
     let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
     let (because, dropped) = (BlockCertificate::Known(because), small_row(block, k, left));
     Dependent { row: block.rows[k], because, units, dropped, mismatch: mismatch.scaled(-block.exponents[k]) }
 }
 
-/// What the certificate of dependent row i leaves of it, relative to its parts; 0 if rounding explains it.
+/// Largest entry of the remainder of dependent row i, or 0 if rounding of its terms explains it.
 fn confirmed(block: &Block, tableau: &Tableau, i: usize) -> f64 {
     let parts = tableau.row(i).iter().fold(1.0, |most: f64, y| most.max(y.abs()));
     let left = rest(block, tableau, i).iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     if left > noise_of(block) * parts { left } else { 0.0 }
 }
 
-/// What is left of row k: a row that is small as a whole may be small for good, then its own numbers are what is dropped.
+/// The remainder of row k. A row that is small as a whole may be nonzero in fact; its own coefficients then count as dropped.
 pub(super) fn small_row(block: &Block, k: usize, left: f64) -> f64 {
     let norm = block.matrix.row(k).map(|(_, v)| v * v).sum::<f64>().sqrt();
     if norm < SMALL_ROW { left.max(block.certain[k]) } else { left }
 }
 
-/// `b_k - sum y_i b_i`, where each y_i may be off by `error`; those below `noise` may be nothing else.
+/// `b_k - sum y_i b_i` and its error, if each y_i has an error up to `error`; a y_i below `noise` counts as error only.
 fn mismatch(block: &Block, tableau: &Tableau, i: usize, noise: f64, error: f64) -> Mismatch {
     let mut rest = block.effective[tableau.basic[i] as usize];
     for (&y, &kept) in tableau.row(i).iter().zip(&tableau.free) {
@@ -201,13 +201,13 @@ fn mismatch(block: &Block, tableau: &Tableau, i: usize, noise: f64, error: f64) 
     rest
 }
 
-/// Which of equations that say the same is rather dropped.
+/// Of equivalent equations the later one is dropped: returns true if the kept `candidate` should be dropped instead of `holder`.
 pub(super) fn later(candidate: u32, holder: u32) -> bool {
     candidate > holder
 }
 
-/// Of equations that say the same the earlier one is kept, and what is said of nearness is that of the rows then kept; all
-/// stays as it is where that would cost accuracy.
+/// Keeps the earlier one of equivalent equations, and measures the nearness of the rows that are then kept. Changes nothing if that would
+/// cost accuracy.
 pub(super) fn in_order(
     block: &Block,
     means: FactorContext,
@@ -228,7 +228,7 @@ fn kept_of(tableau: &Tableau) -> Vec<usize> {
     tableau.free.iter().map(|&k| k as usize).collect()
 }
 
-/// Where the kept rows seem nearly dependent, steep certificates are exchanged if others are better.
+/// If the kept rows seem nearly dependent, exchanges steep certificates, provided that the new rows are better.
 pub(super) fn sounder(
     block: &Block,
     means: FactorContext,
@@ -236,7 +236,7 @@ pub(super) fn sounder(
     mut choice: Choice,
 ) -> Result<(Tableau, Choice), BackendError> {
     if !choice.near.is_sound() {
-        // Where certificates are small, no other choice of rows is much better (Gu and Eisenstat 1996).
+        // If certificates are small, no other choice of rows is much better (Gu and Eisenstat 1996).
         let mut better = tableau.clone();
         if better.limit(STEEP) && better.basic != tableau.basic {
             let found = Choice::of(block, &kept_of(&better), &[], means)?;

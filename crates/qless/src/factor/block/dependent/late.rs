@@ -1,4 +1,4 @@
-//! Many dependent rows of one block: all are classified at once, and a certificate is computed when somebody reads it.
+//! Many dependent rows of one block: all are classified at once, but each certificate is computed only when it is read.
 //!
 //! ```text
 //! x = C_k^+ b                           mismatch_k = b_k - row_k x              one solve for all
@@ -21,25 +21,26 @@ use crate::input::scale::ldexp;
 use crate::presolve::basis::{BlockCertificate, BlockDependent as Dependent, LateTerms};
 use crate::presolve::eliminated::Mismatch;
 
-/// Right-hand sides at a time.
+/// Right-hand sides that are solved together.
 const LANES: usize = 8;
-/// Of the random signs.
+/// Seed of the random signs.
 const SEED: u64 = 0x6a09_e667;
-/// The root mean square over eight random signs is seldom below a quarter of the norm.
+/// Safety factor of an estimate: the root mean square over eight random signs is seldom below a quarter of the norm.
 const SURE: f64 = 4.0;
 
-/// What the certificates of a block are made of.
+/// Data from which the certificates of a block are computed.
 #[derive(Debug)]
 struct LateCertificates {
     factor: Arc<Factor>,
-    /// `[R1 R2]` by columns, from when the first certificate is read.
+    /// `[R1 R2]` by columns, built when the first certificate is read.
     columns: OnceLock<Csr>,
-    /// Name and exponent of the row of each column of R1, and its place in the order of the names.
+    /// Name and exponent of the row of each column of R1.
     rows: Vec<(u32, i32)>,
+    /// The columns of R1, sorted by the names of their rows.
     by_name: Vec<usize>,
     /// Exponents of the dropped rows.
     exponents: Vec<i32>,
-    /// Coefficients below this part of the largest are rounding.
+    /// Coefficients below this fraction of the largest are rounding.
     noise: f64,
 }
 
@@ -56,7 +57,7 @@ impl LateCertificates {
 }
 
 impl LateCertificates {
-    /// `R1^-1 R2_k`, from the last row up. What is rounding is not followed: so the cost is that of the terms that there are.
+    /// `R1^-1 R2_k`, from the last row up. Rounding errors are not followed, so the cost is that of the nonzero terms.
     fn solved(&self, k: usize) -> Vec<f64> {
         let rank = self.rows.len();
         let columns = self.columns.get_or_init(|| self.factor.r.transposed());
@@ -91,7 +92,7 @@ impl LateTerms for LateCertificates {
     }
 }
 
-/// As [`super::certificate::rows`], without certificates. Which of equal equations is kept is what the factorization says.
+/// As [`super::certificate::rows`], without certificates. The factorization decides which of equivalent equations is kept.
 pub(super) fn late(block: &Block, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
     let Choice { near: nearness, triangle, .. } = choice;
     let noise = (ROUNDING * f64::EPSILON / nearness.sigma).max(NOISE);

@@ -1,4 +1,4 @@
-//! `C^T P = Q [R1 R2]`: which rows of a block are combinations of others, and of which.
+//! `C^T P = Q [R1 R2]`: finds the rows of a block that are combinations of others, and the coefficients.
 
 mod certificate;
 mod late;
@@ -15,13 +15,13 @@ use weak::{ROUNDS, unexplained, without_weak};
 
 pub(super) use certificate::Rows;
 
-/// m n up to which a block that seems nearly dependent is factored once more, with pivoting.
+/// Largest m n of a block that is factored again, with pivoting, if it seems nearly dependent.
 const DENSE: usize = 1 << 20;
 
-/// Stands for zero where rows are known to be independent and backends must not take rounding for a pivot.
+/// Tolerance for rows that are known to be independent; a tolerance of zero would let backends take rounding for a pivot.
 pub(crate) const NO_PIVOT: f64 = 1e-13;
 
-/// The estimate of a smallest singular value is not above this times the value.
+/// The estimate of a smallest singular value exceeds the value by at most this factor.
 const ESTIMATE: f64 = 10.0;
 
 pub(super) fn find(block: &Block, means: FactorContext) -> Result<Rows, BackendError> {
@@ -30,7 +30,7 @@ pub(super) fn find(block: &Block, means: FactorContext) -> Result<Rows, BackendE
     Ok(rows)
 }
 
-/// As [`find`], with the whole block in `order`.
+/// As [`find`], but `order` covers the whole block.
 fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError> {
     let FactorContext { backend, tolerance, check, .. } = means;
     let factor = backend.factor(&block.matrix, &seeds(block), tolerance)?;
@@ -47,13 +47,13 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
     let pivots = backend.pivots(n, m) || choice.near.distance >= NEAR;
     if !pivots && m * n > DENSE {
-        // No row is nearer to the others than sigma.
+        // The distance of a row from the others is at least sigma.
         let doubtful = choice.near.sigma <= ESTIMATE * tolerance;
         if let Some(rows) = if doubtful { without_weak(block, means, &choice, &order)? } else { None } {
             return Ok(rows);
         }
     } else if !pivots {
-        // The backend may have kept the wrong rows of a sound block: with pivoting the best are kept.
+        // The backend may have kept the wrong rows of a sound block; pivoting keeps the best ones.
         let means = FactorContext { backend: &Faer, ..means };
         let other = Faer.factor(&block.matrix, &seeds(block), tolerance)?;
         let left = beyond_rounding(&other, block);
@@ -65,12 +65,12 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     ordered_or_repaired(block, means, choice, left, order)
 }
 
-/// Whether certificates are too many numbers to be made before somebody reads them.
+/// Returns true if the certificates have too many coefficients to be computed before they are read.
 fn are_many(triangle: &Triangle) -> bool {
     triangle.dropped.len().saturating_mul(triangle.rows.len()) > MANY && triangle.holds_dropped()
 }
 
-/// Of what a backend kept the rows that are sound.
+/// Repairs a choice whose rows are dependent to within the tolerance; otherwise keeps the earlier ones of equivalent equations.
 fn ordered_or_repaired(
     block: &Block,
     means: FactorContext,
@@ -89,9 +89,10 @@ fn ordered_or_repaired(
     Ok(rows(block, &tableau, left, choice, order))
 }
 
-/// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix, or equations substituted
-/// one into the next grew): row after row, the one with the largest part in the smallest singular vector is dropped, until what is kept is
-/// independent. What was dropped before may be no combination of that, and comes back.
+/// Repairs a choice in which the backend kept rows that are dependent to within the tolerance. This happens if no pivot is small, as in
+/// Kahan's matrix, or if equations that are substituted into each other grow. Each step drops the row with the largest component in the
+/// singular vector of the smallest singular value, until the kept rows are independent. Rows dropped before that are no combination of the
+/// kept ones then come back.
 fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<usize>) -> Result<Rows, BackendError> {
     let mut round = 0;
     loop {

@@ -1,13 +1,13 @@
-//! Rows that a QR without pivoting kept although they are combinations of others to within the tolerance.
+//! Finds rows that a QR without pivoting kept although they are combinations of others to within the tolerance.
 //!
 //! ```text
 //! N^T rows = 0      N, r x k: the near null space of R1, of the kept rows
-//! row_d = Y rows    R1 Y = R2: the dropped rows over the kept ones, as far as R1 tells
-//! row_W = ...       both solved for k weak rows W and the dropped ones: each over the rest
+//! row_d = Y rows    R1 Y = R2: the dropped rows over the kept ones, to the accuracy of R1
+//! row_W = ...       both solved for k weak rows W and the dropped rows, over the remaining rows
 //! ```
 //!
-//! Two factorizations in all: which of equations that say the same are kept is settled between them, by these first certificates,
-//! good to some digits; the second factorization makes them good to all that there are.
+//! Two factorizations are enough. The certificates of the first one are good to some digits, and decide which of equivalent equations are
+//! kept. The second factorization computes the certificates to full accuracy.
 
 use super::certificate::{Choice, MANY, Rows, STEEP, in_order, later, over_kept, rest, rows, sounder};
 use crate::Csr;
@@ -19,16 +19,16 @@ use crate::factor::block::tableau::Tableau;
 use crate::factor::block::triangle::Triangle;
 use crate::presolve::basis::NEAR;
 
-/// Most times that rows are dropped and taken back in search of a sound choice.
+/// Largest number of rounds in which rows are dropped and taken back in search of a sound choice.
 pub(super) const ROUNDS: usize = 8;
 
-/// Name of a combination of rows that is nothing.
+/// Name of a combination of rows that vanishes.
 const NOTHING: u32 = u32::MAX;
 
-/// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does where their
-/// remainders are spread over many: those are found by the singular vectors and dropped. Dropped rows that are no combinations
-/// come back for good: only such a row had explained them, or many together are nearer to dependence than each of them.
-/// None where that does not end in a sound choice.
+/// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does if their remainders are
+/// spread over many columns. The singular vectors identify these rows, and they are dropped. A dropped row that is no combination of the
+/// kept rows comes back and stays: only a row dropped now had explained it, or many rows together are nearer to dependence than each alone.
+/// None if this does not lead to a sound choice.
 pub(super) fn without_weak(
     block: &Block,
     means: FactorContext,
@@ -41,7 +41,7 @@ pub(super) fn without_weak(
     let mut sure = vec![false; block.matrix.rows()];
     let Some(found) = factor.weak_columns(limit, dropped.len())? else { return Ok(None) };
     let foreseen = foreseen(first, &found);
-    // The order in which equations that say the same are kept is settled then.
+    // The first certificates also decide which of equivalent equations are kept.
     let mut is_ordered = foreseen.is_some();
     match foreseen {
         Some(Tableau { basic, free, .. }) => {
@@ -53,7 +53,7 @@ pub(super) fn without_weak(
     for _ in 0..ROUNDS {
         let choice = Choice::of(block, &kept, &dropped, means)?;
         kept.clone_from(&choice.triangle.rows);
-        // Many rows together can be nearer to dependence than the tolerance, though none of them is.
+        // Many rows together can be nearer to dependence than the tolerance, although no single row is.
         if choice.weakest.left <= limit {
             let Some(still) = choice.triangle.factor.weak_columns(limit, 0)? else { return Ok(None) };
             let weak: Vec<usize> = still.columns.into_iter().filter(|&k| !sure[kept[k]]).collect();
@@ -87,12 +87,12 @@ fn drop_weak(mut weak: Vec<usize>, kept: &mut Vec<usize>, dropped: &mut Vec<usiz
     dropped.extend(weak.into_iter().map(|k| kept.swap_remove(k)));
 }
 
-/// The dropped rows and the weak ones over the rest, steep certificates and equal equations exchanged. None where that is too many
-/// numbers, or some of them are none.
+/// The dropped and the weak rows as combinations of the rest, after exchanges for steep certificates and equivalent equations. None if this
+/// needs too many numbers, or if some of them are not finite.
 fn foreseen(first: &Choice, weak: &Weak) -> Option<Tableau> {
     let mut tableau = without(weak, with_null_space(first, weak)?)?;
     tableau.limit(STEEP);
-    // One exchange can make another worth while.
+    // One exchange can make another one worthwhile.
     for _ in 0..ROUNDS {
         let before = tableau.basic.clone();
         tableau.prefer(later);
@@ -103,7 +103,7 @@ fn foreseen(first: &Choice, weak: &Weak) -> Option<Tableau> {
     Some(tableau)
 }
 
-/// Over all that was kept: the dropped rows, and the combinations of kept rows that are nothing, which have no name.
+/// The dropped rows over all kept rows, followed by the vanishing combinations of kept rows, whose name is [`NOTHING`].
 fn with_null_space(first: &Choice, weak: &Weak) -> Option<Tableau> {
     let Triangle { factor, rows, dropped, .. } = &first.triangle;
     let (width, nothings) = (rows.len(), weak.columns.len());
@@ -118,7 +118,7 @@ fn with_null_space(first: &Choice, weak: &Weak) -> Option<Tableau> {
     data.iter().all(|v| v.is_finite()).then(|| Tableau { basic, free: names(rows), width, data })
 }
 
-/// Weak rows change places with the nothings, which are then left out.
+/// Exchanges the weak rows with the vanishing combinations, and removes the columns of the latter.
 fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
     let mut weak = weak.columns.clone();
     for i in (0..tableau.basic.len()).filter(|&i| tableau.basic[i] == NOTHING).collect::<Vec<_>>() {
@@ -134,7 +134,8 @@ fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
     tableau.data.iter().all(|v| v.is_finite()).then_some(tableau)
 }
 
-/// Dropped rows that are no combination of the kept ones, nor of one another: of those asked for, which come first, `rests` are left.
+/// Dropped rows that are no combination of the kept ones, nor of one another. The rows asked for come first; `rests` are the norms of their
+/// remainders.
 pub(super) fn unexplained(
     block: &Block,
     tableau: &Tableau,
