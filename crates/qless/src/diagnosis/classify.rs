@@ -102,6 +102,11 @@ impl Source {
 }
 
 impl Dependent {
+    /// Whether the equation counts as redundant only because the error bound of its mismatch is large.
+    pub(crate) fn is_excused(&self, tolerance: f64) -> bool {
+        self.kind == Kind::Redundant && self.rest.value.abs() > tolerance * self.rest.size
+    }
+
     /// Redundant unless the mismatch exceeds the tolerance of its terms, exceeds rounding, and is not suspect.
     pub(crate) fn new(row: usize, rest: Mismatch, dropped: f64, source: Source, rule: &MismatchRule) -> Self {
         let Mismatch { value, size, error } = rest;

@@ -2,6 +2,7 @@
 
 use crate::ConstraintSystem;
 use crate::diagnosis::classify::Dependent;
+use crate::input::noise::is_typed;
 
 /// If smaller changes make the kept equations dependent, they are in doubt: computed coefficients may be wrong in their 8th digit.
 const NEAR: f64 = 1e-7;
@@ -105,9 +106,9 @@ pub(crate) fn doubted<'a>(
     let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let is_doubtful = move |d: &&Dependent| {
         let small = d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
-        // `0 = b` has no terms and no unit of its own, so it alone is compared with other equations.
-        let empty = system.matrix().row(d.row).len() == 0;
-        small || d.is_suspect || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
+        // `0 = b` has no terms and no unit of its own: a computed b is compared with those of other equations.
+        let empty = system.matrix().row(d.row).len() == 0 && d.mismatch != 0.0 && !is_typed(d.mismatch);
+        small || d.is_suspect || (empty && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
     };
     dependent.iter().filter(is_doubtful).map(|d| d.row)
 }

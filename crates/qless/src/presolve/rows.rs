@@ -81,7 +81,6 @@ pub(crate) struct WorkingRow {
     pub dropped: f64,
     /// Bound of the multiples of the user's equations in this row: the product of the factors. It amplifies rounding errors of those
     /// equations.
-    /// that equation.
     pub reach: f64,
     table: Option<HashMap<u32, u32, Hasher>>,
 }

@@ -88,8 +88,11 @@ impl Analysis {
             return;
         }
         let explanation = Explanation::new(self);
-        let is_open =
-            |d: &&Dependent| (d.kind == Kind::Conflicting || d.relative_mismatch > 0.0) && d.source.is_known();
+        let tolerance = self.options.tolerance.value();
+        let is_open = |d: &&Dependent| {
+            let is_beside_rounding = d.kind == Kind::Conflicting || d.relative_mismatch > 0.0;
+            (is_beside_rounding || d.is_excused(tolerance)) && d.source.is_known()
+        };
         if self.dependent.par_iter().filter(is_open).any(|d| is_contradicted(self, &explanation, d)) {
             self.confidence = self.confidence.or(Doubt::Mismatch);
         }
