@@ -1,5 +1,8 @@
 //! The program from the user's view: exit codes, messages, both forms of the report, and the files of `reduce`.
 
+#[path = "support/schema.rs"]
+mod schema;
+
 mod cli {
     #[cfg(all(feature = "faults", unix))]
     pub mod allocations;
@@ -24,6 +27,7 @@ mod cli {
     pub mod outputs;
     pub mod preferences;
     pub mod report;
+    pub mod several;
     #[cfg(all(feature = "spqr", target_os = "linux"))]
     pub mod tight;
     pub mod written;

@@ -124,8 +124,11 @@ fn collect(folder: &Path, all: &mut Vec<(PathBuf, Vec<u8>)>) {
 }
 
 impl Run {
-    /// The JSON report.
+    /// The JSON report, which follows the schema in the documentation.
     pub fn json(&self) -> serde_json::Value {
-        serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {}{}", self.out, self.err))
+        let report =
+            serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {}{}", self.out, self.err));
+        assert_eq!(crate::schema::violations(&report), [""; 0], "{}", self.out);
+        report
     }
 }

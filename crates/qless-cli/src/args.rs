@@ -84,6 +84,8 @@ impl Command {
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
+    /// More inputs, checked with the same options; the exit code is that of the worst, and json is a list
+    pub more: Vec<PathBuf>,
     /// Load case of a deck: its name (`step 2`), the number in the name, or `all`, which reports the worst one [default: all]
     #[arg(long, value_name = "CASE")]
     pub case: Option<String>,
@@ -242,6 +244,10 @@ pub enum ReportFormat {
     Html,
     /// Nodes of a deck for ParaView: slaves, masters, redundant, conflicting; with -o FILE.vtu
     Vtu,
+    /// Findings with lines, as code hosts and editors show them (SARIF 2.1.0)
+    Sarif,
+    /// Findings as tests, as build servers show them (JUnit XML)
+    Junit,
 }
 
 const FORMS: [NamedValue<Form>; 3] = [

@@ -1,42 +1,103 @@
-//! `qless check`: the diagnosis.
+//! `qless check`: the diagnosis of one input, or of several.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use qless_io::write::OneFile;
+use qless_io::case_files;
+use qless_io::write::{Inputs, OneFile};
 
-use crate::args::{CheckArgs, ReportFormat};
-use crate::clean;
+use crate::args::{CheckArgs, ModelArgs, ReportFormat};
 use crate::diagnose::{Question, diagnose};
-use crate::failure::CliFailure;
-use crate::report::CommandOutcome;
-use crate::terminal::Progress;
+use crate::failure::{CliFailure, say};
+use crate::report::{CommandOutcome, Joined};
+use crate::terminal::{self, Progress};
+use crate::{clean, exit_code};
 
-/// Prints the report; exit code 0, 1 or 4.
+/// Prints the report; exit code 0, 1 or 4. An input that cannot be read ends the run only if it is the only one.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
+    check_options(args)?;
+    let joined = Joined::new(args.model.format, args.more.len() + 1);
+    let (mut pieces, mut codes) = (Vec::new(), Vec::new());
+    for input in args.inputs() {
+        let model = ModelArgs { input: input.clone(), ..args.model.clone() };
+        let (piece, code) = match report(args, &model) {
+            Ok(done) => done,
+            Err(failure) if joined.shows_failures() => {
+                say(format_args!("error: {}", failure.message()));
+                (joined.failed(input, &failure), failure.code())
+            }
+            Err(failure) => return Err(failure),
+        };
+        pieces.push((input, piece));
+        codes.push(code);
+    }
+    let text = joined.whole(pieces);
+    match &args.output {
+        None => terminal::show(&text)?,
+        Some(file) => OneFile::at(file, args.files())?.write(&text)?,
+    }
+    if args.is_several() {
+        say(format_args!("{}", joined.summary(args.inputs(), &codes)));
+    }
+    Ok(ExitCode::from(exit_code::worst(codes)))
+}
+
+/// Refuses options that do not fit, before the work begins, and an output that cannot be written.
+fn check_options(args: &CheckArgs) -> Result<(), CliFailure> {
+    let refused = |why: &str| Err(CliFailure::Input(why.to_owned()));
     if let Some(file) = &args.output {
         if file.as_os_str() == "-" {
-            return Err(CliFailure::Input(
-                "-o -: leave it out; the report is then written to standard output".to_owned(),
-            ));
+            return refused("-o -: leave it out; the report is then written to standard output");
         }
-        // Before the work begins, refuse an output that cannot be written.
-        drop(OneFile::at(file, args.model.inputs())?);
+        drop(OneFile::at(file, args.files())?);
     }
-    let progress = Progress::new(args.model.quiet);
-    let question =
-        Question { options: args.model.options(), preferences: args.model.preferences(), choice: args.choice() };
-    let mut diagnosis = diagnose(&args.model, question, &progress)?;
+    let ModelArgs { rhs, prescribed, format, .. } = &args.model;
+    if args.is_several() && (rhs.is_some() || prescribed.is_some()) {
+        return refused("--rhs and --prescribed belong to one input: check the others in runs of their own");
+    }
+    if args.is_several() && matches!(format, ReportFormat::Html | ReportFormat::Vtu) {
+        return refused("a page or a file of nodes shows one input: check the others in runs of their own");
+    }
+    if args.inputs().filter(|input| input.as_os_str() == "-").count() > 1 {
+        return refused("standard input can be read once only");
+    }
+    Ok(())
+}
+
+/// The report of one input, and its exit code.
+fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8), CliFailure> {
+    let progress = Progress::new(model.quiet);
+    let question = Question { options: model.options(), preferences: model.preferences(), choice: args.choice() };
+    let mut diagnosis = diagnose(model, question, &progress)?;
+    diagnosis.is_one_of_several = args.is_several();
     diagnosis.add_near_dependence();
-    // The plan takes time, and only the text report shows it.
-    let obstacle = if args.model.format == ReportFormat::Text { clean::obstacle(&diagnosis) } else { None };
-    let outcome = CommandOutcome::Checked(obstacle.as_deref());
-    match &args.output {
-        None => diagnosis.print(None, &outcome, progress)?,
-        Some(file) => {
-            progress.stage("writing");
-            let bytes = diagnosis.render(None, &outcome)?;
-            OneFile::at(file, diagnosis.inputs())?.write(&bytes)?;
-        }
+    if let Some(file) = &args.output {
+        // Includes of a deck are inputs too.
+        drop(OneFile::at(file, diagnosis.inputs())?);
     }
-    Ok(diagnosis.code())
+    // The plan takes time, and only the text report shows it.
+    let obstacle = if model.format == ReportFormat::Text { clean::obstacle(&diagnosis) } else { None };
+    let outcome = CommandOutcome::Checked(obstacle.as_deref());
+    progress.stage("explaining");
+    let bytes = diagnosis.render(None, &outcome)?;
+    drop(progress);
+    diagnosis.warn();
+    Ok((bytes, diagnosis.code()))
+}
+
+impl CheckArgs {
+    fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        std::iter::once(&self.model.input).chain(&self.more)
+    }
+
+    fn is_several(&self) -> bool {
+        !self.more.is_empty()
+    }
+
+    /// All files that are named as inputs.
+    fn files(&self) -> Inputs {
+        let ModelArgs { rhs, prescribed, .. } = &self.model;
+        let of = |input: &PathBuf| case_files(input, rhs.as_deref(), prescribed.as_deref());
+        Inputs::new(self.inputs().flat_map(of).collect::<Vec<PathBuf>>().iter().map(Path::new))
+    }
 }

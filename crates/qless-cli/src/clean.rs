@@ -46,7 +46,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     let restored = if plan.is_empty() { 0 } else { deck.dropped() };
     let outcome = CommandOutcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len(), restored };
     diagnosis.print(None, &outcome, progress)?;
-    Ok(diagnosis.code())
+    Ok(ExitCode::from(diagnosis.code()))
 }
 
 /// Why a deck that needs cleaning cannot be cleaned; `None` if a plan exists, if nothing needs cleaning, or if the report refuses the deck

@@ -2,15 +2,14 @@
 
 mod gates;
 
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use qless::{Analysis, ConstraintSystem, Kind, NearDependence, Options, Report, analyse};
+use qless::{Analysis, ConstraintSystem, Kind, NearDependence, Options, analyse};
 use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
 use qless_io::{FileContent, Opened, read_case};
 
-use crate::args::{Deny, ModelArgs, ReportFormat};
+use crate::args::{Deny, ModelArgs};
 use crate::deck_input::{DeckInput, LoadCaseChoice};
 use crate::failure::{CliFailure, say};
 use crate::preferences::PreferenceLists;
@@ -27,6 +26,8 @@ pub struct Diagnosis<'a> {
     pub deck: Option<DeckInput>,
     /// If the rank is ambiguous: the analysis in which nearly dependent equations count as dependent.
     pub near_dependence: Option<NearDependence>,
+    /// Whether the report names its input.
+    pub is_one_of_several: bool,
     pub start: Instant,
     pub read: Duration,
 }
@@ -53,8 +54,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     progress.stage("analysing");
     // The analysis may use the memory that remains.
     options.memory = memory::remaining().map_or(options.memory, |left| left.min(options.memory));
-    let terms = if matches!(args.format, ReportFormat::Json | ReportFormat::Html) { Report::TERMS } else { 0 };
-    let (system, analysis, deck) = input.analyse(&choice, terms, &|system, place| {
+    let (system, analysis, deck) = input.analyse(&choice, args.format.terms(), &|system, place| {
         analyse(system, &preferences.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
     })?;
     if let Some(deck) = deck.as_ref().filter(|_| !preferences.is_empty()) {
@@ -68,7 +68,17 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
         return Err(CliFailure::from_overflow(&args.input, dof, &system.dof_label(dof)));
     }
-    Ok(Diagnosis { args, options, system, analysis, deck, near_dependence: None, start, read })
+    Ok(Diagnosis {
+        args,
+        options,
+        system,
+        analysis,
+        deck,
+        near_dependence: None,
+        is_one_of_several: false,
+        start,
+        read,
+    })
 }
 
 /// Analyses a system, which may be that of a load case of a deck.
@@ -154,7 +164,7 @@ impl Diagnosis<'_> {
     }
 
     /// Returns the exit code, and writes to standard error what `--deny` has found.
-    pub fn code(&self) -> ExitCode {
+    pub fn code(&self) -> u8 {
         let denied = self.denied();
         // The first line of every report already says that equations are redundant.
         if !denied.is_empty() && self.args.deny.iter().any(|what| *what != Deny::Redundant) {

@@ -2,8 +2,6 @@
 //!
 //! Two more are set elsewhere: a signal ends the program with 128 plus its number, and clap exits with 2 for bad usage.
 
-use std::process::ExitCode;
-
 /// Conflicting equations, or something that `--deny` names.
 pub const REFUSED: u8 = 1;
 /// Bad usage or bad input, which the user can correct.
@@ -23,10 +21,16 @@ Exit codes:
   4  incomplete: constraints of the deck were left out, so that equations may be missing (with --allow-incomplete: 0)";
 
 /// The exit code of a finished diagnosis: a conflict counts even if something was left out.
-pub fn for_diagnosis(is_refused: bool, is_incomplete: bool) -> ExitCode {
+pub fn for_diagnosis(is_refused: bool, is_incomplete: bool) -> u8 {
     match (is_refused, is_incomplete) {
-        (true, _) => ExitCode::from(REFUSED),
-        (false, true) => ExitCode::from(INCOMPLETE),
-        (false, false) => ExitCode::SUCCESS,
+        (true, _) => REFUSED,
+        (false, true) => INCOMPLETE,
+        (false, false) => 0,
     }
+}
+
+/// The exit code of several inputs: the worst one.
+pub fn worst(codes: impl IntoIterator<Item = u8>) -> u8 {
+    const ASCENDING: [u8; 5] = [0, INCOMPLETE, REFUSED, INPUT, RESOURCE];
+    codes.into_iter().max_by_key(|code| ASCENDING.iter().position(|known| known == code)).unwrap_or_default()
 }

@@ -25,17 +25,22 @@ pub enum CliFailure {
 impl CliFailure {
     /// Writes the message to standard error and returns the exit code.
     pub fn tell(&self) -> ExitCode {
+        say(format_args!("error: {}", self.message()));
+        ExitCode::from(self.code())
+    }
+
+    /// The message, without a prefix.
+    pub fn message(&self) -> &str {
         let (Self::Input(message) | Self::Resource(message)) = self;
-        say(format_args!("error: {message}"));
-        self.code()
+        message
     }
 
     /// The exit code.
-    pub fn code(&self) -> ExitCode {
-        ExitCode::from(match self {
+    pub fn code(&self) -> u8 {
+        match self {
             Self::Input(_) => exit_code::INPUT,
             Self::Resource(_) => exit_code::RESOURCE,
-        })
+        }
     }
 
     /// An error of the analysis; the message names the equation by its label and its row from 1.

@@ -28,7 +28,7 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
         let way = if diagnosis.is_refused() { "" } else { ", or write what was read with --allow-incomplete" };
         diagnosis.print(None, &CommandOutcome::Refused, progress)?;
         say(format_args!("error: nothing was written to {}: see the report{way}", args.output.display()));
-        return Ok(diagnosis.code());
+        return Ok(ExitCode::from(diagnosis.code()));
     }
     progress.stage("reducing");
     let start = Instant::now();

@@ -57,7 +57,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
         Deny::Ambiguous => analysis.confidence().ambiguous,
         Deny::Refused | Deny::Dropped | Deny::Lost | Deny::Incomplete => false,
     });
-    Ok(exit_code::for_diagnosis(counts.conflicting > 0 || denied, false))
+    Ok(ExitCode::from(exit_code::for_diagnosis(counts.conflicting > 0 || denied, false)))
 }
 
 /// Refuses options that need one process, and an output that cannot be written.
@@ -73,6 +73,9 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
         return Err(CliFailure::Input(
             "on several ranks the formats are text and json; for the others run without mpirun".to_owned(),
         ));
+    }
+    if !args.more.is_empty() {
+        return Err(CliFailure::Input("several ranks check one input: start a job for each".to_owned()));
     }
     if model.solver.is_some() || args.case.is_some() {
         return Err(CliFailure::Input(

@@ -46,7 +46,7 @@ impl Job {
 
     /// Returns the exit code of a failure; only the first process prints it.
     fn fail(self, failure: &CliFailure) -> ExitCode {
-        if self.rank == 0 { failure.tell() } else { failure.code() }
+        if self.rank == 0 { failure.tell() } else { ExitCode::from(failure.code()) }
     }
 
     /// Refuses to run without MPI: all processes would write the same files.

@@ -56,7 +56,7 @@ impl Findings<'_> {
             return Ok(self.text(&known, &report, &model.input).into_bytes());
         }
         let mut bytes = Vec::new();
-        json::write(&mut bytes, &report, None).map_err(|error| CliFailure::from_stdout(&error))?;
+        json::write(&mut bytes, None, &report, None).map_err(|error| CliFailure::from_stdout(&error))?;
         Ok(bytes)
     }
 

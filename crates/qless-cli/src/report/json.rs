@@ -11,15 +11,17 @@ use crate::deck_input::DeckReport;
 /// A report, and the keys that only decks have.
 #[derive(Serialize)]
 struct JsonReport<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<&'a str>,
     #[serde(flatten)]
     report: &'a Report,
     #[serde(flatten)]
     deck: Option<DeckReport<'a>>,
 }
 
-/// Writes the report and a line break.
-pub fn write(out: &mut dyn Write, report: &Report, deck: Option<DeckReport>) -> io::Result<()> {
-    let report = JsonReport { report, deck };
+/// Writes the report and a line break; `file` is the input, if there are several.
+pub fn write(out: &mut dyn Write, file: Option<&str>, report: &Report, deck: Option<DeckReport>) -> io::Result<()> {
+    let report = JsonReport { file, report, deck };
     report.serialize(&mut Serializer::with_formatter(&mut *out, JsonLines { depth: 0 }))?;
     writeln!(out)
 }

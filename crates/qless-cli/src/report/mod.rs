@@ -1,7 +1,11 @@
-//! Renders a diagnosis as text, JSON, an HTML page, or nodes for ParaView.
+//! Renders a diagnosis as text, JSON, an HTML page, nodes for ParaView, SARIF or JUnit.
 
+mod findings;
 mod html;
+mod joined;
 pub mod json;
+mod junit;
+mod sarif;
 pub mod text;
 mod vtu;
 
@@ -9,6 +13,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use qless::{ArgumentError, Form, Reduction, Report};
+
+pub use joined::Joined;
 
 use crate::args::ReportFormat;
 use crate::deck_input::DeckInput;
@@ -46,6 +52,18 @@ pub struct Reduced<'a> {
     pub time: Duration,
 }
 
+impl ReportFormat {
+    /// Bound of the terms of all explanations in a report; text computes the few that it shows.
+    pub fn terms(self) -> usize {
+        if matches!(self, Self::Text | Self::Vtu) { 0 } else { Report::TERMS }
+    }
+
+    /// Makes a report safe to show.
+    fn printable(self, bytes: Vec<u8>) -> Vec<u8> {
+        printable::report(bytes, matches!(self, Self::Json | Self::Html | Self::Sarif))
+    }
+}
+
 impl Diagnosis<'_> {
     /// Prints the report.
     pub fn print(
@@ -57,33 +75,41 @@ impl Diagnosis<'_> {
         progress.stage("explaining");
         let bytes = self.render(reduced, outcome)?;
         drop(progress);
+        self.warn();
+        let joined = Joined::new(self.args.format, 1);
+        terminal::show(&joined.whole(vec![(&self.args.input, bytes)]))
+    }
+
+    /// Writes the warnings of a deck to standard error, if the report does not list them.
+    pub fn warn(&self) {
         if self.args.format == ReportFormat::Text {
             self.deck.iter().for_each(DeckInput::warn);
         }
-        terminal::show(&bytes)
     }
 
     /// The report in the requested format; control characters in names are replaced or escaped.
     pub fn render(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
-        let bytes = self.render_as_named(reduced, outcome)?;
-        Ok(printable::report(bytes, matches!(self.args.format, ReportFormat::Json | ReportFormat::Html)))
+        Ok(self.args.format.printable(self.render_as_named(reduced, outcome)?))
     }
 
     /// The report with all names as they are in the files.
     fn render_as_named(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
-        let terms = if matches!(self.args.format, ReportFormat::Json | ReportFormat::Html) { Report::TERMS } else { 0 };
         let misfit =
             |error: &dyn std::fmt::Display| CliFailure::Resource(format!("the report cannot be made: {error}"));
-        let report = self.report(reduced, terms).map_err(|error| misfit(&error))?;
+        let report = self.report(reduced, self.args.format.terms()).map_err(|error| misfit(&error))?;
         let report = report.with_repairs(&self.analysis).map_err(|error| misfit(&error))?;
         match self.args.format {
             ReportFormat::Text => Ok(text::render(self, &report, outcome).into_bytes()),
             ReportFormat::Json => {
                 let mut bytes = Vec::new();
                 let deck = self.deck.as_ref().map(|deck| deck.report(&self.analysis));
-                json::write(&mut bytes, &report, deck).map_err(|error| CliFailure::from_stdout(&error))?;
+                let file = self.is_one_of_several.then(|| self.args.input.to_string_lossy());
+                json::write(&mut bytes, file.as_deref(), &report, deck)
+                    .map_err(|error| CliFailure::from_stdout(&error))?;
                 Ok(bytes)
             }
+            ReportFormat::Sarif => Ok(sarif::run(self, &report).into_bytes()),
+            ReportFormat::Junit => Ok(junit::suite(self, &report).into_bytes()),
             ReportFormat::Vtu => vtu::render(self, reduced.map(|reduced| reduced.reduction)),
             ReportFormat::Html => html::render(self, &report)
                 .map(String::into_bytes)

@@ -107,8 +107,9 @@ fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &D
         return false;
     }
     let agrees = exact_sides(explanation, row, &terms).is_none_or(|agree| agree == is_redundant);
-    // Computed right-hand sides agree only to rounding.
-    !(agrees || is_redundant && has_computed_sides(analysis, row, &terms))
+    // Computed numbers agree only to rounding.
+    let is_rounded = || has_computed_sides(analysis, row, &terms) || is_computed(analysis, row, &terms);
+    !(agrees || is_redundant && is_rounded())
 }
 
 /// If the equation is exactly the combination of its certificate: whether its right-hand side is, too.

@@ -1,0 +1,112 @@
+//! The findings of a diagnosis as a flat list, each with a rule and a place: the content of SARIF and JUnit.
+
+use qless::report::{DependentEquation, Term};
+use qless::{Kind, Report};
+
+use crate::args::Deny;
+use crate::deck_input::DeckInput;
+use crate::diagnose::Diagnosis;
+
+/// What a finding is about, in the order of the documents.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Rule {
+    Conflicting,
+    Refused,
+    Unsound,
+    Dropped,
+    Redundant,
+    Ambiguous,
+    Incomplete,
+}
+
+impl Rule {
+    pub const ALL: [Self; 7] = [
+        Self::Conflicting,
+        Self::Refused,
+        Self::Unsound,
+        Self::Dropped,
+        Self::Redundant,
+        Self::Ambiguous,
+        Self::Incomplete,
+    ];
+
+    /// The identifier, and what it means.
+    pub fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Conflicting => ("conflicting", "Equations have no solution"),
+            Self::Refused => ("refused", "The solver stops at two claims on one DOF"),
+            Self::Unsound => ("unsound", "The solver may continue, but its results are unreliable"),
+            Self::Dropped => ("dropped", "The solver drops a claim without a message"),
+            Self::Redundant => ("redundant", "An equation is a combination of others, which already say the same"),
+            Self::Ambiguous => ("ambiguous", "The rank or the verdict may be wrong"),
+            Self::Incomplete => ("incomplete", "A constraint of the deck was left out"),
+        }
+    }
+
+    /// Whether a finding of this rule ends the program with another exit code than 0.
+    pub fn is_failure(self, diagnosis: &Diagnosis) -> bool {
+        let denied = |what| diagnosis.args.deny.contains(&what);
+        match self {
+            Self::Conflicting => true,
+            Self::Unsound => false,
+            Self::Refused => denied(Deny::Refused),
+            Self::Dropped => denied(Deny::Dropped) || denied(Deny::Lost),
+            Self::Redundant => denied(Deny::Redundant),
+            Self::Ambiguous => denied(Deny::Ambiguous),
+            Self::Incomplete => denied(Deny::Incomplete) || !diagnosis.args.allow_incomplete,
+        }
+    }
+}
+
+/// One finding.
+pub struct Finding {
+    pub rule: Rule,
+    pub message: String,
+    /// Where it is, as in a label: `line 41 *TIE 3:1`.
+    pub label: String,
+    /// The equations and prescribed values that explain it.
+    pub because: Vec<String>,
+}
+
+/// Most members of an explanation that a message names.
+const NAMED: usize = 5;
+
+/// All findings of a diagnosis, in the order of [`Rule::ALL`].
+pub fn findings(diagnosis: &Diagnosis, report: &Report) -> Vec<Finding> {
+    let mut all: Vec<Finding> = report.dependent.iter().map(of_equation).collect();
+    let plain = |rule, text: String| Finding { rule, label: text.clone(), message: text, because: Vec::new() };
+    let claims = diagnosis.deck.as_ref().map(DeckInput::claims).unwrap_or_default();
+    all.extend(claims.refused.iter().map(|words| plain(Rule::Refused, words.clone())));
+    all.extend(claims.unsound.iter().map(|words| plain(Rule::Unsound, words.clone())));
+    all.extend(claims.ignored.iter().map(|claim| plain(Rule::Dropped, claim.words())));
+    if report.confidence.ambiguous || diagnosis.deck.as_ref().is_some_and(DeckInput::is_ambiguous) {
+        let text = format!("rank {} is ambiguous: the report of `qless check` says why", report.rank);
+        all.push(Finding { label: String::new(), ..plain(Rule::Ambiguous, text) });
+    }
+    all.extend(report.incomplete.iter().map(|words| plain(Rule::Incomplete, words.clone())));
+    all.sort_by_key(|finding| Rule::ALL.iter().position(|rule| *rule == finding.rule));
+    all
+}
+
+fn of_equation(equation: &DependentEquation) -> Finding {
+    let name = |term: &Term| match term {
+        Term::Prescribed { label, value, place, .. } => {
+            format!("[{label} = {value}{}]", place.as_ref().map_or_else(String::new, |place| format!(", {place}")))
+        }
+        Term::Equation { label, .. } => label.clone(),
+        _ => String::new(),
+    };
+    let because: Vec<String> = equation.certificate.because.iter().map(name).collect();
+    let mut named = because.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
+    if because.len() > NAMED {
+        named.push_str(&format!(" and {} more", because.len() - NAMED));
+    }
+    let label = equation.label.clone();
+    let (rule, message) = match (equation.kind, &equation.arithmetic) {
+        (Kind::Conflicting, Some(sum)) => (Rule::Conflicting, format!("{label} contradicts {named}: {sum}")),
+        (Kind::Conflicting, None) => (Rule::Conflicting, format!("{label} contradicts {named}")),
+        _ if named.is_empty() => (Rule::Redundant, format!("{label} has no free DOF, and holds")),
+        _ => (Rule::Redundant, format!("{label} follows from {named}")),
+    };
+    Finding { rule, message, label, because }
+}
