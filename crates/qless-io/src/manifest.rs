@@ -170,13 +170,19 @@ impl FileRecord {
 
     /// Whether the file of this name in the folder has the recorded size and checksum. False for a name that leads out of the folder.
     pub(crate) fn is_of(&self, folder: &Path) -> io::Result<bool> {
-        let mut file = match File::open(folder.join(&self.name)) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
-            file => file?,
-        };
-        if self.name.contains(['/', '\\']) || file.metadata()?.len() != self.size {
+        if self.name.contains(['/', '\\']) {
             return Ok(false);
         }
+        let path = folder.join(&self.name);
+        let found = match path.metadata() {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+            found => found?,
+        };
+        // Opening a pipe would wait for a writer.
+        if !found.is_file() || found.len() != self.size {
+            return Ok(false);
+        }
+        let mut file = File::open(path)?;
         let (mut crc, mut buffer) = (Crc::new(), vec![0; 1 << 16]);
         loop {
             match file.read(&mut buffer)? {

@@ -64,27 +64,36 @@ class Constraints:
         return self._append_pairs(columns, offset, label)
 
     def periodic(
-        self, a: Any, b: Any, distance: Any = None, strain: Any = None, label: str | list[str] | None = None
+        self,
+        a: Any,
+        b: Any,
+        distance: Any = None,
+        strain: Any = None,
+        label: str | list[str] | None = None,
+        *,
+        strain_dofs: Any = None,
     ) -> range:
         """``u_a - u_b = E (x_a - x_b)``: opposite nodes of a periodic cell.
 
-        a and b are DOFs, (nodes, d); `distance` is ``x_a - x_b``, d numbers or (nodes, d). The strain E is d x d: an array of floats
-        holds its values, an array of integers its DOFs. Without a strain, both nodes have equal displacements.
+        a and b are DOFs, (nodes, d); `distance` is ``x_a - x_b``, d numbers or (nodes, d). The strain E is d x d: its values are `strain`,
+        or its entries are the DOFs `strain_dofs`. Without a strain, both nodes have equal displacements.
         """
         a, b = np.atleast_2d(integers(a)), np.atleast_2d(integers(b))
         if a.shape != b.shape:
             raise InputError(f"periodic: a is {a.shape}, b is {b.shape}; give the DOFs of both as (nodes, d)")
         columns = [(a.ravel(), 1.0), (b.ravel(), -1.0)]
-        if strain is None:
+        if strain is None and strain_dofs is None:
             return self._append_pairs(columns, 0.0, label)
+        if strain is not None and strain_dofs is not None:
+            raise InputError("periodic: give the values of the strain, or its DOFs as strain_dofs, not both")
         distance = np.array(np.broadcast_to(doubles(distance), a.shape))
-        strain = np.asarray(strain)
+        strain = integers(strain_dofs) if strain is None else doubles(strain)
         if strain.shape != (a.shape[1], a.shape[1]):
             raise InputError(f"periodic: the strain is {strain.shape}; for {a.shape[1]} DOFs a node it is {a.shape[1]} x {a.shape[1]}")
-        if strain.dtype.kind in "iu":
+        if strain_dofs is not None:
             of_strain = [(np.tile(strain[:, k], len(a)), -np.repeat(distance[:, k], a.shape[1])) for k in range(a.shape[1])]
             return self._append_pairs([*columns, *of_strain], 0.0, label)
-        return self._append_pairs(columns, (distance @ doubles(strain).T).ravel(), label)
+        return self._append_pairs(columns, (distance @ strain.T).ravel(), label)
 
     def rigid(self, dofs: Any, points: Any, reference: Any = None, centre: Any = None, label: str | None = None) -> range:
         """Nodes that move as one rigid body, for small rotations.

@@ -88,12 +88,21 @@ def test_periodic_with_numbers_and_with_dofs():
     dx = np.array([2.0, 1.0])
     a, b, strain = np.array([[0, 1], [2, 3]]), np.array([[4, 5], [6, 7]]), np.array([[8, 9], [10, 11]])
     fixed, free, alike = qless.Constraints(12), qless.Constraints(12), qless.Constraints(12)
-    fixed.periodic(a, b, dx, E), free.periodic(a, b, dx, strain), alike.periodic(a, b)
+    fixed.periodic(a, b, dx, E), free.periodic(a, b, dx, strain_dofs=strain), alike.periodic(a, b)
     free.prescribe(dict(zip(strain.ravel(), E.ravel(), strict=True)))
     for c, jump in ((fixed, E @ dx), (free, E @ dx), (alike, [0, 0])):
         r = c.analyse()
         u = r.expand(RNG.normal(size=len(r.masters)))
         np.testing.assert_allclose(u[a] - u[b], np.tile(jump, (2, 1)), atol=1e-15)
+
+
+def test_a_strain_of_integers_is_a_strain():
+    c = qless.Constraints(4)
+    c.periodic([[0, 1]], [[2, 3]], [1.0, 2.0], [[0, 1], [1, 0]])
+    u = c.analyse().expand(np.zeros(2))
+    np.testing.assert_array_equal(u[:2] - u[2:], [2, 1])
+    with pytest.raises(qless.InputError, match="not both"):
+        c.periodic([[0, 1]], [[2, 3]], [1.0, 2.0], np.eye(2), strain_dofs=[[0, 1], [2, 3]])
 
 
 @pytest.mark.parametrize(

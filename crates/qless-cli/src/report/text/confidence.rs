@@ -15,8 +15,8 @@ use crate::wording::{self, EquationLookup, count, rough};
 
 /// A remainder up to this may be rounding, and a tolerance below it would count rounding as data.
 const ROUNDING: f64 = 1e-13;
-/// Mismatches below this are doubtful.
-const NEAR: f64 = 1e-6;
+/// Mismatches between these are doubtful.
+const DOUBTFUL: [f64; 2] = [1e-12, 1e-6];
 
 /// The rank and how certain it is; if it is ambiguous, with up to two lines of advice.
 pub fn rank(list: &EquationList, report: &Report) -> Vec<String> {
@@ -112,7 +112,7 @@ fn other_reading(report: &Report) -> Option<String> {
 }
 
 fn small_mismatch(list: &EquationList) -> Option<String> {
-    let small = |size: f64| size > 0.0 && size < NEAR;
+    let small = |size: f64| size > DOUBTFUL[0] && size < DOUBTFUL[1];
     let equation = list.dependent.iter().find(|equation| small(equation.relative_mismatch))?;
     let name = wording::equation(list.equations, equation.row);
     let size = equation.relative_mismatch;

@@ -194,7 +194,12 @@ fn mean_rotation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEqu
 /// which the deck has to prescribe, is the excess over the bound.
 fn bound(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Option<CardEquation>, Problem> {
     let [a, _, _, b, _, _, c] = *nodes else {
-        return Err(Problem::TooFew { what: "nodes", promised: 7, found: nodes.len() });
+        let found = nodes.len();
+        return Err(if found < 7 {
+            Problem::TooFew { what: "nodes", promised: 7, found }
+        } else {
+            Problem::Expected { expected: "seven nodes", found: quote(found.to_string().as_bytes()) }
+        });
     };
     let along = minus(definitions.position(a)?, definitions.position(b)?);
     let most = definitions.position(c)?[0];
