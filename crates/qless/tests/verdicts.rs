@@ -199,6 +199,17 @@ fn sides_that_exact_arithmetic_contradicts_are_in_doubt() {
         let is_right = counts(analysis) == [4, 1, 0];
         assert!(is_right || analysis.confidence().ambiguous, "{name}: {:?}", counts(analysis));
     });
+    // The bound of rounding is that of a large right-hand side in another unit: rows 2 and 3 say u1 = 5e-6, row 4 says u1 = -4.
+    let hidden: Equations = &[
+        (&[(0, 1.97e-9), (1, 1.0), (2, 7.15e8), (3, 3.0)], 4.44e9),
+        (&[(0, 6.4e7), (3, -2.42e-2)], 3.0),
+        (&[(0, 3.0), (1, 1.0), (3, -2.7e-6)], 2.77e-6),
+        (&[(0, 3.79e-9), (1, 1.0), (2, -2.17e-9), (3, 3.0)], -1.0),
+    ];
+    each(&system(4, hidden, &[(3, 1.0)]), |analysis, name| {
+        let is_right = counts(analysis) == [3, 0, 1];
+        assert!(is_right || analysis.confidence().ambiguous, "{name}: {:?}", counts(analysis));
+    });
     let equal: Equations = &[(&[(0, 1.0), (1, 1.0), (2, -1.0)], 0.1), (&[(0, 1.0), (1, 1.0), (2, -1.0)], 0.2)];
     for size in [1.0, 1e6, 1e9, 1e12, 1e13] {
         each(&system(3, equal, &[(1, size)]), |analysis, name| {
@@ -206,6 +217,18 @@ fn sides_that_exact_arithmetic_contradicts_are_in_doubt() {
             assert!(is_right || analysis.confidence().ambiguous, "{size}, {name}: {:?}", counts(analysis));
         });
     }
+}
+
+/// `0 = b` is a conflict if b was typed, however small it is beside other right-hand sides; a computed b may be rounding of them.
+#[test]
+fn an_equation_without_coefficients_has_no_unit() {
+    let other: (&[(usize, f64)], f64) = (&[(0, 1.0)], 1e9);
+    each(&system(1, &[other, (&[], 1.0)], &[]), |analysis, name| {
+        assert_eq!((counts(analysis), analysis.confidence().ambiguous), ([1, 0, 1], false), "{name}");
+    });
+    each(&system(1, &[other, (&[], 0.1 + 0.2 - 0.3)], &[]), |analysis, name| {
+        assert!(analysis.confidence().ambiguous, "{name}: {:?}", counts(analysis));
+    });
 }
 
 /// `u3 = -c u4` for any c that is not zero: small beside what cancels, but alone.

@@ -1,19 +1,20 @@
 //! Builds a reduction from a diagnosis, and decides which parts are explicit and which are factored.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use rayon::prelude::*;
 
 use super::exchange_goals::{self, bound_growth, meet_preferences};
 use super::factored::{factor, predict};
 use super::relation::{self, ReductionInput};
-use super::residual_check::{self, FINE, Residuals};
+use super::residual_check::{self, Residuals};
 use super::{FactoredBlock, Form, Reduction, ReductionError, block, output, retry};
 use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::preferences::{Preferences, SlavePreference, SlavePreferences};
+use crate::input::scale::Scaling;
 use crate::presolve::basis::{Basis, Solved};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
@@ -101,7 +102,8 @@ impl Analysis {
     pub fn residual(&self, reduction: &Reduction) -> Result<f64, ArgumentError> {
         reduction.fits(&self.system)?;
         let local = self.numbering.view(&self.system, &self.rhs);
-        Ok(residual_check::residuals(local, reduction, &self.independent(), &self.scaling, f64::INFINITY).worst)
+        let [matrices, constants] = residuals_of(local, &self.independent(), &self.scaling)(reduction);
+        Ok(matrices.worse(constants).worst)
     }
 
     fn input<'a>(&'a self, basis: &'a Basis, bounds: &'a [f64]) -> ReductionInput<'a> {
@@ -241,35 +243,45 @@ fn build(
     checked(Reduction { growth, exchanges, factored, ..reduction }, local, input)
 }
 
-/// Checks the residuals. Parts with large residuals are computed again, and replaced if that reduces the residual.
+/// The residuals of T and G, and those of g.
+fn residuals_of<'a>(
+    local: LocalSystem<'a>,
+    independent: &'a [bool],
+    scaling: &'a Scaling,
+) -> impl Fn(&Reduction) -> [Residuals; 2] {
+    move |reduction| {
+        [residual_check::residuals_of_matrices, residual_check::residuals_of_g]
+            .map(|residuals| residuals(local, reduction, independent, scaling))
+    }
+}
+
+/// Checks the residuals. Parts with large residuals are computed again, and replaced if that reduces the residual. The residual of g does
+/// not decide about T and G, which depend on C only.
 fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput) -> Result<Reduction, ReductionError> {
     let ReductionInput { scaling, ref independent, memory, .. } = *input;
-    let residuals = |reduction: &Reduction| residual_check::residuals(local, reduction, independent, scaling, FINE);
+    let residuals = residuals_of(local, independent, scaling);
     let found = residuals(&reduction);
-    if found.above.is_empty() {
+    if found.iter().all(|found| found.above.is_empty()) {
         return Ok(reduction);
     }
     let labels = Labels::of(local);
-    let before = worst_by_part(&found, &labels);
+    let before = found.map(|found| worst_by_part(&found, &labels));
     let is_factored = |label: u32| reduction.factored.iter().any(|block| labels.of_row[block.equations[0]] == label);
-    let wanted: Vec<u32> = before.keys().copied().filter(|&label| !is_factored(label)).collect();
-    let mut rows = retry::compute(local, &reduction, (independent, &labels), scaling, &wanted, memory);
+    let wanted: BTreeSet<u32> = before.iter().flat_map(BTreeMap::keys).copied().filter(|&k| !is_factored(k)).collect();
+    let wanted: Vec<u32> = wanted.into_iter().collect();
+    let rows = retry::compute(local, &reduction, (independent, &labels), scaling, &wanted, memory);
     let mut tried = reduction.clone();
-    retry::replace(&mut tried, &rows);
-    let after = worst_by_part(&residuals(&tried), &labels);
+    retry::replace(&mut tried, &rows, |_| [true; 2]);
+    let after = residuals(&tried).map(|found| worst_by_part(&found, &labels));
     drop(tried);
     // A part whose residual did not decrease keeps its rows.
     let part = part_of_slaves(local, &reduction, &labels);
-    rows.iter_mut()
-        .zip(&part)
-        .filter(|(_, label)| after.get(label) >= before.get(label))
-        .for_each(|(row, _)| *row = None);
-    if rows.iter().any(Option::is_some) {
-        retry::replace(&mut reduction, &rows);
-        let growth = reduction.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
-    }
-    residual_check::pass(&residuals(&reduction), &reduction).map(|()| reduction)
+    let is_better = |i: usize| [0, 1].map(|k| after[k].get(&part[i]) < before[k].get(&part[i]));
+    retry::replace(&mut reduction, &rows, is_better);
+    let growth = reduction.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
+    let [matrices, constants] = residuals(&reduction);
+    residual_check::pass(&matrices.worse(constants), &reduction).map(|()| reduction)
 }
 
 /// The largest listed residual of each part.

@@ -11,6 +11,7 @@ mod output;
 mod relation;
 pub(crate) mod residual_check;
 mod retry;
+mod rounding;
 
 use crate::common::argument::long;
 use crate::common::identity::Identity;

@@ -127,18 +127,26 @@ impl PartToSolve {
     }
 }
 
-/// Replaces the rows that were computed.
-pub(super) fn replace(reduction: &mut Reduction, rows: &[Option<RecomputedRow>]) {
+/// Replaces the rows of T and G, and the entries of g, that were computed and for which `is_wanted` holds: of the matrices, and of g.
+pub(super) fn replace(
+    reduction: &mut Reduction,
+    rows: &[Option<RecomputedRow>],
+    is_wanted: impl Fn(usize) -> [bool; 2],
+) {
     let (mut t, mut g_matrix) = (Csr::empty(reduction.t.cols), Csr::empty(reduction.g_matrix.cols));
     for (i, row) in rows.iter().enumerate() {
-        if let Some((of_t, of_g, g)) = row {
-            t.append(of_t.iter().copied());
-            g_matrix.append(of_g.iter().copied());
-            reduction.g[i] = *g;
-        } else {
-            t.append(reduction.t.row(i));
-            g_matrix.append(reduction.g_matrix.row(i));
+        let [matrices, constant] = is_wanted(i);
+        match row {
+            Some((of_t, of_g, _)) if matrices => {
+                t.append(of_t.iter().copied());
+                g_matrix.append(of_g.iter().copied());
+            }
+            _ => {
+                t.append(reduction.t.row(i));
+                g_matrix.append(reduction.g_matrix.row(i));
+            }
         }
+        row.iter().filter(|_| constant).for_each(|&(_, _, g)| reduction.g[i] = g);
     }
     (reduction.t, reduction.g_matrix) = (t, g_matrix);
 }

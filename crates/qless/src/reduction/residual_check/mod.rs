@@ -31,35 +31,32 @@ pub(crate) struct Residuals {
     pub worst: f64,
     /// ... and its equation.
     pub row: usize,
-    /// Equations whose residual relative to their own terms is above the bound of the caller, ascending, with these residuals.
+    /// Equations whose residual relative to their own terms is above [`FINE`], ascending, with these residuals.
     pub above: Vec<(usize, f64)>,
 }
 
-/// The residuals of all terms; equations with a residual above `above` are listed.
-pub(crate) fn residuals(
+/// The residuals of T and G, which depend on C only.
+pub(crate) fn residuals_of_matrices(
     local: LocalSystem,
     reduction: &Reduction,
     independent: &[bool],
     scaling: &Scaling,
-    above: f64,
 ) -> Residuals {
-    let has_constant = || local.rhs().iter().any(|&b| b != 0.0) || reduction.g.iter().any(|&g| g != 0.0);
-    let terms = [
-        Some(ReductionTerm::Free),
-        (!local.prescribed().is_empty()).then_some(ReductionTerm::Prescribed),
-        has_constant().then_some(ReductionTerm::Constant),
-    ];
-    residuals_of(terms.into_iter().flatten(), (local, reduction), independent, scaling, above)
+    let prescribed = (!local.prescribed().is_empty()).then_some(ReductionTerm::Prescribed);
+    let terms = [Some(ReductionTerm::Free), prescribed].into_iter().flatten();
+    residuals_of(terms, (local, reduction), independent, scaling)
 }
 
-/// The residuals of g alone, for T and G that were checked before; equations above [`FINE`] are listed.
+/// The residuals of g.
 pub(crate) fn residuals_of_g(
     local: LocalSystem,
     reduction: &Reduction,
     independent: &[bool],
     scaling: &Scaling,
 ) -> Residuals {
-    residuals_of([ReductionTerm::Constant].into_iter(), (local, reduction), independent, scaling, FINE)
+    let has_constant = local.rhs().iter().any(|&b| b != 0.0) || reduction.g.iter().any(|&g| g != 0.0);
+    let terms = has_constant.then_some(ReductionTerm::Constant);
+    residuals_of(terms.into_iter(), (local, reduction), independent, scaling)
 }
 
 fn residuals_of(
@@ -67,7 +64,6 @@ fn residuals_of(
     (local, reduction): (LocalSystem, &Reduction),
     independent: &[bool],
     scaling: &Scaling,
-    above: f64,
 ) -> Residuals {
     let mut found = Residuals { worst: 0.0, row: 0, above: Vec::new() };
     // Residuals are computed in the user's units and, if these mix, in balanced units too: either alone may hide an equation beside others.
@@ -90,7 +86,7 @@ fn residuals_of(
                 own = expanded.residuals(local, independent);
             }
         }
-        found.above.extend(own.iter().copied().enumerate().filter(|&(_, residual)| residual > above));
+        found.above.extend(own.iter().copied().enumerate().filter(|&(_, residual)| residual > FINE));
         if !is_fine(&own) {
             expanded.relative_to_components(local, scaling, &mut own);
         }
@@ -103,6 +99,13 @@ fn residuals_of(
     found.above.sort_unstable_by(|a, b| (a.0, b.1).partial_cmp(&(b.0, a.1)).unwrap_or(Ordering::Equal));
     found.above.dedup_by_key(|(i, _)| *i);
     found
+}
+
+impl Residuals {
+    /// Those with the larger worst residual.
+    pub fn worse(self, other: Self) -> Self {
+        if other.worst > self.worst { other } else { self }
+    }
 }
 
 /// Refuses a reduction whose largest residual is above the limit.
