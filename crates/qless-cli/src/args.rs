@@ -183,7 +183,7 @@ pub struct ModelArgs {
     /// Prescribed DOFs, `column value` per line, columns from 1 [default: prescribed.txt of a folder, else none]
     #[arg(long, value_name = "FILE")]
     pub prescribed: Option<PathBuf>,
-    /// How certain the verdict is to be, and so what it may cost
+    /// Certainty of the verdict, and thereby its cost
     #[arg(long, value_parser = one_of(&EFFORTS), value_name = "EFFORT", default_value = "checked")]
     pub effort: Effort,
     /// What a number means to the efforts proved and exact
@@ -195,7 +195,7 @@ pub struct ModelArgs {
     /// Size below which a number counts as zero, relative to the largest coefficient of its equation; between 0 and 1 [default: 1e-10]
     #[arg(long, value_name = "X", value_parser = tolerance)]
     pub tolerance: Option<f64>,
-    /// Numbers that may be rounding of others: `auto` reports where they decide, `none` takes all as data, a size such as 1e-12 takes those
+    /// Numbers that may be rounding of others: `auto` reports if they decide, `none` takes all as exact, a size such as 1e-12 takes those
     /// below it as zero, relative to their equation
     #[arg(long, value_name = "NOISE", default_value = "auto", value_parser = noise)]
     pub noise: Noise,
@@ -285,8 +285,8 @@ const FOR_COMPARISON: &str = "For comparison with other methods";
 
 const EFFORTS: [NamedValue<Effort>; 4] = [
     ("quick", "Rank by tolerance, not checked: it may be wrong", Effort::Quick),
-    ("checked", "The verdict in digits, by estimates: doubt is said", Effort::Checked),
-    ("proved", "Bounds instead of estimates: what has no proof is ambiguous", Effort::Proved),
+    ("checked", "The verdict in digits, by estimates; doubt is reported", Effort::Checked),
+    ("proved", "Bounds instead of estimates; a verdict without a proof is ambiguous", Effort::Proved),
     (
         "exact",
         "Also the rank in exact arithmetic, where no tolerance decides: a difference is ambiguous",
