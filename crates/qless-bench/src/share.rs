@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use super::methods::{BenchMethod, UNIT};
 use super::run::verdict;
 
-/// Numbers of systems, in the full and in the short form.
+/// Number of systems.
 const COUNT: u64 = 2_000;
+/// Number of systems in the short form.
 const SHORT: u64 = 200;
 
 /// The verdicts of a method.

@@ -32,7 +32,7 @@ pub struct Manifest {
     pub complete: bool,
     /// The files of the set.
     pub files: Vec<FileRecord>,
-    /// While the set is incomplete: files of the set that it replaces.
+    /// The files of the previous set, listed only while this set is incomplete.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub replaces: Vec<FileRecord>,
 }

@@ -27,7 +27,9 @@ print("done", flush=True)
 
 
 def test_ctrl_c_stops_an_analysis():
-    with subprocess.Popen([sys.executable, "-c", LONG], stdout=subprocess.PIPE, text=True) as process:
+    # A shell ignores Ctrl-C in what it runs in the background, and its children inherit that.
+    heed = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    with subprocess.Popen([sys.executable, "-c", LONG], stdout=subprocess.PIPE, text=True, preexec_fn=heed) as process:
         assert process.stdout is not None and process.stdout.readline() == "go\n"
         time.sleep(0.5)
         os.kill(process.pid, signal.SIGINT)

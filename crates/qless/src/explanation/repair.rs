@@ -58,7 +58,7 @@ pub struct Repair {
 impl Analysis {
     /// How to cure the conflicts: the fewest right-hand sides and prescribed values, with their new values.
     ///
-    /// Single changes and, for up to 8 conflicts, pairs of changes are searched completely. If more changes are needed, they are chosen
+    /// Single changes and, for up to 8 conflicts with at most 300 numbers, pairs of changes are searched completely. If more changes are needed, they are chosen
     /// one by one, always the one that cures most. Redundant equations stay redundant. Of ways with equally many changes, those come
     /// first that replace a rare number by a common one, or by one with fewer digits.
     ///

@@ -7,7 +7,7 @@
 pub enum Reading {
     /// The shortest decimal that reads back as the double, so 0.1 is 1/10 and `0.1 + 0.2 = 0.3`.
     ///
-    /// If the number was typed with at most 15 digits, this is the number itself; of a longer one, this is its first 16 or 17 digits. A
+    /// If the number was typed with at most 15 digits, this is the number itself; a longer one is rounded to at most 17 digits. A
     /// coefficient that was computed (a weight of a tie, a rotated direction, a sum of repeated terms) was never typed: its shortest
     /// decimal is as good as its binary value, and no better.
     Typed,

@@ -180,7 +180,8 @@ pub fn first_section(sources: &mut Sources) -> Result<DeckSection, DeckError> {
     Ok(landmark.0)
 }
 
-/// The section that the first landmark ends.
+/// The section that begins the deck: executive control if CEND comes first, case control if BEGIN does, and bulk data if ENDDATA does or
+/// none of them occurs.
 struct FirstLandmark(DeckSection);
 
 impl LineVisitor for FirstLandmark {

@@ -54,7 +54,7 @@ impl Linkage {
         Self { rows: side, columns: side, pitch: 1, length: 1, balls }
     }
 
-    /// The equations joint by joint: rows first, then rungs.
+    /// The equations, joint by joint: first the hinges between bodies of a row, then the joints of the rungs.
     ///
     /// # Errors
     /// [`SceneError::Size`] if a number is zero or too large, or for fewer than two bodies.

@@ -3,22 +3,19 @@
 use super::ROUNDING;
 use crate::diagnosis::Analysis;
 use crate::diagnosis::certificate::CertificateTerm;
-use crate::input::noise::digits;
-
-/// Numbers with more digits than this count as computed, the others as typed.
-const TYPED: usize = 12;
+use crate::input::noise::{TYPED, digits};
 
 /// Returns true if a coefficient of free DOFs in an explanation was computed.
 pub(super) fn is_computed(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
-    let of_row = |i: usize| local.row(i).any(|(j, v)| local.free()[j] && digits(v) > TYPED);
+    let of_row = |i: usize| local.row(i).any(|(j, v)| local.free()[j] && digits(v) > *TYPED.end());
     std::iter::once(row).chain(terms.iter().map(|term| term.row)).any(of_row)
 }
 
 /// Returns true if a number in the right-hand sides of an explanation was computed.
 pub(super) fn has_computed_sides(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
-    let computed = |v: f64| digits(v) > TYPED;
+    let computed = |v: f64| digits(v) > *TYPED.end();
     let of_row = |i: usize| computed(local.rhs()[i]) || local.row(i).any(|(j, v)| !local.free()[j] && computed(v));
     std::iter::once(row).chain(terms.iter().map(|term| term.row)).any(of_row)
         || local.prescribed().iter().any(|&(_, value)| computed(value))

@@ -15,7 +15,7 @@ pub(crate) const NEAR: f64 = 3e-6;
 #[derive(Clone, Debug)]
 pub(crate) enum BlockCertificate {
     Known(Vec<(u32, f64)>),
-    /// Computed when it is read: the number of the row among those that the block dropped.
+    /// The terms are computed each time they are read. The number is the position of the row among those that the block dropped.
     Late(Arc<dyn LateTerms>, usize),
 }
 

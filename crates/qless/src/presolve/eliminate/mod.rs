@@ -17,8 +17,8 @@ use super::gather::Gathered;
 use crate::input::components::components;
 use crate::input::scale::ldexp;
 
-mod order;
-mod pivot;
+mod apply;
+mod pivots;
 
 /// A coefficient that retains less than this fraction of its terms is not used as a pivot: it has lost three digits.
 pub(crate) const SUSPECT: f64 = 1e-3;

@@ -114,7 +114,7 @@ impl Grids {
         let first = self.all.iter().next()?.id;
         let mut end = self.all.len().min(id.checked_sub(first)? as usize + 1);
         let (mut beyond, mut step) = (end, 1);
-        // The point's index is at most that without missing numbers: search backwards from there with doubling steps.
+        // If no numbers were missing, the index would be id - first. Missing ones lower it: search backwards, with steps that double.
         loop {
             let grid = &self.all[end - 1];
             match grid.id.cmp(&id) {
