@@ -146,7 +146,7 @@ fn a_page_needs_nothing_else_and_says_all() {
     let data = page_data(&page);
     assert_eq!(data["report"]["dependent"][0]["label"], "line 11 *EQUATION 3:1");
     assert_eq!(data["picture"]["nodes"], serde_json::json!([[2, 1.0, 0.0, 0.0], [3, 0.0, 1.0, 0.0]]));
-    assert_eq!(data["picture"]["blocks"], serde_json::json!([[2, 1]]));
+    assert_eq!(data["picture"]["parts"], serde_json::json!([[2, 1]]));
     assert_eq!(data["picture"]["rows"], serde_json::json!([[1, [2, 3]], [2, [2, 3]]]));
     // The one address in it names SVG's elements; nothing is loaded.
     let addresses: Vec<_> = page.match_indices("http").map(|(at, _)| &page[at..at + 26]).collect();

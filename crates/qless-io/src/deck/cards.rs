@@ -126,7 +126,7 @@ pub struct Cards {
     runs: Vec<CardRun>,
     count: u32,
     /// Cards that equations cannot replace, with a reason if the name does not explain it.
-    fixed: BTreeMap<u32, Option<&'static str>>,
+    irreplaceable: BTreeMap<u32, Option<&'static str>>,
 }
 
 /// A run of cards: the number of card `first + k` is higher by `k numbers` than that of `card`, and its line by `k lines`.
@@ -174,7 +174,7 @@ impl Cards {
     /// Card `i`, which must exist.
     pub(super) fn nth(&self, i: u32) -> Card {
         let run = &self.runs[self.runs.partition_point(|run| run.first <= i) - 1];
-        Card { is_fixed: self.fixed.contains_key(&i), ..run.at(i) }
+        Card { is_fixed: self.irreplaceable.contains_key(&i), ..run.at(i) }
     }
 
     /// The card added last.
@@ -198,22 +198,22 @@ impl Cards {
     }
 
     /// Sets whether equations cannot replace card `i`.
-    pub(super) fn fix(&mut self, i: u32, is_fixed: bool) {
-        if is_fixed {
-            self.fixed.insert(i, None);
+    pub(super) fn mark_irreplaceable(&mut self, i: u32, is_irreplaceable: bool) {
+        if is_irreplaceable {
+            self.irreplaceable.insert(i, None);
         } else {
-            self.fixed.remove(&i);
+            self.irreplaceable.remove(&i);
         }
     }
 
     /// Records why equations cannot replace card `i`, and how to change that.
     pub(super) fn fix_because(&mut self, i: u32, why: &'static str) {
-        self.fixed.insert(i, Some(why));
+        self.irreplaceable.insert(i, Some(why));
     }
 
     /// Why equations cannot replace card `i`, unless its name explains it.
     pub fn why_fixed(&self, i: u32) -> Option<&'static str> {
-        self.fixed.get(&i).copied().flatten()
+        self.irreplaceable.get(&i).copied().flatten()
     }
 }
 
@@ -243,9 +243,9 @@ mod tests {
             assert_eq!(cards.push(name.clone(), *file, *line), i as u32);
             assert_eq!(cards.last().map(|card| card.name), Some(name.clone()));
         }
-        cards.fix(4, true);
-        cards.fix(5, true);
-        cards.fix(5, false);
+        cards.mark_irreplaceable(4, true);
+        cards.mark_irreplaceable(5, true);
+        cards.mark_irreplaceable(5, false);
         cards.fix_because(4, "it moves");
         assert_eq!((cards.why_fixed(4), cards.why_fixed(5)), (Some("it moves"), None));
         for (i, (name, file, line)) in added.into_iter().enumerate() {

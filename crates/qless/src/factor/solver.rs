@@ -240,7 +240,8 @@ impl SlaveSolver {
         holds
     }
 
-    /// `x <- x + L11^-T U^-T right`; `right` stays.
+    /// `x <- x + L11^-T U^-T right`; `right` is not changed. Numbers up to `faded` times the largest number of `right` and x are dropped on
+    /// the way; `is_rounded` is set if one was.
     fn add_solution(&self, SolverWork { right, y, x, is_rounded, .. }: &mut SolverWork, faded: f64) {
         let faded = faded * right.largest().max(x.largest());
         let mut upper = SparseFactors { values: std::mem::take(&mut y.values), bits: std::mem::take(&mut y.bits) };

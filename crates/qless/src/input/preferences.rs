@@ -1,4 +1,5 @@
-//! The user's preferences for slaves and kept equations.
+//! The user's preferences for slaves and kept equations. `presolve::peel`, `diagnosis::preferred_equations` and
+//! `reduction::exchange_goals` apply them.
 
 use std::collections::HashSet;
 

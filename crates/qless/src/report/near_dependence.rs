@@ -1,4 +1,4 @@
-//! `meant`: the near-dependences of a system.
+//! The field `meant` of a report: near-dependences, and the rank if they count as dependences.
 
 use super::{Certificate, Omitted, Report};
 use crate::common::argument::within;

@@ -20,7 +20,7 @@ const ROWS: usize = 5000;
 pub struct Picture {
     spy: Spy,
     /// Sizes of parts, ascending, and how many parts have each size.
-    blocks: Vec<(usize, usize)>,
+    parts: Vec<(usize, usize)>,
     /// Nodes of the deck with their positions.
     nodes: Vec<(u32, f64, f64, f64)>,
     /// Nodes of dependent equations and of those in their explanations, by row from 1.
@@ -37,7 +37,7 @@ struct Spy {
 impl Picture {
     pub fn new(diagnosis: &Diagnosis) -> Self {
         let (nodes, rows) = nodes(diagnosis);
-        Self { spy: spy(diagnosis), blocks: blocks(&diagnosis.system), nodes, rows }
+        Self { spy: spy(diagnosis), parts: parts(&diagnosis.system), nodes, rows }
     }
 }
 
@@ -62,7 +62,7 @@ fn spy(diagnosis: &Diagnosis) -> Spy {
 }
 
 /// Sizes of the parts, and how many parts have each size.
-fn blocks(system: &ConstraintSystem) -> Vec<(usize, usize)> {
+fn parts(system: &ConstraintSystem) -> Vec<(usize, usize)> {
     let mut sets = DisjointSets::new(system.equations());
     let mut first = vec![None; system.dofs()];
     let is_prescribed = |j: usize| system.prescribed().binary_search_by_key(&j, |given| given.0).is_ok();

@@ -21,7 +21,7 @@ use crate::wording::layout::{LayoutSection, section_lines, section_needs, shorte
 pub use confidence::exact_rank;
 pub use summary::verdict;
 
-/// Longest line.
+/// Largest number of characters in a line.
 const COLUMNS: usize = 100;
 /// Most lines of a report, unless the sections of a deck need more.
 const LINES: usize = 24;

@@ -108,8 +108,8 @@ pub struct State {
     pub w: f64,
 }
 
-/// Random masters and zero prescribed DOFs. In the second sample each master has the unit in which its largest coefficient is as large as
-/// its equation, so that no motion is lost beside others.
+/// Random masters and zero prescribed DOFs. In the second sample each value is divided by the DOF's largest coefficient, measured as a
+/// power of two relative to the largest of its equation, so that a motion with small coefficients is not lost beside others.
 pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: ProbeSample, seed: u64) -> Vec<State> {
     let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
     let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };

@@ -80,7 +80,7 @@ pub struct Factor {
     pub order: Vec<usize>,
     /// `[R1 R2]`, r x n in the order of `order`; row i has no entry left of column i.
     pub r: Csr,
-    /// First r rows of W B, r x k by columns.
+    /// The first r entries of each transformed right-hand side, W B; r x k, by columns.
     pub rhs: Vec<f64>,
     /// For each of the k right-hand sides, the 2-norm of the remaining rows of W B: the residual.
     pub rest: Vec<f64>,

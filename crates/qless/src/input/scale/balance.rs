@@ -62,12 +62,13 @@ impl Component {
         Self { rows, dofs, entries }
     }
 
-    /// The exponents -q of the DOFs, 0 for most; None if the user's units are within [`NEAR`].
+    /// By DOF, the power of two that multiplies its column to reach balanced units, relative to the median DOF, so that most are 0. None if
+    /// the powers differ by at most [`NEAR`]: the user's units then stay.
     pub fn units(&self) -> Option<Vec<i32>> {
         self.units_beyond(NEAR)
     }
 
-    /// The exponents -q of the DOFs; None if all lie within the power of two `near`.
+    /// [`Self::units`] with another bound than [`NEAR`].
     pub fn units_beyond(&self, near: f64) -> Option<Vec<i32>> {
         let q = self.balanced(near)?.0;
         let usual = median(&q);

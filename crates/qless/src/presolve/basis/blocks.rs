@@ -69,7 +69,7 @@ pub(crate) struct Solved {
     pub constant: Vec<f64>,
 }
 
-/// Vectors over the DOFs of a block.
+/// Random motions of the DOFs of a block that its kept rows allow, and two minimum-norm solutions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Vectors {
     /// Random vectors of the null space of the kept rows: admissible motions of the DOFs.

@@ -154,7 +154,7 @@ pub fn finish(
     let before = model.equations();
     place.push(model, rows)?;
     if model.equations() > before {
-        place.fix(model);
+        place.mark_irreplaceable(model);
         linearised(card, place, model);
     }
     Ok(())

@@ -28,7 +28,7 @@ pub fn read(
     definitions: &DeckDefinitions,
 ) -> Result<(), DeckError> {
     let place = RegisteredCard::register(card, model, "*CYCLIC SYMMETRY MODEL");
-    place.fix(model);
+    place.mark_irreplaceable(model);
     let sector = Sector::new(card, tie, definitions);
     let sector = sector.map_err(|problem| place.fail(model, problem))?;
     let rows = if definitions.has_diameters { None } else { sector.rows().map_err(|p| place.fail(model, p))? };

@@ -1,5 +1,5 @@
 //! Cards that constrain, as equations and prescribed values. This file has the common parts: cards that are registered
-//! in the model, and equations between displacements along any direction.
+//! in the model, and equations between displacements along any direction. `reader.rs` calls them by keyword.
 
 pub mod boundary;
 pub mod coupling;
@@ -112,7 +112,7 @@ impl RegisteredCard {
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);
         // All instances share the text of their part, which cannot change for one of them.
-        model.cards.fix(number, card.scope != Scope::DECK);
+        model.cards.mark_irreplaceable(number, card.scope != Scope::DECK);
         Self { origin: Origin { card: number, line: card.line, lines } }
     }
 
@@ -130,7 +130,7 @@ impl RegisteredCard {
     }
 
     /// Marks the card as one that equations cannot replace.
-    pub fn fix(&self, model: &mut Model) {
-        model.cards.fix(self.origin.card, true);
+    pub fn mark_irreplaceable(&self, model: &mut Model) {
+        model.cards.mark_irreplaceable(self.origin.card, true);
     }
 }

@@ -51,8 +51,8 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
             let text = "*MPC DIST is inactive while the nodes are closer than its bound: no equation";
             model.warn(card.file, card.line, text);
         } else if !matches!(kind.as_str(), "PIN" | "TIE") {
-            // The solver treats these types as nonlinear.
-            place.fix(model);
+            // The solver treats these types as nonlinear, so linear equations cannot replace the card.
+            place.mark_irreplaceable(model);
             model.warn(card.file, card.line, format!("*MPC {kind} is linearised at the reference configuration"));
         }
     }

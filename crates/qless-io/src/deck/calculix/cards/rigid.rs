@@ -79,7 +79,7 @@ pub fn read(
     }
     // A reference that the solver makes has no number in the deck.
     if definitions.is_nonlinear || made.is_some() {
-        place.fix(model);
+        place.mark_irreplaceable(model);
     } else if let Some(reference) = used.filter(|_| card.parameter("ROTNODE").is_none()) {
         own_rotation(&place, reference, model, definitions);
     }
@@ -196,7 +196,7 @@ pub fn own_rotation(
     if is_plain && !definitions.is_nonlinear && !definitions.rotates(node) {
         model.own_rotations.insert(reference.rotation);
     } else {
-        place.fix(model);
+        place.mark_irreplaceable(model);
     }
 }
 

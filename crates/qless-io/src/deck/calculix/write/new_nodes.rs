@@ -154,7 +154,7 @@ pub struct ProxyNodes {
 }
 
 impl ProxyNodes {
-    /// Finds the proxies that the equations need. `taken` new nodes are in use already.
+    /// Finds the DOFs that need a proxy node. The first `taken` new node numbers already belong to rotation nodes.
     pub fn build(deck: &Deck, written: &[Written], taken: u32) -> Result<Self, CleanError> {
         let dofs: BTreeSet<Dof> = written.iter().flat_map(|equation| repeated(&deck.model, equation)).collect();
         let Some(first) = dofs.iter().next() else { return Ok(Self::default()) };

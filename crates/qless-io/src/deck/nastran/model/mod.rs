@@ -139,7 +139,7 @@ fn ties(
 fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
     if bulk.fixed.contains(&(place.file, place.line)) {
         let card = place.origin(model).card;
-        model.cards.fix(card, true);
+        model.cards.mark_irreplaceable(card, true);
     }
 }
 
@@ -153,7 +153,7 @@ fn add(
 ) -> Result<u32, DeckError> {
     let equations = equations(element, points).map_err(|problem| place.error(problem, model))?;
     let origin = place.origin(model);
-    model.cards.fix(origin.card, bulk.fixed.contains(&(place.file, place.line)));
+    model.cards.mark_irreplaceable(origin.card, bulk.fixed.contains(&(place.file, place.line)));
     for equation in equations {
         model.push(equation.terms, 0.0, origin);
     }
