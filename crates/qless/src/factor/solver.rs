@@ -1,28 +1,18 @@
 //! `C_S x = c` for many sparse c: `C_S = U^T L11^T` by [`super::lu`], with a step of refinement (Skeel 1980).
 //!
-//! The cost is that of the nonzeros, which bit sets list in order. Rounding is dropped from a column if its equations
-//! hold without the dropped numbers: slaves have units of their own, so a small number alone is no sign of rounding.
+//! The cost is that of the nonzeros, which bit sets list in order.
 
 use rayon::prelude::*;
 
 use super::lu::SparseLu;
 use crate::Csr;
 
-/// Entries of a column below this, relative to its largest, are rounding if the equations hold without them.
+/// Entries of a row of the relation below this, relative to its largest, are rounding. Slaves have units of their own, so entries of a
+/// column cannot be compared.
 pub(crate) const NOISE: f64 = 1e-14;
 
 /// Numbers below this fraction of the largest one of a column are not followed further, because they would decay without end.
 const FADED: f64 = 1e-19;
-
-/// Parts of the largest number of a column below which numbers are dropped.
-#[derive(Clone, Copy)]
-struct Dropped {
-    noise: f64,
-    faded: f64,
-}
-
-const ROUNDING: Dropped = Dropped { noise: NOISE, faded: FADED };
-const NOTHING: Dropped = Dropped { noise: 0.0, faded: 0.0 };
 
 /// The factors with the columns of the slaves.
 #[derive(Clone, Debug)]
@@ -98,9 +88,6 @@ struct SolverWork {
     right: SparseFactors,
     y: SparseFactors,
     x: SparseFactors,
-    sizes: SparseFactors,
-    /// Whether numbers of the column were dropped.
-    is_rounded: bool,
 }
 
 impl SlaveSolver {
@@ -128,12 +115,10 @@ impl SlaveSolver {
     pub fn solve(&self, right: &Csr) -> Csr {
         let r = self.lu.order.len();
         let empty = || SparseFactors::new(r);
-        let work = || SolverWork { right: empty(), y: empty(), x: empty(), sizes: empty(), is_rounded: false };
+        let work = || SolverWork { right: empty(), y: empty(), x: empty() };
         let column = |work: &mut SolverWork, k: usize| {
-            let right = || right.row(k).map(|(i, v)| (self.step[i] as usize, v));
-            let column = self.column(work, right(), ROUNDING);
-            let holds = !work.is_rounded || self.holds(work, right(), &column);
-            if holds { column } else { self.column(work, right(), NOTHING) }
+            right.row(k).for_each(|(i, v)| work.right.add(self.step[i] as usize, v));
+            self.column(work)
         };
         let solved: Vec<Vec<(usize, f64)>> = (0..right.rows()).into_par_iter().map_init(work, column).collect();
         let mut all = Csr::empty(r);
@@ -199,51 +184,20 @@ impl SlaveSolver {
         &self.lu
     }
 
-    fn column(
-        &self,
-        work: &mut SolverWork,
-        right: impl Iterator<Item = (usize, f64)>,
-        dropped: Dropped,
-    ) -> Vec<(usize, f64)> {
-        right.for_each(|(step, v)| work.right.add(step, v));
-        work.is_rounded = false;
-        self.add_solution(work, dropped.faded);
+    /// `x = C_S^-1 right`, solved twice: the second time for the residual of the first.
+    fn column(&self, work: &mut SolverWork) -> Vec<(usize, f64)> {
+        self.add_solution(work);
         self.subtract_product(work);
-        self.add_solution(work, dropped.faded);
+        self.add_solution(work);
         work.right.drain_up(|_, _, _| {});
-        let noise = dropped.noise * work.x.largest();
         let mut out = Vec::new();
-        let mut is_rounded = work.is_rounded;
-        work.x.drain_up(|_, k, value| {
-            is_rounded |= value.abs() <= noise;
-            out.extend((value.abs() > noise).then_some((k, value)));
-        });
-        work.is_rounded = is_rounded;
+        work.x.drain_up(|_, k, value| out.extend((value != 0.0).then_some((k, value))));
         out
     }
 
-    /// Whether `C_S x = right` to rounding, relative to the terms of each equation.
-    fn holds(
-        &self,
-        SolverWork { y, sizes, .. }: &mut SolverWork,
-        right: impl Iterator<Item = (usize, f64)>,
-        x: &[(usize, f64)],
-    ) -> bool {
-        let terms = x.iter().flat_map(|&(k, x)| self.columns.row(k).map(move |(equation, v)| (equation, -v * x)));
-        right.chain(terms).for_each(|(equation, term)| {
-            y.add(equation, term);
-            sizes.add(equation, term.abs());
-        });
-        let mut holds = true;
-        y.drain_up(|_, equation, sum| holds &= sum.abs() <= NOISE * sizes.values[equation]);
-        sizes.drain_up(|_, _, _| {});
-        holds
-    }
-
-    /// `x <- x + L11^-T U^-T right`; `right` is not changed. Numbers up to `faded` times the largest number of `right` and x are dropped on
-    /// the way; `is_rounded` is set if one was.
-    fn add_solution(&self, SolverWork { right, y, x, is_rounded, .. }: &mut SolverWork, faded: f64) {
-        let faded = faded * right.largest().max(x.largest());
+    /// `x <- x + L11^-T U^-T right`; `right` is not changed.
+    fn add_solution(&self, SolverWork { right, y, x }: &mut SolverWork) {
+        let faded = FADED * right.largest().max(x.largest());
         let mut upper = SparseFactors { values: std::mem::take(&mut y.values), bits: std::mem::take(&mut y.bits) };
         let mut lower: Vec<(usize, f64)> = Vec::new();
         right.visit(|k, value| upper.add(k, value));
@@ -252,8 +206,6 @@ impl SlaveSolver {
                 let value = value / self.lu.diagonal[k];
                 self.lu.u.row(k).for_each(|(later, v)| upper.add(later, -v * value));
                 lower.push((k, value));
-            } else {
-                *is_rounded |= value != 0.0;
             }
         });
         lower.iter().for_each(|&(k, value)| upper.add(k, value));
@@ -261,8 +213,6 @@ impl SlaveSolver {
             if value.abs() > faded {
                 self.lu.l.row(k).for_each(|(earlier, v)| rest.add(earlier, -v * value));
                 x.add(k, value);
-            } else {
-                *is_rounded |= value != 0.0;
             }
         });
         (y.values, y.bits) = (upper.values, upper.bits);

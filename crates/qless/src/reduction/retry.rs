@@ -7,7 +7,7 @@ use super::{Reduction, ReductionError};
 use crate::Csr;
 use crate::factor::backend::BackendError;
 use crate::factor::lu;
-use crate::factor::solver::SlaveSolver;
+use crate::factor::solver::{NOISE, SlaveSolver};
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
@@ -112,7 +112,12 @@ impl PartToSolve {
         for (k, &slave) in solver.slaves().iter().enumerate() {
             let (place, exponent) = self.places[slave as usize];
             let (mut t, mut g_matrix) = (Vec::new(), Vec::new());
-            for (c, v) in solved.row(k) {
+            let is_prescribed = |c: usize| matches!(self.others[c].0, DofPlace::Prescribed(_));
+            let mut largest = [0.0_f64; 2];
+            let entries = solved.row(k).map(|(c, v)| (usize::from(is_prescribed(c)), v.abs()));
+            entries.for_each(|(side, v)| largest[side] = largest[side].max(v));
+            let is_large = |&(c, v): &(usize, f64)| v.abs() > NOISE * largest[usize::from(is_prescribed(c))];
+            for (c, v) in solved.row(k).filter(is_large) {
                 let (role, own) = self.others[c];
                 let value = ldexp(v, exponent - own);
                 match role {

@@ -47,11 +47,11 @@ impl<'a> Units<'a> {
     }
 }
 
-/// Drops entries of the relation `u_s = X [u_q; u_p; 1]` that are rounding, where the equations hold without them.
+/// Drops entries of the relation `u_s = X [u_q; u_p; 1]` that are rounding.
 ///
-/// Entries are small in any units, beside the others of their row; those of masters, of prescribed DOFs and constants apart. The units of a
-/// row do not decide alone: a column of X is rounded only if every equation holds without its small entries, so that the sum of the terms of
-/// an equation in the column stays rounding of them.
+/// Entries are small in any units, beside the others of their row; those of masters, of prescribed DOFs and constants apart. A row whose
+/// entries are all small is zero, unless an equation needs them: the terms that are left of it in a column must cancel, relative to the
+/// largest motions of its DOFs.
 pub(super) struct Cleaning<'a> {
     pub block: &'a Block,
     /// Kept rows of the block.
@@ -63,15 +63,22 @@ pub(super) struct Cleaning<'a> {
     pub zero: f64,
 }
 
+/// By slave, whether each entry of its row is more than rounding.
+type Large = Vec<Vec<bool>>;
+
 impl Cleaning<'_> {
     /// Rows of X by slave, each with its column numbers in ascending order; the constant is the last column.
     pub fn run(&self, rows: &[Vec<(usize, f64)>]) -> (Csr, Vec<f64>) {
         let width = self.masters.len() + self.block.prescribed.len();
-        let mut is_large = self.large_in_rows(rows);
-        let is_needed = self.columns_that_need_all(rows, &is_large);
-        is_large.iter_mut().zip(rows).for_each(|(is_large, row)| {
-            is_large.iter_mut().zip(row).for_each(|(is_large, (c, v))| *is_large |= is_needed[*c] && *v != 0.0);
-        });
+        let mut is_large: Large = rows.iter().map(|row| vec![false; row.len()]).collect();
+        let all: Vec<ColumnSizes> = Units::all(self.block).map(|units| self.sizes(units)).collect();
+        all.iter().for_each(|sizes| self.large_in_rows(rows, sizes, &mut is_large));
+        let is_dropped = |(row, is_large): (&Vec<(usize, f64)>, &Vec<bool>)| {
+            row.iter().zip(is_large).any(|((_, v), is_large)| *v != 0.0 && !is_large)
+        };
+        if rows.iter().zip(&is_large).any(is_dropped) {
+            all.iter().for_each(|sizes| self.needed_by_equations(rows, sizes, &mut is_large));
+        }
         let mut relation = Csr::empty(width);
         let mut constant = vec![0.0; rows.len()];
         for ((row, is_large), constant) in rows.iter().zip(&is_large).zip(&mut constant) {
@@ -82,68 +89,98 @@ impl Cleaning<'_> {
         (relation, constant)
     }
 
-    /// Entries that are more than rounding beside the others of their row, in some units.
-    fn large_in_rows(&self, rows: &[Vec<(usize, f64)>]) -> Vec<Vec<bool>> {
-        let (q, p) = (self.masters.len(), self.block.prescribed.len());
-        let side = |c: usize| usize::from(c >= q);
-        let mut is_large: Vec<Vec<bool>> = rows.iter().map(|row| vec![false; row.len()]).collect();
-        for units in Units::all(self.block) {
-            let sizes = units.sizes(self.masters);
-            let sides = self.kept.iter().map(|&i| ldexp(self.block.rhs[i].abs(), units.row(i))).filter(|&b| b > 0.0);
-            let least_side = NOISE * sides.reduce(f64::min).unwrap_or(0.0);
-            for ((row, &slave), is_large) in rows.iter().zip(self.slaves).zip(&mut is_large) {
-                let unit = -units.dof(slave);
-                let size = |&(c, v): &(usize, f64)| ldexp(v.abs() * sizes.get(c).unwrap_or(&1.0), unit);
-                let mut largest = [0.0_f64; 2];
-                let entries = row.iter().filter(|(c, _)| *c < q + p);
-                entries.for_each(|entry| largest[side(entry.0)] = largest[side(entry.0)].max(size(entry)));
-                let least = largest.map(|largest| if largest <= self.zero { self.zero } else { NOISE * largest });
-                is_large.iter_mut().zip(row).for_each(|(is_large, entry)| {
-                    let least = if entry.0 < q + p { least[side(entry.0)] } else { least_side };
-                    *is_large |= size(entry) > least;
-                });
-            }
-        }
-        is_large
+    fn sizes<'a>(&'a self, units: Units<'a>) -> ColumnSizes<'a> {
+        let mut of_column = units.sizes(self.masters);
+        of_column.push(1.0);
+        ColumnSizes { units, of_column }
     }
 
-    /// The columns in which some equation does not hold without the small entries.
-    fn columns_that_need_all(&self, rows: &[Vec<(usize, f64)>], is_large: &[Vec<bool>]) -> Vec<bool> {
-        let (q, p) = (self.masters.len(), self.block.prescribed.len());
-        let mut is_rounded = vec![false; q + p + 1];
-        rows.iter().zip(is_large).for_each(|(row, is_large)| {
-            row.iter().zip(is_large).for_each(|((c, v), is_large)| is_rounded[*c] |= !is_large && *v != 0.0);
-        });
-        let mut is_needed = vec![false; q + p + 1];
-        if !is_rounded.contains(&true) {
-            return is_needed;
+    /// Marks entries that are more than rounding beside the others of their row.
+    fn large_in_rows(&self, rows: &[Vec<(usize, f64)>], sizes: &ColumnSizes, is_large: &mut Large) {
+        let (q, constant) = (self.masters.len(), self.masters.len() + self.block.prescribed.len());
+        let side = |c: usize| usize::from(c >= q);
+        let sides = self.kept.iter().map(|&i| ldexp(self.block.rhs[i].abs(), sizes.units.row(i)));
+        let least_side = NOISE * sides.filter(|&b| b > 0.0).reduce(f64::min).unwrap_or(0.0);
+        for ((row, &slave), is_large) in rows.iter().zip(self.slaves).zip(is_large) {
+            let mut largest = [0.0_f64; 2];
+            let entries = row.iter().filter(|(c, _)| *c < constant);
+            entries.for_each(|e| largest[side(e.0)] = largest[side(e.0)].max(sizes.of(slave, e)));
+            let least = largest.map(|largest| if largest <= self.zero { self.zero } else { NOISE * largest });
+            is_large.iter_mut().zip(row).for_each(|(is_large, entry)| {
+                let least = if entry.0 < constant { least[side(entry.0)] } else { least_side };
+                *is_large |= sizes.of(slave, entry) > least;
+            });
         }
+    }
+
+    /// Marks the entries of the slaves of an equation in the columns in which it does not hold with what is marked so far. What the first
+    /// rule drops changes an equation by at most [`NOISE`] of the largest motions of its DOFs.
+    fn needed_by_equations(&self, rows: &[Vec<(usize, f64)>], sizes: &ColumnSizes, is_large: &mut Large) {
+        let (q, constant) = (self.masters.len(), self.masters.len() + self.block.prescribed.len());
+        let motion = |row: &Vec<(usize, f64)>| {
+            let entries = row.iter().filter(|(c, _)| *c < constant);
+            entries.map(|&(c, v)| v.abs() * sizes.of_column[c]).fold(0.0, f64::max)
+        };
+        let motions: Vec<f64> = rows.iter().map(motion).collect();
         let mut place = vec![Err(0); self.block.dofs.len()];
         self.masters.iter().zip(0..).for_each(|(&j, c)| place[j as usize] = Err(c));
         self.slaves.iter().zip(0..).for_each(|(&j, s)| place[j as usize] = Ok(s));
-        let mut sums = vec![(0.0_f64, 0.0_f64); q + p + 1];
+        let mut sums = vec![0.0; constant + 1];
+        let mut is_touched = vec![false; constant + 1];
+        let mut touched: Vec<usize> = Vec::new();
         for &i in self.kept {
+            let (mut size, mut of_b) = (0.0_f64, self.block.rhs[i].abs());
             let mut add = |c: usize, term: f64| {
-                if is_rounded[c] {
-                    sums[c] = (sums[c].0 + term, sums[c].1 + term.abs());
+                sums[c] += term;
+                if !std::mem::replace(&mut is_touched[c], true) {
+                    touched.push(c);
                 }
             };
             for (j, v) in self.block.matrix.row(i) {
                 match place[j] {
-                    Err(c) => add(c, v),
+                    Err(c) => {
+                        add(c, v);
+                        size += v.abs() * sizes.of_column[c];
+                    }
                     Ok(s) => {
                         let large = rows[s].iter().zip(&is_large[s]).filter(|(_, is_large)| **is_large);
                         large.for_each(|(&(c, x), _)| add(c, v * x));
+                        size += v.abs() * motions[s];
+                        of_b = of_b
+                            .max(rows[s].last().map_or(0.0, |&(c, x)| if c == constant { (v * x).abs() } else { 0.0 }));
                     }
                 }
             }
-            self.block.fixed.row(i).for_each(|(c, v)| add(q + c, v));
-            add(q + p, -self.block.rhs[i]);
-            for (sum, is_needed) in sums.iter_mut().zip(&mut is_needed) {
-                let (sum, size) = std::mem::take(sum);
-                *is_needed |= sum.abs() > NOISE * size;
+            self.block.fixed.row(i).for_each(|(c, v)| {
+                add(q + c, v);
+                size += v.abs() * sizes.of_column[q + c];
+            });
+            add(constant, -self.block.rhs[i]);
+            for c in touched.drain(..) {
+                is_touched[c] = false;
+                let left = std::mem::take(&mut sums[c]).abs() * sizes.of_column[c];
+                if left <= 2.0 * NOISE * if c < constant { size } else { of_b } {
+                    continue;
+                }
+                for s in self.block.matrix.row(i).filter_map(|(j, _)| place[j].ok()) {
+                    if let Ok(at) = rows[s].binary_search_by_key(&c, |entry| entry.0) {
+                        is_large[s][at] = rows[s][at].1 != 0.0;
+                    }
+                }
             }
         }
-        is_needed
+    }
+}
+
+/// Units, and the size of 1 in each column of the relation.
+struct ColumnSizes<'a> {
+    units: Units<'a>,
+    of_column: Vec<f64>,
+}
+
+impl ColumnSizes<'_> {
+    /// The size of an entry in the row of a slave.
+    fn of(&self, slave: u32, &(c, v): &(usize, f64)) -> f64 {
+        ldexp(v.abs() * self.of_column[c], -self.units.dof(slave))
     }
 }
