@@ -26,7 +26,7 @@ pub fn linear(builder: &mut SetBuilder, i: usize, nodes: usize) {
     builder.add("", one_linear(i, nodes)).expect("valid");
 }
 
-pub fn one_rod(i: usize, nodes: usize) -> Distance<3> {
+pub fn one_rod(i: usize, nodes: usize) -> Distance<Point> {
     let other = (i + [1, 100, 101, 99][i % 4]) % nodes;
     Distance { length: Some(1.0), ..Distance::new(point(i), point(other)) }
 }

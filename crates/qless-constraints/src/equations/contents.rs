@@ -5,25 +5,28 @@
 
 use std::borrow::Cow;
 
-use crate::equations::coordinates::{CoordinateList, DofCoordinate};
+use crate::equations::dof_uses::DofStatement;
 use crate::equations::linear::batch::LinearTerms;
 use crate::equations::linear::{LinearEquations, StagedEquation};
 use crate::equations::nonlinear::NonlinearEquations;
 use crate::equations::nonlinear::batch::StagedNonlinear;
 use crate::equations::{EquationNames, EquationOwner, LinearRhs};
 use crate::nonlinear::Nonlinear;
+use crate::scalar::Bounded;
 
 /// Largest total capacity of a constraint's lists that is kept for reuse.
 const KEPT: usize = 256;
 
-/// The linear equations, nonlinear equations and reference coordinates of one constraint.
+/// The linear equations, nonlinear equations and statements about DOFs of one constraint.
 #[derive(Default)]
 pub struct ConstraintContents {
     pub equations: Vec<StagedEquation>,
     pub pieces: Vec<Box<dyn StagedNonlinear>>,
     /// The DOFs of all nonlinear pieces.
     pub dofs: Vec<u32>,
-    pub coordinates: Vec<DofCoordinate>,
+    pub statements: Vec<DofStatement>,
+    /// The value of a function of time that is not finite at the time of the set; only of inactive constraints.
+    pub not_finite: Option<f64>,
 }
 
 impl ConstraintContents {
@@ -34,12 +37,12 @@ impl ConstraintContents {
 
     /// Clears the lists for reuse; `None` if they are too large to be kept.
     pub fn emptied(mut self: Box<Self>) -> Option<Box<Self>> {
-        let Self { equations, pieces, dofs, coordinates } = &mut *self;
-        let room = equations.capacity() + pieces.capacity() + dofs.capacity() + coordinates.capacity();
+        let Self { equations, pieces, dofs, statements, .. } = &mut *self;
+        let room = equations.capacity() + pieces.capacity() + dofs.capacity() + statements.capacity();
         equations.clear();
         pieces.clear();
         dofs.clear();
-        coordinates.clear();
+        statements.clear();
         (room <= KEPT).then_some(self)
     }
 
@@ -51,18 +54,33 @@ impl ConstraintContents {
         self.pieces.iter_mut().try_for_each(|piece| piece.at_time(time))
     }
 
+    /// c at u, with bounds on its rounding errors.
+    pub fn values(&self, u: &[f64], time: f64) -> Vec<Bounded> {
+        let of = |equation: &StagedEquation| {
+            let term = |&(j, a): &(u32, f64)| Bounded::from(a) * Bounded::from(u[j as usize]);
+            let sum = equation.terms.iter().map(term).fold(Bounded::from(0.0), |sum, term| sum + term);
+            sum - Bounded::from(equation.rhs.at(time))
+        };
+        let mut all: Vec<Bounded> = self.equations.iter().map(of).collect();
+        self.pieces.iter().for_each(|piece| all.extend(piece.values(&self.dofs, u)));
+        all
+    }
+
     pub fn rows(&self) -> usize {
         self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
     }
 }
 
-/// Equations and coordinates of consecutive constraints.
+/// Equations and statements of consecutive constraints.
 #[derive(Default)]
 pub struct BulkEquations {
     pub linear: LinearEquations,
     pub nonlinear: NonlinearEquations,
     pub names: EquationNames,
-    pub coordinates: CoordinateList,
+    /// Statements of the constraint that is being added.
+    pub statements: Vec<DofStatement>,
+    /// Those of each constraint before it.
+    pub stated: Vec<Vec<DofStatement>>,
     /// Number of the constraint that is being added.
     constraint: u32,
     /// Number of its linear equations so far.
@@ -107,9 +125,9 @@ impl BulkEquations {
         self.nonlinear.insert(owner, dofs, parameters);
     }
 
-    /// Ends the current constraint, one of `expected` in total.
-    pub fn next(&mut self, expected: usize) {
-        self.coordinates.close(expected);
+    /// Ends the current constraint.
+    pub fn next(&mut self) {
+        self.stated.push(std::mem::take(&mut self.statements));
         self.constraint += 1;
         self.own = 0;
     }

@@ -7,10 +7,10 @@
 //! | chunk | rows of H that one task writes: [`hessian::chunk`] |
 //! | stamp | identity of one state of a batch or chunk; a new one after each change |
 //!
-//! Modules, lowest first: this one and [`layout`], [`coordinates`], [`linear`] and [`nonlinear`], [`contents`] and [`hessian`], [`tasks`].
+//! Modules, lowest first: this one and [`layout`], [`dof_uses`], [`linear`] and [`nonlinear`], [`contents`] and [`hessian`], [`tasks`].
 
 pub mod contents;
-pub mod coordinates;
+pub mod dof_uses;
 pub mod hessian;
 pub mod layout;
 pub mod linear;

@@ -8,6 +8,7 @@
 //! | [`outline`], [`polynomials`] | polygons with their quadrature, polynomials through the nodes of a face |
 //! | [`rotation`], [`rodrigues`], [`rotation_derivatives`], [`lanes`] | rotated vectors with first and second derivatives |
 //! | [`quaternion`], [`angle`] | relative rotations and their angles |
+//! | [`spin`] | angular velocities and moments in space |
 //! | [`sector_rotation`] | the rotation from one sector of a cyclic model to the next |
 
 pub mod angle;
@@ -26,4 +27,5 @@ pub mod rotation_derivatives;
 pub mod search;
 pub mod sector_rotation;
 pub mod shape;
+pub mod spin;
 pub mod surface;

@@ -212,7 +212,7 @@ fn finite(set: &ConstraintSet, evaluation: &Evaluation) -> Result<(), ActiveErro
 
 impl ConstraintSet {
     /// The key of each row.
-    fn keys(&self) -> Vec<RowKey> {
+    pub(super) fn keys(&self) -> Vec<RowKey> {
         let linear = self.linear.batches.iter().flat_map(|batch| &batch.owners).map(|owner| (owner.constraint, 0));
         let nonlinear = self.nonlinear.with_kinds().flat_map(|(batch, kind)| {
             (0..batch.items())

@@ -1,5 +1,6 @@
 //! Collects constraints into a [`ConstraintSet`]: one by one, or many of one type in parallel.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use qless::SystemError;
@@ -8,7 +9,7 @@ use rayon::prelude::*;
 use crate::constraint::{Constraint, EquationError, EquationSink};
 use crate::equations::ChangeStamp;
 use crate::equations::contents::{BulkEquations, ConstraintContents};
-use crate::equations::coordinates::ReferenceCoordinates;
+use crate::equations::dof_uses::{DofStatement, DofUses};
 use crate::equations::hessian::LazyPlan;
 use crate::equations::linear::LinearEquations;
 use crate::equations::linear::batch::BATCH_ROWS;
@@ -37,7 +38,8 @@ impl SetBuilder {
             nonlinear: NonlinearEquations::default(),
             hessian_plan: LazyPlan::default(),
             time: 0.0,
-            reference_coordinates: ReferenceCoordinates::default(),
+            dof_uses: DofUses::default(),
+            norms: BTreeMap::new(),
             version: ChangeStamp::default(),
             spare: None,
         })
@@ -120,8 +122,16 @@ impl ConstraintSet {
             None if count < PORTION => self.one_by_one(count, constraint),
             None => self.side_by_side(count, constraint),
         };
-        match added {
-            Ok(added) => Ok(self.join(label, count, added)),
+        let stated = |mut added: AddedConstraints| {
+            let rotations = self.state(added.stated()).map_err(|(i, fault)| (i, EmitFault::Equation(fault)))?;
+            Ok((added, rotations))
+        };
+        match added.and_then(stated) {
+            Ok((added, rotations)) => {
+                let ids = self.join(label, count, added);
+                self.keep_lengths(&rotations);
+                Ok(ids)
+            }
             Err((i, fault)) => Err(fault.labelled(C::NAME, numbered(&label, i))),
         }
     }
@@ -165,12 +175,12 @@ impl ConstraintSet {
         which: Range<usize>,
         constraint: &(impl Fn(usize) -> C + Sync),
     ) -> Result<BulkEquations, IndexedFault<C>> {
-        let (first, count) = (self.register.ever() + which.start, which.len());
+        let first = self.register.ever() + which.start;
         let mut sink = EquationSink::for_many(self.dofs, BulkEquations::new(first as u32, self.time));
         for i in which {
             constraint(i).emit(&mut sink).map_err(|error| (i, EmitFault::Input(error)))?;
             sink.fault.take().map_or(Ok(()), |fault| Err((i, EmitFault::Equation(fault))))?;
-            sink.next(count);
+            sink.next();
         }
         Ok(sink.into_portion())
     }
@@ -198,17 +208,16 @@ impl ConstraintSet {
             AddedConstraints::Few(all) => {
                 std::iter::zip(ids.first.., all).for_each(|(number, contents)| self.put(number, Box::new(contents)));
             }
-            AddedConstraints::Many(all) => self.append(ids.first, all),
+            AddedConstraints::Many(all) => self.append(all),
         }
         ids
     }
 
-    /// Takes over the equations of new constraints; `constraint` is the number of the first.
-    fn append(&mut self, mut constraint: u32, portions: Vec<BulkEquations>) {
-        let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, .. } = self;
-        for BulkEquations { linear: rows, nonlinear: others, names, coordinates, .. } in portions {
+    /// Takes over the equations of new constraints.
+    fn append(&mut self, portions: Vec<BulkEquations>) {
+        let Self { register, linear, nonlinear, hessian_plan, .. } = self;
+        for BulkEquations { linear: rows, nonlinear: others, names, .. } in portions {
             let places = register.equation_names.places_of(&names);
-            constraint += reference_coordinates.join(constraint, coordinates);
             linear.join(rows, places.as_deref());
             if others.rows() > 0 {
                 hessian_plan.outdate();
@@ -224,4 +233,14 @@ impl ConstraintSet {
 enum AddedConstraints {
     Few(Vec<ConstraintContents>),
     Many(Vec<BulkEquations>),
+}
+
+impl AddedConstraints {
+    /// The statements of each constraint, which are taken out.
+    fn stated(&mut self) -> Vec<Vec<DofStatement>> {
+        match self {
+            Self::Few(all) => all.iter_mut().map(|contents| std::mem::take(&mut contents.statements)).collect(),
+            Self::Many(all) => all.iter_mut().flat_map(|portion| std::mem::take(&mut portion.stated)).collect(),
+        }
+    }
 }

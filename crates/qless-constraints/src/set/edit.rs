@@ -13,6 +13,7 @@ use crate::equations::contents::ConstraintContents;
 use crate::set::ConstraintSet;
 use crate::set::error::{AddError, EditError, ReplaceError, TimeError};
 use crate::set::register::ConstraintId;
+use crate::set::statements::euler_parameters;
 
 impl ConstraintSet {
     /// Adds an active constraint under a label for reports.
@@ -43,12 +44,17 @@ impl ConstraintSet {
         constraint: C,
     ) -> Result<ConstraintId, AddError<C::Error>> {
         let label = label.into();
-        let contents = match self.processed(constraint, (0, 0)) {
+        let mut contents = match self.processed(constraint, (0, 0)) {
             Ok(contents) => contents,
             Err(fault) => return Err(fault.labelled(C::NAME, label)),
         };
+        let rotations = match self.state(vec![std::mem::take(&mut contents.statements)]) {
+            Ok(rotations) => rotations,
+            Err((_, source)) => return Err(AddError::Equation { name: C::NAME, label, source }),
+        };
         let id = self.register.add(label);
         self.put(id.number, contents);
+        self.keep_lengths(&rotations);
         Ok(id)
     }
 
@@ -58,10 +64,13 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn remove(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        if self.register.inactive.remove(&number).is_none() {
+        let active = self.register.inactive.remove(&number).is_none();
+        if active {
             self.take(number);
         }
+        let statements = self.dof_uses.take(number, active);
         self.register.remove(number);
+        self.keep_lengths(&euler_parameters(&statements));
         Ok(())
     }
 
@@ -73,6 +82,7 @@ impl ConstraintSet {
         let number = self.register.number(constraint)?;
         if !self.register.inactive.contains_key(&number) {
             let contents = Box::new(self.take(number));
+            self.dof_uses.activate(number, false);
             self.register.inactive.insert(number, contents);
         }
         Ok(())
@@ -90,6 +100,7 @@ impl ConstraintSet {
             return Err(TimeError::NotFinite { label, time: self.time, value }.into());
         }
         if let Some(contents) = self.register.inactive.remove(&number) {
+            self.dof_uses.activate(number, true);
             self.put(number, contents);
         }
         Ok(())
@@ -111,9 +122,14 @@ impl ConstraintSet {
     /// [`ReplaceError`]; the constraint is not changed then.
     pub fn replace<C: Constraint>(&mut self, constraint: ConstraintId, new: C) -> Result<(), ReplaceError<C::Error>> {
         let number = self.register.number(constraint)?;
-        let contents = match self.processed(new, (0, 0)) {
+        let label = self.register.name(number).to_string();
+        let mut contents = match self.processed(new, (0, 0)) {
             Ok(contents) => contents,
-            Err(fault) => return Err(fault.labelled(C::NAME, self.register.name(number).to_string()).into()),
+            Err(fault) => return Err(fault.labelled(C::NAME, label).into()),
+        };
+        let rotations = match self.state_anew(number, std::mem::take(&mut contents.statements)) {
+            Ok(rotations) => rotations,
+            Err(source) => return Err(AddError::Equation { name: C::NAME, label, source }.into()),
         };
         if let Some(inactive) = self.register.inactive.get_mut(&number) {
             *inactive = contents;
@@ -121,6 +137,7 @@ impl ConstraintSet {
             self.take(number);
             self.put(number, contents);
         }
+        self.keep_lengths(&rotations);
         Ok(())
     }
 
@@ -163,8 +180,7 @@ impl ConstraintSet {
 
     /// Stores the equations of a constraint in its position.
     pub(super) fn put(&mut self, number: u32, mut contents: Box<ConstraintContents>) {
-        let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, time, .. } = self;
-        reference_coordinates.put(number, &mut contents.coordinates);
+        let Self { register, linear, nonlinear, hessian_plan, time, .. } = self;
         linear.put(number, &mut contents.equations, &mut register.equation_names, *time);
         if !contents.pieces.is_empty() {
             hessian_plan.outdate();
@@ -182,7 +198,7 @@ impl ConstraintSet {
     }
 
     /// Removes and returns the equations of a constraint.
-    fn take(&mut self, number: u32) -> ConstraintContents {
+    pub(super) fn take(&mut self, number: u32) -> ConstraintContents {
         let Self { register, linear, nonlinear, hessian_plan, .. } = self;
         let places = nonlinear.items_of(number);
         if !places.is_empty() {
@@ -192,7 +208,7 @@ impl ConstraintSet {
         self.version.renew();
         let equations = linear.take(number, &register.equation_names);
         let (pieces, dofs) = nonlinear.take(number, &register.equation_names);
-        ConstraintContents { equations, pieces, dofs, coordinates: self.reference_coordinates.take(number) }
+        ConstraintContents { equations, pieces, dofs, ..ConstraintContents::default() }
     }
 
     /// Replaces the numbers of a constraint if all patterns stay; otherwise returns the contents.
@@ -205,10 +221,8 @@ impl ConstraintSet {
         if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.nonlinear)) {
             return Err(contents);
         }
-        let Self { register, linear, nonlinear, reference_coordinates, time, .. } = self;
-        let ConstraintContents { equations, pieces, mut coordinates, .. } = *contents;
-        reference_coordinates.take(number);
-        reference_coordinates.put(number, &mut coordinates);
+        let Self { register, linear, nonlinear, time, .. } = self;
+        let ConstraintContents { equations, pieces, .. } = *contents;
         linear.overwrite(number, equations, &mut register.equation_names, *time);
         for (piece, (_, place)) in pieces.into_iter().zip(places) {
             piece.overwrite(number, &mut register.equation_names, place, nonlinear);

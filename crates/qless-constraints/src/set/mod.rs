@@ -11,18 +11,24 @@ mod builder;
 mod edit;
 mod error;
 mod evaluation;
+mod inequalities;
 mod linearised;
+mod moments;
+mod per_constraint;
 mod register;
 mod rotations;
 mod rounding;
+mod statements;
 mod time;
+
+use std::collections::BTreeMap;
 
 use qless::ArgumentError;
 use qless::common::Identity;
 
 use crate::equations::ChangeStamp;
 use crate::equations::contents::ConstraintContents;
-use crate::equations::coordinates::ReferenceCoordinates;
+use crate::equations::dof_uses::DofUses;
 use crate::equations::hessian::chunk::WeightedBatches;
 use crate::equations::hessian::{HessianPlan, LazyPlan};
 use crate::equations::linear::LinearEquations;
@@ -35,7 +41,9 @@ pub use active::{ActiveError, ActiveSystem};
 pub use builder::SetBuilder;
 pub use error::{AddError, EditError, LineariseError, ReplaceError, TimeError};
 pub use evaluation::{Evaluation, Weights};
+pub use inequalities::{Inequalities, InequalityError};
 pub use linearised::Vanishing;
+pub use per_constraint::PerConstraint;
 pub use register::{ConstraintId, ConstraintIds};
 pub use rotations::shorten_rotation;
 pub use rounding::Rounding;
@@ -66,8 +74,10 @@ pub struct ConstraintSet {
     nonlinear: NonlinearEquations,
     hessian_plan: LazyPlan,
     time: f64,
-    /// Reference coordinates of DOFs, for [`ConstraintSet::rounding`].
-    reference_coordinates: ReferenceCoordinates,
+    /// What all constraints say of their DOFs.
+    dof_uses: DofUses,
+    /// For each body with Euler parameters, the number of the constraint that keeps their length.
+    norms: BTreeMap<[u32; 4], u32>,
     /// Renewed after each change.
     version: ChangeStamp,
     /// Empty lists, reused for the next constraint.

@@ -7,7 +7,7 @@
 use qless::ArgumentError;
 use rayon::prelude::*;
 
-use crate::equations::coordinates::{UncertainDofs, bound};
+use crate::equations::dof_uses::{UncertainDofs, bound};
 use crate::equations::linear::batch::LinearBatch;
 use crate::equations::tasks::{TaskOutput, value_tasks};
 use crate::scalar::Bounded;
@@ -68,7 +68,7 @@ impl ConstraintSet {
         let (mut c, mut g) = (vec![0.0; self.equations()], self.whole_pattern());
         let constant = self.linear.nnz();
         g.values_mut()[..constant].iter_mut().for_each(|a| *a = Bounded::from(*a).error);
-        let known = UncertainDofs { u, sizes: self.reference_coordinates.largest() };
+        let known = UncertainDofs { u, uses: &self.dof_uses };
         value_tasks(&self.linear, &self.nonlinear.batches, &mut c, &mut g).into_par_iter().for_each(|task| match task
             .work
         {
@@ -100,9 +100,8 @@ impl ConstraintSet {
     /// [`ArgumentError`] if u does not have length n.
     pub fn extents(&self, u: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         long("u", u.len(), self.dofs)?;
-        let at =
-            self.reference_coordinates.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
-        let mut sizes: Vec<f64> = u.iter().zip(at).map(|(u, at)| u.abs().max(at)).collect();
+        let size = |(j, u): (usize, &f64)| u.abs().max(self.dof_uses.sizes(j).map_or(0.0, |[_, node]| node));
+        let mut sizes: Vec<f64> = u.iter().enumerate().map(size).collect();
         self.nonlinear.batches.iter().for_each(|batch| {
             batch.rotation_vectors(&mut |dofs, places| {
                 let rotations = places.iter().flat_map(|&k| &dofs[k..k + 3]);
@@ -114,6 +113,6 @@ impl ConstraintSet {
 
     /// Whether a DOF is a displacement of a node, because it adds to a coordinate. No DOF from n on is one.
     pub fn is_displacement(&self, dof: usize) -> bool {
-        self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_nonzero())
+        self.dof_uses.sizes(dof).is_some()
     }
 }

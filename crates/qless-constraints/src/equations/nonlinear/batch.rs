@@ -5,10 +5,11 @@ use std::ops::Range;
 
 use qless::common::Identity;
 
-use crate::equations::coordinates::UncertainDofs;
+use crate::equations::dof_uses::UncertainDofs;
 use crate::equations::layout::ChunkRows;
 use crate::equations::nonlinear::{ItemPlace, NonlinearEquations};
 use crate::equations::{EquationNames, EquationOwner};
+use crate::scalar::Bounded;
 #[cfg(test)]
 use crate::scalar::double_double::DoubleDouble;
 
@@ -81,6 +82,8 @@ pub trait StagedNonlinear: Send + Sync {
     fn kind(&self, nonlinear: &NonlinearEquations) -> Option<u32>;
     /// Evaluates parameters that are functions of time. The error is a value that is not finite.
     fn at_time(&mut self, time: f64) -> Result<(), f64>;
+    /// c at u, with bounds on its rounding errors. `dofs` are those of all nonlinear pieces of the constraint.
+    fn values(&self, dofs: &[u32], u: &[f64]) -> Vec<Bounded>;
     /// Stores the item in a batch of its type. `dofs` are those of all nonlinear pieces of the constraint.
     fn commit(
         self: Box<Self>,

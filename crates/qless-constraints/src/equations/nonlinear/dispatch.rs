@@ -6,7 +6,7 @@ use std::slice;
 
 use qless::common::Identity;
 
-use crate::equations::coordinates::UncertainDofs;
+use crate::equations::dof_uses::UncertainDofs;
 use crate::equations::layout::ChunkRows;
 use crate::equations::nonlinear::batch::{NonlinearBatch, StagedNonlinear};
 use crate::equations::nonlinear::pairs::HessianPairs;
@@ -16,6 +16,7 @@ use crate::equations::{EquationNames, EquationOwner, renumber};
 use crate::nonlinear::Nonlinear;
 #[cfg(test)]
 use crate::nonlinear::jacobian;
+use crate::scalar::Bounded;
 #[cfg(test)]
 use crate::scalar::double_double::DoubleDouble;
 
@@ -262,6 +263,13 @@ impl<Q: Nonlinear> StagedNonlinear for StagedItem<Q> {
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
         if Q::DRIVEN { self.parameters.at_time(time) } else { Ok(()) }
+    }
+
+    fn values(&self, dofs: &[u32], u: &[f64]) -> Vec<Bounded> {
+        let local: Vec<Bounded> = dofs[self.dofs.clone()].iter().map(|&j| Bounded::from(u[j as usize])).collect();
+        let mut c = vec![Bounded::from(0.0); Q::EQUATION_NAMES.len()];
+        self.parameters.value(&local, &mut c);
+        c
     }
 
     fn commit(

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use crate::equations::coordinates::{UncertainDofs, bound};
+use crate::equations::dof_uses::{UncertainDofs, bound};
 use crate::equations::nonlinear::typed::TypedBatch;
 use crate::nonlinear::Nonlinear;
 use crate::scalar::Bounded;

@@ -159,7 +159,8 @@ impl RigidBody {
     fn coordinate(&self, sink: &mut EquationSink, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
         let parameters = BodyCoordinate { body: self.body.attach(at), axis, at: at[axis] };
         sink.numbers(at);
-        self.body.declare_magnitudes(sink);
+        sink.place(&[dof], &[at[axis]], false);
+        self.body.state(sink);
         sink.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
     }
 
@@ -170,8 +171,9 @@ impl RigidBody {
         match (listed, &node.dofs[3..]) {
             (0, _) => Ok(()),
             (3, &[Some(x), Some(y), Some(z)]) => {
-                // The equations use only the rotations, so the position is arbitrary.
-                let follower = Body::with_vector(self.body.position, node.at, [x, y, z]);
+                // The equations use only the rotations, so the position may be that of the body.
+                let follower = Body::with_vector(self.body.position, self.body.at, [x, y, z]);
+                sink.numbers(node.at);
                 relative(sink, self.name(i), &self.body, &follower, Aligned);
                 Ok(())
             }

@@ -18,7 +18,7 @@ pub fn coincident(sink: &mut EquationSink, part: impl Into<Cow<'static, str>>, a
     let (first, second, sign) = if swap { (b, a, -1.0) } else { (a, b, 1.0) };
     let parameters = Coincident { a: first.attach(at), b: second.attach(at), sign };
     sink.numbers(at);
-    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    [a, b].iter().for_each(|body| body.state(sink));
     sink.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
 }
 

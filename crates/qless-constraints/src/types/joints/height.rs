@@ -24,7 +24,7 @@ pub fn height(
 ) {
     let parameters = Height::new(a, b, at, s);
     sink.numbers(at);
-    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    [a, b].iter().for_each(|body| body.state(sink));
     sink.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
 }
 

@@ -4,7 +4,6 @@
 pub(super) mod attachment;
 pub(super) mod coincident;
 mod cylindrical;
-mod euler_norm;
 mod fixed;
 pub(super) mod height;
 mod motor;
@@ -18,9 +17,8 @@ mod revolute;
 mod spherical;
 mod universal;
 
-pub use attachment::Body;
+pub use attachment::{Body, BodyPoint};
 pub use cylindrical::Cylindrical;
-pub use euler_norm::EulerNorm;
 pub use fixed::Fixed;
 pub use motor::{RotationMotor, TranslationMotor};
 pub use parallel::Parallel;

@@ -152,7 +152,7 @@ impl Constraint for TranslationMotor {
         let height = Height::new(&self.a, &self.b, self.at, direction(self.axis)?);
         let dofs = [self.a.dofs(), self.b.dofs()].concat();
         sink.numbers(self.at);
-        [self.a, self.b].iter().for_each(|body| body.declare_magnitudes(sink));
+        [self.a, self.b].iter().for_each(|body| body.state(sink));
         sink.nonlinear("", &dofs, Travel { height, motion: self.travel });
         Ok(())
     }

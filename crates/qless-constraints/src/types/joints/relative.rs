@@ -49,7 +49,7 @@ pub fn relative<F: RotationFunction>(
     function: F,
 ) {
     let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
-    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    [a, b].iter().for_each(|body| body.state(sink));
     sink.nonlinear(part, &dofs, RelativeRotation { a: a.kind, b: b.kind, function });
 }
 
