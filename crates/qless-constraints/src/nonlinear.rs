@@ -70,25 +70,6 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         hessian(self, u, w, h);
     }
 
-    /// Largest number of constraints that [`Nonlinear::values_and_jacobians`] and [`Nonlinear::second_derivatives`] take at once.
-    ///
-    /// A type that needs much arithmetic can process several constraints with the same vector instructions. It must then define both
-    /// functions, as the defaults take one constraint.
-    const AT_ONCE: usize = 1;
-
-    /// [`Nonlinear::value_and_jacobian`] of several constraints; `u`, `c` and `g` hold one after the other.
-    #[inline]
-    fn values_and_jacobians(items: &[Self], u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        debug_assert_eq!(items.len(), 1);
-        items[0].value_and_jacobian(u, c, g);
-    }
-
-    /// [`Nonlinear::hessian`] of several constraints; `u`, `w` and `h` hold one after the other.
-    fn second_derivatives(items: &[Self], u: &[f64], w: &[f64], h: &mut [f64]) {
-        debug_assert_eq!(items.len(), 1);
-        items[0].hessian(u, w, h);
-    }
-
     /// The index of the number of a pair, given the pair's place in the order of [`Nonlinear::pairs`].
     #[doc(hidden)]
     fn number(pair: usize) -> usize {

@@ -162,7 +162,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
     }
 
     fn curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]) {
-        let mut room = vec![0.0; self.ahead() * self.widest];
+        let mut room = vec![0.0; self.widest];
         let mut rest = out;
         for run in items {
             let run = run.start as usize..run.end as usize;
@@ -175,11 +175,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
             let numbers = self.numbers[run.clone()].iter().map(|&n| n as usize);
             let own;
             (own, rest) = rest.split_at_mut(numbers.sum());
-            if Q::AT_ONCE == 1 {
-                self.curvatures_one_by_one(run, u, w, own, &mut room);
-            } else {
-                self.curvatures_together(run, u, w, own, &mut room);
-            }
+            self.curvatures_of(run, u, w, own, &mut room);
         }
     }
 

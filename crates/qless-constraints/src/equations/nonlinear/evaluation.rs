@@ -24,20 +24,12 @@ impl<Q: Nonlinear> TypedBatch<Q> {
 
     pub(super) fn evaluate_any(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::EQUATION_NAMES.len();
-        let ahead = self.ahead();
-        let mut room = vec![0.0; ahead * self.widest];
-        let mut rest = g;
-        for (k, c) in c.chunks_mut(ahead * rows).enumerate() {
-            let from = k * ahead;
-            let mut local = &mut *self.gather(from..from + c.len() / rows, u, &mut room);
-            for (k, c) in c.chunks_mut(Q::AT_ONCE * rows).enumerate() {
-                let from = from + k * Q::AT_ONCE;
-                let items = from..from + c.len() / rows;
-                let (own, of_items);
-                (of_items, local) = local.split_at_mut(self.width(items.clone()));
-                (own, rest) = rest.split_at_mut(rows * of_items.len());
-                Q::values_and_jacobians(&self.items[items], of_items, c, own);
-            }
+        let (mut room, mut rest) = (vec![0.0; self.widest], g);
+        for ((i, item), c) in self.items.iter().enumerate().zip(c.chunks_exact_mut(rows)) {
+            let own;
+            let local = self.gather(i..i + 1, u, &mut room);
+            (own, rest) = rest.split_at_mut(rows * local.len());
+            item.value_and_jacobian(local, c, own);
         }
     }
 
@@ -83,15 +75,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         units.into()
     }
 
-    #[inline]
-    pub(super) fn curvatures_one_by_one(
-        &self,
-        run: Range<usize>,
-        u: &[f64],
-        w: &[f64],
-        out: &mut [f64],
-        room: &mut [f64],
-    ) {
+    pub(super) fn curvatures_of(&self, run: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64], room: &mut [f64]) {
         let rows = Q::EQUATION_NAMES.len();
         let mut rest = out;
         let w = w[run.start * rows..run.end * rows].chunks_exact(rows);
@@ -99,30 +83,6 @@ impl<Q: Nonlinear> TypedBatch<Q> {
             let own;
             (own, rest) = rest.split_at_mut(numbers as usize);
             item.hessian(self.gather(i..i + 1, u, room), w, own);
-        }
-    }
-
-    pub(super) fn curvatures_together(
-        &self,
-        run: Range<usize>,
-        u: &[f64],
-        w: &[f64],
-        out: &mut [f64],
-        room: &mut [f64],
-    ) {
-        let rows = Q::EQUATION_NAMES.len();
-        let mut rest = out;
-        for first in run.clone().step_by(self.ahead()) {
-            let all = first..run.end.min(first + self.ahead());
-            let mut local = self.gather(all.clone(), u, room);
-            for from in all.clone().step_by(Q::AT_ONCE) {
-                let items = from..all.end.min(from + Q::AT_ONCE);
-                let (own, of_items);
-                (own, rest) = rest.split_at_mut(self.numbers[items.clone()].iter().sum::<u32>() as usize);
-                (of_items, local) = local.split_at_mut(self.width(items.clone()));
-                let w = &w[items.start * rows..items.end * rows];
-                Q::second_derivatives(&self.items[items], of_items, w, own);
-            }
         }
     }
 }

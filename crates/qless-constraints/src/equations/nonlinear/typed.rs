@@ -9,15 +9,6 @@ use std::sync::OnceLock;
 use crate::equations::{ChangeStamp, EquationNames, EquationOwner};
 use crate::nonlinear::Nonlinear;
 
-/// Items per batch.
-const MANY: usize = 1024;
-/// Items per batch of types that need much arithmetic.
-const FEW: usize = 256;
-/// Items whose DOFs are gathered in one go, so that memory accesses neither wait for each other nor for arithmetic.
-const AHEAD: usize = 64;
-/// Largest number of DOFs of an item for which [`AHEAD`] items are gathered in one go.
-const NARROW: usize = 64;
-
 /// Items of type Q: parameters and DOFs.
 pub struct TypedBatch<Q> {
     pub stamp: ChangeStamp,
@@ -53,7 +44,7 @@ impl<Q> Default for TypedBatch<Q> {
 
 impl<Q: Nonlinear> TypedBatch<Q> {
     /// Largest number of items.
-    pub const CAPACITY: usize = if Q::AT_ONCE > 1 { FEW } else { MANY };
+    pub const CAPACITY: usize = 1024;
 
     #[inline]
     pub fn dofs(&self, i: usize) -> &[u32] {
@@ -67,11 +58,6 @@ impl<Q: Nonlinear> TypedBatch<Q> {
             return items.start * Q::DOFS..items.end * Q::DOFS;
         }
         self.start[items.start] as usize..self.start[items.end] as usize
-    }
-
-    /// Number of items whose DOFs are gathered in one go.
-    pub fn ahead(&self) -> usize {
-        if self.widest <= NARROW { AHEAD } else { Q::AT_ONCE }
     }
 
     /// Number of DOFs of these items.

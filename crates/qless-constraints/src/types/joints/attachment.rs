@@ -1,6 +1,5 @@
 //! Bodies, and points attached to them: to the ground, to a node, or to a body with rotations.
 
-use crate::geometry::lanes::{Lanes, RotatedArmLanes};
 use crate::geometry::rotation::RotationKind;
 use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
@@ -197,46 +196,16 @@ impl AttachedPoint {
         if self.kind == RotationKind::Ground { lift(self.at) } else { add(lift(self.at), [u[0], u[1], u[2]]) }
     }
 
-    /// Returns the point x and writes `sign dx/du` to the columns of `g` (3 x n) from `first` on. Rotation vectors
-    /// read their slopes from a lane of `turns`.
-    #[expect(clippy::inline_always, reason = "27 numbers would go through memory, which costs a third")]
-    #[inline(always)]
-    pub fn write_slopes(
-        &self,
-        u: &[f64],
-        sign: f64,
-        [first, n]: [usize; 2],
-        g: &mut [f64],
-        (turns, lane): (&RotatedArmLanes, usize),
-    ) -> Vector<f64> {
-        let (turned, slopes) = match self.kind {
-            RotationKind::Ground => return add(self.at, self.arm),
-            RotationKind::Node => (self.arm, [[0.0; 4]; 3]),
-            RotationKind::Vector => turns.lane(lane),
-            RotationKind::Euler => rotation_derivatives::slopes(self.kind, &u[3..], self.arm),
-        };
+    /// Returns the point x and writes `sign dx/du` to the columns of `g` (3 x n) from `first` on.
+    pub fn write_slopes(&self, u: &[f64], sign: f64, [first, n]: [usize; 2], g: &mut [f64]) -> Vector<f64> {
+        let positions = self.kind.positions();
+        let (turned, slopes) = rotation_derivatives::slopes(self.kind, &u[positions..], self.arm);
         for axis in 0..3 {
             let row = &mut g[axis * n + first..][..u.len()];
-            let ([x, y, z], s) =
-                (std::array::from_fn(|k| if k == axis { sign } else { 0.0 }), slopes[axis].map(|s| sign * s));
-            // Copies of a length known at compile time are faster.
-            match self.kind {
-                RotationKind::Ground | RotationKind::Node => row.copy_from_slice(&[x, y, z]),
-                RotationKind::Vector => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2]]),
-                RotationKind::Euler => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2], s[3]]),
-            }
+            (0..positions).for_each(|k| row[k] = if k == axis { sign } else { 0.0 });
+            row[positions..].iter_mut().zip(slopes[axis]).for_each(|(g, slope)| *g = sign * slope);
         }
-        add(add(self.at, turned), [u[0], u[1], u[2]])
-    }
-
-    /// Lower triangle of the Hessian of `m . x` in the rotations. For rotation vectors it is read from a lane of
-    /// `all`.
-    #[inline]
-    pub fn curvature(&self, u: &[f64], m: Vector<f64>, out: &mut [f64], (all, lane): (&[Lanes; 6], usize)) {
-        match self.kind {
-            RotationKind::Ground | RotationKind::Node => (),
-            RotationKind::Vector => (0..6).for_each(|k| out[k] = all[k].0[lane]),
-            RotationKind::Euler => rotation_derivatives::hessian(self.kind, &u[3..], self.arm, m, out),
-        }
+        let place = add(self.at, turned);
+        if positions == 0 { place } else { add(place, [u[0], u[1], u[2]]) }
     }
 }
