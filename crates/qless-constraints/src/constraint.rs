@@ -13,11 +13,10 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::equations::LinearRhs;
-use crate::equations::contents::{BulkEquations, ConstraintContents};
+use crate::equations::contents::ConstraintContents;
 use crate::equations::dof_uses::{DofStatement, NO_DOF};
-use crate::equations::linear::StagedEquation;
-use crate::equations::linear::batch::LinearTerms;
-use crate::equations::nonlinear::typed::StagedItem;
+use crate::equations::linear::{LinearTerms, StagedEquation};
+use crate::equations::typed::StagedItem;
 use crate::geometry::node::Node;
 pub use crate::nonlinear::Nonlinear;
 
@@ -71,13 +70,10 @@ const LARGEST: f64 = 1e50;
 const FEW: usize = 16;
 
 /// Receives the linear and nonlinear equations of the constraint that is being added.
-#[derive(Default)]
 pub struct EquationSink {
     dofs: usize,
     time: f64,
     pub(crate) contents: Box<ConstraintContents>,
-    /// Destination of the equations instead of `contents`, if many constraints are added at once.
-    portion: Option<Box<BulkEquations>>,
     pub(crate) fault: Option<EquationError>,
 }
 
@@ -94,26 +90,12 @@ impl std::fmt::Debug for EquationSink {
 impl EquationSink {
     /// For one constraint; `contents` must be empty.
     pub(crate) fn new(dofs: usize, time: f64, contents: Box<ConstraintContents>) -> Self {
-        Self { dofs, time, contents, ..Self::default() }
+        Self { dofs, time, contents, fault: None }
     }
 
-    /// For many consecutive constraints.
-    pub(crate) fn for_many(dofs: usize, portion: BulkEquations) -> Self {
-        Self { dofs, time: portion.time, portion: Some(Box::new(portion)), ..Self::default() }
-    }
-
-    /// Number of equations so far, of all constraints.
+    /// Number of equations so far.
     pub(crate) fn rows(&self) -> usize {
-        self.portion.as_ref().map_or_else(|| self.contents.rows(), |portion| portion.rows())
-    }
-
-    /// Ends the current constraint.
-    pub(crate) fn next(&mut self) {
-        self.portion.iter_mut().for_each(|portion| portion.next());
-    }
-
-    pub(crate) fn into_portion(self) -> BulkEquations {
-        self.portion.map_or_else(BulkEquations::default, |portion| *portion)
+        self.contents.rows()
     }
 
     /// Number of DOFs of the model.
@@ -147,10 +129,7 @@ impl EquationSink {
 
     fn put(&mut self, name: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: LinearRhs) {
         let terms = terms.into_iter();
-        let mut sorted = match &mut self.portion {
-            Some(portion) => portion.terms(),
-            None => Vec::with_capacity(terms.size_hint().0),
-        };
+        let mut sorted = Vec::with_capacity(terms.size_hint().0);
         let mut ascends = true;
         for (dof, value) in terms {
             self.check_dof(dof);
@@ -161,10 +140,8 @@ impl EquationSink {
         if !ascends {
             sorted = summed(sorted);
         }
-        match &mut self.portion {
-            _ if self.fault.is_some() => (),
-            Some(portion) => portion.equation(name, sorted, rhs),
-            None => self.contents.equations.push(StagedEquation { name, terms: sorted, rhs }),
+        if self.fault.is_none() {
+            self.contents.equations.push(StagedEquation { name, terms: sorted, rhs });
         }
     }
 
@@ -188,20 +165,11 @@ impl EquationSink {
             self.fail(EquationError::NotFinite { value });
         }
         if self.fault.is_none() {
-            self.put_nonlinear(name.into(), dofs, parameters);
-        }
-    }
-
-    fn put_nonlinear<Q: Nonlinear>(&mut self, name: Cow<'static, str>, dofs: &[usize], parameters: Q) {
-        let room = &mut self.contents.dofs;
-        if self.portion.is_some() {
-            room.clear();
-        }
-        let first = room.len();
-        room.extend(dofs.iter().map(|&dof| dof as u32));
-        match &mut self.portion {
-            Some(portion) => portion.nonlinear(name, room, parameters),
-            None => self.contents.pieces.push(Box::new(StagedItem { name, dofs: first..room.len(), parameters })),
+            let all = &mut self.contents.dofs;
+            let first = all.len();
+            all.extend(dofs.iter().map(|&dof| dof as u32));
+            let own = first..all.len();
+            self.contents.pieces.push(Box::new(StagedItem { name: name.into(), dofs: own, parameters }));
         }
     }
 
@@ -251,10 +219,7 @@ impl EquationSink {
     }
 
     fn state(&mut self, statement: DofStatement) {
-        let all = match &mut self.portion {
-            Some(portion) => &mut portion.statements,
-            None => &mut self.contents.statements,
-        };
+        let all = &mut self.contents.statements;
         // A joint states the same of its bodies for each of its equations.
         let known = all.iter().rev().take(FEW).any(|other| *other == statement);
         if self.fault.is_none() && !known {

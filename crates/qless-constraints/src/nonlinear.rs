@@ -9,15 +9,10 @@ use crate::scalar::{Dual, HyperDual, Scalar};
 pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Number of DOFs of each constraint of the type, or 0 if it varies. A fixed number makes loops faster.
     const DOFS: usize = 0;
-    /// Whether c is a polynomial of degree two. [`Nonlinear::hessian`] must not depend on u then, and is called with an empty u.
-    /// If there is one equation and [`Nonlinear::NUMBERS`] is given, it is called once, with a weight of 1, and the result is scaled.
-    const QUADRATIC: bool = false;
     /// For each pair, the index of its number in [`Nonlinear::hessian`]; the list is repeated over all pairs. If empty, each pair has its own.
     ///
     /// This saves work if few numbers make many entries: `[0, 1, 0]` describes `v, -v, v, v, -v, v`.
     const NUMBERS: &'static [usize] = &[];
-    /// Whether [`Nonlinear::pairs`] depends on the number of DOFs only: then one constraint is asked for all with that number.
-    const SAME_PAIRS: bool = false;
     /// Whether parameters are functions of time. [`Nonlinear::at_time`] is called only then.
     const DRIVEN: bool = false;
     /// A name for each equation, such as "x"; a single equation has an empty name.

@@ -1,17 +1,9 @@
-//! Equations of constraints that are not yet, or no longer, part of a set.
-//!
-//! [`ConstraintContents`] holds one constraint: a new one, or one that is inactive. [`BulkEquations`] holds many new ones, stored as a set
-//! stores them: one thread makes them without touching the set, which then takes them over.
+//! Equations of a constraint that is not yet, or no longer, part of a set: a new one, or one that is inactive.
 
-use std::borrow::Cow;
-
+use crate::equations::LinearRhs;
 use crate::equations::dof_uses::DofStatement;
-use crate::equations::linear::batch::LinearTerms;
-use crate::equations::linear::{LinearEquations, StagedEquation};
-use crate::equations::nonlinear::NonlinearEquations;
-use crate::equations::nonlinear::batch::StagedNonlinear;
-use crate::equations::{EquationNames, EquationOwner, LinearRhs};
-use crate::nonlinear::Nonlinear;
+use crate::equations::linear::StagedEquation;
+use crate::equations::nonlinear::StagedNonlinear;
 use crate::scalar::Bounded;
 
 /// Largest total capacity of a constraint's lists that is kept for reuse.
@@ -68,67 +60,5 @@ impl ConstraintContents {
 
     pub fn rows(&self) -> usize {
         self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
-    }
-}
-
-/// Equations and statements of consecutive constraints.
-#[derive(Default)]
-pub struct BulkEquations {
-    pub linear: LinearEquations,
-    pub nonlinear: NonlinearEquations,
-    pub names: EquationNames,
-    /// Statements of the constraint that is being added.
-    pub statements: Vec<DofStatement>,
-    /// Those of each constraint before it.
-    pub stated: Vec<Vec<DofStatement>>,
-    /// Number of the constraint that is being added.
-    constraint: u32,
-    /// Number of its linear equations so far.
-    own: u32,
-    pub time: f64,
-    /// Empty list, reused for the terms of each equation.
-    terms: LinearTerms,
-}
-
-impl BulkEquations {
-    /// `constraint` is the number of the first one; functions of time are evaluated at `time`.
-    pub fn new(constraint: u32, time: f64) -> Self {
-        Self {
-            constraint,
-            time,
-            linear: LinearEquations::for_many_items(),
-            nonlinear: NonlinearEquations::for_many_items(),
-            ..Self::default()
-        }
-    }
-
-    pub fn rows(&self) -> usize {
-        self.linear.rows() + self.nonlinear.rows()
-    }
-
-    /// An empty list, which [`BulkEquations::equation`] takes back.
-    pub fn terms(&mut self) -> LinearTerms {
-        let mut terms = std::mem::take(&mut self.terms);
-        terms.clear();
-        terms
-    }
-
-    pub fn equation(&mut self, name: Cow<'static, str>, terms: LinearTerms, rhs: LinearRhs) {
-        let owner = EquationOwner { constraint: self.constraint, name: self.names.place(name) };
-        self.linear.append(owner, self.own, (&terms, rhs), self.time);
-        self.own += 1;
-        self.terms = terms;
-    }
-
-    pub fn nonlinear<Q: Nonlinear>(&mut self, name: Cow<'static, str>, dofs: &[u32], parameters: Q) {
-        let owner = EquationOwner { constraint: self.constraint, name: self.names.place(name) };
-        self.nonlinear.insert(owner, dofs, parameters);
-    }
-
-    /// Ends the current constraint.
-    pub fn next(&mut self) {
-        self.stated.push(std::mem::take(&mut self.statements));
-        self.constraint += 1;
-        self.own = 0;
     }
 }

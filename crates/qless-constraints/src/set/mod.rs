@@ -22,6 +22,7 @@ mod statements;
 mod time;
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use qless::ArgumentError;
 use qless::common::Identity;
@@ -29,11 +30,10 @@ use qless::common::Identity;
 use crate::equations::ChangeStamp;
 use crate::equations::contents::ConstraintContents;
 use crate::equations::dof_uses::DofUses;
-use crate::equations::hessian::chunk::WeightedBatches;
-use crate::equations::hessian::{HessianPlan, LazyPlan};
+use crate::equations::hessian::HessianPlan;
 use crate::equations::linear::LinearEquations;
-use crate::equations::nonlinear::NonlinearEquations;
-use crate::equations::tasks::{copy_tasks, hessian_tasks, run_tasks, value_tasks};
+use crate::equations::nonlinear::{NonlinearBatch, NonlinearEquations};
+use crate::equations::tasks::{number_tasks, run_tasks, value_tasks};
 use crate::set::register::ConstraintRegister;
 
 pub(crate) use crate::constraint::repeated;
@@ -72,12 +72,15 @@ pub struct ConstraintSet {
     dofs: usize,
     linear: LinearEquations,
     nonlinear: NonlinearEquations,
-    hessian_plan: LazyPlan,
+    /// The plan of H, on request; out of date after changes of nonlinear equations.
+    hessian_plan: OnceLock<HessianPlan>,
     time: f64,
     /// What all constraints say of their DOFs.
     dof_uses: DofUses,
     /// For each body with Euler parameters, the number of the constraint that keeps their length.
     norms: BTreeMap<[u32; 4], u32>,
+    /// Renewed after each change of the pattern of G, or of the rows of linear equations.
+    pattern: ChangeStamp,
     /// Renewed after each change.
     version: ChangeStamp,
     /// Empty lists, reused for the next constraint.
@@ -135,8 +138,9 @@ impl ConstraintSet {
         self.check(u, Some(weights))?;
         self.follow(evaluation)?;
         let plan = self.follow_hessian(evaluation);
-        let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
-        run_tasks(hessian_tasks(plan, &weighted, evaluation.h.values_mut()), u);
+        let mut numbers = vec![0.0; plan.numbers];
+        run_tasks(number_tasks(&self.nonlinear.batches, u, &weights[self.linear.rows()..], &mut numbers));
+        plan.sum(&numbers, evaluation.h.values_mut());
         Ok(())
     }
 
@@ -173,15 +177,18 @@ impl ConstraintSet {
     ) -> Result<(), ArgumentError> {
         self.check(u, weights)?;
         self.follow(evaluation)?;
-        let plan = weights.map(|_| self.follow_hessian(evaluation));
+        let plan = weights.map(|weights| (self.follow_hessian(evaluation), &weights[self.linear.rows()..]));
         let Evaluation { u: kept, c, g, h, .. } = &mut *evaluation;
-        let weighted = weights.map(|w| WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), w));
-        let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
-        if let (Some(plan), Some(weighted)) = (plan, &weighted) {
-            tasks.extend(hessian_tasks(plan, weighted, h.values_mut()));
+        let of_linear = |rows, c: &mut [f64]| self.linear.evaluate(rows, u, c);
+        let of_items = |batch: &dyn NonlinearBatch, items, c: &mut [f64], g: &mut [f64]| batch.evaluate(items, u, c, g);
+        let mut numbers = vec![0.0; plan.map_or(0, |(plan, _)| plan.numbers)];
+        let mut tasks = value_tasks((&self.linear, &self.nonlinear.batches), (c, g), of_linear, of_items);
+        if let Some((_, weights)) = plan {
+            tasks.extend(number_tasks(&self.nonlinear.batches, u, weights, &mut numbers));
         }
-        tasks.extend(copy_tasks(u, kept));
-        run_tasks(tasks, u);
+        run_tasks(tasks);
+        plan.into_iter().for_each(|(plan, _)| plan.sum(&numbers, h.values_mut()));
+        kept.copy_from_slice(u);
         evaluation.evaluated = self.version.get();
         Ok(())
     }
@@ -197,7 +204,14 @@ impl ConstraintSet {
 
     /// The plan of H for the current equations.
     fn plan(&self) -> &HessianPlan {
-        self.hessian_plan.plan(&self.nonlinear.batches, self.dofs)
+        // Threads that wait for others may take up a task that also asks for the plan, so that nothing is locked while it is made.
+        match self.hessian_plan.get() {
+            Some(plan) => plan,
+            None => {
+                let plan = HessianPlan::new(&self.nonlinear.batches, self.dofs);
+                self.hessian_plan.get_or_init(|| plan)
+            }
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use qless::ArgumentError;
 use qless::common::Identity;
 
 use crate::equations::contents::ConstraintContents;
-use crate::equations::nonlinear::batch::NonlinearBatch;
+use crate::equations::nonlinear::NonlinearBatch;
 use crate::equations::{EquationNames, EquationOwner};
 use crate::set::ConstraintSet;
 use crate::set::error::EditError;
@@ -192,18 +192,17 @@ pub(super) fn numbered(label: &str, i: usize) -> String {
 }
 
 impl ConstraintSet {
-    /// The batch of a nonlinear row, and the row's number in it; `None` for linear rows.
-    fn place(&self, row: usize) -> Option<(&dyn NonlinearBatch, usize)> {
-        let (batch, own) = self.nonlinear.offsets.find(row.checked_sub(self.linear.rows())?);
-        Some((self.nonlinear.batches[batch].as_ref(), own))
-    }
-
     /// The owner of a row, and its name within the type.
     fn owner(&self, row: usize) -> Result<(EquationOwner, &'static str), ArgumentError> {
         if row >= self.equations() {
             return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
         }
-        Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(batch, own)| batch.owner(own)))
+        let Some(own) = row.checked_sub(self.linear.rows()) else { return Ok((self.linear.owners[row], "")) };
+        let of = |(first, batch): (usize, &dyn NonlinearBatch)| {
+            let (own, names) = (own.checked_sub(first)?, batch.equation_names());
+            (own < batch.rows()).then(|| (batch.owner(own / names.len()), names[own % names.len()]))
+        };
+        Ok(self.nonlinear.with_rows().find_map(of).expect("the row is below the number of rows"))
     }
 
     /// The constraint that an equation belongs to.
@@ -222,10 +221,10 @@ impl ConstraintSet {
     pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
         self.own("the constraint", constraint.set)?;
         let mut rows: Vec<usize> = self.linear.rows_of(constraint.number).collect();
-        for (_, (batch, item)) in self.nonlinear.items_of(constraint.number) {
-            let rows_of_item = self.nonlinear.batches[batch].equations_per_item();
-            let first = self.linear.rows() + self.nonlinear.offsets.first(batch) + item * rows_of_item;
-            rows.extend(first..first + rows_of_item);
+        for (first, batch) in self.nonlinear.with_rows() {
+            let (items, count) = (batch.items_of(constraint.number), batch.equations_per_item());
+            let first = self.linear.rows() + first;
+            rows.extend(first + items.start * count..first + items.end * count);
         }
         Ok(rows)
     }

@@ -29,9 +29,7 @@ impl ConstraintSet {
             let others = (0..dofs.len()).filter(|j| !places.iter().any(|k| (*k..k + 3).contains(j)));
             others.for_each(|j| found.tie(dofs[j] as usize));
         });
-        for batch in &self.linear.batches {
-            batch.for_each_row(|terms| terms.for_each(|(dof, _)| found.tie(dof as usize)));
-        }
+        self.linear.col.iter().for_each(|&dof| found.tie(dof as usize));
         found.vectors.iter().filter(|vector| found.owner[vector[0]] != DofUse::Tied).copied().collect()
     }
 

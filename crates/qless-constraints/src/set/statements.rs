@@ -12,19 +12,9 @@ use crate::scalar::Scalar;
 use crate::set::ConstraintSet;
 
 impl ConstraintSet {
-    /// Stores the statements of new constraints, all or none. Returns the Euler parameters among them; the error is the first new constraint
-    /// that contradicts another one.
-    pub(super) fn state(&mut self, all: Vec<Vec<DofStatement>>) -> Result<Vec<[u32; 4]>, (usize, EquationError)> {
-        let (first, mut found) = (self.register.ever() as u32, Vec::new());
-        for (i, list) in all.into_iter().enumerate() {
-            found.extend(euler_parameters(&list));
-            if let Err(clash) = self.dof_uses.enter(first + i as u32, list) {
-                let fault = self.contradiction(clash);
-                (first..first + i as u32).for_each(|number| drop(self.dof_uses.take(number, true)));
-                return Err((i, fault));
-            }
-        }
-        Ok(found)
+    /// Stores the statements of a new constraint, unless they contradict others.
+    pub(super) fn state(&mut self, number: u32, list: Vec<DofStatement>) -> Result<(), EquationError> {
+        self.dof_uses.enter(number, list).map_err(|clash| self.contradiction(clash))
     }
 
     /// Replaces the statements of a constraint, or leaves them if the new ones contradict others. Returns the Euler parameters of both.
@@ -32,7 +22,7 @@ impl ConstraintSet {
         let active = !self.register.inactive.contains_key(&number);
         let old = self.dof_uses.take(number, active);
         let found = euler_parameters(&[old.as_slice(), &list].concat());
-        let entered = self.dof_uses.enter(number, list).map_err(|clash| self.contradiction(clash));
+        let entered = self.state(number, list);
         if entered.is_err() {
             // They were entered before, and nothing else changed.
             let _ = self.dof_uses.enter(number, old);
@@ -75,8 +65,7 @@ impl ConstraintSet {
                 Some(number) if statements == 1 => {
                     self.norms.remove(&dofs);
                     self.register.inactive.remove(&number);
-                    self.take(number);
-                    self.dof_uses.take(number, true);
+                    self.forget(number);
                     self.register.remove(number);
                 }
                 _ => (),
@@ -114,9 +103,7 @@ struct Norm;
 
 impl Nonlinear for Norm {
     const DOFS: usize = 4;
-    const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0];
-    const SAME_PAIRS: bool = true;
     const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

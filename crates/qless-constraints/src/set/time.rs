@@ -57,9 +57,8 @@ impl ConstraintSet {
     /// `(row of c, angle in radians)` of the motors at the time of the set. Their equations determine the angle only up to multiples of 2 pi.
     pub fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
-        for (b, batch) in self.nonlinear.batches.iter().enumerate() {
-            let first = self.linear.rows() + self.nonlinear.offsets.first(b);
-            batch.angles(&mut |row, angle| angles.push((first + row, angle)));
+        for (first, batch) in self.nonlinear.with_rows() {
+            batch.angles(&mut |row, angle| angles.push((self.linear.rows() + first + row, angle)));
         }
         angles
     }

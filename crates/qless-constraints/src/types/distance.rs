@@ -108,9 +108,7 @@ struct RodParameters<const D: usize> {
 
 impl<const D: usize> Nonlinear for RodParameters<D> {
     const DOFS: usize = 2 * D;
-    const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0, 1, 0];
-    const SAME_PAIRS: bool = true;
     const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

@@ -87,9 +87,7 @@ struct Sphere<const D: usize> {
 
 impl<const D: usize> Nonlinear for Sphere<D> {
     const DOFS: usize = D;
-    const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0];
-    const SAME_PAIRS: bool = true;
     const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

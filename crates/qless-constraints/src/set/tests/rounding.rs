@@ -64,7 +64,7 @@ fn bounds_hold_and_are_near() -> Outcome {
     for (unit, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-12, 3e3)] {
         let set = set_at(UnitAndShift { unit, shift })?;
         let linear = set.linear_rows().len();
-        let constant = set.linear.nnz();
+        let constant = set.linear.col.len();
         for size in [None, Some(0.0), Some(1e-9), Some(1e-3), Some(0.3), Some(2.0), Some(6.0), Some(13.0)] {
             for _ in 0..27 {
                 seed += 1;
