@@ -4,7 +4,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, SystemBuilder, analyse};
 use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
-    Average, BeamToSolid, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNode,
+    Average, BeamToSolid, Body, Cyclic, CyclicHarmonic, Distance, Equal, Face, FaceSearch, Fixed, FluidNode,
     FluidNormal, FluidWall, HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node6,
     NodeTie, OnLine, OnPlane, OnSphere, OrderTie, Periodic, PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute,
     RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface, ThicknessLine, Turn, Turning,
@@ -97,7 +97,6 @@ fn every_type(x: f64, dof: usize) {
     take(Prescribed { values: vec![(dof, x)] });
     take(Equal::new([dof, 0]));
     take(Distance { length: Some(x), ..Distance::new(odd, p) });
-    take(EulerNorm { parameters: [0, 1, 2, dof] });
     take(FluidNormal { structure: [0, 1, dof], fluid: [3, 4, 5], normal: [x; 3] });
     if let Ok(turn) = Turn::about(at, axis, x) {
         let pair = Cyclic { a: odd, b: p, turn, fields: Turning::Vectors, tolerance: x };

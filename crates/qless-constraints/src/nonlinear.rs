@@ -1,6 +1,6 @@
 //! Nonlinear constraint equations, `c(u) = 0`, and their derivatives by dual numbers.
 
-use crate::scalar::{Dual, HyperDual, Scalar};
+use crate::scalar::{Dual, Scalar};
 
 /// The parameters of nonlinear equations `c(u) = 0` that share n DOFs, one row per name in [`Nonlinear::EQUATION_NAMES`].
 ///
@@ -93,17 +93,17 @@ pub fn jacobian<Q: Nonlinear, S: Scalar>(q: &Q, u: &[S], c: &mut [S], g: &mut [S
     });
 }
 
-/// `sum_r w_r d^2 c_r / du_j du_k` for each pair.
+/// `sum_r w_r d^2 c_r / du_j du_k` for each pair, by a slope of a slope.
 pub fn hessian<Q: Nonlinear>(q: &Q, u: &[f64], w: &[f64], h: &mut [f64]) {
-    with_scratch(HyperDual::from(0.0), u.len(), w.len(), |x, value| {
-        (0..u.len()).for_each(|j| x[j] = HyperDual::from(u[j]));
+    with_scratch(Dual::<1, Dual<1>>::from(0.0), u.len(), w.len(), |x, value| {
+        (0..u.len()).for_each(|j| x[j] = Dual::from(u[j]));
         let mut slot = h.iter_mut();
         q.pairs(u.len(), &mut |j, k| {
-            (x[j].first, x[k].second) = (1.0, 1.0);
+            (x[j].real.slope[0], x[k].slope[0].real) = (1.0, 1.0);
             q.value(x, value);
-            (x[j].first, x[k].second) = (0.0, 0.0);
+            (x[j].real.slope[0], x[k].slope[0].real) = (0.0, 0.0);
             if let Some(slot) = slot.next() {
-                *slot = value.iter().zip(w).map(|(c, w)| w * c.mixed).sum();
+                *slot = value.iter().zip(w).map(|(c, w)| w * c.slope[0].slope[0]).sum();
             }
         });
     });

@@ -6,9 +6,6 @@ use crate::equations::linear::StagedEquation;
 use crate::equations::nonlinear::StagedNonlinear;
 use crate::scalar::Bounded;
 
-/// Largest total capacity of a constraint's lists that is kept for reuse.
-const KEPT: usize = 256;
-
 /// The linear equations, nonlinear equations and statements about DOFs of one constraint.
 #[derive(Default)]
 pub struct ConstraintContents {
@@ -25,17 +22,6 @@ impl ConstraintContents {
     /// Replaces the right-hand sides of the linear equations, one each.
     pub fn set_rhs(&mut self, rhs: &[f64]) {
         self.equations.iter_mut().zip(rhs).for_each(|(equation, &rhs)| equation.rhs = LinearRhs::Value(rhs));
-    }
-
-    /// Clears the lists for reuse; `None` if they are too large to be kept.
-    pub fn emptied(mut self: Box<Self>) -> Option<Box<Self>> {
-        let Self { equations, pieces, dofs, statements, .. } = &mut *self;
-        let room = equations.capacity() + pieces.capacity() + dofs.capacity() + statements.capacity();
-        equations.clear();
-        pieces.clear();
-        dofs.clear();
-        statements.clear();
-        (room <= KEPT).then_some(self)
     }
 
     /// Evaluates the functions of time. The error is a value that is not finite.

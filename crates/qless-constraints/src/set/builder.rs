@@ -37,7 +37,6 @@ impl SetBuilder {
             norms: BTreeMap::new(),
             pattern: ChangeStamp::default(),
             version: ChangeStamp::default(),
-            spare: None,
         })
     }
 
@@ -117,7 +116,7 @@ impl ConstraintSet {
         if let Some((i, source)) = too_many {
             return Err(AddError::Equation { name: C::NAME, label: numbered(&label, i), source });
         }
-        let ids = self.register.add_all(label, count as u32);
+        let ids = self.register.add_all(&label, count as u32);
         self.keep_lengths(&rotations);
         Ok(ids)
     }

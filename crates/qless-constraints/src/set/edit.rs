@@ -188,7 +188,7 @@ impl ConstraintSet {
         constraint: C,
         more: usize,
     ) -> Result<Box<ConstraintContents>, EmitFault<C::Error>> {
-        let mut sink = EquationSink::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
+        let mut sink = EquationSink::new(self.dofs, self.time, Box::default());
         constraint.emit(&mut sink).map_err(EmitFault::Input)?;
         match sink.fault.take().or_else(|| self.too_large(more, sink.rows())) {
             Some(fault) => Err(EmitFault::Equation(fault)),
@@ -207,7 +207,6 @@ impl ConstraintSet {
         pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.equation_names, nonlinear));
         self.pattern.renew();
         self.version.renew();
-        self.spare = contents.emptied();
     }
 
     /// Removes and returns the equations of a constraint.

@@ -138,7 +138,7 @@ impl Inequalities {
         }
         if self.one_by_one {
             (self.met, self.one_by_one) = (HashSet::new(), false);
-            let labels = violated.iter().map(|id| set.register.name(id.number).into_owned()).collect();
+            let labels = violated.iter().map(|id| set.register.name(id.number).to_owned()).collect();
             return Err(InequalityError::Cycle { labels });
         }
         self.one_by_one = true;

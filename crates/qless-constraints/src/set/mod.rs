@@ -28,7 +28,6 @@ use qless::ArgumentError;
 use qless::common::Identity;
 
 use crate::equations::ChangeStamp;
-use crate::equations::contents::ConstraintContents;
 use crate::equations::dof_uses::DofUses;
 use crate::equations::hessian::HessianPlan;
 use crate::equations::linear::LinearEquations;
@@ -83,8 +82,6 @@ pub struct ConstraintSet {
     pattern: ChangeStamp,
     /// Renewed after each change.
     version: ChangeStamp,
-    /// Empty lists, reused for the next constraint.
-    spare: Option<Box<ConstraintContents>>,
 }
 
 impl std::fmt::Debug for ConstraintSet {

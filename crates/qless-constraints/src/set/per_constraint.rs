@@ -119,7 +119,7 @@ impl ConstraintSet {
         let number = self.register.number(constraint)?;
         let Some(contents) = self.register.inactive.get(&number) else { return Ok(None) };
         if let Some(value) = contents.not_finite {
-            let label = self.register.name(number).into_owned();
+            let label = self.register.name(number).to_owned();
             return Err(TimeError::NotFinite { label, time: self.time, value }.into());
         }
         Ok(Some(contents.values(&evaluation.u, self.time)))

@@ -37,7 +37,7 @@ impl ConstraintSet {
         let other = self.dof_uses.constraint_with(dof);
         let other = other
             .filter(|&number| number < self.register.ever())
-            .map_or_else(|| "the same call".to_owned(), |number| self.register.name(number as u32).into_owned());
+            .map_or_else(|| "the same call".to_owned(), |number| self.register.name(number as u32).to_owned());
         let dof = dof as usize;
         match clash {
             DofClash::Places([here, there]) => EquationError::TwoPlaces { dof, here, other, there },
