@@ -10,7 +10,7 @@ use qless_constraints::types::{
     RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface, ThicknessLine, Turn, Turning,
     Universal, Volume,
 };
-use qless_constraints::{Constraint, ConstraintSet, EquationSink, Nonlinear, Weights};
+use qless_constraints::{Constraint, ConstraintSet, EquationSink, Nonlinear};
 use qless_solve::enforce::{BlockPlan, Problem, reduced};
 use qless_solve::newton::{NewtonOptions, redundancies, solve};
 
@@ -39,9 +39,6 @@ fn sets_take_their_own_only() {
     for count in [0, 2, 4] {
         refused("weights", || set.effective_hessian(&[0.0; 4], &vec![0.0; count], &mut own));
         refused("weights", || set.assemble(&[0.0; 4], &vec![0.0; count], &mut own));
-        refused("multipliers", || Weights::Multipliers(&vec![0.0; count]).values(&[1.0; 3]));
-        refused("penalty", || Weights::Penalty(&vec![0.0; count]).values(&[1.0; 3]));
-        refused("both", || Weights::Augmented { multipliers: &[0.0; 3], penalty: &vec![0.0; count] }.values(&[1.0; 3]));
     }
     refused("of a twin", || set.evaluate(&[0.0; 4], &mut foreign));
     refused("of a twin", || set.effective_hessian(&[0.0; 4], &[0.0; 3], &mut foreign));

@@ -73,7 +73,7 @@ const FEW: usize = 16;
 pub struct EquationSink {
     dofs: usize,
     time: f64,
-    pub(crate) contents: Box<ConstraintContents>,
+    pub(crate) contents: ConstraintContents,
     pub(crate) fault: Option<EquationError>,
 }
 
@@ -88,9 +88,9 @@ impl std::fmt::Debug for EquationSink {
 }
 
 impl EquationSink {
-    /// For one constraint; `contents` must be empty.
-    pub(crate) fn new(dofs: usize, time: f64, contents: Box<ConstraintContents>) -> Self {
-        Self { dofs, time, contents, fault: None }
+    /// For one constraint.
+    pub(crate) fn new(dofs: usize, time: f64) -> Self {
+        Self { dofs, time, contents: ConstraintContents::default(), fault: None }
     }
 
     /// Number of equations so far.

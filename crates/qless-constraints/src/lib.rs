@@ -25,5 +25,5 @@ pub use nonlinear::Nonlinear;
 pub use set::{
     ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, Evaluation,
     Inequalities, InequalityError, LineariseError, PerConstraint, ReplaceError, Rounding, SetBuilder, TimeError,
-    Vanishing, Weights, shorten_rotation,
+    Vanishing, shorten_rotation,
 };

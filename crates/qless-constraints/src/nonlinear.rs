@@ -39,10 +39,6 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         None
     }
 
-    /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation only, so that another vector
-    /// of the same rotation may replace it ([`crate::ConstraintSet::shorten_rotations`]).
-    fn rotation_vectors(&self, _found: &mut dyn FnMut(usize)) {}
-
     /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));

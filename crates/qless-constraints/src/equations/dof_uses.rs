@@ -4,6 +4,9 @@
 //! share DOFs, and no later check could tell. So each constraint states what its DOFs are, and a statement that differs is refused.
 //! The coordinates also bound how well a DOF is known, for the analysis of rounding errors.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use crate::geometry::node::ROUNDING;
 use crate::scalar::Bounded;
 
@@ -68,7 +71,7 @@ pub enum DofClash {
 #[derive(Default)]
 pub struct DofUses {
     statements: Vec<Box<[DofStatement]>>,
-    records: Vec<Option<DofRecord>>,
+    records: BTreeMap<u32, DofRecord>,
 }
 
 impl DofUses {
@@ -90,8 +93,7 @@ impl DofUses {
     }
 
     fn count(&mut self, dof: u32, used: DofUse, measured: bool) -> Result<(), DofClash> {
-        self.records.resize(self.records.len().max(dof as usize + 1), None);
-        let record = self.records[dof as usize].get_or_insert(DofRecord { used, statements: 0, measured: 0 });
+        let record = self.records.entry(dof).or_insert(DofRecord { used, statements: 0, measured: 0 });
         compare(record.used, used)?;
         record.statements += 1;
         record.measured += u32::from(measured);
@@ -99,12 +101,12 @@ impl DofUses {
     }
 
     fn discount(&mut self, dof: u32, measured: bool) {
-        let record = &mut self.records[dof as usize];
-        if let Some(known) = record {
+        if let Entry::Occupied(mut record) = self.records.entry(dof) {
+            let known = record.get_mut();
             known.statements -= 1;
             known.measured -= u32::from(measured && known.measured > 0);
             if known.statements == 0 {
-                *record = None;
+                record.remove();
             }
         }
     }
@@ -122,10 +124,9 @@ impl DofUses {
         let Self { statements, records } = self;
         let list = statements.get(constraint as usize).map_or(&[][..], |list| list);
         for (dof, _, _) in list.iter().flat_map(DofStatement::uses).filter(|(.., measured)| *measured) {
-            let record = records[dof as usize].iter_mut();
-            record.for_each(|record| {
-                record.measured = record.measured.saturating_add_signed(if active { 1 } else { -1 })
-            });
+            let by = if active { 1 } else { -1 };
+            let record = records.get_mut(&dof).into_iter();
+            record.for_each(|record| record.measured = record.measured.saturating_add_signed(by));
         }
     }
 
@@ -137,20 +138,26 @@ impl DofUses {
 
     /// The rotations of all bodies: DOFs of rotation vectors, followed by [`NO_DOF`], and of Euler parameters, in the order of first DOFs.
     pub fn rotations(&self) -> impl Iterator<Item = [u32; 4]> + '_ {
-        self.records.iter().zip(0..).filter_map(|(record, dof)| match record.as_ref()?.used {
+        self.records.iter().filter_map(|(&dof, record)| match record.used {
             DofUse::Rotation(dofs) if dofs[0] == dof => Some(dofs),
             _ => None,
         })
     }
 
+    /// Whether a constraint states a rotation with this DOF.
+    pub fn states_rotation(&self, constraint: u32, dof: u32) -> bool {
+        let list = self.statements.get(constraint as usize).map_or(&[][..], |list| list);
+        list.iter().any(|statement| matches!(statement, DofStatement::Rotation(dofs) if dofs.contains(&dof)))
+    }
+
     /// Number of statements about a DOF.
     pub fn statements_of(&self, dof: u32) -> u32 {
-        self.records.get(dof as usize).copied().flatten().map_or(0, |record| record.statements)
+        self.records.get(&dof).map_or(0, |record| record.statements)
     }
 
     /// The coordinate that DOF j adds to, and the largest one of its node; 1 for rotations. `None` if it adds to none.
     pub fn sizes(&self, j: usize) -> Option<[f64; 2]> {
-        let record = self.records.get(j).copied().flatten().filter(|record| record.measured > 0)?;
+        let record = self.records.get(&u32::try_from(j).ok()?).filter(|record| record.measured > 0)?;
         Some(match record.used {
             DofUse::Displacement { at, node } => [at.abs(), node],
             DofUse::Rotation(_) => [1.0; 2],

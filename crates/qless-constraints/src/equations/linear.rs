@@ -70,7 +70,8 @@ impl LinearEquations {
             self.drive((constraint, k), equation.rhs);
         }
         self.start[row + 1..].iter_mut().for_each(|start| *start += last - first);
-        self.start.splice(row + 1..row + 1, ends);
+        let next = row + 1;
+        self.start.splice(next..next, ends);
         self.col.splice(first..first, col);
         self.val.splice(first..first, val);
         self.owners.splice(row..row, owners);

@@ -32,8 +32,8 @@ pub trait NonlinearBatch: Send + Sync {
     fn entries(&self, first: usize, entry: &mut dyn FnMut(u32, u32, u32));
     /// Writes the Hessian numbers of some items, one item after the other; `w` are the weights of their equations.
     fn curvatures(&self, items: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64]);
-    /// Calls `found` with the DOFs of each item, and the positions among them at which rotation vectors start.
-    fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize]));
+    /// The DOFs of an item.
+    fn dofs_of(&self, i: usize) -> &[u32];
     /// Evaluates parameters that are functions of time. The error is the first row whose value is not finite, and that value.
     fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)>;
     /// Calls `found` with each prescribed angle, and the first row that it occurs in.
@@ -153,8 +153,8 @@ impl NonlinearEquations {
 
     /// `(batch, item)` of the items of a constraint, type by type.
     pub fn items_of(&self, constraint: u32) -> Vec<(usize, usize)> {
-        let of = |(b, batch): (usize, &Box<dyn NonlinearBatch>)| batch.items_of(constraint).map(move |item| (b, item));
-        self.batches.iter().enumerate().flat_map(of).collect()
+        let each = self.batches.iter().enumerate();
+        each.flat_map(|(b, batch)| batch.items_of(constraint).map(move |item| (b, item))).collect()
     }
 
     /// Removes and returns the items of a constraint, and their DOFs.

@@ -130,6 +130,10 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
         self.owners[i]
     }
 
+    fn dofs_of(&self, i: usize) -> &[u32] {
+        self.dofs(i)
+    }
+
     fn width(&self, items: Range<usize>) -> usize {
         self.start[items.end] - self.start[items.start]
     }
@@ -201,18 +205,9 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
         }
     }
 
-    fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize])) {
-        let mut places = Vec::new();
-        for (i, item) in self.items.iter().enumerate() {
-            places.clear();
-            item.rotation_vectors(&mut |place| places.push(place));
-            found(self.dofs(i), &places);
-        }
-    }
-
     fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
-        let driven = self.items.iter_mut().enumerate().filter(|_| Q::DRIVEN);
-        driven.map(|(i, item)| item.at_time(time).map_err(|value| (i * Q::EQUATION_NAMES.len(), value))).collect()
+        let mut driven = self.items.iter_mut().enumerate().filter(|_| Q::DRIVEN);
+        driven.try_for_each(|(i, item)| item.at_time(time).map_err(|value| (i * Q::EQUATION_NAMES.len(), value)))
     }
 
     fn angles(&self, found: &mut dyn FnMut(usize, f64)) {

@@ -99,7 +99,7 @@ impl ConstraintSet {
     pub fn deactivate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
         if !self.register.inactive.contains_key(&number) {
-            let contents = Box::new(self.take(number));
+            let contents = self.take(number);
             self.dof_uses.activate(number, false);
             self.register.inactive.insert(number, contents);
         }
@@ -187,8 +187,8 @@ impl ConstraintSet {
         &mut self,
         constraint: C,
         more: usize,
-    ) -> Result<Box<ConstraintContents>, EmitFault<C::Error>> {
-        let mut sink = EquationSink::new(self.dofs, self.time, Box::default());
+    ) -> Result<ConstraintContents, EmitFault<C::Error>> {
+        let mut sink = EquationSink::new(self.dofs, self.time);
         constraint.emit(&mut sink).map_err(EmitFault::Input)?;
         match sink.fault.take().or_else(|| self.too_large(more, sink.rows())) {
             Some(fault) => Err(EmitFault::Equation(fault)),
@@ -197,10 +197,10 @@ impl ConstraintSet {
     }
 
     /// Stores the equations of a constraint in its position.
-    pub(super) fn put(&mut self, number: u32, mut contents: Box<ConstraintContents>) {
+    pub(super) fn put(&mut self, number: u32, mut contents: ConstraintContents) {
         let Self { register, linear, nonlinear, hessian_plan, time, .. } = self;
         linear.put(number, &mut contents.equations, &mut register.equation_names, *time);
-        let ConstraintContents { pieces, dofs, .. } = &mut *contents;
+        let ConstraintContents { pieces, dofs, .. } = &mut contents;
         if !pieces.is_empty() {
             hessian_plan.take();
         }
@@ -223,7 +223,7 @@ impl ConstraintSet {
     }
 
     /// Replaces the numbers of a constraint if all patterns stay; otherwise returns the contents.
-    fn overwrite(&mut self, number: u32, mut contents: Box<ConstraintContents>) -> Result<(), Box<ConstraintContents>> {
+    fn overwrite(&mut self, number: u32, mut contents: ConstraintContents) -> Result<(), ConstraintContents> {
         contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear));
         let places = self.nonlinear.items_of(number);
         let Self { register, linear, nonlinear, time, .. } = self;

@@ -1,10 +1,10 @@
-//! The arrays that a set evaluates into, their update after changes of the set, and the weights of the effective Hessian.
+//! The arrays that a set evaluates into, and their update after changes of the set.
 
 use qless::common::Identity;
 use qless::{ArgumentError, Csr};
 
 use crate::equations::hessian::HessianPlan;
-use crate::set::{ConstraintSet, long};
+use crate::set::ConstraintSet;
 
 /// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
 #[derive(Clone, Debug)]
@@ -110,54 +110,5 @@ impl ConstraintSet {
         let mut val = self.linear.val.clone();
         val.resize(col.len(), 0.0);
         Csr::from_parts(self.dofs, start, col, val).expect("the set has checked DOFs and sizes")
-    }
-}
-
-/// Weights `w_r` of the effective Hessian `sum_r w_r H_r`.
-///
-/// ```
-/// use qless_constraints::Weights;
-/// let c = [0.5, -1.0];
-/// assert_eq!(Weights::Multipliers(&[3.0, 4.0]).values(&c)?, [3.0, 4.0]);
-/// assert_eq!(Weights::Penalty(&[10.0, 100.0]).values(&c)?, [5.0, -100.0]);
-/// assert_eq!(Weights::Augmented { multipliers: &[3.0, 4.0], penalty: &[10.0, 100.0] }.values(&c)?, [8.0, -96.0]);
-/// # Ok::<(), qless::ArgumentError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Weights<'a> {
-    /// Lagrange: `w = lambda`.
-    Multipliers(&'a [f64]),
-    /// Penalty: `w = p c`; the term `G^T p G` of its tangent needs no Hessian.
-    Penalty(&'a [f64]),
-    /// Augmented Lagrange: `w = lambda + p c`.
-    Augmented {
-        /// Multipliers, one per equation.
-        multipliers: &'a [f64],
-        /// Penalty factors, one per equation.
-        penalty: &'a [f64],
-    },
-}
-
-impl Weights<'_> {
-    /// The weight of each equation, from the constraint values.
-    ///
-    /// # Errors
-    /// [`ArgumentError::WrongLength`] unless there is one multiplier or penalty per value.
-    pub fn values(&self, c: &[f64]) -> Result<Vec<f64>, ArgumentError> {
-        let (multipliers, penalty) = match *self {
-            Self::Multipliers(multipliers) => (multipliers, c),
-            Self::Penalty(penalty) => (c, penalty),
-            Self::Augmented { multipliers, penalty } => (multipliers, penalty),
-        };
-        long("the list of multipliers", multipliers.len(), c.len())?;
-        long("the list of penalties", penalty.len(), c.len())?;
-        let penal = |penalty: &[f64]| c.iter().zip(penalty).map(|(c, p)| p * c).collect::<Vec<_>>();
-        Ok(match *self {
-            Self::Multipliers(multipliers) => multipliers.to_vec(),
-            Self::Penalty(penalty) => penal(penalty),
-            Self::Augmented { multipliers, penalty } => {
-                penal(penalty).iter().zip(multipliers).map(|(product, multiplier)| product + multiplier).collect()
-            }
-        })
     }
 }

@@ -39,7 +39,7 @@ pub(crate) use crate::constraint::repeated;
 pub use active::{ActiveError, ActiveSystem};
 pub use builder::SetBuilder;
 pub use error::{AddError, EditError, LineariseError, ReplaceError, TimeError};
-pub use evaluation::{Evaluation, Weights};
+pub use evaluation::Evaluation;
 pub use inequalities::{Inequalities, InequalityError};
 pub use linearised::Vanishing;
 pub use per_constraint::PerConstraint;
@@ -122,7 +122,8 @@ impl ConstraintSet {
         self.evaluate_with(u, None, evaluation)
     }
 
-    /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation ([`Weights`]).
+    /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation: `w = lambda` with multipliers,
+    /// `w = p c` with penalties, whose tangent also has the term `G^T p G`, and `w = lambda + p c` with both.
     ///
     /// # Errors
     /// [`ArgumentError`] if `u` or `weights` has the wrong length, or this set did not allocate the evaluation.
@@ -202,13 +203,11 @@ impl ConstraintSet {
     /// The plan of H for the current equations.
     fn plan(&self) -> &HessianPlan {
         // Threads that wait for others may take up a task that also asks for the plan, so that nothing is locked while it is made.
-        match self.hessian_plan.get() {
-            Some(plan) => plan,
-            None => {
-                let plan = HessianPlan::new(&self.nonlinear.batches, self.dofs);
-                self.hessian_plan.get_or_init(|| plan)
-            }
+        if let Some(plan) = self.hessian_plan.get() {
+            return plan;
         }
+        let plan = HessianPlan::new(&self.nonlinear.batches, self.dofs);
+        self.hessian_plan.get_or_init(|| plan)
     }
 }
 

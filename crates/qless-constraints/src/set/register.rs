@@ -59,7 +59,7 @@ pub(super) struct ConstraintRegister {
     /// Number of constraints that were not removed.
     pub alive: usize,
     /// Contents of inactive constraints.
-    pub inactive: BTreeMap<u32, Box<ConstraintContents>>,
+    pub inactive: BTreeMap<u32, ConstraintContents>,
 }
 
 impl ConstraintRegister {

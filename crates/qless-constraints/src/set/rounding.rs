@@ -85,14 +85,7 @@ impl ConstraintSet {
     pub fn extents(&self, u: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         long("u", u.len(), self.dofs)?;
         let size = |(j, u): (usize, &f64)| u.abs().max(self.dof_uses.sizes(j).map_or(0.0, |[_, node]| node));
-        let mut sizes: Vec<f64> = u.iter().enumerate().map(size).collect();
-        self.nonlinear.batches.iter().for_each(|batch| {
-            batch.rotation_vectors(&mut |dofs, places| {
-                let rotations = places.iter().flat_map(|&k| &dofs[k..k + 3]);
-                rotations.for_each(|&j| sizes[j as usize] = sizes[j as usize].max(1.0));
-            });
-        });
-        Ok(sizes)
+        Ok(u.iter().enumerate().map(size).collect())
     }
 
     /// Whether a DOF is a displacement of a node, because it adds to a coordinate. No DOF from n on is one.

@@ -47,7 +47,7 @@ fn constraints_at_rest_have_values() -> Outcome {
         builder.add("motor", RotationMotor::new(Body::ground(), body, [0.0, 0.6, 0.8], |t| 0.1 * t))?,
     ];
     let mut set = builder.build()?;
-    let u: Vec<f64> = (0..14).map(|j| (j * j % 7) as f64 / 10.0).collect();
+    let u: Vec<f64> = (0..14).map(|j| f64::from(j * j % 7) / 10.0).collect();
     for time in [0.0, 2.0, -1.0] {
         let mut values = Vec::new();
         set.set_time(time)?;

@@ -63,15 +63,13 @@ pub fn check_tangent(model: &mut impl Model, u: &[f64]) -> Result<(), Equilibriu
     if found != expected {
         return Err(EquilibriumError::Size { what: "values of u", found, expected });
     }
-    let wrong = TangentCheck::new(model, u).and_then(|mut check| Ok(check.wrong_entry()));
-    match wrong {
-        Ok(None) => Ok(()),
+    match TangentCheck::new(model, u).map(|mut check| check.wrong_entry()) {
         Ok(Some(WrongEntry { row, column, given, difference })) => {
             Err(EquilibriumError::Tangent { factor: 0.0, row, column, given, difference })
         }
         Err(StepFailure::Model(source)) => Err(EquilibriumError::Model { factor: 0.0, source }),
         Err(StepFailure::Fatal(error)) => Err(error),
-        Err(_) => Ok(()),
+        _ => Ok(()),
     }
 }
 

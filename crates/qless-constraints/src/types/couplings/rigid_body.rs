@@ -4,14 +4,13 @@
 use super::equations::{RepeatedNodes, check, follow};
 use super::rigid_motion::arm;
 use crate::geometry::node::Point;
-use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
 use crate::types::joints::attachment::{AttachedPoint, Body};
 use crate::types::joints::coincident::coincident;
 use crate::types::joints::height::height;
 use crate::types::joints::orientation::Aligned;
-use crate::types::joints::relative::{relative, rotation_vectors};
+use crate::types::joints::relative::relative;
 use crate::types::{Component, CouplingError, Node6};
 use crate::{Constraint, EquationSink, Nonlinear};
 
@@ -125,10 +124,6 @@ impl Nonlinear for BodyCoordinate {
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         c[0] = S::from(self.at) + u[0] - self.body.point(&u[1..])[self.axis];
-    }
-
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        rotation_vectors([(1 + self.body.kind.positions(), self.body.kind), (0, RotationKind::Ground)], found);
     }
 
     /// All pairs of rotations of the body.

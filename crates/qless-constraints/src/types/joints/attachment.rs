@@ -159,16 +159,6 @@ impl<F: PointFunction, const N: usize> Nonlinear for OnPoints<F, N> {
         });
         self.function.value(&places, c);
     }
-
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        let mut first = 0;
-        for point in &self.points {
-            if point.kind == RotationKind::Vector {
-                found(first + 3);
-            }
-            first += point.dofs();
-        }
-    }
 }
 
 /// A point that moves with a body: `x = at + u + R arm`.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::attachment::{AttachedPoint, Body};
-use super::relative::{rotation_vectors, triangle};
+use super::relative::triangle;
 use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, scale, sub};
@@ -42,11 +42,6 @@ impl Nonlinear for Coincident {
             let rotations = first..first + kind.rotations();
             rotations.clone().for_each(|j| (first..=j).for_each(|k| pair(j, k)));
         }
-    }
-
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        let second = self.a.dofs() + self.b.kind.positions();
-        rotation_vectors([(self.a.kind.positions(), self.a.kind), (second, self.b.kind)], found);
     }
 
     /// `[I, d(R_a s_a), -I, -d(R_b s_b)]`.

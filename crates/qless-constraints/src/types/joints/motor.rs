@@ -181,10 +181,6 @@ impl Nonlinear for Travel {
         self.height.pairs(dofs, pair);
     }
 
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        self.height.rotation_vectors(found);
-    }
-
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         self.height.value_and_jacobian(u, c, g);
     }

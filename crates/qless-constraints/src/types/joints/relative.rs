@@ -96,10 +96,6 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
         self.function.angle()
     }
 
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        rotation_vectors([(0, self.a), (self.a.rotations(), self.b)], found);
-    }
-
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.rotations());
         self.function.value(product(conjugate(body_quaternion(self.a, a)), body_quaternion(self.b, b)), c);
@@ -154,9 +150,4 @@ pub fn triangle(kind: RotationKind) -> usize {
 /// Index of the first entry of row j in a lower triangle.
 pub fn triangle_before(j: usize) -> usize {
     j * (j + 1) / 2
-}
-
-/// Reports the rotation vectors of two bodies, each given with the index of its first rotation.
-pub fn rotation_vectors(bodies: [(usize, RotationKind); 2], found: &mut dyn FnMut(usize)) {
-    bodies.into_iter().filter(|&(_, kind)| kind == RotationKind::Vector).for_each(|(first, _)| found(first));
 }
