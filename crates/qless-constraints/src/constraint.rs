@@ -16,7 +16,7 @@ use crate::equations::LinearRhs;
 use crate::equations::contents::ConstraintContents;
 use crate::equations::dof_uses::{DofStatement, NO_DOF};
 use crate::equations::linear::{LinearTerms, StagedEquation};
-use crate::equations::typed::StagedItem;
+use crate::equations::nonlinear::typed::StagedItem;
 use crate::geometry::node::Node;
 pub use crate::nonlinear::Nonlinear;
 

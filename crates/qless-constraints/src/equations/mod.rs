@@ -6,7 +6,7 @@
 //! | batch | all items of one type |
 //! | stamp | identity of one state; a new one after each change |
 //!
-//! Modules, lowest first: this one and [`dof_uses`], [`linear`] and [`nonlinear`], [`typed`], [`contents`] and [`hessian`], [`tasks`].
+//! Modules, lowest first: this one and [`dof_uses`], [`linear`] and [`nonlinear`], [`contents`] and [`hessian`], [`tasks`].
 
 pub mod contents;
 pub mod dof_uses;
@@ -14,7 +14,6 @@ pub mod hessian;
 pub mod linear;
 pub mod nonlinear;
 pub mod tasks;
-pub mod typed;
 
 use std::borrow::Cow;
 use std::collections::HashMap;

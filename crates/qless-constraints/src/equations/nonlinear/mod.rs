@@ -1,11 +1,13 @@
 //! The nonlinear equations of all types: one batch for each type, in the order of first use, the items of a type sorted by constraint.
 
+pub mod typed;
+
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::equations::dof_uses::UncertainDofs;
-use crate::equations::typed::TypedBatch;
+use crate::equations::nonlinear::typed::TypedBatch;
 use crate::equations::{EquationNames, EquationOwner};
 use crate::nonlinear::Nonlinear;
 use crate::scalar::Bounded;
