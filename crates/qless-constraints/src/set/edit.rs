@@ -92,7 +92,8 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// Makes a constraint inactive: it has no equations until it is activated. No effect on an inactive constraint.
+    /// Makes a constraint inactive: it has no equations until it is activated, but keeps its values ([`ConstraintSet::values_of`]). No effect on
+    /// an inactive constraint.
     ///
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`].
@@ -150,6 +151,8 @@ impl ConstraintSet {
             Err(source) => return Err(AddError::Equation { name: C::NAME, label, source }.into()),
         };
         if let Some(inactive) = self.register.inactive.get_mut(&number) {
+            // In the order of active ones; types that the set does not know yet come last.
+            contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear).unwrap_or(usize::MAX));
             *inactive = contents;
         } else if let Err(contents) = self.overwrite(number, contents) {
             self.take(number);
@@ -175,7 +178,10 @@ impl ConstraintSet {
             return Err(EditError::NotFinite { label: self.register.name(number).to_string(), value });
         }
         match self.register.inactive.get_mut(&number) {
-            Some(contents) => contents.set_rhs(rhs),
+            Some(contents) => {
+                contents.set_rhs(rhs);
+                contents.not_finite = contents.at_time(self.time).err();
+            }
             None => self.linear.set_values(number, rhs),
         }
         self.version.renew();

@@ -1,6 +1,6 @@
 //! Numbers by constraint while constraints come and go; constraints at rest; inequalities.
 
-use qless_constraints::types::{Body, Distance, Driven, LinearEquation, PlanarPoint, Prescribed, RotationMotor};
+use qless_constraints::types::{Body, Distance, Driven, Fixed, LinearEquation, PlanarPoint, Prescribed, RotationMotor};
 use qless_constraints::{AddError, ConstraintSet, EditError, EquationError, Inequalities, InequalityError};
 
 use crate::common::Outcome;
@@ -98,5 +98,32 @@ fn an_active_set_that_returns_is_refused() -> Outcome {
         "{refused:?}"
     );
     assert_eq!(wide.constraints(), 0);
+    Ok(())
+}
+
+/// A constraint that is replaced at rest has the values that it has in action, in the same order; a constant right-hand side mends a function.
+#[test]
+fn constraints_change_at_rest() -> Outcome {
+    let mut set = ConstraintSet::builder(14).build()?;
+    let body = Body::with_vector([8, 9, 10], [0.0; 3], [11, 12, 13]);
+    // The set meets the motor before the ball joint.
+    set.add("motor", RotationMotor::new(Body::ground(), body, [0.0, 0.6, 0.8], |t| 0.1 * t))?;
+    let id = set.add("root", Driven::new([(0, 1.0)], |t: f64| (t + 2.0).sqrt()))?;
+    let mut evaluation = set.allocate();
+    let u: Vec<f64> = (0..14).map(|j| f64::from(j * j % 7) / 10.0).collect();
+    set.deactivate(id)?;
+    set.set_time(-5.0)?;
+    set.evaluate(&u, &mut evaluation)?;
+    assert!(set.values_of(id, &evaluation).is_err());
+    set.set_rhs(id, &[0.25])?;
+    set.evaluate(&u, &mut evaluation)?;
+    assert_eq!(set.values_of(id, &evaluation)?, [-0.25]);
+    set.replace(id, Fixed { a: Body::ground(), b: body, at: [0.3, 0.1, 0.2] })?;
+    set.evaluate(&u, &mut evaluation)?;
+    let resting = set.values_of(id, &evaluation)?;
+    set.activate(id)?;
+    set.evaluate(&u, &mut evaluation)?;
+    let off = resting.iter().zip(set.values_of(id, &evaluation)?).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(resting.len() == 6 && off < 1e-14, "{resting:?}");
     Ok(())
 }
