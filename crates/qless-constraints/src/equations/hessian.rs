@@ -31,6 +31,10 @@ impl HessianPlan {
     pub fn new(batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> Self {
         let mut ends = vec![0_usize; dofs + 1];
         let numbers = for_each_entry(batches, |row, _, _| ends[row as usize + 1] += 1);
+        if numbers == 0 {
+            let (col, first, terms) = (Vec::new(), vec![0], Vec::new());
+            return Self { stamp: Identity::new(), start: ends, col, first, terms, numbers };
+        }
         (0..dofs).for_each(|row| ends[row + 1] += ends[row]);
         let mut keys = vec![(0, 0); ends[dofs]];
         let mut next = ends.clone();

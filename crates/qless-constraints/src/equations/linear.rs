@@ -43,6 +43,15 @@ impl LinearEquations {
         self.owners.len()
     }
 
+    /// Frees memory that was reserved for more equations.
+    pub fn shrink(&mut self) {
+        self.owners.shrink_to_fit();
+        self.rhs.shrink_to_fit();
+        self.start.shrink_to_fit();
+        self.col.shrink_to_fit();
+        self.val.shrink_to_fit();
+    }
+
     /// The rows of a constraint.
     pub fn rows_of(&self, constraint: u32) -> Range<usize> {
         let first_from = |constraint| self.owners.partition_point(|owner| owner.constraint < constraint);

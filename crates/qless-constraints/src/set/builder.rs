@@ -69,10 +69,11 @@ impl SetBuilder {
     ///
     /// # Errors
     /// [`SystemError::TooLarge`] for more DOFs than 32 bits can number.
-    pub fn build(self) -> Result<ConstraintSet, SystemError> {
+    pub fn build(mut self) -> Result<ConstraintSet, SystemError> {
         if self.0.dofs >= u32::MAX as usize {
             return Err(SystemError::TooLarge { what: "the number of DOFs", found: self.0.dofs });
         }
+        self.0.linear.shrink();
         Ok(self.0)
     }
 }
