@@ -4,13 +4,13 @@ use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, SystemBuilder, analyse};
 use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
-    Average, BeamToSolid, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNode,
+    Average, BeamToSolid, Body, Cyclic, CyclicHarmonic, Distance, Equal, Face, FaceSearch, Fixed, FluidNode,
     FluidNormal, FluidWall, HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node6,
     NodeTie, OnLine, OnPlane, OnSphere, OrderTie, Periodic, PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute,
     RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface, ThicknessLine, Turn, Turning,
     Universal, Volume,
 };
-use qless_constraints::{Constraint, ConstraintSet, EquationSink, Nonlinear, Weights};
+use qless_constraints::{Constraint, ConstraintSet, EquationSink, Nonlinear};
 use qless_solve::enforce::{BlockPlan, Problem, reduced};
 use qless_solve::newton::{NewtonOptions, redundancies, solve};
 
@@ -39,9 +39,6 @@ fn sets_take_their_own_only() {
     for count in [0, 2, 4] {
         refused("weights", || set.effective_hessian(&[0.0; 4], &vec![0.0; count], &mut own));
         refused("weights", || set.assemble(&[0.0; 4], &vec![0.0; count], &mut own));
-        refused("multipliers", || Weights::Multipliers(&vec![0.0; count]).values(&[1.0; 3]));
-        refused("penalty", || Weights::Penalty(&vec![0.0; count]).values(&[1.0; 3]));
-        refused("both", || Weights::Augmented { multipliers: &[0.0; 3], penalty: &vec![0.0; count] }.values(&[1.0; 3]));
     }
     refused("of a twin", || set.evaluate(&[0.0; 4], &mut foreign));
     refused("of a twin", || set.effective_hessian(&[0.0; 4], &[0.0; 3], &mut foreign));
@@ -97,7 +94,6 @@ fn every_type(x: f64, dof: usize) {
     take(Prescribed { values: vec![(dof, x)] });
     take(Equal::new([dof, 0]));
     take(Distance { length: Some(x), ..Distance::new(odd, p) });
-    take(EulerNorm { parameters: [0, 1, 2, dof] });
     take(FluidNormal { structure: [0, 1, dof], fluid: [3, 4, 5], normal: [x; 3] });
     if let Ok(turn) = Turn::about(at, axis, x) {
         let pair = Cyclic { a: odd, b: p, turn, fields: Turning::Vectors, tolerance: x };

@@ -38,7 +38,7 @@ fn measure(constraints: usize, add: model::Add) -> [usize; 3] {
     let nodes = constraints / 2 + 200;
     MEMORY.reset_peak_usage();
     let before = MEMORY.current_usage();
-    let mut builder = ConstraintSet::builder(3 * nodes);
+    let mut builder = ConstraintSet::builder(6 * nodes);
     (0..constraints).for_each(|i| add(&mut builder, i / 2, nodes));
     let set = builder.build().expect("few DOFs");
     let of_set = MEMORY.current_usage() - before;

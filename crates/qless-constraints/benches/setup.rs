@@ -69,7 +69,7 @@ fn busy() -> f64 {
 
 fn filled(constraints: usize, add: impl Fn(&mut SetBuilder, usize, usize)) -> SetBuilder {
     let nodes = constraints / 2 + 200;
-    let mut builder = ConstraintSet::builder(3 * nodes);
+    let mut builder = ConstraintSet::builder(6 * nodes);
     add(&mut builder, constraints, nodes);
     builder
 }
@@ -119,7 +119,7 @@ fn evaluate(set: &ConstraintSet, evaluation: &mut Evaluation) -> f64 {
 /// Changes of single constraints in a set of rods and equal DOFs.
 fn changes(constraints: usize) {
     let nodes = constraints / 2 + 200;
-    let mut builder = ConstraintSet::builder(3 * nodes);
+    let mut builder = ConstraintSet::builder(6 * nodes);
     let rod =
         |i: usize, length: f64| Distance { length: Some(length), ..Distance::new(point(i), point((i + 1) % nodes)) };
     let rods: Vec<_> = (0..constraints / 2).map(|i| builder.add("", rod(i, 1.0)).expect("valid")).collect();

@@ -13,10 +13,9 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::equations::LinearRhs;
-use crate::equations::contents::{BulkEquations, ConstraintContents};
-use crate::equations::coordinates::{CoarseSize, DofCoordinate};
-use crate::equations::linear::StagedEquation;
-use crate::equations::linear::batch::LinearTerms;
+use crate::equations::contents::ConstraintContents;
+use crate::equations::dof_uses::{DofStatement, NO_DOF};
+use crate::equations::linear::{LinearTerms, StagedEquation};
 use crate::equations::nonlinear::typed::StagedItem;
 use crate::geometry::node::Node;
 pub use crate::nonlinear::Nonlinear;
@@ -71,13 +70,10 @@ const LARGEST: f64 = 1e50;
 const FEW: usize = 16;
 
 /// Receives the linear and nonlinear equations of the constraint that is being added.
-#[derive(Default)]
 pub struct EquationSink {
     dofs: usize,
     time: f64,
-    pub(crate) contents: Box<ConstraintContents>,
-    /// Destination of the equations instead of `contents`, if many constraints are added at once.
-    portion: Option<Box<BulkEquations>>,
+    pub(crate) contents: ConstraintContents,
     pub(crate) fault: Option<EquationError>,
 }
 
@@ -92,28 +88,14 @@ impl std::fmt::Debug for EquationSink {
 }
 
 impl EquationSink {
-    /// For one constraint; `contents` must be empty.
-    pub(crate) fn new(dofs: usize, time: f64, contents: Box<ConstraintContents>) -> Self {
-        Self { dofs, time, contents, ..Self::default() }
+    /// For one constraint.
+    pub(crate) fn new(dofs: usize, time: f64) -> Self {
+        Self { dofs, time, contents: ConstraintContents::default(), fault: None }
     }
 
-    /// For many consecutive constraints.
-    pub(crate) fn for_many(dofs: usize, portion: BulkEquations) -> Self {
-        Self { dofs, time: portion.time, portion: Some(Box::new(portion)), ..Self::default() }
-    }
-
-    /// Number of equations so far, of all constraints.
+    /// Number of equations so far.
     pub(crate) fn rows(&self) -> usize {
-        self.portion.as_ref().map_or_else(|| self.contents.rows(), |portion| portion.rows())
-    }
-
-    /// Ends the current constraint, one of `expected` in total.
-    pub(crate) fn next(&mut self, expected: usize) {
-        self.portion.iter_mut().for_each(|portion| portion.next(expected));
-    }
-
-    pub(crate) fn into_portion(self) -> BulkEquations {
-        self.portion.map_or_else(BulkEquations::default, |portion| *portion)
+        self.contents.rows()
     }
 
     /// Number of DOFs of the model.
@@ -147,10 +129,7 @@ impl EquationSink {
 
     fn put(&mut self, name: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: LinearRhs) {
         let terms = terms.into_iter();
-        let mut sorted = match &mut self.portion {
-            Some(portion) => portion.terms(),
-            None => Vec::with_capacity(terms.size_hint().0),
-        };
+        let mut sorted = Vec::with_capacity(terms.size_hint().0);
         let mut ascends = true;
         for (dof, value) in terms {
             self.check_dof(dof);
@@ -161,10 +140,8 @@ impl EquationSink {
         if !ascends {
             sorted = summed(sorted);
         }
-        match &mut self.portion {
-            _ if self.fault.is_some() => (),
-            Some(portion) => portion.equation(name, sorted, rhs),
-            None => self.contents.equations.push(StagedEquation { name, terms: sorted, rhs }),
+        if self.fault.is_none() {
+            self.contents.equations.push(StagedEquation { name, terms: sorted, rhs });
         }
     }
 
@@ -172,6 +149,9 @@ impl EquationSink {
     pub fn nonlinear<Q: Nonlinear>(&mut self, name: impl Into<Cow<'static, str>>, dofs: &[usize], mut parameters: Q) {
         if Q::DOFS != 0 && Q::DOFS != dofs.len() {
             self.fail(EquationError::DofCount { found: dofs.len(), expected: Q::DOFS });
+        }
+        if dofs.is_empty() {
+            self.fail(EquationError::NothingMoves);
         }
         if let Some(&dof) = dofs.iter().find(|&&dof| dof >= self.dofs) {
             self.check_dof(dof);
@@ -185,48 +165,65 @@ impl EquationSink {
             self.fail(EquationError::NotFinite { value });
         }
         if self.fault.is_none() {
-            self.put_nonlinear(name.into(), dofs, parameters);
-        }
-    }
-
-    fn put_nonlinear<Q: Nonlinear>(&mut self, name: Cow<'static, str>, dofs: &[usize], parameters: Q) {
-        let room = &mut self.contents.dofs;
-        if self.portion.is_some() {
-            room.clear();
-        }
-        let first = room.len();
-        room.extend(dofs.iter().map(|&dof| dof as u32));
-        match &mut self.portion {
-            Some(portion) => portion.nonlinear(name, room, parameters),
-            None => self.contents.pieces.push(Box::new(StagedItem { name, dofs: first..room.len(), parameters })),
+            let all = &mut self.contents.dofs;
+            let first = all.len();
+            all.extend(dofs.iter().map(|&dof| dof as u32));
+            let own = first..all.len();
+            self.contents.pieces.push(Box::new(StagedItem { name: name.into(), dofs: own, parameters }));
         }
     }
 
     /// States that a DOF is added to a reference coordinate: `x = at + u`, so that x is known to its last place at best.
     ///
-    /// [`crate::ConstraintSet::rounding`] needs this from types that keep differences of coordinates only.
+    /// [`crate::ConstraintSet::rounding`] needs this from types that keep differences of coordinates only. A DOF has one coordinate: another
+    /// one, of this or of another constraint, is refused.
     pub fn coordinate(&mut self, dof: usize, at: f64) {
-        self.numbers([at]);
-        self.put_coordinates(&[dof], [at], at.abs());
+        self.place(&[dof], &[at], true);
     }
 
     /// [`EquationSink::coordinate`] for all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
-        let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
-        self.numbers(node.at);
-        self.put_coordinates(&node.dofs, node.at, largest);
+        self.place(&node.dofs, &node.at, true);
     }
 
-    fn put_coordinates<const N: usize>(&mut self, dofs: &[usize; N], at: [f64; N], largest: f64) {
+    /// States that these DOFs displace a node or body from `at`. If `measured`, the equations keep differences of coordinates only.
+    pub(crate) fn place(&mut self, dofs: &[usize], at: &[f64], measured: bool) {
+        self.numbers(at.iter().copied());
+        for (dofs, at) in dofs.chunks(3).zip(at.chunks(3)) {
+            let mut of_chunk = [0.0; 3];
+            of_chunk[..at.len()].copy_from_slice(at);
+            let dofs = self.listed(dofs);
+            self.state(DofStatement::Place { dofs, at: of_chunk, measured });
+        }
+    }
+
+    /// States that these DOFs are the rotation of a body: the three components of a rotation vector, or `p - (1, 0, 0, 0)` of four Euler
+    /// parameters p, which the set keeps at length one.
+    ///
+    /// The DOFs of a rotation have no other use: another order of them, and their use as displacements, are refused.
+    pub fn rotation(&mut self, dofs: &[usize]) {
+        if !(3..=4).contains(&dofs.len()) {
+            self.fail(EquationError::DofCount { found: dofs.len(), expected: 4 });
+        }
+        if let Some(dof) = repeated(dofs) {
+            self.fail(EquationError::RepeatedDof { dof });
+        }
+        let dofs = self.listed(dofs);
+        self.state(DofStatement::Rotation(dofs));
+    }
+
+    /// The DOFs, checked; unused entries are [`NO_DOF`].
+    fn listed<const N: usize>(&mut self, dofs: &[usize]) -> [u32; N] {
         dofs.iter().for_each(|&dof| self.check_dof(dof));
-        if self.fault.is_none() {
-            let all = match &mut self.portion {
-                Some(portion) => &mut portion.coordinates.all,
-                None => &mut self.contents.coordinates,
-            };
-            let node = CoarseSize::above_zero(largest);
-            let each: [_; N] = std::array::from_fn(|k| DofCoordinate::new(dofs[k], at[k], node));
-            all.extend_from_slice(&each);
+        std::array::from_fn(|k| dofs.get(k).map_or(NO_DOF, |&dof| dof as u32))
+    }
+
+    fn state(&mut self, statement: DofStatement) {
+        let all = &mut self.contents.statements;
+        // A joint states the same of its bodies for each of its equations.
+        let known = all.iter().rev().take(FEW).any(|other| *other == statement);
+        if self.fault.is_none() && !known {
+            all.push(statement);
         }
     }
 
@@ -301,7 +298,7 @@ pub(crate) fn repeated(dofs: &[usize]) -> Option<usize> {
     sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
-/// A fault that the sink finds in the equations of a type. DOFs are 0-based.
+/// A fault of the equations that any type can have. DOFs are 0-based.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EquationError {
@@ -319,6 +316,38 @@ pub enum EquationError {
         /// The DOF.
         dof: usize,
     },
+    /// A node or body has another place than in another constraint.
+    #[error(
+        "it says that DOF {dof} displaces the coordinate {here}, but {other:?} says {there}; give each body one place, or its own DOFs"
+    )]
+    TwoPlaces {
+        /// The DOF.
+        dof: usize,
+        /// The coordinate in this constraint.
+        here: f64,
+        /// Label of the other constraint.
+        other: String,
+        /// The coordinate there.
+        there: f64,
+    },
+    /// A DOF belongs to two rotations: other DOFs, another order of them, or another parametrisation.
+    #[error("DOF {dof} belongs to another rotation in {other:?}; name the rotation DOFs of a body in one way")]
+    TwoRotations {
+        /// The DOF.
+        dof: usize,
+        /// Label of the other constraint.
+        other: String,
+    },
+    /// A DOF is a rotation in one constraint and a displacement in another.
+    #[error(
+        "DOF {dof} is a rotation in one constraint and a displacement in another, here and in {other:?}; correct its number"
+    )]
+    TwoUses {
+        /// The DOF.
+        dof: usize,
+        /// Label of the other constraint.
+        other: String,
+    },
     /// A nonlinear equation has another number of DOFs than its type requires.
     #[error("it names {found} DOFs, but its type has {expected}")]
     DofCount {
@@ -327,6 +356,15 @@ pub enum EquationError {
         /// Number of DOFs required.
         expected: usize,
     },
+    /// An inequality does not have one equation.
+    #[error("it has {found} equations; an inequality has one")]
+    NotOne {
+        /// Number of equations.
+        found: usize,
+    },
+    /// A nonlinear equation has no DOFs, since all of its points belong to the ground.
+    #[error("nothing in it can move; at least one of its points must belong to a node or to a body")]
+    NothingMoves,
     /// A coefficient, a right-hand side or a coordinate is NaN or infinite.
     #[error("it contains the number {value}; every number must be finite")]
     NotFinite {

@@ -20,8 +20,10 @@ mod set;
 pub mod types;
 
 pub use constraint::{Constraint, EquationError, EquationSink};
+pub use geometry::spin::rotation_tangent;
 pub use nonlinear::Nonlinear;
 pub use set::{
     ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, Evaluation,
-    LineariseError, ReplaceError, Rounding, SetBuilder, TimeError, Vanishing, Weights, shorten_rotation,
+    Inequalities, InequalityError, LineariseError, PerConstraint, ReplaceError, Rounding, SetBuilder, TimeError,
+    Vanishing, shorten_rotation,
 };

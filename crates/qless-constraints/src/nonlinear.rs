@@ -1,6 +1,6 @@
 //! Nonlinear constraint equations, `c(u) = 0`, and their derivatives by dual numbers.
 
-use crate::scalar::{Dual, HyperDual, Scalar};
+use crate::scalar::{Dual, Scalar};
 
 /// The parameters of nonlinear equations `c(u) = 0` that share n DOFs, one row per name in [`Nonlinear::EQUATION_NAMES`].
 ///
@@ -9,15 +9,10 @@ use crate::scalar::{Dual, HyperDual, Scalar};
 pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Number of DOFs of each constraint of the type, or 0 if it varies. A fixed number makes loops faster.
     const DOFS: usize = 0;
-    /// Whether c is a polynomial of degree two. [`Nonlinear::hessian`] must not depend on u then, and is called with an empty u.
-    /// If there is one equation and [`Nonlinear::NUMBERS`] is given, it is called once, with a weight of 1, and the result is scaled.
-    const QUADRATIC: bool = false;
     /// For each pair, the index of its number in [`Nonlinear::hessian`]; the list is repeated over all pairs. If empty, each pair has its own.
     ///
     /// This saves work if few numbers make many entries: `[0, 1, 0]` describes `v, -v, v, v, -v, v`.
     const NUMBERS: &'static [usize] = &[];
-    /// Whether [`Nonlinear::pairs`] depends on the number of DOFs only: then one constraint is asked for all with that number.
-    const SAME_PAIRS: bool = false;
     /// Whether parameters are functions of time. [`Nonlinear::at_time`] is called only then.
     const DRIVEN: bool = false;
     /// A name for each equation, such as "x"; a single equation has an empty name.
@@ -44,10 +39,6 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         None
     }
 
-    /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation only, so that another vector
-    /// of the same rotation may replace it ([`crate::ConstraintSet::shorten_rotations`]).
-    fn rotation_vectors(&self, _found: &mut dyn FnMut(usize)) {}
-
     /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
@@ -68,25 +59,6 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Writes `sum_r w_r d^2 c_r / du_j du_k`, one number per pair in the order of [`Nonlinear::pairs`], or as [`Nonlinear::NUMBERS`] says.
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
         hessian(self, u, w, h);
-    }
-
-    /// Largest number of constraints that [`Nonlinear::values_and_jacobians`] and [`Nonlinear::second_derivatives`] take at once.
-    ///
-    /// A type that needs much arithmetic can process several constraints with the same vector instructions. It must then define both
-    /// functions, as the defaults take one constraint.
-    const AT_ONCE: usize = 1;
-
-    /// [`Nonlinear::value_and_jacobian`] of several constraints; `u`, `c` and `g` hold one after the other.
-    #[inline]
-    fn values_and_jacobians(items: &[Self], u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        debug_assert_eq!(items.len(), 1);
-        items[0].value_and_jacobian(u, c, g);
-    }
-
-    /// [`Nonlinear::hessian`] of several constraints; `u`, `w` and `h` hold one after the other.
-    fn second_derivatives(items: &[Self], u: &[f64], w: &[f64], h: &mut [f64]) {
-        debug_assert_eq!(items.len(), 1);
-        items[0].hessian(u, w, h);
     }
 
     /// The index of the number of a pair, given the pair's place in the order of [`Nonlinear::pairs`].
@@ -117,17 +89,17 @@ pub fn jacobian<Q: Nonlinear, S: Scalar>(q: &Q, u: &[S], c: &mut [S], g: &mut [S
     });
 }
 
-/// `sum_r w_r d^2 c_r / du_j du_k` for each pair.
+/// `sum_r w_r d^2 c_r / du_j du_k` for each pair, by a slope of a slope.
 pub fn hessian<Q: Nonlinear>(q: &Q, u: &[f64], w: &[f64], h: &mut [f64]) {
-    with_scratch(HyperDual::from(0.0), u.len(), w.len(), |x, value| {
-        (0..u.len()).for_each(|j| x[j] = HyperDual::from(u[j]));
+    with_scratch(Dual::<1, Dual<1>>::from(0.0), u.len(), w.len(), |x, value| {
+        (0..u.len()).for_each(|j| x[j] = Dual::from(u[j]));
         let mut slot = h.iter_mut();
         q.pairs(u.len(), &mut |j, k| {
-            (x[j].first, x[k].second) = (1.0, 1.0);
+            (x[j].real.slope[0], x[k].slope[0].real) = (1.0, 1.0);
             q.value(x, value);
-            (x[j].first, x[k].second) = (0.0, 0.0);
+            (x[j].real.slope[0], x[k].slope[0].real) = (0.0, 0.0);
             if let Some(slot) = slot.next() {
-                *slot = value.iter().zip(w).map(|(c, w)| w * c.mixed).sum();
+                *slot = value.iter().zip(w).map(|(c, w)| w * c.slope[0].slope[0]).sum();
             }
         });
     });

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use qless::{Form, Options, analyse};
-use qless_constraints::types::{Body, Distance, EulerNorm, PlanarPoint, Revolute, Spherical};
+use qless_constraints::types::{Body, Distance, PlanarPoint, Revolute, Spherical};
 use qless_constraints::{ConstraintSet, Evaluation, SetBuilder};
 use qless_scenes::memory;
 use qless_solve::newton::{NewtonOptions, solve};
@@ -84,9 +84,6 @@ fn revolute(bodies: usize) -> ConstraintSet {
     for i in 0..bodies {
         let axis = from_fn(|k| random(3 * i + k + 7_919) + if k == i % 3 { 1.0 } else { 0.0 });
         builder.add("", Revolute { a: body(i), b: body(i + 1), at: joint(i), axis }).expect("valid");
-    }
-    for i in 0..bodies {
-        builder.add("", EulerNorm { parameters: from_fn(|k| 7 * i + 3 + k) }).expect("valid");
     }
     builder.build().expect("few DOFs")
 }

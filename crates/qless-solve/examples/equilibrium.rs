@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
         println!("  slider at {:.6} m, force along the drive {:.3} N", 0.5 + found.u[2], found.reactions[0]);
-        for (row, lambda) in found.multipliers.iter().enumerate() {
+        for (row, lambda) in found.multipliers.in_rows(&set)?.iter().enumerate() {
             println!("  {:>6}: {lambda:.3} N", set.label(row)?);
         }
         start = found.start();

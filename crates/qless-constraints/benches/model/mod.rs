@@ -14,6 +14,12 @@ pub fn point(node: usize) -> Point {
     Point::new([3 * node, 3 * node + 1, 3 * node + 2], at)
 }
 
+/// The node as a body, whose rotation follows the displacements of all nodes.
+fn body(node: usize, nodes: usize) -> Body {
+    let Point { dofs, at } = point(node);
+    Body::with_vector(dofs, at, dofs.map(|dof| 3 * nodes + dof))
+}
+
 /// A function that adds constraint i.
 pub type Add = fn(&mut SetBuilder, usize, usize);
 
@@ -26,7 +32,7 @@ pub fn linear(builder: &mut SetBuilder, i: usize, nodes: usize) {
     builder.add("", one_linear(i, nodes)).expect("valid");
 }
 
-pub fn one_rod(i: usize, nodes: usize) -> Distance<3> {
+pub fn one_rod(i: usize, nodes: usize) -> Distance<Point> {
     let other = (i + [1, 100, 101, 99][i % 4]) % nodes;
     Distance { length: Some(1.0), ..Distance::new(point(i), point(other)) }
 }
@@ -63,14 +69,13 @@ pub fn small(builder: &mut SetBuilder, i: usize, nodes: usize) {
 }
 
 pub fn finite(builder: &mut SetBuilder, i: usize, nodes: usize) {
-    let (near, far) = (point((i + 1) % nodes), point((i + 2) % nodes));
-    let body = Body::with_vector(near.dofs, near.at, far.dofs);
+    let body = body((i + 1) % nodes, nodes);
     builder.add("", RigidBody { body, nodes: vec![point(i).into()] }).expect("valid");
 }
 
 pub fn joint(builder: &mut SetBuilder, i: usize, nodes: usize) {
-    let body = |i: usize| Body::with_vector(point(i % nodes).dofs, point(i).at, point((i + 1) % nodes).dofs);
-    builder.add("", Spherical { a: body(i), b: body(i + 2), at: point(i + 2).at }).expect("valid");
+    let (a, b) = (body(i % nodes, nodes), body((i + 2) % nodes, nodes));
+    builder.add("", Spherical { a, b, at: point(i + 2).at }).expect("valid");
 }
 
 /// In 100 constraints: 30 linear equations, 25 equal DOFs, 20 rods, 12 ties, 6 spheres, 5 small rigid links, 1 finite one, 1 joint.
@@ -78,7 +83,7 @@ pub fn mixed(constraints: usize) -> ConstraintSet {
     let shares: [(usize, Add); 8] =
         [(30, linear), (25, equal), (20, rod), (12, tie), (6, sphere), (5, small), (1, finite), (1, joint)];
     let nodes = constraints / 2 + 200;
-    let mut builder = ConstraintSet::builder(3 * nodes);
+    let mut builder = ConstraintSet::builder(6 * nodes);
     for i in 0..constraints {
         let mut lot = i * 37 % 100;
         for (share, add) in shares {
@@ -95,7 +100,7 @@ pub fn mixed(constraints: usize) -> ConstraintSet {
 /// Constraints of one kind.
 pub fn of_one_kind(constraints: usize, add: Add) -> ConstraintSet {
     let nodes = constraints / 2 + 200;
-    let mut builder = ConstraintSet::builder(3 * nodes);
+    let mut builder = ConstraintSet::builder(6 * nodes);
     (0..constraints).for_each(|i| add(&mut builder, i / 2, nodes));
     builder.build().expect("few DOFs")
 }

@@ -3,16 +3,14 @@
 //! | word | meaning |
 //! | --- | --- |
 //! | item | the nonlinear equations of one type that one constraint has: parameters and a list of DOFs |
-//! | batch | equations of c and G that are stored together and evaluated by one task: [`linear::batch`], [`nonlinear::batch`] |
-//! | chunk | rows of H that one task writes: [`hessian::chunk`] |
-//! | stamp | identity of one state of a batch or chunk; a new one after each change |
+//! | batch | all items of one type |
+//! | stamp | identity of one state; a new one after each change |
 //!
-//! Modules, lowest first: this one and [`layout`], [`coordinates`], [`linear`] and [`nonlinear`], [`contents`] and [`hessian`], [`tasks`].
+//! Modules, lowest first: this one and [`dof_uses`], [`linear`] and [`nonlinear`], [`contents`] and [`hessian`], [`tasks`].
 
 pub mod contents;
-pub mod coordinates;
+pub mod dof_uses;
 pub mod hessian;
-pub mod layout;
 pub mod linear;
 pub mod nonlinear;
 pub mod tasks;
@@ -29,13 +27,6 @@ pub struct EquationOwner {
     pub constraint: u32,
     /// Index into [`EquationNames`].
     pub name: u32,
-}
-
-/// Replaces each index into one list of names by `names[index]`, the index into another.
-pub fn renumber(owners: &mut [EquationOwner], names: Option<&[u32]>) {
-    if let Some(names) = names {
-        owners.iter_mut().for_each(|owner| owner.name = names[owner.name as usize]);
-    }
 }
 
 /// The names that tell the equations of one constraint apart, such as "x". Each is stored once, as few names serve many equations.
@@ -65,66 +56,8 @@ impl EquationNames {
         place
     }
 
-    /// The indices here of all names of another list; `None` if they are the same as there.
-    pub fn places_of(&mut self, others: &Self) -> Option<Vec<u32>> {
-        let places: Vec<u32> = others.names.iter().map(|name| self.place(name.clone())).collect();
-        (0..).zip(&places).any(|(there, &here)| there != here).then_some(places)
-    }
-
     pub fn name(&self, place: u32) -> Cow<'static, str> {
         self.names[place as usize].clone()
-    }
-}
-
-/// The first row of each batch, and at the end the number of rows.
-pub struct RowOffsets(Vec<u32>);
-
-impl Default for RowOffsets {
-    fn default() -> Self {
-        Self(vec![0])
-    }
-}
-
-impl RowOffsets {
-    /// Rows of all batches.
-    pub fn rows(&self) -> usize {
-        self.0.last().map_or(0, |&rows| rows as usize)
-    }
-
-    /// The first row of a batch; the number of rows for the index after the last batch.
-    pub fn first(&self, batch: usize) -> usize {
-        self.0[batch] as usize
-    }
-
-    /// The batch that holds a row, and the row's number in that batch.
-    pub fn find(&self, row: usize) -> (usize, usize) {
-        let batch = self.0.partition_point(|&first| first as usize <= row) - 1;
-        (batch, row - self.0[batch] as usize)
-    }
-
-    /// Changes the number of rows of a batch.
-    pub fn grow(&mut self, batch: usize, by: i32) {
-        self.0[batch + 1..].iter_mut().for_each(|first| *first = first.wrapping_add_signed(by));
-    }
-
-    /// Appends a batch of this many rows.
-    pub fn push(&mut self, rows: usize) {
-        self.0.push((self.rows() + rows) as u32);
-    }
-
-    /// Inserts a batch without rows.
-    pub fn insert(&mut self, batch: usize) {
-        self.0.insert(batch, self.0[batch]);
-    }
-
-    /// Removes a batch that has no rows.
-    pub fn remove(&mut self, batch: usize) {
-        self.0.remove(batch);
-    }
-
-    /// Splits a batch after its first `rows` rows.
-    pub fn split(&mut self, batch: usize, rows: usize) {
-        self.0.insert(batch + 1, self.0[batch] + rows as u32);
     }
 }
 

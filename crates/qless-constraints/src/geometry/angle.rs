@@ -5,9 +5,6 @@
 //! Scaling m and v together does not change c. If v is zero and m is negative, the angle is pi and every direction is
 //! equally near. Within [`TURNED_OVER`] of that point c takes the first direction, `c = (pi + v_1 / m, 0, ..)`, and
 //! its Jacobian has rank one.
-//!
-//! With `r = y + m^2`: `f_m = -1 / r`, `f_mm = 2 m / r^2`, `f_my = 1 / r^2`, `f_y = (m / r - f) / (2 y)`,
-//! `f_yy = -(m / r^2 + 3 f_y) / (2 y)`. Near zero, series in `y / m^2` replace the last two.
 
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -51,81 +48,10 @@ fn turned_over<const K: usize>(m: f64, v: [f64; K]) -> bool {
     m < 0.0 && v.iter().fold(0.0, |sum: f64, v| sum.hypot(*v)) <= -TURNED_OVER * m
 }
 
-/// f and its derivatives.
-struct AngleFactors {
-    f: f64,
-    m: f64,
-    y: f64,
-    mm: f64,
-    my: f64,
-    yy: f64,
-}
-
-impl AngleFactors {
-    fn new(m: f64, y: f64) -> Self {
-        let (r, z) = (y + m * m, y / (m * m));
-        let (by_m, mm, my) = (-1.0 / r, 2.0 * m / (r * r), 1.0 / (r * r));
-        if m > 0.0 && z < SMALL {
-            let [f, by_y, yy] = series(z);
-            return Self { f: f / m, m: by_m, y: by_y / (m * m * m), mm, my, yy: yy / (m * m * m * m * m) };
-        }
-        let f = y.sqrt().atan2(m) / y.sqrt();
-        let by_y = (m / r - f) / (2.0 * y);
-        Self { f, m: by_m, y: by_y, mm, my, yy: -(m / (r * r) + 3.0 * by_y) / (2.0 * y) }
-    }
-}
-
-/// `sum (-z)^k / (2 k + 1)` and its first two derivatives.
-fn series(z: f64) -> [f64; 3] {
-    (0..terms(z)).rev().fold([0.0; 3], |[f, slope, curve], k| {
-        let next = -z * f + 1.0 / f64::from(2 * k + 1);
-        [next, -z * slope - f, -z * curve - 2.0 * slope]
-    })
-}
-
-/// The angle vector and its Jacobian with respect to (m, v), one row per component.
-pub fn slopes<const K: usize>(x: [f64; 4]) -> ([f64; K], [[f64; 4]; K]) {
-    let (m, v): (f64, [f64; K]) = (x[0], from_fn(|k| x[1 + k]));
-    let mut rows = [[0.0; 4]; K];
-    if turned_over(m, v) {
-        (rows[0][0], rows[0][1]) = (-v[0] / (m * m), 1.0 / m);
-        return (from_fn(|k| if k == 0 { PI + v[0] / m } else { 0.0 }), rows);
-    }
-    let factors = AngleFactors::new(m, v.iter().map(|v| v * v).sum());
-    for (i, row) in rows.iter_mut().enumerate() {
-        row[0] = factors.m * v[i];
-        (0..K).for_each(|k| row[1 + k] = 2.0 * factors.y * v[i] * v[k]);
-        row[1 + i] += factors.f;
-    }
-    (v.map(|v| factors.f * v), rows)
-}
-
-/// Gradient and Hessian of `w . c` with respect to (m, v).
-pub fn curvature<const K: usize>(x: [f64; 4], w: [f64; K]) -> ([f64; 4], [[f64; 4]; 4]) {
-    let (m, v): (f64, [f64; K]) = (x[0], from_fn(|k| x[1 + k]));
-    let rows = slopes::<K>(x).1;
-    let gradient = from_fn(|j| (0..K).map(|k| w[k] * rows[k][j]).sum());
-    let mut h = [[0.0; 4]; 4];
-    if turned_over(m, v) {
-        h[0][0] = 2.0 * w[0] * v[0] / (m * m * m);
-        (h[0][1], h[1][0]) = (-w[0] / (m * m), -w[0] / (m * m));
-        return (gradient, h);
-    }
-    let f = AngleFactors::new(m, v.iter().map(|v| v * v).sum());
-    let p: f64 = (0..K).map(|k| w[k] * v[k]).sum();
-    h[0][0] = f.mm * p;
-    for j in 0..K {
-        h[0][1 + j] = f.m * w[j] + 2.0 * f.my * p * v[j];
-        h[1 + j][0] = h[0][1 + j];
-        (0..K).for_each(|k| h[1 + j][1 + k] = 2.0 * f.y * (v[j] * w[k] + w[j] * v[k]) + 4.0 * f.yy * p * v[j] * v[k]);
-        h[1 + j][1 + j] += 2.0 * f.y * p;
-    }
-    (gradient, h)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scalar::Dual;
 
     /// Series and closed forms give the exact angles and directions on both sides of the switch.
     #[test]
@@ -143,8 +69,10 @@ mod tests {
     #[test]
     fn turned_over_is_half_a_turn() {
         for v in [[0.0, 0.0], [6e-17, 0.0], [3e-9, -4e-9]] {
-            let (c, rows) = slopes::<2>([-1.0, v[0], v[1], 0.0]);
-            assert!((c[0].hypot(c[1]) - PI).abs() < 1e-8, "{c:?}");
+            let x = [-1.0, v[0], v[1], 0.0];
+            let c: [Dual<4>; 2] = value(from_fn(|j| Dual::variable(x[j], j)));
+            let rows = c.map(|c| c.slope);
+            assert!((c[0].real.hypot(c[1].real) - PI).abs() < 1e-8, "{c:?}");
             assert!(rows.iter().flatten().all(|x| x.abs() <= 1.0));
             assert!((rows[0][1] * rows[1][2] - rows[0][2] * rows[1][1]).abs() < 1e-15);
         }

@@ -5,10 +5,6 @@
 //! `dc_k/dy = (k c_(k+2) - c_(k+1)) / 2`. The two series of `c_5` and `c_6` give all six numbers. Without a division
 //! by y, they are exact at y = 0.
 
-#![expect(clippy::inline_always, reason = "only inlined code uses the wide instructions of its caller")]
-
-use crate::scalar::Arithmetic;
-
 /// `a, a', a''` and `b, b', b''`.
 #[inline]
 pub fn factors(y: f64) -> [[f64; 3]; 2] {
@@ -19,31 +15,24 @@ pub fn factors(y: f64) -> [[f64; 3]; 2] {
 fn series(y: f64) -> [[f64; 3]; 2] {
     // Short series for small rotations, which are common. The first term left out is below 1e-20 for y < 0.05, and
     // below 1e-17 for y < 5.
-    from_highest(y, if y < 0.05 { highest::<6, _>(y) } else { highest::<12, _>(y) })
+    from_highest(y, highest(y, if y < 0.05 { 6 } else { 12 }))
 }
 
 /// All six factors from `c_5` and `c_6`.
-#[inline(always)]
-pub fn from_highest<S: Arithmetic>(y: S, [c5, c6]: [S; 2]) -> [[S; 3]; 2] {
-    let number = S::from;
-    let (c3, c4) = (number(1.0 / 6.0) - y * c5, number(1.0 / 24.0) - y * c6);
-    let (c1, c2) = (number(1.0) - y * c3, number(0.5) - y * c4);
-    let of_a = [c1, number(0.5) * (c3 - c2), number(0.25) * (c3 - number(3.0) * (c4 - c5))];
-    [of_a, [c2, c4 - number(0.5) * c3, number(2.0) * c6 - number(1.25) * c5 + number(0.25) * c4]]
+fn from_highest(y: f64, [c5, c6]: [f64; 2]) -> [[f64; 3]; 2] {
+    let (c3, c4) = (1.0 / 6.0 - y * c5, 1.0 / 24.0 - y * c6);
+    let (c1, c2) = (1.0 - y * c3, 0.5 - y * c4);
+    let of_a = [c1, 0.5 * (c3 - c2), 0.25 * (c3 - 3.0 * (c4 - c5))];
+    [of_a, [c2, c4 - 0.5 * c3, 2.0 * c6 - 1.25 * c5 + 0.25 * c4]]
 }
 
 /// `c_5` and `c_6` by Horner's rule.
-#[inline(always)]
-pub fn highest<const TERMS: usize, S: Arithmetic>(y: S) -> [S; 2] {
-    let mut sums = [S::from(0.0); 2];
-    for term in INVERSE_FACTORIALS[..TERMS].iter().rev() {
-        sums = [S::from(term[0]) - y * sums[0], S::from(term[1]) - y * sums[1]];
-    }
-    sums
+fn highest(y: f64, terms: usize) -> [f64; 2] {
+    INVERSE_FACTORIALS[..terms].iter().rev().fold([0.0; 2], |sums, term| [term[0] - y * sums[0], term[1] - y * sums[1]])
 }
 
 /// Closed forms for y >= 4: `d(cos t)/dy = -a / 2`, and so on.
-pub fn closed(y: f64) -> [[f64; 3]; 2] {
+fn closed(y: f64) -> [[f64; 3]; 2] {
     let t = y.sqrt();
     let (sin, cos) = t.sin_cos();
     let half = (0.5 * t).sin();
@@ -67,10 +56,10 @@ const INVERSE_FACTORIALS: [[f64; 2]; 12] = {
 };
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
 
-    pub fn assert_same(x: [[f64; 3]; 2], y: [[f64; 3]; 2], tolerance: f64, at: f64) {
+    fn assert_same(x: [[f64; 3]; 2], y: [[f64; 3]; 2], tolerance: f64, at: f64) {
         for (a, b) in x.iter().flatten().zip(y.iter().flatten()) {
             assert!((a - b).abs() < tolerance * b.abs(), "y = {at}: {a}, {b}");
         }

@@ -59,7 +59,12 @@ pub(super) fn factors<S: Scalar>(y: S) -> (S, S) {
     (t.sin() / t, S::from(2.0) * half * half / y)
 }
 
-/// `sum_k (-y)^k / (2k + first)!`, `first` 1 or 2.
+/// `(t - sin t) / t^3` from `y = t^2`.
+pub(super) fn third_factor<S: Scalar>(y: S) -> S {
+    if y.real() < 0.25 { series(y, 3.0) / S::from(2.0) } else { (S::from(1.0) - factors(y).0) / y }
+}
+
+/// `sum_k (-y)^k / (2k + first)!`, `first` 1 or 2; twice that for `first` 3.
 fn series<S: Scalar>(y: S, first: f64) -> S {
     let mut sum = S::from(1.0);
     for k in (1..9).rev() {

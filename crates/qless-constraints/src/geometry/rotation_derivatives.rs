@@ -4,11 +4,8 @@
 //! vector, with `y = theta.theta`, gives `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`,
 //! `beta = (m.theta)(s.theta) - y m.s`.
 
-#![expect(clippy::inline_always, reason = "only inlined code uses the wide instructions of its caller")]
-
 use super::rodrigues::factors;
 use super::rotation::RotationKind;
-use crate::scalar::Arithmetic;
 use crate::scalar::vector::{Vector, add, axis, cross, dot, scale, sub};
 
 /// Indices of a lower triangle for up to four rotations, row by row.
@@ -49,22 +46,16 @@ pub fn slopes(kind: RotationKind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[
 
 /// `R s = s + a v + b w` with `v = theta x s`, `w = theta x v`, and
 /// `d(R s) = -a [s]x + b ((theta.s) I + theta s^T - 2 s theta^T) + 2 (a' v + b' w) theta^T`.
-#[inline(always)]
-pub fn slopes_by_vector<S: Arithmetic>(
-    theta: Vector<S>,
-    s: Vector<S>,
-    [a, b]: [[S; 3]; 2],
-) -> (Vector<S>, [Vector<S>; 3]) {
-    let (zero, two) = (S::from(0.0), S::from(2.0));
+fn slopes_by_vector(theta: Vector<f64>, s: Vector<f64>, [a, b]: [[f64; 3]; 2]) -> (Vector<f64>, [Vector<f64>; 3]) {
     let once = cross(theta, s);
     let (twice, along) = (cross(theta, once), b[0] * dot(theta, s));
-    let side = scale(two, sub(add(scale(a[1], once), scale(b[1], twice)), scale(b[0], s)));
+    let side = scale(2.0, sub(add(scale(a[1], once), scale(b[1], twice)), scale(b[0], s)));
     let spin = scale(a[0], s);
-    let mut rows = [[zero, spin[2], -spin[1]], [-spin[2], zero, spin[0]], [spin[1], -spin[0], zero]];
+    let mut rows = [[0.0, spin[2], -spin[1]], [-spin[2], 0.0, spin[0]], [spin[1], -spin[0], 0.0]];
     for (i, row) in rows.iter_mut().enumerate() {
         let tilt = b[0] * theta[i];
-        (0..3).for_each(|k| row[k] = row[k] + tilt * s[k] + side[i] * theta[k]);
-        row[i] = row[i] + along;
+        (0..3).for_each(|k| row[k] += tilt * s[k] + side[i] * theta[k]);
+        row[i] += along;
     }
     (add(add(s, scale(a[0], once)), scale(b[0], twice)), rows)
 }
@@ -94,45 +85,41 @@ pub fn hessian(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, ou
 }
 
 /// The terms of phi for a rotation vector.
-pub struct Phi<S> {
-    theta: Vector<S>,
-    s: Vector<S>,
-    m: Vector<S>,
-    n: Vector<S>,
-    ms: S,
-    alpha: S,
-    beta: S,
-    slope_beta: Vector<S>,
+struct Phi {
+    theta: Vector<f64>,
+    s: Vector<f64>,
+    m: Vector<f64>,
+    n: Vector<f64>,
+    ms: f64,
+    alpha: f64,
+    beta: f64,
+    slope_beta: Vector<f64>,
     /// a, a', a'' and b, b', b''.
-    a: [S; 3],
-    b: [S; 3],
+    a: [f64; 3],
+    b: [f64; 3],
 }
 
-impl<S: Arithmetic> Phi<S> {
-    #[inline(always)]
-    pub fn new(theta: Vector<S>, s: Vector<S>, m: Vector<S>, [a, b]: [[S; 3]; 2]) -> Self {
+impl Phi {
+    fn new(theta: Vector<f64>, s: Vector<f64>, m: Vector<f64>, [a, b]: [[f64; 3]; 2]) -> Self {
         let (n, ms, y) = (cross(s, m), dot(m, s), dot(theta, theta));
         let (mt, st) = (dot(m, theta), dot(s, theta));
-        let two = S::from(2.0);
-        let slope_beta = sub(add(scale(st, m), scale(mt, s)), scale(ms, scale(two, theta)));
+        let slope_beta = sub(add(scale(st, m), scale(mt, s)), scale(ms, scale(2.0, theta)));
         Self { theta, s, m, n, ms, alpha: dot(theta, n), beta: mt * st - y * ms, slope_beta, a, b }
     }
 
     /// `a n + 2 a' alpha theta + b grad beta + 2 b' beta theta`.
-    #[inline(always)]
-    fn gradient(&self) -> Vector<S> {
-        let along = S::from(2.0) * (self.a[1] * self.alpha + self.b[1] * self.beta);
+    fn gradient(&self) -> Vector<f64> {
+        let along = 2.0 * (self.a[1] * self.alpha + self.b[1] * self.beta);
         add(add(scale(self.a[0], self.n), scale(self.b[0], self.slope_beta)), scale(along, self.theta))
     }
 
     /// The derivative of the gradient: `q theta^T + theta q^T + b (m s^T + s m^T) + d I`.
-    #[inline(always)]
-    pub fn hessian(&self) -> [S; 6] {
-        let (t, s, [a, b], two) = (self.theta, self.s, [self.a, self.b], S::from(2.0));
-        let twice = two * (a[2] * self.alpha + b[2] * self.beta);
-        let q = add(scale(two, add(scale(a[1], self.n), scale(b[1], self.slope_beta))), scale(twice, t));
+    fn hessian(&self) -> [f64; 6] {
+        let (t, s, [a, b]) = (self.theta, self.s, [self.a, self.b]);
+        let twice = 2.0 * (a[2] * self.alpha + b[2] * self.beta);
+        let q = add(scale(2.0, add(scale(a[1], self.n), scale(b[1], self.slope_beta))), scale(twice, t));
         let m = scale(b[0], self.m);
-        let diagonal = two * (a[1] * self.alpha + b[1] * self.beta - b[0] * self.ms);
+        let diagonal = 2.0 * (a[1] * self.alpha + b[1] * self.beta - b[0] * self.ms);
         let entry = |j: usize, k: usize| q[j] * t[k] + t[j] * q[k] + (m[j] * s[k] + s[j] * m[k]);
         [entry(0, 0) + diagonal, entry(1, 0), entry(1, 1) + diagonal, entry(2, 0), entry(2, 1), entry(2, 2) + diagonal]
     }

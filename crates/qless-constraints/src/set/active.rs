@@ -12,7 +12,6 @@ use qless::change::{ChangeError, EquationId};
 use qless::common::Identity;
 use qless::{ArgumentError, ChangingSystem, Kind, Options};
 
-use crate::equations::layout::{RowLayout, differences};
 use crate::set::ConstraintSet;
 use crate::set::evaluation::Evaluation;
 
@@ -52,7 +51,6 @@ struct ActiveRow {
 pub struct ActiveSystem {
     set: Identity,
     system: ChangingSystem,
-    layout: RowLayout,
     rows: Vec<ActiveRow>,
 }
 
@@ -83,7 +81,7 @@ impl ActiveSystem {
     /// [`ActiveError::Change`] for more DOFs than fit into memory.
     pub fn new(set: &ConstraintSet, options: Options) -> Result<Self, ActiveError> {
         let system = ChangingSystem::new(set.dofs(), options)?;
-        Ok(Self { set: set.register.identity, system, layout: Vec::new(), rows: Vec::new() })
+        Ok(Self { set: set.register.identity, system, rows: Vec::new() })
     }
 
     /// Takes over the changes of the set and its evaluation, and analyses the affected blocks. Returns their number.
@@ -94,47 +92,24 @@ impl ActiveSystem {
         set.own("the set of the system", self.set)?;
         set.current(evaluation)?;
         finite(set, evaluation)?;
-        let before = self.matches(set);
         let rounding = set.rounding_of_nonlinear(evaluation)?;
-        let mut old: Vec<Option<ActiveRow>> = self.rows.drain(..).map(Some).collect();
-        let keys = set.keys();
-        for (row, place) in before.iter().enumerate() {
-            let known = place.and_then(|place| old[place].take());
-            let known = known.filter(|known| known.key == keys[row]);
+        let mut old: HashMap<RowKey, ActiveRow> = self.rows.drain(..).map(|known| (known.key, known)).collect();
+        for (row, key) in set.keys().into_iter().enumerate() {
+            let known = old.remove(&key);
             let (terms, rhs) = evaluation.linear_equation(row, rounding.as_ref());
             let known = if let Some(known) = known {
                 self.renewed(known, terms, rhs)?
             } else {
                 let terms: Box<[_]> = terms.collect();
-                ActiveRow { key: keys[row], id: self.system.add(terms.iter().copied(), rhs)?, terms, rhs }
+                ActiveRow { key, id: self.system.add(terms.iter().copied(), rhs)?, terms, rhs }
             };
             self.rows.push(known);
         }
-        old.into_iter().flatten().try_for_each(|known| self.system.remove(known.id))?;
-        self.layout = set.layout();
+        let mut gone: Vec<EquationId> = old.into_values().map(|known| known.id).collect();
+        // The order of a hash map differs between runs.
+        gone.sort_unstable();
+        gone.into_iter().try_for_each(|id| self.system.remove(id))?;
         Ok(self.system.update()?)
-    }
-
-    /// The old row of each row of the set, if there was one.
-    fn matches(&self, set: &ConstraintSet) -> Vec<Option<usize>> {
-        let (new, keys) = (set.layout(), set.keys());
-        let firsts: Vec<usize> = std::iter::once(0)
-            .chain(new.iter().scan(0, |row, &(_, rows)| {
-                *row += rows;
-                Some(*row)
-            }))
-            .collect();
-        let mut all = Vec::with_capacity(set.equations());
-        let mut next = 0;
-        for (gone, come) in differences(&self.layout, &new) {
-            // Rows of unchanged batches keep their order.
-            all.extend((all.len()..firsts[come.start]).zip(next..).map(|(_, old)| Some(old)));
-            let places: HashMap<RowKey, usize> = gone.clone().map(|row| (self.rows[row].key, row)).collect();
-            all.extend((all.len()..firsts[come.end]).map(|row| places.get(&keys[row]).copied()));
-            next = gone.end;
-        }
-        all.extend((all.len()..set.equations()).zip(next..).map(|(_, old)| Some(old)));
-        all
     }
 
     /// Updates the numbers of an equation that stays.
@@ -212,11 +187,11 @@ fn finite(set: &ConstraintSet, evaluation: &Evaluation) -> Result<(), ActiveErro
 
 impl ConstraintSet {
     /// The key of each row.
-    fn keys(&self) -> Vec<RowKey> {
-        let linear = self.linear.batches.iter().flat_map(|batch| &batch.owners).map(|owner| (owner.constraint, 0));
-        let nonlinear = self.nonlinear.with_kinds().flat_map(|(batch, kind)| {
-            (0..batch.items())
-                .flat_map(move |i| std::iter::repeat_n((batch.constraint(i), kind + 1), batch.equations_per_item()))
+    pub(super) fn keys(&self) -> Vec<RowKey> {
+        let linear = self.linear.owners.iter().map(|owner| (owner.constraint, 0));
+        let nonlinear = self.nonlinear.batches.iter().zip(1..).flat_map(|(batch, kind)| {
+            let of = move |i| std::iter::repeat_n((batch.owner(i).constraint, kind), batch.equations_per_item());
+            (0..batch.items()).flat_map(of)
         });
         let mut before = (u32::MAX, u32::MAX, 0);
         let key = |(constraint, kind)| {

@@ -1,20 +1,16 @@
-//! Collects constraints into a [`ConstraintSet`]: one by one, or many of one type in parallel.
+//! Collects constraints into a [`ConstraintSet`]: one by one, or many of one type.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use qless::SystemError;
-use rayon::prelude::*;
 
-use crate::constraint::{Constraint, EquationError, EquationSink};
+use crate::constraint::{Constraint, EquationError};
 use crate::equations::ChangeStamp;
-use crate::equations::contents::{BulkEquations, ConstraintContents};
-use crate::equations::coordinates::ReferenceCoordinates;
-use crate::equations::hessian::LazyPlan;
+use crate::equations::dof_uses::DofUses;
 use crate::equations::linear::LinearEquations;
-use crate::equations::linear::batch::BATCH_ROWS;
 use crate::equations::nonlinear::NonlinearEquations;
 use crate::set::ConstraintSet;
-use crate::set::edit::EmitFault;
 use crate::set::error::AddError;
 use crate::set::register::{ConstraintId, ConstraintIds, ConstraintRegister, numbered};
 
@@ -35,11 +31,12 @@ impl SetBuilder {
             dofs,
             linear: LinearEquations::default(),
             nonlinear: NonlinearEquations::default(),
-            hessian_plan: LazyPlan::default(),
+            hessian_plan: OnceLock::new(),
             time: 0.0,
-            reference_coordinates: ReferenceCoordinates::default(),
+            dof_uses: DofUses::default(),
+            norms: BTreeMap::new(),
+            pattern: ChangeStamp::default(),
             version: ChangeStamp::default(),
-            spare: None,
         })
     }
 
@@ -55,7 +52,7 @@ impl SetBuilder {
         self.0.add(label, constraint)
     }
 
-    /// Adds many constraints of one type in parallel, as [`ConstraintSet::add_all`] does: all or none.
+    /// Adds many constraints of one type, as [`ConstraintSet::add_all`] does: all or none.
     ///
     /// # Errors
     /// [`AddError`] of the first faulty constraint. Nothing is added then.
@@ -63,7 +60,7 @@ impl SetBuilder {
         &mut self,
         label: impl Into<String>,
         count: usize,
-        constraint: impl Fn(usize) -> C + Sync,
+        constraint: impl Fn(usize) -> C,
     ) -> Result<ConstraintIds, AddError<C::Error>> {
         self.0.add_all(label, count, constraint)
     }
@@ -72,25 +69,20 @@ impl SetBuilder {
     ///
     /// # Errors
     /// [`SystemError::TooLarge`] for more DOFs than 32 bits can number.
-    pub fn build(self) -> Result<ConstraintSet, SystemError> {
+    pub fn build(mut self) -> Result<ConstraintSet, SystemError> {
         if self.0.dofs >= u32::MAX as usize {
             return Err(SystemError::TooLarge { what: "the number of DOFs", found: self.0.dofs });
         }
+        self.0.linear.shrink();
         Ok(self.0)
     }
 }
-
-/// Constraints per task: if each has one equation, they fill whole batches.
-const PORTION: usize = BATCH_ROWS;
-
-/// Index of a faulty constraint, and its fault.
-type IndexedFault<C> = (usize, EmitFault<<C as Constraint>::Error>);
 
 impl ConstraintSet {
     /// Adds `count` constraints of one type, `constraint(0)` to `constraint(count - 1)`: all, or none if one is faulty.
     ///
     /// The set is the same as if they were added one by one under the labels `"label 0"`, `"label 1"` and so on, or under empty labels if
-    /// `label` is empty. All threads call `constraint`; it may read from a list: `|i| list[i]`.
+    /// `label` is empty; their identities are consecutive.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -112,116 +104,38 @@ impl ConstraintSet {
         &mut self,
         label: impl Into<String>,
         count: usize,
-        constraint: impl Fn(usize) -> C + Sync,
-    ) -> Result<ConstraintIds, AddError<C::Error>> {
-        let label = label.into();
-        let added = match self.too_many(count) {
-            Some(faulty) => Err(faulty),
-            None if count < PORTION => self.one_by_one(count, constraint),
-            None => self.side_by_side(count, constraint),
-        };
-        match added {
-            Ok(added) => Ok(self.join(label, count, added)),
-            Err((i, fault)) => Err(fault.labelled(C::NAME, numbered(&label, i))),
-        }
-    }
-
-    /// Too few to fill a batch: their equations go into the existing batches.
-    fn one_by_one<C: Constraint>(
-        &mut self,
-        count: usize,
         constraint: impl Fn(usize) -> C,
-    ) -> Result<AddedConstraints, IndexedFault<C>> {
-        let mut rows = 0;
-        let checked = |i| {
-            let contents = self.processed(constraint(i), (i, rows)).map_err(|fault| (i, fault))?;
-            rows += contents.rows();
-            Ok(*contents)
-        };
-        (0..count).map(checked).collect::<Result<_, _>>().map(AddedConstraints::Few)
-    }
-
-    fn side_by_side<C: Constraint>(
-        &self,
-        count: usize,
-        constraint: impl Fn(usize) -> C + Sync,
-    ) -> Result<AddedConstraints, IndexedFault<C>> {
-        let portion = |k: usize| self.portion(k * PORTION..count.min((k + 1) * PORTION), &constraint);
-        let portions: Vec<_> = (0..count.div_ceil(PORTION)).into_par_iter().map(portion).collect();
-        let (mut rows, mut all) = (0, Vec::with_capacity(portions.len()));
-        for (k, portion) in portions.into_iter().enumerate() {
-            let portion = portion?;
-            rows += portion.rows();
-            let last = count.min((k + 1) * PORTION) - 1;
-            self.too_large(last, rows).map_or(Ok(()), |fault| Err((last, EmitFault::Equation(fault))))?;
-            all.push(portion);
+    ) -> Result<ConstraintIds, AddError<C::Error>> {
+        let (label, first, mut rotations) = (label.into(), self.register.ever(), Vec::new());
+        let too_many = self.too_many(count);
+        for i in 0..if too_many.is_some() { 0 } else { count } {
+            if let Err(fault) = self.add_unnamed((first + i) as u32, constraint(i), &mut rotations) {
+                (first..first + i).rev().for_each(|number| self.forget(number as u32));
+                return Err(fault.labelled(C::NAME, numbered(&label, i)));
+            }
         }
-        Ok(AddedConstraints::Many(all))
-    }
-
-    /// Checks a range of constraints, and stores their equations.
-    fn portion<C: Constraint>(
-        &self,
-        which: Range<usize>,
-        constraint: &(impl Fn(usize) -> C + Sync),
-    ) -> Result<BulkEquations, IndexedFault<C>> {
-        let (first, count) = (self.register.ever() + which.start, which.len());
-        let mut sink = EquationSink::for_many(self.dofs, BulkEquations::new(first as u32, self.time));
-        for i in which {
-            constraint(i).emit(&mut sink).map_err(|error| (i, EmitFault::Input(error)))?;
-            sink.fault.take().map_or(Ok(()), |fault| Err((i, EmitFault::Equation(fault))))?;
-            sink.next(count);
+        if let Some((i, source)) = too_many {
+            return Err(AddError::Equation { name: C::NAME, label: numbered(&label, i), source });
         }
-        Ok(sink.into_portion())
+        let ids = self.register.add_all(&label, count as u32);
+        self.keep_lengths(&rotations);
+        Ok(ids)
     }
 
     /// The first constraint that exceeds the limits of the set, before any constraint is made.
-    fn too_many<E>(&self, count: usize) -> Option<(usize, EmitFault<E>)> {
+    fn too_many(&self, count: usize) -> Option<(usize, EquationError)> {
         let last = count.checked_sub(1)?;
         let room = (u32::MAX as usize - 1).saturating_sub(self.register.ever());
-        let i = if self.too_large(0, 0).is_some() { 0 } else { last.min(room) };
-        self.too_large(i, 0).map(|fault| (i, EmitFault::Equation(fault)))
+        let i = if self.too_large(1, 0).is_some() { 0 } else { last.min(room) };
+        self.too_large(i + 1, 0).map(|fault| (i, fault))
     }
 
-    /// The limit that i + 1 more constraints with this many equations exceed, if any. The index `u32::MAX` is reserved.
-    pub(super) fn too_large(&self, i: usize, rows: usize) -> Option<EquationError> {
-        let (rows, constraints) = (self.equations() + rows, self.register.ever() + i + 1);
+    /// The limit that this many constraints and equations more exceed, if any. The index `u32::MAX` is reserved.
+    pub(super) fn too_large(&self, constraints: usize, rows: usize) -> Option<EquationError> {
+        let (rows, constraints) = (self.equations() + rows, self.register.ever() + constraints);
         [("DOFs", self.dofs), ("equations", rows), ("constraints", constraints)]
             .into_iter()
             .find(|&(_, found)| found >= u32::MAX as usize)
             .map(|(what, found)| EquationError::TooLarge { what, found })
     }
-
-    fn join(&mut self, label: String, count: usize, added: AddedConstraints) -> ConstraintIds {
-        let ids = self.register.add_all(label, count as u32);
-        match added {
-            AddedConstraints::Few(all) => {
-                std::iter::zip(ids.first.., all).for_each(|(number, contents)| self.put(number, Box::new(contents)));
-            }
-            AddedConstraints::Many(all) => self.append(ids.first, all),
-        }
-        ids
-    }
-
-    /// Takes over the equations of new constraints; `constraint` is the number of the first.
-    fn append(&mut self, mut constraint: u32, portions: Vec<BulkEquations>) {
-        let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, .. } = self;
-        for BulkEquations { linear: rows, nonlinear: others, names, coordinates, .. } in portions {
-            let places = register.equation_names.places_of(&names);
-            constraint += reference_coordinates.join(constraint, coordinates);
-            linear.join(rows, places.as_deref());
-            if others.rows() > 0 {
-                hessian_plan.outdate();
-                others.batches.iter().for_each(|batch| hessian_plan.touch_all(batch.as_ref()));
-                nonlinear.join(others, places.as_deref());
-            }
-        }
-        self.version.renew();
-    }
-}
-
-/// Constraints that passed the checks.
-enum AddedConstraints {
-    Few(Vec<ConstraintContents>),
-    Many(Vec<BulkEquations>),
 }

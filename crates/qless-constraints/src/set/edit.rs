@@ -2,9 +2,10 @@
 //!
 //! | operation | cost |
 //! | --- | --- |
-//! | [`ConstraintSet::add`], [`remove`](ConstraintSet::remove), [`activate`](ConstraintSet::activate), [`deactivate`](ConstraintSet::deactivate) | the batches of the constraint's equations, at most some thousand numbers each |
+//! | [`ConstraintSet::add`] | the numbers of the constraint |
+//! | [`remove`](ConstraintSet::remove), [`activate`](ConstraintSet::activate), [`deactivate`](ConstraintSet::deactivate) | numbers of later constraints of the same types move |
 //! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers that are replaced |
-//! | the next evaluation | new patterns for the chunks of H that changed; rows of G and H after the first change move once |
+//! | the next evaluation | new patterns of G, and of H if nonlinear equations changed |
 //!
 //! Results have the same bits, in the same rows, as those of a new set of the active constraints that meets their types in the same order.
 
@@ -13,6 +14,7 @@ use crate::equations::contents::ConstraintContents;
 use crate::set::ConstraintSet;
 use crate::set::error::{AddError, EditError, ReplaceError, TimeError};
 use crate::set::register::ConstraintId;
+use crate::set::statements::euler_parameters;
 
 impl ConstraintSet {
     /// Adds an active constraint under a label for reports.
@@ -42,14 +44,36 @@ impl ConstraintSet {
         label: impl Into<String>,
         constraint: C,
     ) -> Result<ConstraintId, AddError<C::Error>> {
-        let label = label.into();
-        let contents = match self.processed(constraint, (0, 0)) {
-            Ok(contents) => contents,
-            Err(fault) => return Err(fault.labelled(C::NAME, label)),
-        };
+        let (label, number, mut rotations) = (label.into(), self.register.ever() as u32, Vec::new());
+        if let Err(fault) = self.add_unnamed(number, constraint, &mut rotations) {
+            return Err(fault.labelled(C::NAME, label));
+        }
         let id = self.register.add(label);
-        self.put(id.number, contents);
+        self.keep_lengths(&rotations);
         Ok(id)
+    }
+
+    /// Checks and stores a new constraint that has no label yet; appends its Euler parameters to `rotations`.
+    pub(super) fn add_unnamed<C: Constraint>(
+        &mut self,
+        number: u32,
+        constraint: C,
+        rotations: &mut Vec<[u32; 4]>,
+    ) -> Result<(), EmitFault<C::Error>> {
+        let more = number as usize - self.register.ever() + 1;
+        let mut contents = self.processed(constraint, more)?;
+        let statements = std::mem::take(&mut contents.statements);
+        let found = euler_parameters(&statements);
+        self.state(number, statements).map_err(EmitFault::Equation)?;
+        rotations.extend(found);
+        self.put(number, contents);
+        Ok(())
+    }
+
+    /// Removes the equations and statements of an active constraint.
+    pub(super) fn forget(&mut self, number: u32) {
+        self.take(number);
+        self.dof_uses.take(number, true);
     }
 
     /// Removes a constraint for good, active or not.
@@ -58,21 +82,26 @@ impl ConstraintSet {
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn remove(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        if self.register.inactive.remove(&number).is_none() {
+        let active = self.register.inactive.remove(&number).is_none();
+        if active {
             self.take(number);
         }
+        let statements = self.dof_uses.take(number, active);
         self.register.remove(number);
+        self.keep_lengths(&euler_parameters(&statements));
         Ok(())
     }
 
-    /// Makes a constraint inactive: it has no equations until it is activated. No effect on an inactive constraint.
+    /// Makes a constraint inactive: it has no equations until it is activated, but keeps its values ([`ConstraintSet::values_of`]). No effect on
+    /// an inactive constraint.
     ///
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`].
     pub fn deactivate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
         if !self.register.inactive.contains_key(&number) {
-            let contents = Box::new(self.take(number));
+            let contents = self.take(number);
+            self.dof_uses.activate(number, false);
             self.register.inactive.insert(number, contents);
         }
         Ok(())
@@ -90,6 +119,7 @@ impl ConstraintSet {
             return Err(TimeError::NotFinite { label, time: self.time, value }.into());
         }
         if let Some(contents) = self.register.inactive.remove(&number) {
+            self.dof_uses.activate(number, true);
             self.put(number, contents);
         }
         Ok(())
@@ -111,16 +141,24 @@ impl ConstraintSet {
     /// [`ReplaceError`]; the constraint is not changed then.
     pub fn replace<C: Constraint>(&mut self, constraint: ConstraintId, new: C) -> Result<(), ReplaceError<C::Error>> {
         let number = self.register.number(constraint)?;
-        let contents = match self.processed(new, (0, 0)) {
+        let label = self.register.name(number).to_string();
+        let mut contents = match self.processed(new, 0) {
             Ok(contents) => contents,
-            Err(fault) => return Err(fault.labelled(C::NAME, self.register.name(number).to_string()).into()),
+            Err(fault) => return Err(fault.labelled(C::NAME, label).into()),
+        };
+        let rotations = match self.state_anew(number, std::mem::take(&mut contents.statements)) {
+            Ok(rotations) => rotations,
+            Err(source) => return Err(AddError::Equation { name: C::NAME, label, source }.into()),
         };
         if let Some(inactive) = self.register.inactive.get_mut(&number) {
+            // In the order of active ones; types that the set does not know yet come last.
+            contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear).unwrap_or(usize::MAX));
             *inactive = contents;
         } else if let Err(contents) = self.overwrite(number, contents) {
             self.take(number);
             self.put(number, contents);
         }
+        self.keep_lengths(&rotations);
         Ok(())
     }
 
@@ -140,79 +178,72 @@ impl ConstraintSet {
             return Err(EditError::NotFinite { label: self.register.name(number).to_string(), value });
         }
         match self.register.inactive.get_mut(&number) {
-            Some(contents) => contents.set_rhs(rhs),
+            Some(contents) => {
+                contents.set_rhs(rhs);
+                contents.not_finite = contents.at_time(self.time).err();
+            }
             None => self.linear.set_values(number, rhs),
         }
         self.version.renew();
         Ok(())
     }
 
-    /// The checked equations of a new constraint, which follows `others` new ones with `rows` equations.
-    pub(super) fn processed<C: Constraint>(
+    /// The checked equations of a constraint, with which the set has `more` constraints than before.
+    fn processed<C: Constraint>(
         &mut self,
         constraint: C,
-        (others, rows): (usize, usize),
-    ) -> Result<Box<ConstraintContents>, EmitFault<C::Error>> {
-        let mut sink = EquationSink::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
+        more: usize,
+    ) -> Result<ConstraintContents, EmitFault<C::Error>> {
+        let mut sink = EquationSink::new(self.dofs, self.time);
         constraint.emit(&mut sink).map_err(EmitFault::Input)?;
-        match sink.fault.take().or_else(|| self.too_large(others, rows + sink.rows())) {
+        match sink.fault.take().or_else(|| self.too_large(more, sink.rows())) {
             Some(fault) => Err(EmitFault::Equation(fault)),
             None => Ok(sink.contents),
         }
     }
 
     /// Stores the equations of a constraint in its position.
-    pub(super) fn put(&mut self, number: u32, mut contents: Box<ConstraintContents>) {
-        let Self { register, linear, nonlinear, hessian_plan, reference_coordinates, time, .. } = self;
-        reference_coordinates.put(number, &mut contents.coordinates);
+    pub(super) fn put(&mut self, number: u32, mut contents: ConstraintContents) {
+        let Self { register, linear, nonlinear, hessian_plan, time, .. } = self;
         linear.put(number, &mut contents.equations, &mut register.equation_names, *time);
-        if !contents.pieces.is_empty() {
-            hessian_plan.outdate();
-            let ConstraintContents { pieces, dofs, .. } = &mut *contents;
-            pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.equation_names, nonlinear));
-            if hessian_plan.is_wanted() {
-                nonlinear
-                    .items_of(number)
-                    .into_iter()
-                    .for_each(|(_, (b, i))| hessian_plan.touch(nonlinear.batches[b].as_ref(), i));
-            }
+        let ConstraintContents { pieces, dofs, .. } = &mut contents;
+        if !pieces.is_empty() {
+            hessian_plan.take();
         }
+        pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.equation_names, nonlinear));
+        self.pattern.renew();
         self.version.renew();
-        self.spare = contents.emptied();
     }
 
     /// Removes and returns the equations of a constraint.
-    fn take(&mut self, number: u32) -> ConstraintContents {
-        let Self { register, linear, nonlinear, hessian_plan, .. } = self;
-        let places = nonlinear.items_of(number);
-        if !places.is_empty() {
-            hessian_plan.outdate();
-            places.iter().for_each(|&(_, (batch, item))| hessian_plan.touch(nonlinear.batches[batch].as_ref(), item));
+    pub(super) fn take(&mut self, number: u32) -> ConstraintContents {
+        let names = &self.register.equation_names;
+        let equations = self.linear.take(number, names);
+        let (pieces, dofs) = self.nonlinear.take(number, names);
+        if !pieces.is_empty() {
+            self.hessian_plan.take();
         }
+        self.pattern.renew();
         self.version.renew();
-        let equations = linear.take(number, &register.equation_names);
-        let (pieces, dofs) = nonlinear.take(number, &register.equation_names);
-        ConstraintContents { equations, pieces, dofs, coordinates: self.reference_coordinates.take(number) }
+        ConstraintContents { equations, pieces, dofs, ..ConstraintContents::default() }
     }
 
     /// Replaces the numbers of a constraint if all patterns stay; otherwise returns the contents.
-    fn overwrite(&mut self, number: u32, mut contents: Box<ConstraintContents>) -> Result<(), Box<ConstraintContents>> {
+    fn overwrite(&mut self, number: u32, mut contents: ConstraintContents) -> Result<(), ConstraintContents> {
         contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear));
         let places = self.nonlinear.items_of(number);
-        let same =
-            contents.equations.len() == self.linear.rows_of(number).len() && contents.pieces.len() == places.len();
+        let Self { register, linear, nonlinear, time, .. } = self;
+        let names = &mut register.equation_names;
         let mut pairs = contents.pieces.iter().zip(&places);
-        if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.nonlinear)) {
+        let fits = contents.pieces.len() == places.len()
+            && pairs.all(|(piece, &place)| piece.fits(&contents.dofs, place, nonlinear));
+        if !fits || !linear.overwrite(number, &mut contents.equations, names, *time) {
             return Err(contents);
         }
-        let Self { register, linear, nonlinear, reference_coordinates, time, .. } = self;
-        let ConstraintContents { equations, pieces, mut coordinates, .. } = *contents;
-        reference_coordinates.take(number);
-        reference_coordinates.put(number, &mut coordinates);
-        linear.overwrite(number, equations, &mut register.equation_names, *time);
-        for (piece, (_, place)) in pieces.into_iter().zip(places) {
-            piece.overwrite(number, &mut register.equation_names, place, nonlinear);
-        }
+        let pairs = contents.pieces.into_iter().zip(places);
+        pairs.for_each(|(piece, place)| piece.overwrite(number, names, place, nonlinear));
+        // The rows of linear equations hold their coefficients.
+        self.pattern.renew();
         self.version.renew();
         Ok(())
     }

@@ -38,6 +38,9 @@ pub enum EditError {
     /// A function of time is not finite at the time of the set.
     #[error(transparent)]
     Time(#[from] TimeError),
+    /// The evaluation belongs to another set, or is out of date.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
 }
 
 /// Why a constraint could not be replaced.

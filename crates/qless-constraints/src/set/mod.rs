@@ -11,31 +11,38 @@ mod builder;
 mod edit;
 mod error;
 mod evaluation;
+mod inequalities;
 mod linearised;
+mod moments;
+mod per_constraint;
 mod register;
 mod rotations;
 mod rounding;
+mod statements;
 mod time;
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use qless::ArgumentError;
 use qless::common::Identity;
 
 use crate::equations::ChangeStamp;
-use crate::equations::contents::ConstraintContents;
-use crate::equations::coordinates::ReferenceCoordinates;
-use crate::equations::hessian::chunk::WeightedBatches;
-use crate::equations::hessian::{HessianPlan, LazyPlan};
+use crate::equations::dof_uses::DofUses;
+use crate::equations::hessian::HessianPlan;
 use crate::equations::linear::LinearEquations;
-use crate::equations::nonlinear::NonlinearEquations;
-use crate::equations::tasks::{copy_tasks, hessian_tasks, run_tasks, value_tasks};
+use crate::equations::nonlinear::{NonlinearBatch, NonlinearEquations};
+use crate::equations::tasks::{number_tasks, run_tasks, value_tasks};
 use crate::set::register::ConstraintRegister;
 
 pub(crate) use crate::constraint::repeated;
 pub use active::{ActiveError, ActiveSystem};
 pub use builder::SetBuilder;
 pub use error::{AddError, EditError, LineariseError, ReplaceError, TimeError};
-pub use evaluation::{Evaluation, Weights};
+pub use evaluation::Evaluation;
+pub use inequalities::{Inequalities, InequalityError};
 pub use linearised::Vanishing;
+pub use per_constraint::PerConstraint;
 pub use register::{ConstraintId, ConstraintIds};
 pub use rotations::shorten_rotation;
 pub use rounding::Rounding;
@@ -64,14 +71,17 @@ pub struct ConstraintSet {
     dofs: usize,
     linear: LinearEquations,
     nonlinear: NonlinearEquations,
-    hessian_plan: LazyPlan,
+    /// The plan of H, on request; out of date after changes of nonlinear equations.
+    hessian_plan: OnceLock<HessianPlan>,
     time: f64,
-    /// Reference coordinates of DOFs, for [`ConstraintSet::rounding`].
-    reference_coordinates: ReferenceCoordinates,
+    /// What all constraints say of their DOFs.
+    dof_uses: DofUses,
+    /// For each body with Euler parameters, the number of the constraint that keeps their length.
+    norms: BTreeMap<[u32; 4], u32>,
+    /// Renewed after each change of the pattern of G, or of the rows of linear equations.
+    pattern: ChangeStamp,
     /// Renewed after each change.
     version: ChangeStamp,
-    /// Empty lists, reused for the next constraint.
-    spare: Option<Box<ConstraintContents>>,
 }
 
 impl std::fmt::Debug for ConstraintSet {
@@ -112,7 +122,8 @@ impl ConstraintSet {
         self.evaluate_with(u, None, evaluation)
     }
 
-    /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation ([`Weights`]).
+    /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation: `w = lambda` with multipliers,
+    /// `w = p c` with penalties, whose tangent also has the term `G^T p G`, and `w = lambda + p c` with both.
     ///
     /// # Errors
     /// [`ArgumentError`] if `u` or `weights` has the wrong length, or this set did not allocate the evaluation.
@@ -125,8 +136,9 @@ impl ConstraintSet {
         self.check(u, Some(weights))?;
         self.follow(evaluation)?;
         let plan = self.follow_hessian(evaluation);
-        let weighted = WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), weights);
-        run_tasks(hessian_tasks(plan, &weighted, evaluation.h.values_mut()), u);
+        let mut numbers = vec![0.0; plan.numbers];
+        run_tasks(number_tasks(&self.nonlinear.batches, u, &weights[self.linear.rows()..], &mut numbers));
+        plan.sum(&numbers, evaluation.h.values_mut());
         Ok(())
     }
 
@@ -163,15 +175,18 @@ impl ConstraintSet {
     ) -> Result<(), ArgumentError> {
         self.check(u, weights)?;
         self.follow(evaluation)?;
-        let plan = weights.map(|_| self.follow_hessian(evaluation));
+        let plan = weights.map(|weights| (self.follow_hessian(evaluation), &weights[self.linear.rows()..]));
         let Evaluation { u: kept, c, g, h, .. } = &mut *evaluation;
-        let weighted = weights.map(|w| WeightedBatches::new(&self.nonlinear.batches, self.linear.rows(), w));
-        let mut tasks = value_tasks(&self.linear, &self.nonlinear.batches, c, g);
-        if let (Some(plan), Some(weighted)) = (plan, &weighted) {
-            tasks.extend(hessian_tasks(plan, weighted, h.values_mut()));
+        let of_linear = |rows, c: &mut [f64]| self.linear.evaluate(rows, u, c);
+        let of_items = |batch: &dyn NonlinearBatch, items, c: &mut [f64], g: &mut [f64]| batch.evaluate(items, u, c, g);
+        let mut numbers = vec![0.0; plan.map_or(0, |(plan, _)| plan.numbers)];
+        let mut tasks = value_tasks((&self.linear, &self.nonlinear.batches), (c, g), of_linear, of_items);
+        if let Some((_, weights)) = plan {
+            tasks.extend(number_tasks(&self.nonlinear.batches, u, weights, &mut numbers));
         }
-        tasks.extend(copy_tasks(u, kept));
-        run_tasks(tasks, u);
+        run_tasks(tasks);
+        plan.into_iter().for_each(|(plan, _)| plan.sum(&numbers, h.values_mut()));
+        kept.copy_from_slice(u);
         evaluation.evaluated = self.version.get();
         Ok(())
     }
@@ -187,7 +202,12 @@ impl ConstraintSet {
 
     /// The plan of H for the current equations.
     fn plan(&self) -> &HessianPlan {
-        self.hessian_plan.plan(&self.nonlinear.batches, self.dofs)
+        // Threads that wait for others may take up a task that also asks for the plan, so that nothing is locked while it is made.
+        if let Some(plan) = self.hessian_plan.get() {
+            return plan;
+        }
+        let plan = HessianPlan::new(&self.nonlinear.batches, self.dofs);
+        self.hessian_plan.get_or_init(|| plan)
     }
 }
 

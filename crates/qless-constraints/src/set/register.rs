@@ -2,15 +2,14 @@
 //!
 //! The label of an equation is "constraint, equation name"; empty parts are left out.
 
-use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use qless::ArgumentError;
 use qless::common::Identity;
 
 use crate::equations::contents::ConstraintContents;
-use crate::equations::nonlinear::batch::NonlinearBatch;
+use crate::equations::nonlinear::NonlinearBatch;
 use crate::equations::{EquationNames, EquationOwner};
 use crate::set::ConstraintSet;
 use crate::set::error::EditError;
@@ -55,11 +54,12 @@ impl ConstraintIds {
 pub(super) struct ConstraintRegister {
     pub identity: Identity,
     pub equation_names: EquationNames,
-    labels: ConstraintLabels,
+    /// Labels of all constraints ever added; `None` for removed ones.
+    labels: Vec<Option<Box<str>>>,
     /// Number of constraints that were not removed.
     pub alive: usize,
     /// Contents of inactive constraints.
-    pub inactive: BTreeMap<u32, Box<ConstraintContents>>,
+    pub inactive: BTreeMap<u32, ConstraintContents>,
 }
 
 impl ConstraintRegister {
@@ -69,20 +69,20 @@ impl ConstraintRegister {
 
     /// Number of constraints ever added.
     pub fn ever(&self) -> usize {
-        self.labels.count as usize
+        self.labels.len()
     }
 
     pub fn add(&mut self, label: String) -> ConstraintId {
-        let id = ConstraintId { set: self.identity, number: self.labels.count };
-        self.labels.push(label);
+        let id = ConstraintId { set: self.identity, number: self.labels.len() as u32 };
+        self.labels.push(Some(label.into()));
         self.alive += 1;
         id
     }
 
     /// Adds `count` constraints under numbered labels.
-    pub fn add_all(&mut self, label: String, count: u32) -> ConstraintIds {
-        let ids = ConstraintIds { set: self.identity, first: self.labels.count, count };
-        self.labels.push_numbered(label, count);
+    pub fn add_all(&mut self, label: &str, count: u32) -> ConstraintIds {
+        let ids = ConstraintIds { set: self.identity, first: self.labels.len() as u32, count };
+        self.labels.extend((0..count as usize).map(|i| Some(numbered(label, i).into())));
         self.alive += count as usize;
         ids
     }
@@ -92,22 +92,22 @@ impl ConstraintRegister {
         if id.set != self.identity {
             return Err(EditError::Foreign);
         }
-        let there = self.labels.is_there(id.number);
+        let there = self.labels[id.number as usize].is_some();
         there.then_some(id.number).ok_or(EditError::Gone { place: id.place() })
     }
 
     pub fn remove(&mut self, number: u32) {
-        self.labels.remove(number);
+        self.labels[number as usize] = None;
         self.alive -= 1;
     }
 
-    pub fn name(&self, number: u32) -> Cow<'_, str> {
-        self.labels.get(number).unwrap_or_default()
+    pub fn name(&self, number: u32) -> &str {
+        self.labels[number as usize].as_deref().unwrap_or_default()
     }
 
     /// Joins the label of the constraint and its nonempty equation names by commas.
     pub fn label(&self, owner: EquationOwner, part: &str) -> String {
-        let mut label = self.name(owner.constraint).into_owned();
+        let mut label = self.name(owner.constraint).to_owned();
         for part in [self.equation_names.name(owner.name).as_ref(), part].into_iter().filter(|part| !part.is_empty()) {
             if !label.is_empty() {
                 label.push_str(", ");
@@ -118,92 +118,23 @@ impl ConstraintRegister {
     }
 }
 
-/// Labels of consecutive constraints.
-enum LabelRange {
-    /// `None` for removed constraints.
-    Each(Vec<Option<Box<str>>>),
-    Numbered {
-        label: Box<str>,
-        removed: BTreeSet<u32>,
-    },
-}
-
-/// Labels of all constraints ever added.
-#[derive(Default)]
-pub(super) struct ConstraintLabels {
-    /// Ranges with the number of their first constraint.
-    runs: Vec<(u32, LabelRange)>,
-    count: u32,
-}
-
-impl ConstraintLabels {
-    pub fn push(&mut self, label: String) {
-        let label = Some(label.into_boxed_str());
-        match self.runs.last_mut() {
-            Some((_, LabelRange::Each(names))) => names.push(label),
-            _ => self.runs.push((self.count, LabelRange::Each(vec![label]))),
-        }
-        self.count += 1;
-    }
-
-    /// Adds labels as [`numbered`] forms them.
-    pub fn push_numbered(&mut self, label: String, count: u32) {
-        if count > 0 {
-            self.runs.push((self.count, LabelRange::Numbered { label: label.into(), removed: BTreeSet::new() }));
-            self.count += count;
-        }
-    }
-
-    /// The label of a constraint; `None` if it was removed.
-    pub fn get(&self, number: u32) -> Option<Cow<'_, str>> {
-        match &self.runs[self.run(number)] {
-            (first, LabelRange::Each(names)) => names[(number - first) as usize].as_deref().map(Cow::Borrowed),
-            (_, LabelRange::Numbered { removed, .. }) if removed.contains(&number) => None,
-            (first, LabelRange::Numbered { label, .. }) => Some(numbered(label, (number - first) as usize).into()),
-        }
-    }
-
-    pub fn is_there(&self, number: u32) -> bool {
-        match &self.runs[self.run(number)] {
-            (first, LabelRange::Each(names)) => names[(number - first) as usize].is_some(),
-            (_, LabelRange::Numbered { removed, .. }) => !removed.contains(&number),
-        }
-    }
-
-    pub fn remove(&mut self, number: u32) {
-        let run = self.run(number);
-        match &mut self.runs[run] {
-            (first, LabelRange::Each(names)) => names[(number - *first) as usize] = None,
-            (_, LabelRange::Numbered { removed, .. }) => {
-                removed.insert(number);
-            }
-        }
-    }
-
-    /// The range that contains a constraint.
-    fn run(&self, number: u32) -> usize {
-        self.runs.partition_point(|&(first, _)| first <= number) - 1
-    }
-}
-
 /// The label of the i-th of several constraints.
 pub(super) fn numbered(label: &str, i: usize) -> String {
     if label.is_empty() { String::new() } else { format!("{label} {i}") }
 }
 
 impl ConstraintSet {
-    /// The batch of a nonlinear row, and the row's number in it; `None` for linear rows.
-    fn place(&self, row: usize) -> Option<(&dyn NonlinearBatch, usize)> {
-        let (batch, own) = self.nonlinear.offsets.find(row.checked_sub(self.linear.rows())?);
-        Some((self.nonlinear.batches[batch].as_ref(), own))
-    }
-
     /// The owner of a row, and its name within the type.
     fn owner(&self, row: usize) -> Result<(EquationOwner, &'static str), ArgumentError> {
         if row >= self.equations() {
             return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
         }
-        Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(batch, own)| batch.owner(own)))
+        let Some(own) = row.checked_sub(self.linear.rows()) else { return Ok((self.linear.owners[row], "")) };
+        let of = |(first, batch): (usize, &dyn NonlinearBatch)| {
+            let (own, names) = (own.checked_sub(first)?, batch.equation_names());
+            (own < batch.rows()).then(|| (batch.owner(own / names.len()), names[own % names.len()]))
+        };
+        Ok(self.nonlinear.with_rows().find_map(of).expect("the row is below the number of rows"))
     }
 
     /// The constraint that an equation belongs to.
@@ -222,10 +153,10 @@ impl ConstraintSet {
     pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
         self.own("the constraint", constraint.set)?;
         let mut rows: Vec<usize> = self.linear.rows_of(constraint.number).collect();
-        for (_, (batch, item)) in self.nonlinear.items_of(constraint.number) {
-            let rows_of_item = self.nonlinear.batches[batch].equations_per_item();
-            let first = self.linear.rows() + self.nonlinear.offsets.first(batch) + item * rows_of_item;
-            rows.extend(first..first + rows_of_item);
+        for (first, batch) in self.nonlinear.with_rows() {
+            let (items, count) = (batch.items_of(constraint.number), batch.equations_per_item());
+            let first = self.linear.rows() + first;
+            rows.extend(first + items.start * count..first + items.end * count);
         }
         Ok(rows)
     }

@@ -3,36 +3,37 @@
 //! `d(R s)/d theta` loses rank if `|theta|` is a nonzero multiple of 2 pi. To stay away from there, a vector longer than pi is replaced by its
 //! complement, as proposed by Cardona and Géradin (A beam finite element non-linear theory with finite rotations, 1988).
 
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};
 
 use qless::ArgumentError;
 
+use crate::equations::dof_uses::NO_DOF;
 use crate::set::{ConstraintSet, long};
 
 impl ConstraintSet {
-    /// The DOFs of rotation vectors that may be replaced by another vector of the same rotation, in the order of first use. O(nonzeros of G).
+    /// The DOFs of rotation vectors that may be replaced by another vector of the same rotation, ascending. O(nonzeros of G).
     ///
-    /// All constraints on these DOFs must use the rotation only. A vector is excluded if one of its DOFs occurs in a linear equation, or if a
-    /// constraint uses the DOFs in another order.
+    /// A vector is excluded if one of its DOFs occurs in a linear equation, or in a nonlinear one of a constraint that does not state the
+    /// rotation ([`crate::EquationSink::rotation`]), since their values would change.
     pub fn rotation_vectors(&self) -> Vec<[usize; 3]> {
-        let mut found = RotationVectors { owner: vec![DofUse::Nobody; self.dofs], vectors: Vec::new() };
-        let each = |visit: &mut dyn FnMut(&[u32], &[usize])| {
-            self.nonlinear.batches.iter().for_each(|batch| batch.rotation_vectors(visit));
+        let vectors = self.dof_uses.rotations().filter(|dofs| dofs[3] == NO_DOF);
+        let mut known: BTreeMap<u32, ([u32; 3], bool)> = BTreeMap::new();
+        vectors.for_each(|[x, y, z, _]| _ = known.insert(x, ([x, y, z], true)));
+        let first: HashMap<u32, u32> = known.values().flat_map(|&(dofs, _)| dofs.map(|dof| (dof, dofs[0]))).collect();
+        let mut tie = |dof: u32| {
+            let vector = first.get(&dof).and_then(|first| known.get_mut(first));
+            vector.into_iter().for_each(|(_, loose)| *loose = false);
         };
-        each(&mut |dofs, places| {
-            places.iter().for_each(|&k| found.put([dofs[k], dofs[k + 1], dofs[k + 2]].map(|dof| dof as usize)));
-        });
-        if found.vectors.is_empty() {
-            return Vec::new();
+        self.linear.col.iter().for_each(|&dof| tie(dof));
+        for batch in self.nonlinear.batches.iter().filter(|_| !first.is_empty()) {
+            for i in 0..batch.items() {
+                let values = batch.dofs_of(i).iter().filter(|dof| first.contains_key(dof));
+                let constraint = batch.owner(i).constraint;
+                values.filter(|&&dof| !self.dof_uses.states_rotation(constraint, dof)).for_each(|&dof| tie(dof));
+            }
         }
-        each(&mut |dofs, places| {
-            let others = (0..dofs.len()).filter(|j| !places.iter().any(|k| (*k..k + 3).contains(j)));
-            others.for_each(|j| found.tie(dofs[j] as usize));
-        });
-        for batch in &self.linear.batches {
-            batch.for_each_row(|terms| terms.for_each(|(dof, _)| found.tie(dof as usize)));
-        }
-        found.vectors.iter().filter(|vector| found.owner[vector[0]] != DofUse::Tied).copied().collect()
+        known.into_values().filter(|(_, loose)| *loose).map(|(dofs, _)| dofs.map(|dof| dof as usize)).collect()
     }
 
     /// Replaces rotation vectors longer than pi by the shortest vectors of the same rotation. Returns how many were replaced.
@@ -81,43 +82,4 @@ pub fn shorten_rotation(u: &mut [f64], vector: [usize; 3]) -> bool {
         vector.iter().for_each(|&dof| u[dof] *= factor);
     }
     long
-}
-
-/// How a DOF is used.
-#[derive(Clone, Copy, PartialEq)]
-enum DofUse {
-    Nobody,
-    /// By the vector with this index.
-    Vector(usize),
-    /// By an equation that needs its value.
-    Tied,
-}
-
-/// Rotation vectors found so far, and the use of each DOF.
-struct RotationVectors {
-    owner: Vec<DofUse>,
-    vectors: Vec<[usize; 3]>,
-}
-
-impl RotationVectors {
-    fn put(&mut self, vector: [usize; 3]) {
-        let owners = vector.map(|dof| self.owner[dof]);
-        if owners == [DofUse::Nobody; 3] {
-            vector.iter().for_each(|&dof| self.owner[dof] = DofUse::Vector(self.vectors.len()));
-            self.vectors.push(vector);
-            return;
-        }
-        let same = matches!(owners[0], DofUse::Vector(k) if self.vectors[k] == vector && owners == [owners[0]; 3]);
-        if !same {
-            vector.iter().for_each(|&dof| self.tie(dof));
-            vector.iter().for_each(|&dof| self.owner[dof] = DofUse::Tied);
-        }
-    }
-
-    /// Excludes the vector that contains this DOF.
-    fn tie(&mut self, dof: usize) {
-        if let DofUse::Vector(k) = self.owner[dof] {
-            self.vectors[k].iter().for_each(|&dof| self.owner[dof] = DofUse::Tied);
-        }
-    }
 }

@@ -5,11 +5,10 @@
 //! of a coordinate is added to its DOF. Cost: about ten evaluations.
 
 use qless::ArgumentError;
-use rayon::prelude::*;
 
-use crate::equations::coordinates::{UncertainDofs, bound};
-use crate::equations::linear::batch::LinearBatch;
-use crate::equations::tasks::{TaskOutput, value_tasks};
+use crate::equations::dof_uses::UncertainDofs;
+use crate::equations::nonlinear::NonlinearBatch;
+use crate::equations::tasks::{run_tasks, value_tasks};
 use crate::scalar::Bounded;
 use crate::set::{ConstraintSet, long};
 
@@ -66,30 +65,15 @@ impl ConstraintSet {
     pub fn rounding(&self, u: &[f64]) -> Result<Rounding, ArgumentError> {
         long("u", u.len(), self.dofs)?;
         let (mut c, mut g) = (vec![0.0; self.equations()], self.whole_pattern());
-        let constant = self.linear.nnz();
+        let constant = self.linear.col.len();
         g.values_mut()[..constant].iter_mut().for_each(|a| *a = Bounded::from(*a).error);
-        let known = UncertainDofs { u, sizes: self.reference_coordinates.largest() };
-        value_tasks(&self.linear, &self.nonlinear.batches, &mut c, &mut g).into_par_iter().for_each(|task| match task
-            .work
-        {
-            TaskOutput::Linear { batch, c } => linear_rounding(batch, u, c),
-            TaskOutput::Nonlinear { batch, c, g } => batch.rounding(&known, c, g),
-            TaskOutput::Copy { .. } | TaskOutput::Hessian { .. } => (),
-        });
+        let known = &UncertainDofs { u, uses: &self.dof_uses };
+        let of_linear = |rows, c: &mut [f64]| self.linear.rounding(rows, u, c);
+        let of_items =
+            |batch: &dyn NonlinearBatch, items, c: &mut [f64], g: &mut [f64]| batch.rounding(items, known, c, g);
+        run_tasks(value_tasks((&self.linear, &self.nonlinear.batches), (&mut c, &mut g), of_linear, of_items));
         Ok(Rounding { c, start: g.starts().to_vec(), g: g.values().to_vec() })
     }
-}
-
-/// Writes the bounds of linear equations.
-fn linear_rounding(batch: &LinearBatch, u: &[f64], c: &mut [f64]) {
-    batch.evaluate(u, c);
-    let mut values = c.iter_mut();
-    batch.for_each_row(|terms| {
-        let term = |(j, a): (u32, f64)| Bounded::from(a) * Bounded::from(u[j as usize]);
-        let sum = terms.map(term).fold(Bounded::from(0.0), |sum, term| sum + term);
-        // c = sum - b.
-        values.next().into_iter().for_each(|c| *c = bound(sum - Bounded::from(sum.real - *c)));
-    });
 }
 
 impl ConstraintSet {
@@ -100,20 +84,12 @@ impl ConstraintSet {
     /// [`ArgumentError`] if u does not have length n.
     pub fn extents(&self, u: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         long("u", u.len(), self.dofs)?;
-        let at =
-            self.reference_coordinates.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
-        let mut sizes: Vec<f64> = u.iter().zip(at).map(|(u, at)| u.abs().max(at)).collect();
-        self.nonlinear.batches.iter().for_each(|batch| {
-            batch.rotation_vectors(&mut |dofs, places| {
-                let rotations = places.iter().flat_map(|&k| &dofs[k..k + 3]);
-                rotations.for_each(|&j| sizes[j as usize] = sizes[j as usize].max(1.0));
-            });
-        });
-        Ok(sizes)
+        let size = |(j, u): (usize, &f64)| u.abs().max(self.dof_uses.sizes(j).map_or(0.0, |[_, node]| node));
+        Ok(u.iter().enumerate().map(size).collect())
     }
 
     /// Whether a DOF is a displacement of a node, because it adds to a coordinate. No DOF from n on is one.
     pub fn is_displacement(&self, dof: usize) -> bool {
-        self.reference_coordinates.largest().get(dof).is_some_and(|sizes| sizes.node.is_nonzero())
+        self.dof_uses.sizes(dof).is_some()
     }
 }

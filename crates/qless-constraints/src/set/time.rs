@@ -1,7 +1,7 @@
 //! Right-hand sides and parameters that are functions of time: `c(u, t) = 0`.
 //!
-//! Patterns do not depend on time: [`ConstraintSet::set_time`] writes new numbers in place. Inactive constraints are evaluated at the time of
-//! the set when they are activated.
+//! Patterns do not depend on time: [`ConstraintSet::set_time`] writes new numbers in place. The functions of inactive
+//! constraints need not be finite; they are refused when their values are asked for, and when they are activated.
 
 use crate::set::ConstraintSet;
 use crate::set::error::TimeError;
@@ -48,6 +48,7 @@ impl ConstraintSet {
             return Err(TimeError::NotFinite { label, time, value });
         }
         values.into_iter().for_each(|(row, value)| self.linear.set_rhs(row, value));
+        self.register.inactive.values_mut().for_each(|contents| contents.not_finite = contents.at_time(time).err());
         self.time = time;
         self.version.renew();
         Ok(())
@@ -56,9 +57,8 @@ impl ConstraintSet {
     /// `(row of c, angle in radians)` of the motors at the time of the set. Their equations determine the angle only up to multiples of 2 pi.
     pub fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
-        for (b, batch) in self.nonlinear.batches.iter().enumerate() {
-            let first = self.linear.rows() + self.nonlinear.offsets.first(b);
-            batch.angles(&mut |row, angle| angles.push((first + row, angle)));
+        for (first, batch) in self.nonlinear.with_rows() {
+            batch.angles(&mut |row, angle| angles.push((self.linear.rows() + first + row, angle)));
         }
         angles
     }

@@ -1,12 +1,14 @@
-//! `c = (|x_b - x_a|^2 - L^2) / (2 L)`: two nodes at a fixed distance, such as the ends of a rod.
+//! `c = (|x_b - x_a|^2 - L^2) / (2 L)`: two points at a fixed distance, such as the ends of a rod.
 //!
 //! c is a polynomial with a constant Hessian, and a length: near the solution `c = |x_b - x_a| - L` to first order.
 
 use crate::geometry::node::{Node, moved, separation};
 use crate::scalar::Scalar;
+use crate::scalar::vector::{Vector, dot, sub};
+use crate::types::joints::attachment::{BodyPoint, PointFunction, on_points};
 use crate::{Constraint, EquationSink, Nonlinear};
 
-/// Two nodes at a fixed distance, in D dimensions.
+/// Two points at a fixed distance: nodes in D dimensions, or points of bodies ([`BodyPoint`]).
 ///
 #[doc = include_str!("../../docs/pictures/distance.svg")]
 ///
@@ -27,11 +29,11 @@ use crate::{Constraint, EquationSink, Nonlinear};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Distance<const D: usize> {
+pub struct Distance<P> {
     /// One end.
-    pub a: Node<D>,
+    pub a: P,
     /// The other end.
-    pub b: Node<D>,
+    pub b: P,
     /// L, a length; `None` for the distance at u = 0.
     pub length: Option<f64>,
 }
@@ -45,28 +47,56 @@ pub enum DistanceError {
     Length(f64),
 }
 
-impl<const D: usize> Distance<D> {
+impl<P> Distance<P> {
     /// Keeps the distance at u = 0.
-    pub fn new(a: Node<D>, b: Node<D>) -> Self {
+    pub fn new(a: P, b: P) -> Self {
         Self { a, b, length: None }
+    }
+
+    /// The length, checked; `at_rest` is the distance at u = 0.
+    fn checked_length(&self, sink: &mut EquationSink, at_rest: f64) -> Result<f64, DistanceError> {
+        let length = self.length.unwrap_or(at_rest);
+        sink.length(length);
+        if length > 0.0 && length.is_finite() { Ok(length) } else { Err(DistanceError::Length(length)) }
     }
 }
 
-impl<const D: usize> Constraint for Distance<D> {
+impl<const D: usize> Constraint for Distance<Node<D>> {
     const NAME: &'static str = "distance";
     type Error = DistanceError;
 
     fn emit(self, sink: &mut EquationSink) -> Result<(), DistanceError> {
-        let length = self.length.unwrap_or_else(|| separation(&self.a.at, &self.b.at));
-        if !(length > 0.0 && length.is_finite()) {
-            return Err(DistanceError::Length(length));
-        }
+        let length = self.checked_length(sink, separation(&self.a.at, &self.b.at))?;
         let between = std::array::from_fn(|k| self.b.at[k] - self.a.at[k]);
-        sink.length(length);
         [self.a, self.b].iter().for_each(|node| sink.coordinates_of(node));
         let dofs = [self.a.dofs, self.b.dofs];
         sink.nonlinear("", dofs.as_flattened(), RodParameters::<D> { between, length });
         Ok(())
+    }
+}
+
+impl Constraint for Distance<BodyPoint> {
+    const NAME: &'static str = "distance";
+    type Error = DistanceError;
+
+    fn emit(self, sink: &mut EquationSink) -> Result<(), DistanceError> {
+        let length = self.checked_length(sink, separation(&self.a.at, &self.b.at))?;
+        on_points(sink, [self.a, self.b], Apart { length });
+        Ok(())
+    }
+}
+
+/// `(|x_b - x_a|^2 - L^2) / (2 L)`.
+pub(super) struct Apart {
+    pub length: f64,
+}
+
+impl PointFunction for Apart {
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
+
+    fn value<S: Scalar>(&self, points: &[Vector<S>], c: &mut [S]) {
+        let between = sub(points[1], points[0]);
+        c[0] = (dot(between, between) - S::from(self.length * self.length)) / S::from(2.0 * self.length);
     }
 }
 
@@ -78,9 +108,7 @@ struct RodParameters<const D: usize> {
 
 impl<const D: usize> Nonlinear for RodParameters<D> {
     const DOFS: usize = 2 * D;
-    const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0, 1, 0];
-    const SAME_PAIRS: bool = true;
     const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

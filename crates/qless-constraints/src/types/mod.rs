@@ -43,7 +43,7 @@ pub use dof_equations::{
     Driven, DrivenError, Equal, EqualError, LinearEquation, LinearEquationError, Prescribed, PrescribedError,
 };
 pub use joints::{
-    Body, Cylindrical, EulerNorm, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute,
+    Body, BodyPoint, Cylindrical, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute,
     RotationMotor, Spherical, TranslationMotor, Universal,
 };
 pub use mortar::{MortarError, MortarTie, Multipliers};

@@ -5,10 +5,11 @@
 //! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, unit vectors perpendicular to d and to each other. It is singular for d =
 //! -D, so that beyond 123 degrees the rotation starts from -D instead. No frame is continuous for all directions.
 
-use crate::geometry::node::{Point, moved, separation};
+use crate::geometry::node::{Point, separation};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, sub, unit};
-use crate::{Constraint, EquationSink, Nonlinear};
+use crate::types::joints::attachment::{BodyPoint, PointFunction, on_points};
+use crate::{Constraint, EquationSink};
 
 /// Value of `D.d` below which the rotation starts from -D. Models are unlikely to be built at this angle.
 const TURNED: f64 = -0.55;
@@ -17,20 +18,20 @@ const COLLAPSED: f64 = 1e-12;
 
 /// The line that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Line {
-    /// A fixed line: linear equations.
+pub enum Line<P = Point> {
+    /// A fixed line: linear equations on nodes.
     Fixed {
         /// A point of it, coordinates.
         through: Vector<f64>,
         /// Its direction, of any length.
         direction: Vector<f64>,
     },
-    /// The line through two nodes, which may move. If they coincide, the line has no direction and c is NaN.
-    Nodes(Point, Point),
+    /// The line through two nodes or points of bodies, which may move. If they coincide, the line has no direction and c is NaN.
+    Nodes(P, P),
 }
 
-/// A node on a line: `c_i = e_i . (p - a)`, two lengths: the distances of the node from the line in two directions
-/// across it.
+/// A node, or a point of a body ([`BodyPoint`]), on a line: `c_i = e_i . (p - a)`, two lengths: the distances of the point from the line in
+/// two directions across it.
 ///
 /// `|c|` is the distance from the line. The directions rotate with a line through nodes. At a rotation of 123 degrees
 /// from u = 0 they are redefined: c jumps, but `|c|` does not.
@@ -53,11 +54,11 @@ pub enum Line {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OnLine {
-    /// The node.
-    pub point: Point,
+pub struct OnLine<P = Point> {
+    /// The node, or the point of a body.
+    pub point: P,
     /// The line.
-    pub line: Line,
+    pub line: Line<P>,
 }
 
 /// What can be wrong with a line.
@@ -69,39 +70,77 @@ pub enum OnLineError {
     Direction,
 }
 
+/// Names of the two equations.
+const SIDES: [&str; 2] = ["side 1", "side 2"];
+
+/// Two directions across a line.
+fn across(along: Vector<f64>) -> Result<[Vector<f64>; 2], OnLineError> {
+    unit(along).map(perpendicular).ok_or(OnLineError::Direction)
+}
+
 impl Constraint for OnLine {
     const NAME: &'static str = "point on line";
     type Error = OnLineError;
 
     fn emit(self, sink: &mut EquationSink) -> Result<(), OnLineError> {
-        let along = match self.line {
-            Line::Fixed { direction, .. } => direction,
-            Line::Nodes(a, b) => sub(b.at, a.at),
-        };
-        let direction = unit(along).ok_or(OnLineError::Direction)?;
-        let across = perpendicular(direction);
         match self.line {
-            Line::Fixed { through, .. } => {
-                for (part, e) in ["side 1", "side 2"].into_iter().zip(across) {
+            Line::Fixed { through, direction } => {
+                for (part, e) in SIDES.into_iter().zip(across(direction)?) {
                     let terms = self.point.dofs.into_iter().zip(e);
                     sink.equation(part, terms, dot(e, sub(through, self.point.at)));
                 }
+                Ok(())
             }
             Line::Nodes(a, b) => {
-                let dofs = [self.point.dofs, a.dofs, b.dofs].concat();
-                let (at, length) = ([self.point.at, a.at, b.at], norm(along));
+                let [point, a, b] = [self.point, a, b].map(BodyPoint::from);
+                OnLine { point, line: Line::Nodes(a, b) }.emit(sink)
+            }
+        }
+    }
+}
+
+impl Constraint for OnLine<BodyPoint> {
+    const NAME: &'static str = "point on line";
+    type Error = OnLineError;
+
+    fn emit(self, sink: &mut EquationSink) -> Result<(), OnLineError> {
+        match self.line {
+            Line::Fixed { through, direction } => {
+                sink.numbers(through);
+                on_points(sink, [self.point], FixedLine { through, across: across(direction)? });
+            }
+            Line::Nodes(a, b) => {
+                let along = sub(b.at, a.at);
+                let across = across(along)?;
                 sink.length(separation(&a.at, &b.at));
-                sink.numbers(at.into_iter().flatten());
-                sink.nonlinear("", &dofs, MovingLine { at, along: direction, length, across });
+                on_points(
+                    sink,
+                    [self.point, a, b],
+                    MovingLine { along: unit(along).unwrap_or(along), length: norm(along), across },
+                );
             }
         }
         Ok(())
     }
 }
 
+/// A fixed line.
+struct FixedLine {
+    through: Vector<f64>,
+    across: [Vector<f64>; 2],
+}
+
+impl PointFunction for FixedLine {
+    const EQUATION_NAMES: &'static [&'static str] = &SIDES;
+
+    fn value<S: Scalar>(&self, points: &[Vector<S>], c: &mut [S]) {
+        let off = sub(points[0], lift(self.through));
+        c.iter_mut().zip(self.across).for_each(|(c, e)| *c = dot(lift(e), off));
+    }
+}
+
 /// The parameters of a line through two nodes.
 struct MovingLine {
-    at: [Vector<f64>; 3],
     /// D, the direction at u = 0.
     along: Vector<f64>,
     /// The length at u = 0.
@@ -122,45 +161,16 @@ impl MovingLine {
     }
 }
 
-impl Nonlinear for MovingLine {
-    const EQUATION_NAMES: &'static [&'static str] = &["side 1", "side 2"];
+impl PointFunction for MovingLine {
+    const EQUATION_NAMES: &'static [&'static str] = &SIDES;
 
-    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
-        let [p, a, b] = [0, 1, 2].map(|node| moved(&self.at[node], u, 3 * node));
-        let (off, along) = (sub(p, a), sub(b, a));
+    fn value<S: Scalar>(&self, points: &[Vector<S>], c: &mut [S]) {
+        let (off, along) = (sub(points[0], points[1]), sub(points[2], points[1]));
         let along = scale(S::from(1.0) / self.checked(norm(along)), along);
         let both = add(lift(self.origin(along.map(Scalar::real))), along);
         let half = S::from(0.5) * dot(both, both);
         for (c, e) in c.iter_mut().zip(self.across.map(lift)) {
             *c = dot(e, off) - dot(e, along) * dot(both, off) / half;
-        }
-    }
-
-    /// All pairs, except those within the node itself.
-    fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
-        (3..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
-    }
-
-    /// The node has the gradient `e_i`. With `v = dc_i / dd`, the end b has `(v - (v.d) d) / l`; the end a makes the
-    /// sum zero.
-    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        let [p, a, b] = [0, 1, 2].map(|node| moved(&self.at[node], u, 3 * node));
-        let (off, along) = (sub(p, a), sub(b, a));
-        let inverse = 1.0 / self.checked(norm(along));
-        let along = scale(inverse, along);
-        let both = add(self.origin(along), along);
-        let (half, height) = (0.5 * dot(both, both), dot(both, off));
-        for ((c, g), across) in c.iter_mut().zip(g.chunks_exact_mut(9)).zip(self.across) {
-            let lean = dot(across, along) / half;
-            let e = sub(across, scale(lean, both));
-            *c = dot(e, off);
-            // half = 1 + D.d, with the derivative D = both - d.
-            let by_lean = sub(across, scale(lean, sub(both, along)));
-            let v = sub(scale(-height / half, by_lean), scale(lean, off));
-            let of_b = scale(inverse, sub(v, scale(dot(v, along), along)));
-            for k in 0..3 {
-                (g[k], g[3 + k], g[6 + k]) = (e[k], -e[k] - of_b[k], of_b[k]);
-            }
         }
     }
 }

@@ -1,30 +1,31 @@
 //! `n . (p - a) = 0`: a node on a plane. If the plane is given by three nodes, `n = (b - a) x (d - a) / |(b - a) x (d
 //! - a)|`.
 
-use crate::geometry::node::{Point, moved, rounding};
+use crate::geometry::node::{Point, rounding};
 use crate::scalar::Scalar;
-use crate::scalar::vector::{Vector, cross, dot, norm, scale, sub, unit};
-use crate::{Constraint, EquationSink, Nonlinear};
+use crate::scalar::vector::{Vector, cross, dot, lift, norm, sub, unit};
+use crate::types::joints::attachment::{BodyPoint, PointFunction, on_points};
+use crate::{Constraint, EquationSink};
 
 /// Nodes are collinear if the sine of their angle is below this.
 const FLAT: f64 = 1e-12;
 
 /// The plane that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Plane {
-    /// A fixed plane: a linear equation.
+pub enum Plane<P = Point> {
+    /// A fixed plane: a linear equation on a node.
     Fixed {
         /// A point of it, coordinates.
         through: Vector<f64>,
         /// Its normal, of any length.
         normal: Vector<f64>,
     },
-    /// The plane through three nodes, which may move. If they are collinear, the plane has no normal and c is NaN.
-    Nodes(Point, Point, Point),
+    /// The plane through three nodes or points of bodies, which may move. If they are collinear, the plane has no normal and c is NaN.
+    Nodes(P, P, P),
 }
 
-/// A node on a plane: `c = n . (p - a)`, a length: its height above the plane. The normal rotates with a plane through
-/// nodes.
+/// A node, or a point of a body ([`BodyPoint`]), on a plane: `c = n . (p - a)`, a length: its height above the plane. The normal rotates with
+/// a plane through nodes.
 ///
 #[doc = include_str!("../../docs/pictures/on_plane.svg")]
 ///
@@ -45,11 +46,11 @@ pub enum Plane {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OnPlane {
-    /// The node.
-    pub point: Point,
+pub struct OnPlane<P = Point> {
+    /// The node, or the point of a body.
+    pub point: P,
     /// The plane.
-    pub plane: Plane,
+    pub plane: Plane<P>,
 }
 
 /// What can be wrong with a plane.
@@ -73,6 +74,26 @@ impl Constraint for OnPlane {
                 let n = unit(normal).ok_or(OnPlaneError::Normal)?;
                 let terms = self.point.dofs.into_iter().zip(n).filter(|t| t.1 != 0.0);
                 sink.equation("", terms, dot(n, sub(through, self.point.at)));
+                Ok(())
+            }
+            Plane::Nodes(a, b, d) => {
+                let [point, a, b, d] = [self.point, a, b, d].map(BodyPoint::from);
+                OnPlane { point, plane: Plane::Nodes(a, b, d) }.emit(sink)
+            }
+        }
+    }
+}
+
+impl Constraint for OnPlane<BodyPoint> {
+    const NAME: &'static str = "point on plane";
+    type Error = OnPlaneError;
+
+    fn emit(self, sink: &mut EquationSink) -> Result<(), OnPlaneError> {
+        match self.plane {
+            Plane::Fixed { through, normal } => {
+                let normal = unit(normal).ok_or(OnPlaneError::Normal)?;
+                sink.numbers(through);
+                on_points(sink, [self.point], FixedPlane { through, normal });
             }
             Plane::Nodes(a, b, d) => {
                 let (ab, ad) = (sub(b.at, a.at), sub(d.at, a.at));
@@ -82,57 +103,40 @@ impl Constraint for OnPlane {
                 if !sound {
                     return Err(OnPlaneError::Normal);
                 }
-                let at = [self.point.at, a.at, b.at, d.at];
                 sink.length(area.sqrt());
-                sink.numbers(at.into_iter().flatten());
-                let dofs = [self.point.dofs, a.dofs, b.dofs, d.dofs].concat();
-                sink.nonlinear("", &dofs, MovingPlane { at });
+                on_points(sink, [self.point, a, b, d], MovingPlane);
             }
         }
         Ok(())
     }
 }
 
-/// The parameters of a plane through three nodes: coordinates.
-struct MovingPlane {
-    at: [Vector<f64>; 4],
+/// A fixed plane with a unit normal.
+struct FixedPlane {
+    through: Vector<f64>,
+    normal: Vector<f64>,
 }
 
-impl MovingPlane {
-    /// `p - a`, `b - a`, `d - a`, their normal, and its length, which is NaN if the nodes are collinear.
-    fn sides<S: Scalar>(&self, u: &[S]) -> ([Vector<S>; 4], S) {
-        let [p, a, b, d] = [0, 1, 2, 3].map(|node| moved(&self.at[node], u, 3 * node));
-        let (ab, ad) = (sub(b, a), sub(d, a));
+impl PointFunction for FixedPlane {
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
+
+    fn value<S: Scalar>(&self, points: &[Vector<S>], c: &mut [S]) {
+        c[0] = dot(lift(self.normal), sub(points[0], lift(self.through)));
+    }
+}
+
+/// A plane through three points, which come after the point on it.
+struct MovingPlane;
+
+impl PointFunction for MovingPlane {
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
+
+    /// NaN if the points are collinear.
+    fn value<S: Scalar>(&self, points: &[Vector<S>], c: &mut [S]) {
+        let [off, ab, ad] = [0, 2, 3].map(|k| sub(points[k], points[1]));
         let normal = cross(ab, ad);
         let size = |v: Vector<S>| norm(v.map(Scalar::real));
         let sound = size(normal) > FLAT * size(ab) * size(ad);
-        ([sub(p, a), ab, ad, normal], if sound { norm(normal) } else { S::from(f64::NAN) })
-    }
-}
-
-impl Nonlinear for MovingPlane {
-    const EQUATION_NAMES: &'static [&'static str] = &[""];
-
-    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
-        let ([off, _, _, normal], length) = self.sides(u);
-        c[0] = dot(off, normal) / length;
-    }
-
-    /// All pairs, except those within the node itself.
-    fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
-        (3..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
-    }
-
-    /// The node has the gradient n. With `m = dc / d((b - a) x (d - a)) = (p - a - c n) / |..|`, the corners b and d
-    /// have `(d - a) x m` and `m x (b - a)`.
-    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        let ([off, ab, ad, normal], length) = self.sides(u);
-        let n = scale(1.0 / length, normal);
-        c[0] = dot(off, n);
-        let m = scale(1.0 / length, sub(off, scale(c[0], n)));
-        let (of_b, of_d) = (cross(ad, m), cross(m, ab));
-        for k in 0..3 {
-            (g[k], g[3 + k], g[6 + k], g[9 + k]) = (n[k], -n[k] - of_b[k] - of_d[k], of_b[k], of_d[k]);
-        }
+        c[0] = dot(off, normal) / if sound { norm(normal) } else { S::from(f64::NAN) };
     }
 }

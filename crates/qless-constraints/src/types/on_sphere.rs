@@ -3,9 +3,12 @@
 
 use crate::geometry::node::{Node, moved, separation};
 use crate::scalar::Scalar;
+use crate::types::Body;
+use crate::types::distance::Apart;
+use crate::types::joints::attachment::{BodyPoint, on_points};
 use crate::{Constraint, EquationSink, Nonlinear};
 
-/// A node on a fixed sphere (D = 3) or circle (D = 2).
+/// A node on a fixed sphere (D = 3) or circle (D = 2), or a point of a body ([`BodyPoint`]) on a sphere.
 ///
 #[doc = include_str!("../../docs/pictures/on_sphere.svg")]
 ///
@@ -24,9 +27,9 @@ use crate::{Constraint, EquationSink, Nonlinear};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OnSphere<const D: usize> {
-    /// The node.
-    pub point: Node<D>,
+pub struct OnSphere<P, const D: usize> {
+    /// The node, or the point of a body.
+    pub point: P,
     /// The centre m, coordinates.
     pub centre: [f64; D],
     /// The radius R, a length; `None` for the distance at u = 0.
@@ -42,18 +45,34 @@ pub enum OnSphereError {
     Radius(f64),
 }
 
-impl<const D: usize> Constraint for OnSphere<D> {
+impl<P, const D: usize> OnSphere<P, D> {
+    /// The radius, checked; `at` is the point at u = 0.
+    fn checked_radius(&self, sink: &mut EquationSink, at: &[f64; D]) -> Result<f64, OnSphereError> {
+        let radius = self.radius.unwrap_or_else(|| separation(at, &self.centre));
+        sink.length(radius);
+        sink.numbers(self.centre);
+        if radius > 0.0 && radius.is_finite() { Ok(radius) } else { Err(OnSphereError::Radius(radius)) }
+    }
+}
+
+impl Constraint for OnSphere<BodyPoint, 3> {
     const NAME: &'static str = "point on sphere";
     type Error = OnSphereError;
 
     fn emit(self, sink: &mut EquationSink) -> Result<(), OnSphereError> {
-        let radius = self.radius.unwrap_or_else(|| separation(&self.point.at, &self.centre));
-        if !(radius > 0.0 && radius.is_finite()) {
-            return Err(OnSphereError::Radius(radius));
-        }
+        let length = self.checked_radius(sink, &self.point.at)?;
+        on_points(sink, [Body::ground().point(self.centre), self.point], Apart { length });
+        Ok(())
+    }
+}
+
+impl<const D: usize> Constraint for OnSphere<Node<D>, D> {
+    const NAME: &'static str = "point on sphere";
+    type Error = OnSphereError;
+
+    fn emit(self, sink: &mut EquationSink) -> Result<(), OnSphereError> {
+        let radius = self.checked_radius(sink, &self.point.at)?;
         let from = std::array::from_fn(|k| self.point.at[k] - self.centre[k]);
-        sink.length(radius);
-        sink.numbers(self.centre);
         sink.coordinates_of(&self.point);
         sink.nonlinear("", &self.point.dofs, Sphere::<D> { from, radius });
         Ok(())
@@ -68,9 +87,7 @@ struct Sphere<const D: usize> {
 
 impl<const D: usize> Nonlinear for Sphere<D> {
     const DOFS: usize = D;
-    const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0];
-    const SAME_PAIRS: bool = true;
     const EQUATION_NAMES: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

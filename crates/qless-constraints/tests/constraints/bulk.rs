@@ -38,7 +38,7 @@ impl Mix {
     fn point(&self, k: usize) -> Point {
         let node = (self.i + k) % NODES;
         // Some have DOFs that do not ascend.
-        let dofs = std::array::from_fn(|k| 3 * node + if node.is_multiple_of(5) { 2 - k } else { k });
+        let dofs = std::array::from_fn(|k| 6 * node + if node.is_multiple_of(5) { 2 - k } else { k });
         Point::new(dofs, [node as f64, (node * node % 7) as f64, (node % 3) as f64].map(|x| x * self.unit))
     }
 }
@@ -50,7 +50,7 @@ impl Constraint for Mix {
     fn emit(self, sink: &mut EquationSink) -> Result<(), Refused> {
         match self.fault {
             Some(Fault::Input) => return Err(Refused("as agreed".into())),
-            Some(Fault::Dof) => sink.equation("", [(3 * NODES + self.i, 1.0)], 0.0),
+            Some(Fault::Dof) => sink.equation("", [(6 * NODES + self.i, 1.0)], 0.0),
             Some(Fault::Number) => sink.equation("", [(0, f64::NAN)], 0.0),
             None => (),
         }
@@ -66,7 +66,7 @@ impl Constraint for Mix {
             3 => Driven::new([(a.dofs[2], 1.0)], move |t| number * t).emit(sink).map_err(|e| said(&e)),
             4 => OnLine { point: a, line: Line::Nodes(b, c) }.emit(sink).map_err(|e| said(&e)),
             5 => {
-                let body = Body::with_vector(a.dofs, a.at, c.dofs);
+                let body = Body::with_vector(a.dofs, a.at, a.dofs.map(|dof| dof + 3));
                 RigidBody { body, nodes: vec![b.into()] }.emit(sink).map_err(|e| said(&e))
             }
             _ => Distance { length: Some(self.unit * (1.0 + number)), ..Distance::new(a, b) }
@@ -134,7 +134,7 @@ fn seen(set: &ConstraintSet, ids: &[ConstraintId], unit: f64) -> Outcome<Seen> {
 
 /// Constraints are added before, in bulk, between and after; then removed, deactivated, activated and changed.
 fn life(way: Way, seed: usize, count: usize, unit: f64) -> Outcome<Vec<Seen>> {
-    let mut set = ConstraintSet::builder(3 * NODES).build()?;
+    let mut set = ConstraintSet::builder(6 * NODES).build()?;
     let mix = |i: usize| Mix::new(i, seed, unit);
     let mut ids = one_by_one(&mut set, "before", seed * 50, &|i| mix(i * 9 + 2))?;
     ids.extend(way(&mut set, "first", count, &mix)?);
@@ -176,7 +176,7 @@ fn all_at_once_is_one_by_one() -> Outcome {
 #[test]
 fn a_set_in_use_takes_many() -> Outcome {
     let build = |way: Way, follows: bool| -> Outcome<_> {
-        let mut set = ConstraintSet::builder(3 * NODES).build()?;
+        let mut set = ConstraintSet::builder(6 * NODES).build()?;
         one_by_one(&mut set, "before", 500, &|i| Mix::new(i, 4, 1.0))?;
         let (u, mut evaluation) = (vec![0.125; set.dofs()], set.allocate());
         set.assemble(&u, &vec![1.0; set.equations()], &mut evaluation)?;
@@ -199,7 +199,7 @@ fn all_or_none() -> Outcome {
                 let fault = if i == first { Some(fault) } else { (i >= later).then_some(Fault::Input) };
                 Mix { fault, ..Mix::new(i, 0, 1.0) }
             };
-            let mut set = ConstraintSet::builder(3 * NODES).build()?;
+            let mut set = ConstraintSet::builder(6 * NODES).build()?;
             let ids = one_by_one(&mut set, "before", 300, &|i| Mix::new(i, 0, 1.0))?;
             let before = seen(&set, &ids, 1.0)?;
             let refused = set.add_all("rod", count, of).expect_err("some are faulty").to_string();

@@ -5,6 +5,7 @@ mod active;
 /// Ties with numbers that are not finite, vanish or are huge.
 mod bad_numbers;
 /// Constraints added in bulk equal those added one by one.
+mod body_points;
 mod bulk;
 /// Linearised sets, ranks and random numbers for the tests.
 mod common;
@@ -28,10 +29,12 @@ mod linear_types;
 mod misuse;
 /// Rows of G that are rounding and nothing else.
 mod noise;
+mod one_body;
 /// The page of each type.
 mod pages;
 /// Refused input and its messages.
 mod refused;
+mod resting;
 /// Models in units of any size.
 mod scales;
 /// The nearest face of a surface.

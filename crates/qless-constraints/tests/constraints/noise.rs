@@ -179,10 +179,9 @@ fn bounds_do_not_depend_on_threads_and_scale_with_the_unit() -> Outcome {
         let mut builder = ConstraintSet::builder(3000);
         for i in 0..997 {
             let at = |k: usize| {
-                Point::new(
-                    [3 * (i + k), 3 * (i + k) + 1, 3 * (i + k) + 2],
-                    [unit * (i * k) as f64, unit * 0.3, unit * k as f64],
-                )
+                let node = i + k;
+                let place = [unit * (node * node % 17) as f64, unit * 0.3, unit * node as f64];
+                Point::new([3 * node, 3 * node + 1, 3 * node + 2], place)
             };
             builder.add("bead", OnLine { point: at(0), line: Line::Nodes(at(1), at(2)) })?;
         }

@@ -8,11 +8,10 @@ use std::path::{Path, PathBuf};
 
 use qless::{Options, analyse};
 use qless_constraints::types::{
-    Body, Cyclic, CyclicHarmonic, Cylindrical, Distance, Driven, Equal, EulerNorm, FaceOrderTie, FaceSide, Fixed,
-    FluidNormal, HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node, NodeTie,
-    OnLine, OnPlane, OnSphere, OrderTie, Parallel, Periodic, Perpendicular, Planar, Plane, Point, Polynomials,
-    Prescribed, Prismatic, Revolute, RotationMotor, Shape, Spherical, Surface, TranslationMotor, Turn, Turning,
-    Universal, Volume,
+    Body, Cyclic, CyclicHarmonic, Cylindrical, Distance, Driven, Equal, FaceOrderTie, FaceSide, Fixed, FluidNormal,
+    HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node, NodeTie, OnLine, OnPlane,
+    OnSphere, OrderTie, Parallel, Periodic, Perpendicular, Planar, Plane, Point, Polynomials, Prescribed, Prismatic,
+    Revolute, RotationMotor, Shape, Spherical, Surface, TranslationMotor, Turn, Turning, Universal, Volume,
 };
 use qless_constraints::{ConstraintSet, SetBuilder};
 
@@ -163,8 +162,6 @@ fn add_nodes(builder: &mut SetBuilder, name: &str) -> Result<bool, Box<dyn Error
             let nodes = (0..4).map(node).collect();
             builder.add("", Volume { nodes, tetrahedra: vec![[0, 1, 2, 3]] })?;
         }
-        // In the plane the second and third parameters are fixed.
-        "euler_norm" => _ = builder.add("", EulerNorm { parameters: [0, 2, 3, 5] })?,
         "cyclic" => _ = builder.add("", sector)?,
         "cyclic_harmonic" => {
             builder.add("", CyclicHarmonic { real: sector, imaginary_a, imaginary_b, harmonic: 2 })?;

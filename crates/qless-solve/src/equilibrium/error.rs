@@ -154,6 +154,31 @@ pub enum EquilibriumError {
         /// Relative constraint residual of the last attempt.
         constraint: f64,
     },
+    /// A moment is given at the scalar part of Euler parameters.
+    #[error(
+        "there is a load at DOF {dof}, the scalar part of Euler parameters; a moment has three components, which belong to the other three"
+    )]
+    Moment {
+        /// The DOF.
+        dof: usize,
+    },
+    /// The stiffness of the model is not the slope of its forces.
+    #[error(
+        "at load factor {factor}: the stiffness of the model is wrong: K({row}, {column}) is {given:e}, but differences of the force of DOF \
+         {row} give {difference:e}; correct the tangent, which then may find the equilibrium"
+    )]
+    Tangent {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// Row of K, a DOF.
+        row: usize,
+        /// Column of K, a DOF.
+        column: usize,
+        /// The entry that the model adds up.
+        given: f64,
+        /// The slope of the force.
+        difference: f64,
+    },
     /// The saddle matrix cannot be factored, or memory is exhausted.
     #[error("at load factor {factor}: the saddle matrix: {why}")]
     Solver {

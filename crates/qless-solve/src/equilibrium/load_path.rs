@@ -1,7 +1,7 @@
 //! Start, target and settings of a load path.
 
 use qless::Options;
-use qless_constraints::ConstraintSet;
+use qless_constraints::{ConstraintSet, PerConstraint};
 
 use super::{Equilibrium, EquilibriumError};
 
@@ -10,8 +10,8 @@ use super::{Equilibrium, EquilibriumError};
 pub struct Start {
     /// DOFs.
     pub u: Vec<f64>,
-    /// Multipliers, one per equation.
-    pub multipliers: Vec<f64>,
+    /// Multipliers; constraints without any start with zero.
+    pub multipliers: PerConstraint,
     /// The loads in equilibrium at the start, at load factor 0.
     pub loads: Vec<f64>,
 }
@@ -20,14 +20,16 @@ impl Start {
     /// All zero.
     pub fn at_rest(set: &ConstraintSet) -> Self {
         let zeros = || vec![0.0; set.dofs()];
-        Self { u: zeros(), multipliers: vec![0.0; set.equations()], loads: zeros() }
+        Self { u: zeros(), multipliers: PerConstraint::default(), loads: zeros() }
     }
 }
 
 /// Target of a load path, at load factor 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target<'a> {
-    /// `f_ext`, one number per DOF.
+    /// `f_ext`, one number per DOF. At the rotation of a body, these are the components of a moment in space: three for a rotation vector; for
+    /// Euler parameters zero, and the three components. Such a moment keeps its axis in space while the body turns; it
+    /// has no energy, so that the tangent is not symmetric ([`super::Stability::NotSymmetric`]).
     pub loads: &'a [f64],
     /// DOFs and their values.
     pub prescribed: &'a [(usize, f64)],

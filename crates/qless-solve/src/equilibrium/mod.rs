@@ -20,10 +20,15 @@
 //! parts without free DOFs come last. If the [`Model`] rejects a configuration, evaluations without some of the parts find those that it
 //! rejects.
 //!
+//! Loads and reactions at the rotations of bodies are moments in space ([`ConstraintSet::generalised_forces`]), and multipliers belong to their
+//! constraints ([`qless_constraints::PerConstraint`]). If no equilibrium is found, the tangent of the model is compared with differences of its
+//! forces ([`check_tangent`]), since a wrong tangent looks like a load that is too large.
+//!
 //! A returned equilibrium satisfies these tolerances, and its tangent is not singular. It may be unstable; [`EquilibriumOptions::stability`]
 //! asks for a check.
 
 mod branch;
+mod check_tangent;
 mod correct;
 mod error;
 mod load_path;
@@ -39,6 +44,7 @@ mod time_path;
 
 use qless_constraints::{ConstraintSet, TimeError};
 
+pub use check_tangent::check_tangent;
 pub use error::EquilibriumError;
 use error::StepFailure;
 pub use load_path::{EquilibriumOptions, Start, Target};
@@ -77,13 +83,13 @@ use time_path::TimePath;
 /// }
 /// // On the end of an arm of length 1.
 /// let mut builder = ConstraintSet::builder(2);
-/// builder.add("arm", OnSphere { point: PlanarPoint::new([0, 1], [1.0, 0.0]), centre: [0.0; 2], radius: None })?;
+/// let arm = builder.add("arm", OnSphere { point: PlanarPoint::new([0, 1], [1.0, 0.0]), centre: [0.0; 2], radius: None })?;
 /// let set = builder.build()?;
 /// let target = Target { loads: &[1.0, 3.0], prescribed: &[] };
 /// let found = solve(&mut Spring, &set, &Start::at_rest(&set), &target, &EquilibriumOptions::default())?;
 /// // The load turns the arm until `f - k u` points along it.
 /// let (x, y) = (1.0 + found.u[0], found.u[1]);
-/// assert!((x * (3.0 - 2.0 * y) - y).abs() < 1e-9 && (found.multipliers[0] - 1.0 / x).abs() < 1e-9);
+/// assert!((x * (3.0 - 2.0 * y) - y).abs() < 1e-9 && (found.multipliers.of(arm)[0] - 1.0 / x).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -136,7 +142,7 @@ pub fn solve(
 /// let target = Target { loads: &loads, prescribed: &[] };
 /// let found = drive(&mut Weight, &mut set, &start, &target, 7.0, &EquilibriumOptions::default())?;
 /// // One turn and 0.717 rad later the motor carries the moment of the weight.
-/// let moment = -found.multipliers[set.rows_of(motor)?[0]];
+/// let moment = -found.multipliers.of(motor)[0];
 /// assert!((moment - 3.0 * 2.0 * 7_f64.cos()).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -1,5 +1,7 @@
 //! Results: an equilibrium, with its load steps and iterates.
 
+use qless_constraints::PerConstraint;
+
 use super::Stability;
 
 /// One iterate, with its residuals.
@@ -37,11 +39,14 @@ pub struct LoadStep {
 pub struct Equilibrium {
     /// DOFs.
     pub u: Vec<f64>,
-    /// One per equation, in units of force times displacement per unit of c; 0 for redundant equations.
-    pub multipliers: Vec<f64>,
-    /// `f_int + G^T lambda - f_ext` at prescribed DOFs, in the order of [`super::Target::prescribed`]: the support forces.
+    /// One per equation, in units of force times displacement per unit of c; 0 for redundant equations. They belong to their constraints, and
+    /// stay theirs when constraints come and go.
+    pub multipliers: PerConstraint,
+    /// `f_int + G^T lambda - f_ext` at prescribed DOFs, the support forces; one per DOF, zero elsewhere. At rotations of bodies, moments in
+    /// space, as in [`super::Target::loads`].
     pub reactions: Vec<f64>,
-    /// `-G^T lambda`: force of the constraints on the model, one per DOF.
+    /// `-G^T lambda`: force of the constraints on the model, one per DOF; moments in space at rotations of bodies. Those of a single constraint
+    /// are [`qless_constraints::ConstraintSet::forces_of`].
     pub constraint_forces: Vec<f64>,
     /// Redundant equations, which have no multiplier.
     pub redundant: Vec<usize>,

@@ -30,6 +30,8 @@ pub struct EquilibriumState {
     pub terms: Vec<f64>,
     /// Effect of rounding of u and G on the residual.
     rounding: Vec<f64>,
+    /// `-d f_i / du_j` of moments in space, `(i, j, value)`, by rows.
+    moments: Vec<(usize, usize, f64)>,
     /// `|c_r|` in roundings of its own terms; if it no longer falls, of the largest in its part or of the forces.
     pub constraints: Vec<f64>,
     /// Bounds on the rounding of c and G.
@@ -49,6 +51,7 @@ impl EquilibriumState {
             residual: zeros(),
             terms: zeros(),
             rounding: zeros(),
+            moments: Vec::new(),
             constraints,
             of_constraints: None,
         })
@@ -65,7 +68,7 @@ impl EquilibriumState {
         self.assembly.clear(false);
         model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
         set.evaluate(&at.u, &mut self.evaluation)?;
-        self.sum(at, loads)
+        self.sum(set, at, loads)
     }
 
     /// Evaluates f_int, K, c, G and H.
@@ -79,7 +82,11 @@ impl EquilibriumState {
         self.assembly.clear(true);
         model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
         set.assemble(&at.u, &at.multipliers, &mut self.evaluation)?;
-        self.sum(at, loads)?;
+        self.sum(set, at, loads)?;
+        let moments = &mut self.moments;
+        moments.clear();
+        set.moment_stiffness(&at.u, loads, &mut |i, j, v| moments.push((i, j, -v)))?;
+        moments.sort_by_key(|&(i, j, _)| (i, j));
         let rounding = set.rounding(&at.u)?;
         self.constraints = in_roundings(self.evaluation.c(), rounding.c());
         self.round(model, at, rounding.g());
@@ -123,8 +130,15 @@ impl EquilibriumState {
         part.rows.iter().map(of_row).collect()
     }
 
-    fn sum(&mut self, at: &Unknowns, loads: &[f64]) -> Result<(), StepFailure> {
+    /// The stiffness of moments in a row.
+    pub fn moments_of(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let first = self.moments.partition_point(|&(row, ..)| row < i);
+        self.moments[first..].iter().take_while(move |&&(row, ..)| row == i).map(|&(_, j, v)| (j, v))
+    }
+
+    fn sum(&mut self, set: &ConstraintSet, at: &Unknowns, loads: &[f64]) -> Result<(), StepFailure> {
         fault(&self.assembly)?;
+        let loads = set.generalised_forces(&at.u, loads)?;
         let Self { assembly, residual, terms, .. } = self;
         for (j, &load) in loads.iter().enumerate() {
             residual[j] = assembly.force[j] - load;
@@ -191,7 +205,7 @@ impl EquilibriumState {
     }
 }
 
-fn fault(assembly: &Assembly) -> Result<(), EquilibriumError> {
+pub fn fault(assembly: &Assembly) -> Result<(), EquilibriumError> {
     match assembly.fault {
         Some(AssemblyFault::Force(dof)) => Err(EquilibriumError::Force { dof, dofs: assembly.force.len() }),
         Some(AssemblyFault::Stiffness(row, column)) => Err(EquilibriumError::Pattern { row, column }),

@@ -112,8 +112,7 @@ impl Chain {
             assert!(found.u[6 * i + 2].abs() < 1e-9 * self.length, "link {i}");
         }
         for (i, &joint) in joints.iter().enumerate() {
-            let rows = set.rows_of(joint)?;
-            let force = [0, 1].map(|k| found.multipliers[rows[k]].abs());
+            let force = [0, 1].map(|k| found.multipliers.of(joint)[k].abs());
             let truth = [tension, (weight * (i as f64 - 0.5 * n as f64)).abs()];
             let off = (0..2).map(|k| (force[k] - truth[k]).abs()).fold(0.0, f64::max);
             assert!(off < 1e-6 * self.force, "joint {i}: {force:?} {truth:?}");

@@ -160,7 +160,7 @@ fn a_tied_cantilever_is_rolled_up() -> Outcome {
         assert!(found.reactions[..2].iter().all(|r| (r * length / moment).abs() < 1e-8), "{:?}", found.reactions);
         // The tie carries the moment by one of the two equations; the other one is redundant.
         assert_eq!(found.redundant.len(), 1);
-        assert_eq!(found.multipliers[found.redundant[0]], 0.0);
+        assert_eq!(found.multipliers.in_rows(&set)?[found.redundant[0]], 0.0);
         let carried = found.constraint_forces[left + 2];
         assert!((carried.abs() / moment - 1.0).abs() < 1e-8, "{carried}");
     }
@@ -239,12 +239,13 @@ fn hanging_chain(rods: usize, [length, force]: [f64; 2]) -> Outcome<Equilibrium>
     let target = Target { loads: &loads, prescribed: &ends };
     let mut model = Weights { springs: vec![0.0; set.dofs()] };
     let found = solve(&mut model, &set, &Start::at_rest(&set), &target, &EquilibriumOptions::default())?;
+    let lambda = found.multipliers.in_rows(&set)?;
     let tension = |i: usize| {
         let place = |i: usize| [0, 1].map(|k| at(i)[k] + found.u[2 * i + k]);
         let (a, b) = (place(i), place(i + 1));
         let along = [0, 1].map(|k| (b[k] - a[k]) / rod);
         assert!((along[0].hypot(along[1]) - 1.0).abs() < 1e-9, "rod {i}");
-        along.map(|x| x * found.multipliers[i])
+        along.map(|x| x * lambda[i])
     };
     let first = tension(0);
     for i in 1..rods {
@@ -285,7 +286,7 @@ fn a_crank_turns_through_its_dead_centres() -> Outcome {
         let (pin, slider) = (PlanarPoint::new([0, 1], [r, 0.0]), PlanarPoint::new([2, 3], [r + l, 0.0]));
         let mut builder = ConstraintSet::builder(4);
         builder.add("crank", OnSphere { point: pin, centre: [0.0; 2], radius: None })?;
-        builder.add("rod", Distance::new(pin, slider))?;
+        let rod = builder.add("rod", Distance::new(pin, slider))?;
         builder.add("guide", LinearEquation { terms: vec![(3, 1.0)], rhs: 0.0 })?;
         let set = built(builder);
         let mut model = Weights { springs: vec![0.0, 0.0, k, 0.0] };
@@ -301,8 +302,10 @@ fn a_crank_turns_through_its_dead_centres() -> Outcome {
             assert!((found.u[2] - truth).abs() < 1e-9 * length, "step {step}: {} {truth}", found.u[2]);
             // The spring determines the force along the rod.
             let along = (r + l + found.u[2] - px) / l;
-            let rod = set.rows_of(set.constraint_of(2)?)?[0];
-            assert!((found.multipliers[rod] * along + k * found.u[2]).abs() < 1e-8 * force, "step {step}: {found:?}");
+            assert!(
+                (found.multipliers.of(rod)[0] * along + k * found.u[2]).abs() < 1e-8 * force,
+                "step {step}: {found:?}"
+            );
             start = found.start();
         }
     }

@@ -11,7 +11,7 @@ use qless_solve::newton::{NewtonOptions, solve};
 use crate::linkages::{Outcome, random};
 use crate::poses::{
     AT_REST, KINDS, Kind, Pose, Quaternion, STRIDE, Vector, add, angle, back, body, carried, cross, direction, dot,
-    norm, norm_of, place, pose, scale, sub, then, turn, turned, unit, values,
+    norm, place, pose, scale, sub, then, turn, turned, unit, values,
 };
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,10 +75,6 @@ impl Model {
         let mut builder = ConstraintSet::builder(2 * STRIDE);
         let a = if self.grounded { Body::ground() } else { body(0, self.kinds[0], self.from[0]) };
         self.add(&mut builder, joint, a, body(1, self.kinds[1], self.from[1]))?;
-        if !self.grounded {
-            norm_of(&mut builder, 0, self.kinds[0])?;
-        }
-        norm_of(&mut builder, 1, self.kinds[1])?;
         Ok(builder.build()?)
     }
 

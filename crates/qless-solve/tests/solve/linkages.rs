@@ -1,5 +1,5 @@
 use qless::{Options, analyse};
-use qless_constraints::types::{Body, Distance, EulerNorm, LinearEquation, OnSphere, PlanarPoint, Revolute};
+use qless_constraints::types::{Body, Distance, LinearEquation, OnSphere, PlanarPoint, Revolute};
 use qless_constraints::{ConstraintSet, SetBuilder};
 use qless_solve::newton::{NewtonOptions, solve};
 
@@ -48,11 +48,6 @@ pub fn ring(hinges: &[([f64; 3], [f64; 3])]) -> Outcome<SetBuilder> {
     };
     for (i, &(at, axis)) in hinges.iter().enumerate() {
         builder.add(format!("hinge {}", i + 1), Revolute { a: body(i), b: body(i + 1), at, axis })?;
-    }
-    for i in 1..bodies {
-        let first = 7 * (i - 1) + 3;
-        let parameters = [first, first + 1, first + 2, first + 3];
-        builder.add(format!("body {}", i + 1), EulerNorm { parameters })?;
     }
     Ok(builder)
 }

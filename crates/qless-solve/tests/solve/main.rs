@@ -28,6 +28,8 @@ mod joints;
 mod linkages;
 /// Known ranks of mechanisms.
 mod mechanisms;
+/// Moments in space at rotation vectors and Euler parameters.
+mod moments;
 /// Mechanisms driven over many turns, compared with closed forms.
 mod motors;
 /// Convergence of Newton's method.
@@ -62,3 +64,5 @@ mod supports;
 mod turns;
 /// Enforcement of small models, compared with exact arithmetic.
 mod whole_numbers;
+/// Tangents that are not the slopes of their forces.
+mod wrong_tangents;

@@ -2,7 +2,8 @@ use std::array::from_fn;
 
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{
-    Body, Distance, Equal, LinearEquation, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prescribed, RigidBody, Volume,
+    Body, Distance, Equal, LinearEquation, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prescribed, RigidBody,
+    Spherical, Volume,
 };
 use qless_solve::newton::{NewtonError, NewtonOptions, NewtonSolution, solve};
 
@@ -181,5 +182,25 @@ fn starts_that_are_no_numbers_are_refused() -> Outcome {
             assert_eq!(solve(&set, &[0.0, 0.0, bad], &[(2, 1.0)], &options)?.u[2], 1.0);
         }
     }
+    Ok(())
+}
+
+/// An arm with Euler parameters that is pulled to a target far outside of its reach does not stretch: the set keeps the length of the parameters.
+/// Regression: the arm of 0.5 became 0.65 or 1.46.
+#[test]
+fn an_arm_keeps_its_length() -> Outcome {
+    let arm = Body::with_euler([0, 1, 2], [0.5, 0.0, 0.0], [3, 4, 5, 6]);
+    let mut builder = ConstraintSet::builder(7);
+    builder.add("ball", Spherical { a: Body::ground(), b: arm, at: [0.0; 3] })?;
+    let set = builder.build()?;
+    for case in 0..20 {
+        let start: Vec<f64> = (0..7).map(|j| 2.0 * random(7 * case + j)).collect();
+        let Ok(solution) = solve(&set, &start, &[], &NewtonOptions::default()) else { continue };
+        let place = [0.5 + solution.u[0], solution.u[1], solution.u[2]];
+        let length = place.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+        assert!((length - 0.5).abs() < 1e-14, "case {case}: {length}");
+    }
+    let solution = solve(&set, &[0.3, -0.4, 0.2, 0.1, 0.5, -0.7, 0.9], &[], &NewtonOptions::default())?;
+    assert_eq!(solution.redundant, [0_usize; 0]);
     Ok(())
 }

@@ -109,9 +109,9 @@ impl Cell {
 
     /// `P V` from the reactions at the macroscopic gradient, and from the multipliers: `-sum lambda_i (X_b - X_a)_j`.
     fn stresses(&self, set: &ConstraintSet, found: &Equilibrium) -> Outcome<[Matrix; 2]> {
-        let reactions = matrix(|i, j| found.reactions[2 + 2 * i + j]);
+        let reactions = matrix(|i, j| found.reactions[2 * self.nodes() + 2 * i + j]);
         let mut sum = [[0.0; 2]; 2];
-        for (row, lambda) in found.multipliers.iter().enumerate() {
+        for (row, lambda) in found.multipliers.in_rows(set)?.iter().enumerate() {
             let label = set.label(row)?;
             let (along, component) = (usize::from(label.starts_with('y')), usize::from(label.ends_with('y')));
             sum[component][along] -= lambda * self.side;

@@ -1,7 +1,7 @@
 //! Poses of bodies, implemented independently of the library: quaternions, and their DOFs.
 
-use qless_constraints::types::{Body, EulerNorm};
-use qless_constraints::{ConstraintSet, SetBuilder};
+use qless_constraints::ConstraintSet;
+use qless_constraints::types::Body;
 
 use crate::linkages::{Outcome, random};
 
@@ -98,15 +98,6 @@ pub fn body(i: usize, kind: Kind, from: Vector) -> Body {
         Kind::Vector => Body::with_vector(position, from, [first + 3, first + 4, first + 5]),
         Kind::Euler => Body::with_euler(position, from, [first + 3, first + 4, first + 5, first + 6]),
     }
-}
-
-/// Adds the norm of Euler parameters of body `i`, if it has them.
-pub fn norm_of(builder: &mut SetBuilder, i: usize, kind: Kind) -> Outcome {
-    if kind == Kind::Euler {
-        let first = STRIDE * i + 3;
-        builder.add(format!("body {i}"), EulerNorm { parameters: [first, first + 1, first + 2, first + 3] })?;
-    }
-    Ok(())
 }
 
 /// Writes the DOFs of body `i`.

@@ -34,7 +34,8 @@ fn a_far_rod_excuses_no_other_equation() -> Outcome {
         let mut model = Weights { springs: vec![1.0; 5] };
         let mut loads = vec![0.0; 5];
         loads[4] = 3.0 * unit;
-        let multipliers = vec![0.0, 3.0 * unit - start[4]];
+        // The linear equation comes first.
+        let multipliers = set.by_constraint(&[3.0 * unit - start[4], 0.0])?;
         let from = Start { u: start, multipliers, loads: loads.clone() };
         let target = Target { loads: &loads, prescribed: &[] };
         let found = equilibrium::solve(&mut model, &set, &from, &target, &EquilibriumOptions::default())?;

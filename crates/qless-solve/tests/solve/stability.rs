@@ -275,7 +275,7 @@ fn random_mechanisms_are_as_unstable_as_their_eigenvalues() -> Outcome {
         // Newton's method may find another equilibrium or none.
         let (mut model, start) = (Weights { springs: springs.clone() }, Start::at_rest(&set));
         let Ok(found) = solve(&mut model, &set, &start, &target, &asked()) else { continue };
-        set.assemble(&found.u, &found.multipliers, &mut evaluation)?;
+        set.assemble(&found.u, &found.multipliers.in_rows(&set)?, &mut evaluation)?;
         let (g, h) = (dense(evaluation.g()), dense(evaluation.h()));
         let stiff = Mat::from_fn(n, n, |i, j| h[(i, j)] + if i == j { springs[i] } else { 0.0 });
         let svd = g.svd().map_err(|e| format!("{e:?}"))?;

@@ -78,7 +78,7 @@ fn supports_are_the_same_as_equations() -> Outcome {
         let off = found.u.iter().zip(&truth.u).fold(0.0, |off: f64, (a, b)| off.max((a - b).abs()));
         assert!(off <= 1e-12 * most, "{seed}: {off:e} of {most:e}");
         let force = loads.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-        let off = (found.constraint_forces[at] - truth.reactions[0]).abs();
+        let off = (found.constraint_forces[at] - truth.reactions[at]).abs();
         assert!(off <= 1e-12 * force, "{seed}: {:?}, {:?}", found.constraint_forces, truth.reactions);
     }
     Ok(())

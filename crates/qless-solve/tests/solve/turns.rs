@@ -48,11 +48,6 @@ fn vectors_that_something_else_uses_stay() -> Outcome {
     let equation = LinearEquation { terms: vec![(5, 1.0), (11, -2.0)], rhs: 0.0 };
     assert_eq!(model(equation)?.rotation_vectors(), [[0; 3]; 0]);
     assert_eq!(model(Prescribed { values: vec![(4, 5.0)] })?.rotation_vectors(), [[9, 10, 11]]);
-    // The same DOFs in another order, and as the position of another body.
-    let other = Body::with_vector([0, 1, 2], [0.0; 3], [5, 4, 3]);
-    assert_eq!(model(Spherical { a: Body::ground(), b: other, at: [1.0; 3] })?.rotation_vectors(), [[9, 10, 11]]);
-    let position = Body::node(Point::new([9, 10, 11], [0.0; 3]));
-    assert_eq!(model(Spherical { a: position, b: arm(0), at: [1.0; 3] })?.rotation_vectors(), [[3, 4, 5]]);
     Ok(())
 }
 

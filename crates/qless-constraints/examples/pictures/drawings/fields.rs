@@ -3,17 +3,7 @@
 use super::super::canvas::{At, BLUE, ORANGE, Picture, add, arc, polar};
 
 pub fn all() -> Vec<Picture> {
-    vec![
-        linear(),
-        prescribed(),
-        driven(),
-        equal(),
-        periodic(),
-        cyclic(),
-        cyclic_harmonic(),
-        fluid_normal(),
-        euler_norm(),
-    ]
+    vec![linear(), prescribed(), driven(), equal(), periodic(), cyclic(), cyclic_harmonic(), fluid_normal()]
 }
 
 fn linear() -> Picture {
@@ -136,18 +126,4 @@ fn fluid_normal() -> Picture {
         .label([244.0, 85.0], "n")
         .label([110.0, 85.0], "structure")
         .label([225.0, 115.0], "fluid")
-}
-
-fn euler_norm() -> Picture {
-    let (centre, p) = ([150.0, 90.0], add([150.0, 90.0], polar(60.0, -50.0)));
-    Picture::new("euler_norm", "Euler parameters on the unit sphere")
-        .line(&arc(centre, 60.0, 0.0, 360.0))
-        .arrow([75.0, 90.0], [240.0, 90.0])
-        .arrow([150.0, 160.0], [150.0, 12.0])
-        .bar(&[centre, p], BLUE)
-        .node(p, ORANGE)
-        .label([255.0, 90.0], "e_0")
-        .label([166.0, 16.0], "e")
-        .label(add(p, [14.0, -6.0]), "p")
-        .label([270.0, 30.0], "|p| = 1")
 }

@@ -1,214 +1,171 @@
-//! The nonlinear equations of all types, in batches.
-//!
-//! An item is the nonlinear equations of one type that one constraint has. Batches are sorted by type, in the order of first use; the items
-//! of a type are sorted by constraint.
+//! The nonlinear equations of all types: one batch for each type, in the order of first use, the items of a type sorted by constraint.
 
-pub mod batch;
-mod dispatch;
-mod evaluation;
-mod pairs;
 pub mod typed;
 
-use std::any::TypeId;
+use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::equations::nonlinear::batch::{NonlinearBatch, StagedNonlinear};
+use crate::equations::dof_uses::UncertainDofs;
 use crate::equations::nonlinear::typed::TypedBatch;
-use crate::equations::{EquationNames, EquationOwner, RowOffsets};
+use crate::equations::{EquationNames, EquationOwner};
 use crate::nonlinear::Nonlinear;
+use crate::scalar::Bounded;
+#[cfg(test)]
+use crate::scalar::double_double::DoubleDouble;
 
-/// Index of a batch, and of an item in it.
-pub type ItemPlace = (usize, usize);
+/// All items of one type.
+pub trait NonlinearBatch: Send + Sync {
+    fn items(&self) -> usize;
+    /// Names of the equations of each item.
+    fn equation_names(&self) -> &'static [&'static str];
+    fn owner(&self, i: usize) -> EquationOwner;
+    /// Number of DOFs of some items.
+    fn width(&self, items: Range<usize>) -> usize;
+    /// Appends the ends and the columns of its rows of G.
+    fn write_pattern(&self, start: &mut Vec<usize>, col: &mut Vec<u32>);
+    /// Writes c and G of some items.
+    fn evaluate(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]);
+    /// Writes bounds on the rounding errors of c and G of some items.
+    fn rounding(&self, items: Range<usize>, known: &UncertainDofs, c: &mut [f64], g: &mut [f64]);
+    /// Length of the Hessians of some items, as a list of numbers.
+    fn numbers(&self, items: Range<usize>) -> usize;
+    /// Calls `entry(row, column, number)` for each contribution to H, with numbers counted from `first`.
+    fn entries(&self, first: usize, entry: &mut dyn FnMut(u32, u32, u32));
+    /// Writes the Hessian numbers of some items, one item after the other; `w` are the weights of their equations.
+    fn curvatures(&self, items: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64]);
+    /// The DOFs of an item.
+    fn dofs_of(&self, i: usize) -> &[u32];
+    /// Evaluates parameters that are functions of time. The error is the first row whose value is not finite, and that value.
+    fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)>;
+    /// Calls `found` with each prescribed angle, and the first row that it occurs in.
+    fn angles(&self, found: &mut dyn FnMut(usize, f64));
+    /// Removes item i, and appends its DOFs to `dofs`.
+    fn take(&mut self, i: usize, names: &EquationNames, dofs: &mut Vec<u32>) -> Box<dyn StagedNonlinear>;
+    fn as_any_mut(&mut self) -> &mut dyn Any;
+    /// c and G in double-double arithmetic.
+    #[cfg(test)]
+    fn reference(&self, u: &[DoubleDouble]) -> [Vec<DoubleDouble>; 2];
+    /// Compares every formula with dual numbers.
+    #[cfg(test)]
+    fn compare_with_duals(&self, u: &[f64]);
+}
+
+impl dyn NonlinearBatch + '_ {
+    pub fn equations_per_item(&self) -> usize {
+        self.equation_names().len()
+    }
+
+    pub fn rows(&self) -> usize {
+        self.items() * self.equations_per_item()
+    }
+
+    /// The items of a constraint.
+    pub fn items_of(&self, constraint: u32) -> Range<usize> {
+        let first_from = |constraint: u32| {
+            let (mut low, mut high) = (0, self.items());
+            while low < high {
+                let middle = low.midpoint(high);
+                (low, high) =
+                    if self.owner(middle).constraint < constraint { (middle + 1, high) } else { (low, middle) };
+            }
+            low
+        };
+        first_from(constraint)..first_from(constraint + 1)
+    }
+}
+
+/// Nonlinear equations of one constraint, of any type, that are not stored in a batch. `dofs` are those of all pieces of the constraint.
+pub trait StagedNonlinear: Send + Sync {
+    fn rows(&self) -> usize;
+    /// The number of their type in the set; `None` if the set does not know the type yet.
+    fn kind(&self, nonlinear: &NonlinearEquations) -> Option<usize>;
+    /// Evaluates parameters that are functions of time. The error is a value that is not finite.
+    fn at_time(&mut self, time: f64) -> Result<(), f64>;
+    /// c at u, with bounds on its rounding errors.
+    fn values(&self, dofs: &[u32], u: &[f64]) -> Vec<Bounded>;
+    /// Stores the item in the batch of its type.
+    fn commit(
+        self: Box<Self>,
+        constraint: u32,
+        dofs: &[u32],
+        names: &mut EquationNames,
+        nonlinear: &mut NonlinearEquations,
+    );
+    /// Whether item i of a batch has the same type, DOFs and pairs, so that this one can replace it.
+    fn fits(&self, dofs: &[u32], place: (usize, usize), nonlinear: &mut NonlinearEquations) -> bool;
+    /// Replaces the item.
+    fn overwrite(
+        self: Box<Self>,
+        constraint: u32,
+        names: &mut EquationNames,
+        place: (usize, usize),
+        nonlinear: &mut NonlinearEquations,
+    );
+}
 
 /// All batches of a set.
 #[derive(Default)]
 pub struct NonlinearEquations {
     pub batches: Vec<Box<dyn NonlinearBatch>>,
-    /// The type number of each batch.
-    kinds: Vec<u32>,
-    of_type: HashMap<TypeId, u32>,
-    /// The type and batch of the last inserted item, since many items of a type often follow each other.
-    recent: Option<(TypeId, usize)>,
-    /// Reserve memory for full batches from the start.
-    many: bool,
-    pub offsets: RowOffsets,
+    of_type: HashMap<TypeId, usize>,
 }
 
 impl NonlinearEquations {
-    /// Empty, but expects many items of each type.
-    pub fn for_many_items() -> Self {
-        Self { many: true, ..Self::default() }
-    }
-
     pub fn rows(&self) -> usize {
-        self.offsets.rows()
+        self.batches.iter().map(|batch| batch.rows()).sum()
     }
 
-    /// Each batch with its type number.
-    pub fn with_kinds(&self) -> impl Iterator<Item = (&dyn NonlinearBatch, u32)> {
-        self.batches.iter().map(AsRef::as_ref).zip(self.kinds.iter().copied())
+    /// Each batch with its first row.
+    pub fn with_rows(&self) -> impl Iterator<Item = (usize, &dyn NonlinearBatch)> {
+        let first = |row: &mut usize, batch: &dyn NonlinearBatch| std::mem::replace(row, *row + batch.rows());
+        self.batches.iter().scan(0, move |row, batch| Some((first(row, batch.as_ref()), batch.as_ref())))
     }
 
     /// Evaluates parameters that are functions of time. The error is a nonlinear row whose value is not finite, and that value.
     pub fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
-        let Self { batches, offsets, .. } = self;
-        let mut batches = batches.iter_mut().enumerate();
-        batches.try_for_each(|(b, batch)| batch.set_time(time).map_err(|(row, value)| (offsets.first(b) + row, value)))
+        let mut first = 0;
+        self.batches.iter_mut().try_for_each(|batch| {
+            batch.set_time(time).map_err(|(row, value)| (first + row, value))?;
+            first += batch.rows();
+            Ok(())
+        })
     }
 
-    pub fn kind<Q: Nonlinear>(&self) -> Option<u32> {
+    pub fn kind<Q: Nonlinear>(&self) -> Option<usize> {
         self.of_type.get(&TypeId::of::<Q>()).copied()
     }
 
-    pub fn typed<Q: Nonlinear>(&self, batch: usize) -> Option<&TypedBatch<Q>> {
-        self.batches.get(batch)?.as_any().downcast_ref()
-    }
-
+    /// The batch of a type with this number, if it is that of the type.
     pub fn typed_mut<Q: Nonlinear>(&mut self, batch: usize) -> Option<&mut TypedBatch<Q>> {
         self.batches.get_mut(batch)?.as_any_mut().downcast_mut()
     }
 
-    fn batches_of_kind(&self, kind: u32) -> Range<usize> {
-        self.kinds.partition_point(|&k| k < kind)..self.kinds.partition_point(|&k| k <= kind)
-    }
-
     /// Inserts an item after those of its constraint and of earlier ones.
     pub fn insert<Q: Nonlinear>(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
-        if let Some((place, batch)) = self.recent_room::<Q>(owner.constraint) {
-            batch.insert(owner, dofs, parameters);
-            return self.offsets.grow(place, Q::EQUATION_NAMES.len() as i32);
+        let next = self.batches.len();
+        let kind = *self.of_type.entry(TypeId::of::<Q>()).or_insert(next);
+        if kind == next {
+            self.batches.push(Box::new(TypedBatch::<Q>::default()));
         }
-        let kind = self.meet(TypeId::of::<Q>());
-        let place = self.room_at::<Q>(kind, owner.constraint);
-        self.recent = Some((TypeId::of::<Q>(), place));
-        if let Some(batch) = self.typed_mut::<Q>(place) {
+        if let Some(batch) = self.typed_mut::<Q>(kind) {
             batch.insert(owner, dofs, parameters);
         }
-        self.offsets.grow(place, Q::EQUATION_NAMES.len() as i32);
     }
 
-    /// The batch of the last inserted item, if the next item can be appended to it.
-    fn recent_room<Q: Nonlinear>(&mut self, constraint: u32) -> Option<(usize, &mut TypedBatch<Q>)> {
-        let (_, place) = self.recent.filter(|&(of, _)| of == TypeId::of::<Q>())?;
-        let last_of_type = self.kinds.get(place + 1) != self.kinds.get(place);
-        let batch = self.typed_mut::<Q>(place)?;
-        let fits =
-            last_of_type && !batch.is_full() && batch.owners.last().is_none_or(|last| last.constraint <= constraint);
-        fits.then_some((place, batch))
-    }
-
-    /// The number of a type; it is added if it is new.
-    fn meet(&mut self, of: TypeId) -> u32 {
-        let next = self.of_type.len() as u32;
-        *self.of_type.entry(of).or_insert(next)
-    }
-
-    /// The batch into which an item of this constraint can be inserted. A full batch is split first.
-    fn room_at<Q: Nonlinear>(&mut self, kind: u32, constraint: u32) -> usize {
-        let of = self.batches_of_kind(kind);
-        let at = of.start + self.batches[of.clone()].partition_point(|batch| last(batch.as_ref()) <= constraint);
-        if at == of.end {
-            if of.is_empty() || self.batches[at - 1].is_full() {
-                self.offsets.insert(at);
-                let few = of.is_empty() && !self.many;
-                let batch = if few { TypedBatch::<Q>::default() } else { TypedBatch::with_room() };
-                self.put(at, kind, Box::new(batch));
-                return at;
-            }
-            return at - 1;
-        }
-        if !self.batches[at].is_full() {
-            return at;
-        }
-        let half = self.batches[at].items() / 2;
-        let second = self.batches[at].split_off(half);
-        self.offsets.split(at, self.batches[at].rows());
-        self.put(at + 1, kind, second);
-        if last(self.batches[at].as_ref()) <= constraint { at + 1 } else { at }
-    }
-
-    /// Appends the items of later constraints, whose names are renumbered by `names`.
-    pub fn join(&mut self, others: Self, names: Option<&[u32]>) {
-        let mut types: Vec<_> = others.of_type.into_iter().collect();
-        types.sort_unstable_by_key(|&(_, kind)| kind);
-        let kinds: Vec<u32> = types.into_iter().map(|(of, _)| self.meet(of)).collect();
-        for (mut batch, kind) in others.batches.into_iter().zip(others.kinds) {
-            let kind = kinds[kind as usize];
-            let at = self.batches_of_kind(kind).end;
-            batch.renumber_names(names);
-            self.offsets.insert(at);
-            self.offsets.grow(at, batch.rows() as i32);
-            self.put(at, kind, batch);
-        }
-    }
-
-    fn put(&mut self, at: usize, kind: u32, batch: Box<dyn NonlinearBatch>) {
-        self.recent = None;
-        self.batches.insert(at, batch);
-        self.kinds.insert(at, kind);
-    }
-
-    /// The items of a constraint with their type numbers, type by type.
-    pub fn items_of(&self, constraint: u32) -> Vec<(u32, ItemPlace)> {
-        let mut places = Vec::new();
-        for kind in 0..self.of_type.len() as u32 {
-            let of = self.batches_of_kind(kind);
-            let first = of.start + self.batches[of.clone()].partition_point(|batch| last(batch.as_ref()) < constraint);
-            for batch in first..of.end {
-                let own = items(self.batches[batch].as_ref(), constraint);
-                if own.is_empty() {
-                    break;
-                }
-                places.extend(own.map(|item| (kind, (batch, item))));
-            }
-        }
-        places
+    /// `(batch, item)` of the items of a constraint, type by type.
+    pub fn items_of(&self, constraint: u32) -> Vec<(usize, usize)> {
+        let each = self.batches.iter().enumerate();
+        each.flat_map(|(b, batch)| batch.items_of(constraint).map(move |item| (b, item))).collect()
     }
 
     /// Removes and returns the items of a constraint, and their DOFs.
     pub fn take(&mut self, constraint: u32, names: &EquationNames) -> (Vec<Box<dyn StagedNonlinear>>, Vec<u32>) {
-        let (places, mut dofs) = (self.items_of(constraint), Vec::new());
+        let mut dofs = Vec::new();
         // Backwards, so that the places of the others stay valid.
-        let mut pieces: Vec<_> =
-            places.iter().rev().map(|&(_, place)| self.take_item(place, names, &mut dofs)).collect();
+        let places = self.items_of(constraint).into_iter().rev();
+        let mut pieces: Vec<_> = places.map(|(b, item)| self.batches[b].take(item, names, &mut dofs)).collect();
         pieces.reverse();
         (pieces, dofs)
     }
-
-    fn take_item(
-        &mut self,
-        (batch, item): ItemPlace,
-        names: &EquationNames,
-        dofs: &mut Vec<u32>,
-    ) -> Box<dyn StagedNonlinear> {
-        let rows = self.batches[batch].equations_per_item() as i32;
-        let piece = self.batches[batch].take(item, names, dofs);
-        self.offsets.grow(batch, -rows);
-        if self.batches[batch].items() == 0 {
-            self.batches.remove(batch);
-            self.kinds.remove(batch);
-            self.offsets.remove(batch);
-            self.recent = None;
-        }
-        piece
-    }
-}
-
-/// The constraint of the last item.
-fn last(batch: &dyn NonlinearBatch) -> u32 {
-    batch.items().checked_sub(1).map_or(0, |i| batch.constraint(i))
-}
-
-/// The items of a constraint in a batch.
-fn items(batch: &dyn NonlinearBatch, constraint: u32) -> Range<usize> {
-    let first_from = |constraint: u32| {
-        let (mut low, mut high) = (0, batch.items());
-        while low < high {
-            let middle = low.midpoint(high);
-            (low, high) = if batch.constraint(middle) < constraint { (middle + 1, high) } else { (low, middle) };
-        }
-        low
-    };
-    first_from(constraint)..first_from(constraint + 1)
 }

@@ -1,99 +1,37 @@
 //! A batch of one type: parameters and DOFs in flat arrays, so that loops know the type and need no virtual calls.
-//!
-//! Inserting or removing an item moves O([`TypedBatch::CAPACITY`]) numbers.
 
+use std::any::Any;
 use std::borrow::Cow;
 use std::ops::Range;
-use std::sync::OnceLock;
 
-use crate::equations::{ChangeStamp, EquationNames, EquationOwner};
+use crate::equations::dof_uses::{UncertainDofs, bound};
+use crate::equations::nonlinear::{NonlinearBatch, NonlinearEquations, StagedNonlinear};
+use crate::equations::{EquationNames, EquationOwner};
 use crate::nonlinear::Nonlinear;
+#[cfg(test)]
+use crate::nonlinear::jacobian;
+use crate::scalar::Bounded;
+#[cfg(test)]
+use crate::scalar::double_double::DoubleDouble;
 
-/// Items per batch.
-const MANY: usize = 1024;
-/// Items per batch of types that need much arithmetic.
-const FEW: usize = 256;
-/// Items whose DOFs are gathered in one go, so that memory accesses neither wait for each other nor for arithmetic.
-const AHEAD: usize = 64;
-/// Largest number of DOFs of an item for which [`AHEAD`] items are gathered in one go.
-const NARROW: usize = 64;
-
-/// Items of type Q: parameters and DOFs.
+/// Items of type Q.
 pub struct TypedBatch<Q> {
-    pub stamp: ChangeStamp,
-    pub items: Vec<Q>,
-    pub owners: Vec<EquationOwner>,
-    /// Start of each item's DOFs, and at the end the number of DOFs; used only if that number varies.
-    pub start: Vec<u32>,
-    pub dofs: Vec<u32>,
-    pub order: DofOrder,
-    /// Largest number of DOFs of an item.
-    pub widest: usize,
-    /// Number of Hessian numbers of each item; empty if [`TypedBatch::UNITS`] says it.
-    pub numbers: Vec<u32>,
-    /// Hessian numbers of all items for a weight of 1, computed on request; used only if [`TypedBatch::UNITS`] is not 0.
-    pub units: OnceLock<Box<[f64]>>,
+    items: Vec<Q>,
+    owners: Vec<EquationOwner>,
+    /// Start of each item's DOFs, and at the end the number of DOFs.
+    start: Vec<usize>,
+    dofs: Vec<u32>,
+    /// Number of Hessian numbers of each item.
+    numbers: Vec<u32>,
 }
 
 impl<Q> Default for TypedBatch<Q> {
     fn default() -> Self {
-        Self {
-            stamp: ChangeStamp::default(),
-            items: Vec::new(),
-            owners: Vec::new(),
-            start: vec![0],
-            dofs: Vec::new(),
-            order: DofOrder::default(),
-            widest: 0,
-            numbers: Vec::new(),
-            units: OnceLock::new(),
-        }
+        Self { items: Vec::new(), owners: Vec::new(), start: vec![0], dofs: Vec::new(), numbers: Vec::new() }
     }
 }
 
-impl<Q: Nonlinear> TypedBatch<Q> {
-    /// Largest number of items.
-    pub const CAPACITY: usize = if Q::AT_ONCE > 1 { FEW } else { MANY };
-
-    #[inline]
-    pub fn dofs(&self, i: usize) -> &[u32] {
-        &self.dofs[self.span(i..i + 1)]
-    }
-
-    /// Where the DOFs of these items are.
-    #[inline]
-    pub fn span(&self, items: Range<usize>) -> Range<usize> {
-        if Q::DOFS > 0 {
-            return items.start * Q::DOFS..items.end * Q::DOFS;
-        }
-        self.start[items.start] as usize..self.start[items.end] as usize
-    }
-
-    /// Number of items whose DOFs are gathered in one go.
-    pub fn ahead(&self) -> usize {
-        if self.widest <= NARROW { AHEAD } else { Q::AT_ONCE }
-    }
-
-    /// Number of DOFs of these items.
-    pub fn width(&self, items: Range<usize>) -> usize {
-        self.span(items).len()
-    }
-
-    /// Copies the DOF values of these items into `room`.
-    #[inline]
-    pub fn gather<'a>(&self, items: Range<usize>, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
-        let dofs = &self.dofs[self.span(items)];
-        let local = &mut room[..dofs.len()];
-        local.iter_mut().zip(dofs).for_each(|(x, &j)| *x = u[j as usize]);
-        local
-    }
-
-    /// Number of Hessian numbers of item i.
-    pub fn numbers_of(&self, i: usize) -> usize {
-        if Self::UNITS > 0 { Self::UNITS } else { self.numbers[i] as usize }
-    }
-}
-
+/// An item outside of a batch.
 pub struct StagedItem<Q> {
     pub name: Cow<'static, str>,
     /// Positions in the list of DOFs of all nonlinear pieces.
@@ -102,118 +40,75 @@ pub struct StagedItem<Q> {
 }
 
 impl<Q: Nonlinear> TypedBatch<Q> {
-    /// Empty, with memory for a full batch: types that fill one batch often fill more.
-    pub fn with_room() -> Self {
-        let mut batch = Self::default();
-        batch.items.reserve_exact(Self::CAPACITY);
-        batch.owners.reserve_exact(Self::CAPACITY);
-        batch.dofs.reserve_exact(Self::CAPACITY * Q::DOFS);
-        if Q::DOFS == 0 {
-            batch.start.reserve_exact(Self::CAPACITY);
-        }
-        if Self::UNITS == 0 {
-            batch.numbers.reserve_exact(Self::CAPACITY);
-        }
-        batch
+    fn dofs(&self, i: usize) -> &[u32] {
+        &self.dofs[self.start[i]..self.start[i + 1]]
+    }
+
+    /// Copies the DOF values of an item into `local`.
+    fn gather(&self, i: usize, u: &[f64], local: &mut Vec<f64>) {
+        local.clear();
+        local.extend(self.dofs(i).iter().map(|&j| u[j as usize]));
     }
 
     /// Inserts an item after those of its constraint and of earlier ones.
     pub fn insert(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
-        let last = self.owners.last().is_none_or(|last| last.constraint <= owner.constraint);
-        let after = |other: &EquationOwner| other.constraint <= owner.constraint;
-        let i = if last { self.items.len() } else { self.owners.partition_point(after) };
-        if Self::UNITS == 0 {
-            self.numbers.insert(i, numbers(&parameters, dofs.len()));
-        }
-        let first = self.span(i..i).start;
-        self.dofs.extend_from_slice(dofs);
-        if !last {
-            self.dofs[first..].rotate_right(dofs.len());
-        }
-        if Q::DOFS == 0 {
-            self.start.insert(i, first as u32);
-            self.start[i + 1..].iter_mut().for_each(|start| *start += dofs.len() as u32);
-        }
-        self.units.take();
+        let i = self.owners.partition_point(|other| other.constraint <= owner.constraint);
+        let first = self.start[i];
+        self.start[i + 1..].iter_mut().for_each(|start| *start += dofs.len());
+        self.start.insert(i + 1, first + dofs.len());
+        self.dofs.splice(first..first, dofs.iter().copied());
+        self.numbers.insert(i, numbers(&parameters, dofs.len()));
         self.items.insert(i, parameters);
         self.owners.insert(i, owner);
-        self.widest = self.widest.max(dofs.len());
-        self.stamp.renew();
-        if last {
-            self.order.push(dofs);
-        } else {
-            self.renew_order();
+    }
+
+    /// Writes c and the Jacobian of items of N DOFs, so that loops have a fixed length.
+    fn evaluate_fixed<const N: usize>(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let rows = Q::EQUATION_NAMES.len();
+        let dofs = self.dofs[N * items.start..N * items.end].as_chunks::<N>().0;
+        let outputs = c.chunks_exact_mut(rows).zip(g.chunks_exact_mut(rows * N));
+        for ((item, dofs), (c, g)) in self.items[items].iter().zip(dofs).zip(outputs) {
+            let local: [f64; N] = std::array::from_fn(|k| u[dofs[k] as usize]);
+            item.value_and_jacobian(&local, c, g);
+            in_columns(dofs, g);
         }
     }
 
-    /// Removes item i, and appends its DOFs to `dofs`.
-    pub fn remove(&mut self, i: usize, names: &EquationNames, dofs: &mut Vec<u32>) -> StagedItem<Q> {
-        let (span, first) = (self.span(i..i + 1), dofs.len());
-        dofs.extend(self.dofs.drain(span.clone()));
-        if Q::DOFS == 0 {
-            self.start.remove(i);
-            self.start[i..].iter_mut().for_each(|start| *start -= span.len() as u32);
+    /// Calls `of(item, DOFs, c, Jacobian)` for some items.
+    fn for_each(
+        &self,
+        items: Range<usize>,
+        c: &mut [f64],
+        g: &mut [f64],
+        mut of: impl FnMut(usize, &mut [f64], &mut [f64]),
+    ) {
+        let (rows, mut rest) = (Q::EQUATION_NAMES.len(), g);
+        for (i, c) in items.zip(c.chunks_exact_mut(rows)) {
+            let own;
+            (own, rest) = rest.split_at_mut(rows * self.dofs(i).len());
+            of(i, c, own);
+            in_columns(self.dofs(i), own);
         }
-        if Self::UNITS == 0 {
-            self.numbers.remove(i);
+    }
+}
+
+/// Sorts the entries of each row by column. Most DOFs ascend, so that nothing moves.
+fn in_columns(dofs: &[u32], g: &mut [f64]) {
+    if !dofs.is_sorted() {
+        let mut order: Vec<usize> = (0..dofs.len()).collect();
+        order.sort_unstable_by_key(|&k| dofs[k]);
+        for row in g.chunks_exact_mut(dofs.len()) {
+            let unsorted = row.to_vec();
+            row.iter_mut().zip(&order).for_each(|(v, &k)| *v = unsorted[k]);
         }
-        self.units.take();
-        let (owner, parameters) = (self.owners.remove(i), self.items.remove(i));
-        self.stamp.renew();
-        self.renew_order();
-        StagedItem { name: names.name(owner.name), dofs: first..dofs.len(), parameters }
-    }
-
-    /// Moves the items from i on to a new batch.
-    pub fn split(&mut self, i: usize) -> Self {
-        let first = self.span(i..i).start;
-        let mut second = Self {
-            items: self.items.split_off(i),
-            owners: self.owners.split_off(i),
-            dofs: self.dofs.split_off(first),
-            widest: self.widest,
-            ..Self::default()
-        };
-        if Q::DOFS == 0 {
-            second.start = self.start[i..].iter().map(|start| start - first as u32).collect();
-            self.start.truncate(i + 1);
-        }
-        if Self::UNITS == 0 {
-            second.numbers = self.numbers.split_off(i);
-        }
-        self.units.take();
-        self.stamp.renew();
-        self.renew_order();
-        second.renew_order();
-        second
-    }
-
-    /// Whether parameters with these DOFs can replace item i without a change of patterns.
-    pub fn alike(&self, i: usize, dofs: &[u32], parameters: &Q) -> bool {
-        self.dofs(i) == dofs && pairs(&self.items[i], dofs.len()) == pairs(parameters, dofs.len())
-    }
-
-    /// Replaces the parameters of item i by others for which [`TypedBatch::alike`] holds.
-    pub fn overwrite(&mut self, i: usize, owner: EquationOwner, parameters: Q) {
-        self.units.take();
-        (self.items[i], self.owners[i]) = (parameters, owner);
-    }
-
-    fn renew_order(&mut self) {
-        let mut order = DofOrder::default();
-        (0..self.items.len()).for_each(|i| order.push(self.dofs(i)));
-        self.order = order;
     }
 }
 
 /// Number of Hessian numbers of an item.
 fn numbers<Q: Nonlinear>(parameters: &Q, dofs: usize) -> u32 {
-    let (mut pairs, mut numbers) = (0, 0);
-    parameters.pairs(dofs, &mut |_, _| {
-        numbers = numbers.max(Q::number(pairs) + 1);
-        pairs += 1;
-    });
-    numbers as u32
+    let mut pairs = 0;
+    parameters.pairs(dofs, &mut |_, _| pairs += 1);
+    (0..pairs).map(|pair| Q::number(pair) as u32 + 1).max().unwrap_or(0)
 }
 
 fn pairs<Q: Nonlinear>(parameters: &Q, dofs: usize) -> Vec<(usize, usize)> {
@@ -222,46 +117,194 @@ fn pairs<Q: Nonlinear>(parameters: &Q, dofs: usize) -> Vec<(usize, usize)> {
     all
 }
 
-/// Column order of items whose DOFs do not ascend, since the columns of a row of G must. Items in order cost no memory here.
-#[derive(Default)]
-pub struct DofOrder {
-    count: usize,
-    /// Items out of order, ascending.
-    items: Vec<u32>,
-    /// End of each item's entries in `place`.
-    end: Vec<u32>,
-    /// For each DOF of an item, its rank among the item's DOFs.
-    place: Vec<u32>,
+impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
+    fn items(&self) -> usize {
+        self.items.len()
+    }
+
+    fn equation_names(&self) -> &'static [&'static str] {
+        Q::EQUATION_NAMES
+    }
+
+    fn owner(&self, i: usize) -> EquationOwner {
+        self.owners[i]
+    }
+
+    fn dofs_of(&self, i: usize) -> &[u32] {
+        self.dofs(i)
+    }
+
+    fn width(&self, items: Range<usize>) -> usize {
+        self.start[items.end] - self.start[items.start]
+    }
+
+    fn write_pattern(&self, start: &mut Vec<usize>, col: &mut Vec<u32>) {
+        for i in 0..self.items.len() {
+            for _ in Q::EQUATION_NAMES {
+                let first = col.len();
+                col.extend_from_slice(self.dofs(i));
+                if !self.dofs(i).is_sorted() {
+                    col[first..].sort_unstable();
+                }
+                start.push(col.len());
+            }
+        }
+    }
+
+    fn evaluate(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        match Q::DOFS {
+            2 => self.evaluate_fixed::<2>(items, u, c, g),
+            3 => self.evaluate_fixed::<3>(items, u, c, g),
+            4 => self.evaluate_fixed::<4>(items, u, c, g),
+            6 => self.evaluate_fixed::<6>(items, u, c, g),
+            _ => {
+                let mut local = Vec::new();
+                self.for_each(items, c, g, |i, c, g| {
+                    self.gather(i, u, &mut local);
+                    self.items[i].value_and_jacobian(&local, c, g);
+                });
+            }
+        }
+    }
+
+    fn rounding(&self, items: Range<usize>, known: &UncertainDofs, c: &mut [f64], g: &mut [f64]) {
+        self.for_each(items, c, g, |i, c, g| {
+            let u: Vec<Bounded> = self.dofs(i).iter().map(|&j| known.dof(j)).collect();
+            let [mut value, mut slopes] = [c.len(), g.len()].map(|length| vec![Bounded::from(0.0); length]);
+            self.items[i].jacobian_in(&u, &mut value, &mut slopes);
+            c.iter_mut().zip(value).chain(g.iter_mut().zip(slopes)).for_each(|(to, of)| *to = bound(of));
+        });
+    }
+
+    fn numbers(&self, items: Range<usize>) -> usize {
+        self.numbers[items].iter().map(|&n| n as usize).sum()
+    }
+
+    fn entries(&self, mut first: usize, entry: &mut dyn FnMut(u32, u32, u32)) {
+        for (i, item) in self.items.iter().enumerate() {
+            let (dofs, mut pair) = (self.dofs(i), 0);
+            item.pairs(dofs.len(), &mut |j, k| {
+                let number = (first + Q::number(pair)) as u32;
+                entry(dofs[j], dofs[k], number);
+                if j != k {
+                    entry(dofs[k], dofs[j], number);
+                }
+                pair += 1;
+            });
+            first += self.numbers[i] as usize;
+        }
+    }
+
+    fn curvatures(&self, items: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64]) {
+        let (mut local, mut rest) = (Vec::new(), out);
+        for (i, w) in items.zip(w.chunks_exact(Q::EQUATION_NAMES.len())) {
+            let own;
+            (own, rest) = rest.split_at_mut(self.numbers[i] as usize);
+            self.gather(i, u, &mut local);
+            self.items[i].hessian(&local, w, own);
+        }
+    }
+
+    fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
+        let mut driven = self.items.iter_mut().enumerate().filter(|_| Q::DRIVEN);
+        driven.try_for_each(|(i, item)| item.at_time(time).map_err(|value| (i * Q::EQUATION_NAMES.len(), value)))
+    }
+
+    fn angles(&self, found: &mut dyn FnMut(usize, f64)) {
+        let driven = self.items.iter().enumerate().filter(|_| Q::DRIVEN);
+        driven
+            .for_each(|(i, item)| item.angle().into_iter().for_each(|angle| found(i * Q::EQUATION_NAMES.len(), angle)));
+    }
+
+    fn take(&mut self, i: usize, names: &EquationNames, dofs: &mut Vec<u32>) -> Box<dyn StagedNonlinear> {
+        let (own, first) = (self.start[i]..self.start[i + 1], dofs.len());
+        self.start.remove(i + 1);
+        self.start[i + 1..].iter_mut().for_each(|start| *start -= own.len());
+        dofs.extend(self.dofs.drain(own));
+        self.numbers.remove(i);
+        let (name, parameters) = (names.name(self.owners.remove(i).name), self.items.remove(i));
+        Box::new(StagedItem { name, dofs: first..dofs.len(), parameters })
+    }
+
+    fn as_any_mut(&mut self) -> &mut dyn Any {
+        self
+    }
+
+    #[cfg(test)]
+    fn reference(&self, u: &[DoubleDouble]) -> [Vec<DoubleDouble>; 2] {
+        let (mut all_c, mut all_g) = (Vec::new(), Vec::new());
+        for (i, item) in self.items.iter().enumerate() {
+            let (dofs, rows, zero) = (self.dofs(i), Q::EQUATION_NAMES.len(), DoubleDouble::from(0.0));
+            let local: Vec<_> = dofs.iter().map(|&j| u[j as usize]).collect();
+            let (mut c, mut g) = (vec![zero; rows], vec![zero; rows * dofs.len()]);
+            jacobian(item, &local, &mut c, &mut g);
+            all_c.extend(c);
+            let mut columns: Vec<usize> = (0..dofs.len()).collect();
+            columns.sort_unstable_by_key(|&k| dofs[k]);
+            g.chunks_exact(dofs.len()).for_each(|row| all_g.extend(columns.iter().map(|&k| row[k])));
+        }
+        [all_c, all_g]
+    }
+
+    #[cfg(test)]
+    fn compare_with_duals(&self, u: &[f64]) {
+        let mut local = Vec::new();
+        for (i, item) in self.items.iter().enumerate() {
+            self.gather(i, u, &mut local);
+            crate::set::tests::compare::compare(item, &local);
+        }
+    }
 }
 
-impl DofOrder {
-    /// Whether the DOFs of all items ascend.
-    pub fn is_empty(&self) -> bool {
-        self.items.is_empty()
+impl<Q: Nonlinear> StagedNonlinear for StagedItem<Q> {
+    fn rows(&self) -> usize {
+        Q::EQUATION_NAMES.len()
     }
 
-    /// Appends the next item of the batch.
-    pub fn push(&mut self, dofs: &[u32]) {
-        if !dofs.is_sorted() {
-            let place = |dof| dofs.iter().filter(|&other| other < dof).count() as u32;
-            self.place.extend(dofs.iter().map(place));
-            self.items.push(self.count as u32);
-            self.end.push(self.place.len() as u32);
-        }
-        self.count += 1;
+    fn kind(&self, nonlinear: &NonlinearEquations) -> Option<usize> {
+        nonlinear.kind::<Q>()
     }
 
-    /// Sorts the rows of items out of order; the entries of item i start at `start(i)` of `g`.
-    pub fn restore(&self, start: impl Fn(usize) -> usize, rows: usize, g: &mut [f64]) {
-        let mut unsorted = Vec::new();
-        for (k, &i) in self.items.iter().enumerate() {
-            let from = if k == 0 { 0 } else { self.end[k - 1] as usize };
-            let place = &self.place[from..self.end[k] as usize];
-            for row in g[start(i as usize)..][..rows * place.len()].chunks_exact_mut(place.len()) {
-                unsorted.clear();
-                unsorted.extend_from_slice(row);
-                unsorted.iter().zip(place).for_each(|(&v, &p)| row[p as usize] = v);
-            }
+    fn at_time(&mut self, time: f64) -> Result<(), f64> {
+        if Q::DRIVEN { self.parameters.at_time(time) } else { Ok(()) }
+    }
+
+    fn values(&self, dofs: &[u32], u: &[f64]) -> Vec<Bounded> {
+        let local: Vec<Bounded> = dofs[self.dofs.clone()].iter().map(|&j| Bounded::from(u[j as usize])).collect();
+        let mut c = vec![Bounded::from(0.0); Q::EQUATION_NAMES.len()];
+        self.parameters.value(&local, &mut c);
+        c
+    }
+
+    fn commit(
+        self: Box<Self>,
+        constraint: u32,
+        dofs: &[u32],
+        names: &mut EquationNames,
+        nonlinear: &mut NonlinearEquations,
+    ) {
+        let Self { name, dofs: own, parameters } = *self;
+        nonlinear.insert(EquationOwner { constraint, name: names.place(name) }, &dofs[own], parameters);
+    }
+
+    fn fits(&self, dofs: &[u32], (batch, i): (usize, usize), nonlinear: &mut NonlinearEquations) -> bool {
+        let dofs = &dofs[self.dofs.clone()];
+        let alike = |batch: &mut TypedBatch<Q>| {
+            batch.dofs(i) == dofs && pairs(&batch.items[i], dofs.len()) == pairs(&self.parameters, dofs.len())
+        };
+        nonlinear.typed_mut::<Q>(batch).is_some_and(alike)
+    }
+
+    fn overwrite(
+        self: Box<Self>,
+        constraint: u32,
+        names: &mut EquationNames,
+        (batch, i): (usize, usize),
+        nonlinear: &mut NonlinearEquations,
+    ) {
+        let owner = EquationOwner { constraint, name: names.place(self.name) };
+        if let Some(batch) = nonlinear.typed_mut::<Q>(batch) {
+            (batch.items[i], batch.owners[i]) = (self.parameters, owner);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::every_type::random;
 use crate::Nonlinear;
 use crate::nonlinear::jacobian;
-use crate::scalar::HyperDual;
+use crate::scalar::Dual;
 
 pub fn compare<Q: Nonlinear>(item: &Q, u: &[f64]) {
     let (m, n) = (Q::EQUATION_NAMES.len(), u.len());
@@ -31,11 +31,11 @@ pub fn compare<Q: Nonlinear>(item: &Q, u: &[f64]) {
 
 /// `sum_r w_r d^2 c_r / du_j du_k`.
 fn second<Q: Nonlinear>(item: &Q, u: &[f64], w: &[f64], j: usize, k: usize) -> f64 {
-    let mut x: Vec<HyperDual> = u.iter().map(|&u| HyperDual::from(u)).collect();
-    (x[j].first, x[k].second) = (1.0, 1.0);
-    let mut c = vec![HyperDual::from(0.0); w.len()];
+    let mut x: Vec<Dual<1, Dual<1>>> = u.iter().map(|&u| Dual::from(u)).collect();
+    (x[j].real.slope[0], x[k].slope[0].real) = (1.0, 1.0);
+    let mut c = vec![Dual::from(0.0); w.len()];
     item.value(&x, &mut c);
-    c.iter().zip(w).map(|(c, w)| c.mixed * w).sum()
+    c.iter().zip(w).map(|(c, w)| c.slope[0].slope[0] * w).sum()
 }
 
 fn assert_close(found: &[f64], truth: &[f64]) {

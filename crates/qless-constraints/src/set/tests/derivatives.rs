@@ -1,7 +1,6 @@
 //! `G = dc/du` and `H = d(G^T w)/du`.
 
 use super::every_type::{DOFS, random, set};
-use crate::Weights;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
@@ -57,8 +56,7 @@ fn hessian_is_the_difference_of_jacobians() -> Outcome {
     for u in configurations() {
         let mut at = set.allocate();
         set.evaluate(&u, &mut at).expect("of this set");
-        set.effective_hessian(&u, &Weights::Multipliers(&w).values(&at.c).expect("as many"), &mut at)
-            .expect("of this set");
+        set.effective_hessian(&u, &w, &mut at).expect("of this set");
         assert_eq!(Ok(&at.h), at.h.transpose().as_ref());
         let force = |v: &[f64]| {
             let mut moved = set.allocate();

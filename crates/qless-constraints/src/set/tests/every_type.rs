@@ -3,13 +3,13 @@
 use std::array::from_fn;
 
 use crate::types::{
-    Body, Component, Cylindrical, Distance, EulerNorm, Fixed, Line, Node6, OnLine, OnPlane, OnSphere, Parallel,
-    Perpendicular, Planar, PlanarPoint, Plane, Point, Prismatic, Revolute, RigidBody, RotationMotor, SmallRigidBody,
-    Spherical, TranslationMotor, Universal, Volume,
+    Body, Component, Cylindrical, Distance, Fixed, Line, Node6, OnLine, OnPlane, OnSphere, Parallel, Perpendicular,
+    Planar, PlanarPoint, Plane, Point, Prismatic, Revolute, RigidBody, RotationMotor, SmallRigidBody, Spherical,
+    TranslationMotor, Universal, Volume,
 };
 use crate::{ConstraintSet, SetBuilder};
 
-pub const DOFS: usize = 60;
+pub const DOFS: usize = 100;
 
 /// In [-0.5, 0.5].
 pub fn random(seed: u64) -> f64 {
@@ -38,7 +38,7 @@ impl UnitAndShift {
 
     /// A node whose DOFs descend.
     fn reversed(self, node: usize) -> Point {
-        Point::new(from_fn(|k| 3 * node + 2 - k), self.at(from_fn(|k| 3.0 * random((57 * node + k) as u64))))
+        Point::new(from_fn(|k| 3 * node + 2 - k), self.at(from_fn(|k| 3.0 * random((31 * node + 2 - k) as u64))))
     }
 }
 
@@ -52,7 +52,6 @@ pub fn set_at(place: UnitAndShift) -> Result<ConstraintSet, Box<dyn std::error::
     let vector = Body::with_vector([30, 31, 32], place.at([0.4, 0.1, -0.3]), [33, 34, 35]);
     let euler = Body::with_euler([36, 37, 38], place.at([-0.2, 0.5, 0.3]), [39, 40, 41, 42]);
     let other = Body::with_euler([43, 44, 45], place.at([0.3, -0.6, 0.1]), [49, 48, 47, 46]);
-    builder.add("norm", EulerNorm { parameters: [39, 40, 41, 42] })?;
     builder.add("rigid", RigidBody { body: euler, nodes: vec![place.point(1).into(), place.reversed(2).into()] })?;
     builder.add("link", RigidBody { body: vector, nodes: vec![place.point(0).into()] })?;
     let some = [Component::Z, Component::X];
@@ -73,7 +72,7 @@ fn points(builder: &mut SetBuilder, place: UnitAndShift) -> Result<(), Box<dyn s
     let (point, reversed) = (|node| place.point(node), |node| place.reversed(node));
     builder.add("rod", Distance::new(point(0), point(1)))?;
     builder.add("long rod", Distance { a: reversed(5), b: point(2), length: Some(4.0 * place.unit) })?;
-    let planar = |node: usize| PlanarPoint::new([2 * node, 2 * node + 1], place.at([random(node as u64), 1.0]));
+    let planar = |node: usize| PlanarPoint::new([80 + 2 * node, 81 + 2 * node], place.at([random(node as u64), 1.0]));
     builder.add("planar rod", Distance::new(planar(3), planar(9)))?;
     builder.add(
         "ball",
@@ -82,10 +81,10 @@ fn points(builder: &mut SetBuilder, place: UnitAndShift) -> Result<(), Box<dyn s
     builder.add("circle", OnSphere { point: planar(3), centre: place.at([0.0; 2]), radius: None })?;
     builder.add("line", OnLine { point: point(6), line: Line::Nodes(reversed(1), point(4)) })?;
     builder.add("plane", OnPlane { point: point(7), plane: Plane::Nodes(point(8), reversed(2), point(5)) })?;
-    let corner = |k: usize| Point { at: place.at(from_fn(|axis| f64::from(k as u32 >> axis & 1))), ..point(k) };
+    let corner = |k: usize| Point { at: place.at(from_fn(|axis| f64::from(k as u32 >> axis & 1))), ..point(18 + k) };
     let nodes = vec![corner(0), corner(1), corner(2), corner(4), corner(7)];
     builder.add("volume", Volume { nodes, tetrahedra: vec![[0, 1, 2, 3], [1, 4, 2, 3]] })?;
-    let single = (3..7).map(|k| Point { at: corner([0, 1, 2, 4][k - 3]).at, ..point(k) }).collect();
+    let single = [0, 1, 2, 4].map(|k| Point { at: corner(k).at, ..point(18 + k) }).to_vec();
     builder.add("cell", Volume { nodes: single, tetrahedra: vec![[0, 1, 2, 3]] })?;
     let reference = Node6::new(point(0).dofs, [50, 51, 52], point(0).at);
     builder.add("small", SmallRigidBody { reference, nodes: vec![point(2).into()] })?;

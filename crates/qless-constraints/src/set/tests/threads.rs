@@ -23,19 +23,20 @@ fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option
 #[test]
 fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> {
     let nodes = 3000;
-    let point = |node: usize| Point::new(from_fn(|k| 3 * node + k), from_fn(|k| node as f64 + random(k as u64)));
-    let mut builder = ConstraintSet::builder(3 * nodes);
+    let point = |node: usize| Point::new(from_fn(|k| 6 * node + k), from_fn(|k| node as f64 + random(k as u64)));
+    let mut builder = ConstraintSet::builder(6 * nodes);
     for i in 0..4 * nodes {
         let other = (i + 1 + (i * i) % 500) % nodes;
         builder.add("rod", Distance { length: Some(1.0), ..Distance::new(point(i % nodes), point(other)) })?;
         builder.add("equation", LinearEquation { terms: vec![(i % nodes, 1.5), (other, 0.1)], rhs: 1.0 })?;
         // The node's DOFs are before or after those of the body.
-        let body = Body::with_vector(point((i + 7) % nodes).dofs, [0.5; 3], point((i + 9) % nodes).dofs);
+        let Point { dofs, at } = point((i + 7) % nodes);
+        let body = Body::with_vector(dofs, at, dofs.map(|dof| dof + 3));
         builder.add("link", RigidBody { body, nodes: vec![point((i + [3, 12][i % 2]) % nodes).into()] })?;
         builder.add("ball", OnSphere { point: point(other), centre: [0.5; 3], radius: Some(2.0) })?;
     }
     let set = builder.build().expect("few DOFs");
-    let u: Vec<f64> = (0..3 * nodes as u64).map(random).collect();
+    let u: Vec<f64> = (0..6 * nodes as u64).map(random).collect();
     let w: Vec<f64> = (0..set.equations() as u64).map(|i| random(i + 5)).collect();
     let [one, at_once] = evaluate(&set, &u, &w, 1).ok_or("no threads")?;
     assert!(one.h.values().iter().any(|&v| v != 0.0) && at_once == one);

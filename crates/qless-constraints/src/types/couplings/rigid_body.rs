@@ -4,14 +4,13 @@
 use super::equations::{RepeatedNodes, check, follow};
 use super::rigid_motion::arm;
 use crate::geometry::node::Point;
-use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
 use crate::types::joints::attachment::{AttachedPoint, Body};
 use crate::types::joints::coincident::coincident;
 use crate::types::joints::height::height;
 use crate::types::joints::orientation::Aligned;
-use crate::types::joints::relative::{relative, rotation_vectors};
+use crate::types::joints::relative::relative;
 use crate::types::{Component, CouplingError, Node6};
 use crate::{Constraint, EquationSink, Nonlinear};
 
@@ -127,10 +126,6 @@ impl Nonlinear for BodyCoordinate {
         c[0] = S::from(self.at) + u[0] - self.body.point(&u[1..])[self.axis];
     }
 
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        rotation_vectors([(1 + self.body.kind.positions(), self.body.kind), (0, RotationKind::Ground)], found);
-    }
-
     /// All pairs of rotations of the body.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let first = 1 + self.body.kind.positions();
@@ -159,7 +154,8 @@ impl RigidBody {
     fn coordinate(&self, sink: &mut EquationSink, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
         let parameters = BodyCoordinate { body: self.body.attach(at), axis, at: at[axis] };
         sink.numbers(at);
-        self.body.declare_magnitudes(sink);
+        sink.place(&[dof], &[at[axis]], false);
+        self.body.state(sink);
         sink.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
     }
 
@@ -170,8 +166,9 @@ impl RigidBody {
         match (listed, &node.dofs[3..]) {
             (0, _) => Ok(()),
             (3, &[Some(x), Some(y), Some(z)]) => {
-                // The equations use only the rotations, so the position is arbitrary.
-                let follower = Body::with_vector(self.body.position, node.at, [x, y, z]);
+                // The equations use only the rotations, so the position may be that of the body.
+                let follower = Body::with_vector(self.body.position, self.body.at, [x, y, z]);
+                sink.numbers(node.at);
                 relative(sink, self.name(i), &self.body, &follower, Aligned);
                 Ok(())
             }

@@ -1,16 +1,15 @@
 //! Bodies, and points attached to them: to the ground, to a node, or to a body with rotations.
 
-use crate::EquationSink;
-use crate::geometry::lanes::{Lanes, RotatedArmLanes};
 use crate::geometry::rotation::RotationKind;
 use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, lift};
+use crate::{EquationSink, Nonlinear};
 
 /// A body of a mechanism. All its DOFs are zero in the reference configuration.
 ///
 /// The position is `x = at + u`. The rotation is a rotation vector `theta`, `R = exp [theta]x`, or four Euler
-/// parameters `p = (1, 0, 0, 0) + u`, which need one [`crate::types::EulerNorm`] per body.
+/// parameters `p = (1, 0, 0, 0) + u`, whose length the set keeps: it adds `(|p|^2 - 1) / 2 = 0` once for each body.
 ///
 /// Rotation vectors are singular at a full turn, `|theta| = 2 pi`: all vectors of that length are the same rotation.
 /// [`shorten_rotations`](crate::ConstraintSet::shorten_rotations) keeps them away from there;
@@ -19,9 +18,14 @@ use crate::scalar::vector::{Vector, add, lift};
 ///
 /// ```
 /// use qless_constraints::types::Body;
+/// use qless_constraints::{ConstraintSet, types::Spherical};
 /// let crank = Body::with_euler([0, 1, 2], [0.5, 0.0, 0.0], [3, 4, 5, 6]);
 /// let rod = Body::with_vector([7, 8, 9], [1.0, 0.0, 0.0], [10, 11, 12]);
-/// assert_ne!(crank, rod);
+/// let mut builder = ConstraintSet::builder(13);
+/// builder.add("pin", Spherical { a: crank, b: rod, at: [0.9, 0.0, 0.0] })?;
+/// // Three equations of the joint, and the length of the Euler parameters.
+/// assert_eq!(builder.build()?.equations(), 4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
@@ -53,6 +57,11 @@ impl Body {
         Self { kind: RotationKind::Euler, position, at, rotation }
     }
 
+    /// The point of the body that is at these coordinates in the reference configuration.
+    pub fn point(self, at: Vector<f64>) -> BodyPoint {
+        BodyPoint { body: self, at }
+    }
+
     pub(crate) fn turns(&self) -> bool {
         self.kind.rotations() > 0
     }
@@ -66,19 +75,89 @@ impl Body {
         [position, self.rotation_dofs()].concat()
     }
 
-    /// Declares the magnitudes of the coordinates and rotations to the sink.
-    ///
-    /// Rotation vectors are known to one unit in the last place of a radian, Euler parameters to one unit in the last
-    /// place of 1, even if they are small.
-    pub(crate) fn declare_magnitudes(&self, sink: &mut EquationSink) {
+    /// States place and rotation of the body to the sink: every constraint must say the same of one body.
+    pub(crate) fn state(&self, sink: &mut EquationSink) {
         sink.numbers(self.at);
-        self.rotation_dofs().iter().for_each(|&dof| sink.coordinate(dof, 1.0));
+        if self.kind.positions() > 0 {
+            sink.place(&self.position, &self.at, false);
+        }
+        if self.turns() {
+            sink.rotation(self.rotation_dofs());
+        }
     }
 
     /// Attaches `point`, given in the reference configuration, to the body.
     pub(crate) fn attach(&self, point: Vector<f64>) -> AttachedPoint {
         let arm = std::array::from_fn(|k| point[k] - self.at[k]);
         AttachedPoint { kind: self.kind, at: self.at, arm }
+    }
+}
+
+/// A point of a body, of a node or of the ground: `x = X + u + R (at - X)` for a body with the place X ([`Body::point`]).
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{Body, Distance}};
+/// // A tie rod from a chassis point to the arm of a wheel carrier: one equation, and no body of its own.
+/// let carrier = Body::with_vector([0, 1, 2], [0.0, 0.7, 0.3], [3, 4, 5]);
+/// let rod = Distance::new(Body::ground().point([0.1, 0.3, 0.3]), carrier.point([0.1, 0.6, 0.3]));
+/// let mut builder = ConstraintSet::builder(6);
+/// builder.add("tie rod", rod)?;
+/// assert_eq!(builder.build()?.equations(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyPoint {
+    pub(crate) body: Body,
+    /// Its coordinates in the reference configuration.
+    pub(crate) at: Vector<f64>,
+}
+
+impl From<crate::geometry::node::Point> for BodyPoint {
+    fn from(node: crate::geometry::node::Point) -> Self {
+        Body::node(node).point(node.at)
+    }
+}
+
+/// Equations on the places of points in space.
+pub(crate) trait PointFunction: Send + Sync + 'static {
+    /// As [`Nonlinear::EQUATION_NAMES`].
+    const EQUATION_NAMES: &'static [&'static str];
+
+    /// `c` from the places of the points.
+    fn value<S: Scalar>(&self, points: &[Vector<S>], c: &mut [S]);
+}
+
+/// Adds the equations `function` on these points.
+pub(crate) fn on_points<F: PointFunction, const N: usize>(
+    sink: &mut EquationSink,
+    points: [BodyPoint; N],
+    function: F,
+) {
+    for BodyPoint { body, at } in &points {
+        sink.numbers(*at);
+        body.state(sink);
+    }
+    let dofs: Vec<usize> = points.iter().flat_map(|point| point.body.dofs()).collect();
+    sink.nonlinear("", &dofs, OnPoints { points: points.map(|point| point.body.attach(point.at)), function });
+}
+
+/// Equations on N attached points; the DOFs are those of their bodies, one after the other.
+struct OnPoints<F, const N: usize> {
+    points: [AttachedPoint; N],
+    function: F,
+}
+
+impl<F: PointFunction, const N: usize> Nonlinear for OnPoints<F, N> {
+    const EQUATION_NAMES: &'static [&'static str] = F::EQUATION_NAMES;
+
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
+        let mut rest = u;
+        let places = self.points.map(|point| {
+            let own;
+            (own, rest) = rest.split_at(point.dofs());
+            point.point(own)
+        });
+        self.function.value(&places, c);
     }
 }
 
@@ -107,46 +186,16 @@ impl AttachedPoint {
         if self.kind == RotationKind::Ground { lift(self.at) } else { add(lift(self.at), [u[0], u[1], u[2]]) }
     }
 
-    /// Returns the point x and writes `sign dx/du` to the columns of `g` (3 x n) from `first` on. Rotation vectors
-    /// read their slopes from a lane of `turns`.
-    #[expect(clippy::inline_always, reason = "27 numbers would go through memory, which costs a third")]
-    #[inline(always)]
-    pub fn write_slopes(
-        &self,
-        u: &[f64],
-        sign: f64,
-        [first, n]: [usize; 2],
-        g: &mut [f64],
-        (turns, lane): (&RotatedArmLanes, usize),
-    ) -> Vector<f64> {
-        let (turned, slopes) = match self.kind {
-            RotationKind::Ground => return add(self.at, self.arm),
-            RotationKind::Node => (self.arm, [[0.0; 4]; 3]),
-            RotationKind::Vector => turns.lane(lane),
-            RotationKind::Euler => rotation_derivatives::slopes(self.kind, &u[3..], self.arm),
-        };
+    /// Returns the point x and writes `sign dx/du` to the columns of `g` (3 x n) from `first` on.
+    pub fn write_slopes(&self, u: &[f64], sign: f64, [first, n]: [usize; 2], g: &mut [f64]) -> Vector<f64> {
+        let positions = self.kind.positions();
+        let (turned, slopes) = rotation_derivatives::slopes(self.kind, &u[positions..], self.arm);
         for axis in 0..3 {
             let row = &mut g[axis * n + first..][..u.len()];
-            let ([x, y, z], s) =
-                (std::array::from_fn(|k| if k == axis { sign } else { 0.0 }), slopes[axis].map(|s| sign * s));
-            // Copies of a length known at compile time are faster.
-            match self.kind {
-                RotationKind::Ground | RotationKind::Node => row.copy_from_slice(&[x, y, z]),
-                RotationKind::Vector => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2]]),
-                RotationKind::Euler => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2], s[3]]),
-            }
+            (0..positions).for_each(|k| row[k] = if k == axis { sign } else { 0.0 });
+            row[positions..].iter_mut().zip(slopes[axis]).for_each(|(g, slope)| *g = sign * slope);
         }
-        add(add(self.at, turned), [u[0], u[1], u[2]])
-    }
-
-    /// Lower triangle of the Hessian of `m . x` in the rotations. For rotation vectors it is read from a lane of
-    /// `all`.
-    #[inline]
-    pub fn curvature(&self, u: &[f64], m: Vector<f64>, out: &mut [f64], (all, lane): (&[Lanes; 6], usize)) {
-        match self.kind {
-            RotationKind::Ground | RotationKind::Node => (),
-            RotationKind::Vector => (0..6).for_each(|k| out[k] = all[k].0[lane]),
-            RotationKind::Euler => rotation_derivatives::hessian(self.kind, &u[3..], self.arm, m, out),
-        }
+        let place = add(self.at, turned);
+        if positions == 0 { place } else { add(place, [u[0], u[1], u[2]]) }
     }
 }

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 
 use super::attachment::{AttachedPoint, Body};
-use super::relative::{rotation_vectors, triangle_before};
+use super::relative::triangle_before;
 use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, scale, sub};
@@ -24,7 +24,7 @@ pub fn height(
 ) {
     let parameters = Height::new(a, b, at, s);
     sink.numbers(at);
-    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    [a, b].iter().for_each(|body| body.state(sink));
     sink.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
 }
 
@@ -71,11 +71,6 @@ impl Nonlinear for Height {
                 }
             }
         }
-    }
-
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        let second = self.a.dofs() + self.b.kind.positions();
-        rotation_vectors([(self.a.kind.positions(), self.a.kind), (second, self.b.kind)], found);
     }
 
     /// `[-R_a s, d(R_a s) . reach, R_a s, d(R_b s_b) . R_a s]`.

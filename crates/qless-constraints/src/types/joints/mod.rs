@@ -3,33 +3,17 @@
 
 pub(super) mod attachment;
 pub(super) mod coincident;
-mod cylindrical;
-mod euler_norm;
-mod fixed;
+mod guides;
 pub(super) mod height;
 mod motor;
 pub(super) mod orientation;
-mod parallel;
-mod perpendicular;
-mod planar;
-mod prismatic;
+mod pins;
 pub(super) mod relative;
-mod revolute;
-mod spherical;
-mod universal;
 
-pub use attachment::Body;
-pub use cylindrical::Cylindrical;
-pub use euler_norm::EulerNorm;
-pub use fixed::Fixed;
+pub use attachment::{Body, BodyPoint};
+pub use guides::{Cylindrical, Parallel, Perpendicular, Planar, Prismatic};
 pub use motor::{RotationMotor, TranslationMotor};
-pub use parallel::Parallel;
-pub use perpendicular::Perpendicular;
-pub use planar::Planar;
-pub use prismatic::Prismatic;
-pub use revolute::Revolute;
-pub use spherical::Spherical;
-pub use universal::Universal;
+pub use pins::{Fixed, Revolute, Spherical, Universal};
 
 use crate::scalar::vector::{Vector, unit};
 

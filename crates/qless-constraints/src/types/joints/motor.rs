@@ -152,7 +152,7 @@ impl Constraint for TranslationMotor {
         let height = Height::new(&self.a, &self.b, self.at, direction(self.axis)?);
         let dofs = [self.a.dofs(), self.b.dofs()].concat();
         sink.numbers(self.at);
-        [self.a, self.b].iter().for_each(|body| body.declare_magnitudes(sink));
+        [self.a, self.b].iter().for_each(|body| body.state(sink));
         sink.nonlinear("", &dofs, Travel { height, motion: self.travel });
         Ok(())
     }
@@ -179,10 +179,6 @@ impl Nonlinear for Travel {
 
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         self.height.pairs(dofs, pair);
-    }
-
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        self.height.rotation_vectors(found);
     }
 
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {

@@ -9,13 +9,11 @@
 //! Each function vanishes exactly if the joint condition holds. The first three are angle vectors
 //! ([`crate::geometry::angle`]) of functions `(m, v)` of q, which are linear, or quadratic for the tilt.
 
-use std::array::from_fn;
-
-use super::relative::{MAX_EQUATIONS, QuaternionMatrix, RotationFunction};
+use super::relative::RotationFunction;
 use crate::equations::TimeFunction;
-use crate::geometry::quaternion::{Quaternion, inner};
-use crate::geometry::rotation::{RotationKind, by_euler};
-use crate::geometry::{angle, rotation_derivatives};
+use crate::geometry::angle;
+use crate::geometry::quaternion::Quaternion;
+use crate::geometry::rotation::by_euler;
 use crate::scalar::vector::{Vector, dot, lift, perpendicular};
 use crate::scalar::{Arithmetic, Scalar};
 
@@ -39,11 +37,6 @@ fn shorter<S: Scalar>(x: [S; 4]) -> [S; 4] {
     if negated(x.map(Scalar::real)) { x.map(|x| -x) } else { x }
 }
 
-/// `sum_k weight_k row_k`.
-fn combined(weights: &[f64], rows: &[Quaternion<f64>]) -> Quaternion<f64> {
-    from_fn(|j| weights.iter().zip(rows).map(|(w, row)| w * row[j]).sum())
-}
-
 /// Zero if the bodies are aligned: `m = q0`, v the vector part of q; the angle vector is half of c.
 pub struct Aligned;
 
@@ -52,20 +45,6 @@ impl RotationFunction for Aligned {
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c.copy_from_slice(&angle::value::<S, 3>(shorter(q)).map(|x| S::from(2.0) * x));
-    }
-
-    #[inline]
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
-        let (half, rows) = angle::slopes::<3>(shorter(q));
-        c.copy_from_slice(&half.map(|x| 2.0 * x));
-        let factor = if negated(q) { -2.0 } else { 2.0 };
-        rows.map(|row| row.map(|x| factor * x))
-    }
-
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
-        let sign = if negated(q) { -1.0 } else { 1.0 };
-        let (slope, square) = angle::curvature(shorter(q), [w[0], w[1], w[2]].map(|w| 2.0 * w));
-        (slope.map(|x| sign * x), square)
     }
 }
 
@@ -90,28 +69,6 @@ impl Tilt {
         let (q0, [t, x, y], two) = (q[0], self.frame.map(|e| dot(lift(e), [q[1], q[2], q[3]])), S::from(2.0));
         [q0 * q0 + t * t - x * x - y * y, two * (q0 * x - t * y), two * (q0 * y + t * x), S::from(0.0)]
     }
-
-    /// Gradients of m and v.
-    fn rows(&self, q: Quaternion<f64>) -> [Quaternion<f64>; 3] {
-        let (q0, [t, x, y]) = (q[0], self.frame.map(|e| dot(e, [q[1], q[2], q[3]])));
-        let whole = |in_frame: [f64; 4]| self.in_space(in_frame.map(|x| 2.0 * x));
-        [whole([q0, t, -x, -y]), whole([x, -y, q0, -t]), whole([y, x, t, q0])]
-    }
-
-    fn in_space(&self, q: Quaternion<f64>) -> Quaternion<f64> {
-        let [t, x, y] = self.frame;
-        let component = |k: usize| q[1] * t[k] + q[2] * x[k] + q[3] * y[k];
-        [q[0], component(0), component(1), component(2)]
-    }
-
-    /// `sum_k slope_k d^2 (m, v)_k / dq^2`.
-    fn bend(&self, slope: [f64; 4]) -> QuaternionMatrix {
-        let [m, v, w, _] = slope.map(|x| 2.0 * x);
-        let in_frame = [[m, 0.0, v, w], [0.0, m, w, -v], [v, w, -m, 0.0], [w, -v, 0.0, -m]];
-        let half = in_frame.map(|row| self.in_space(row));
-        let columns: QuaternionMatrix = from_fn(|k| self.in_space(from_fn(|j| half[j][k])));
-        from_fn(|j| from_fn(|k| columns[k][j]))
-    }
 }
 
 impl RotationFunction for Tilt {
@@ -119,22 +76,6 @@ impl RotationFunction for Tilt {
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c.copy_from_slice(&angle::value::<S, 2>(self.parts(q)));
-    }
-
-    #[inline]
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
-        let (rows, (tilt, slopes)) = (self.rows(q), angle::slopes::<2>(self.parts(q)));
-        c.copy_from_slice(&tilt);
-        [combined(&slopes[0], &rows), combined(&slopes[1], &rows), [0.0; 4]]
-    }
-
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
-        let rows = self.rows(q);
-        let (slope, square) = angle::curvature(self.parts(q), [w[0], w[1]]);
-        let half: [Quaternion<f64>; 3] = from_fn(|j| combined(&square[j], &rows));
-        let mut whole = self.bend(slope);
-        (0..4).for_each(|j| (0..4).for_each(|k| whole[j][k] += (0..3).map(|i| rows[i][j] * half[i][k]).sum::<f64>()));
-        (combined(&slope, &rows), whole)
     }
 }
 
@@ -180,26 +121,6 @@ impl RotationFunction for Twist {
         let [half] = angle::value::<S, 1>(shorter([m, v, S::from(0.0), S::from(0.0)]));
         c[0] = S::from(2.0) * half;
     }
-
-    #[inline]
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
-        let rows = self.rows();
-        let [m, v] = rows.map(|row| inner(row, q));
-        let ([half], [slope]) = angle::slopes::<1>(shorter([m, v, 0.0, 0.0]));
-        c[0] = 2.0 * half;
-        let sign = if negated([m, v, 0.0, 0.0]) { -2.0 } else { 2.0 };
-        [combined(&slope.map(|x| sign * x), &rows), [0.0; 4], [0.0; 4]]
-    }
-
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
-        let rows = self.rows();
-        let [m, v] = rows.map(|row| inner(row, q));
-        let (slope, square) = angle::curvature(shorter([m, v, 0.0, 0.0]), [2.0 * w[0]]);
-        let sign = if negated([m, v, 0.0, 0.0]) { -1.0 } else { 1.0 };
-        let half: [Quaternion<f64>; 2] = from_fn(|j| combined(&square[j], &rows));
-        let square = from_fn(|j| from_fn(|k| rows[0][j] * half[0][k] + rows[1][j] * half[1][k]));
-        (combined(&slope.map(|x| sign * x), &rows), square)
-    }
 }
 
 /// Zero if a direction of body a and one of body b are perpendicular.
@@ -213,30 +134,6 @@ impl RotationFunction for PerpendicularAxes {
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
         c[0] = dot(lift(self.of_a), by_euler(q, self.of_b));
-    }
-
-    #[inline]
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
-        c[0] = dot(self.of_a, by_euler(q, self.of_b));
-        let mut rows = [[0.0; 4]; MAX_EQUATIONS];
-        rotation_derivatives::gradient(
-            RotationKind::Euler,
-            &[q[0] - 1.0, q[1], q[2], q[3]],
-            self.of_b,
-            self.of_a,
-            &mut rows[0],
-        );
-        rows
-    }
-
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
-        let (s, t) = (self.of_a.map(|x| w[0] * x), self.of_b);
-        let u = [q[0] - 1.0, q[1], q[2], q[3]];
-        let (mut slope, mut lower) = ([0.0; 4], [0.0; 10]);
-        rotation_derivatives::gradient(RotationKind::Euler, &u, t, s, &mut slope);
-        rotation_derivatives::hessian(RotationKind::Euler, &u, t, s, &mut lower);
-        let entry = |j: usize, k: usize| lower[j.max(k) * (j.max(k) + 1) / 2 + j.min(k)];
-        (slope, from_fn(|j| from_fn(|k| entry(j, k))))
     }
 }
 

@@ -4,12 +4,13 @@
 //! terms: the second derivatives of q_a and q_b in these directions, `dq^T (d^2 c / dq^2) dq`, and
 //! `z . (conj(dq_a) dq_b)` between the bodies.
 
+use std::array::from_fn;
 use std::borrow::Cow;
 
 use super::attachment::Body;
 use crate::geometry::quaternion::{BodyQuaternion, Quaternion, body_quaternion, conjugate, inner, product};
 use crate::geometry::rotation::RotationKind;
-use crate::scalar::Scalar;
+use crate::scalar::{Dual, Scalar};
 use crate::{EquationSink, Nonlinear};
 
 /// Maximum number of equations of one function.
@@ -34,10 +35,23 @@ pub trait RotationFunction: Send + Sync + 'static {
     }
     /// `c(q)`.
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]);
+
     /// `c(q)`, and `dc_r / dq`.
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS];
+    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
+        let mut of = [Dual::<4>::from(0.0); MAX_EQUATIONS];
+        self.value(from_fn(|j| Dual::variable(q[j], j)), &mut of[..c.len()]);
+        c.iter_mut().zip(of).for_each(|(c, of)| *c = of.real);
+        of.map(|of| of.slope)
+    }
+
     /// `d(w.c) / dq`, and `d^2 (w.c) / dq^2`.
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix);
+    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
+        let mut of = [Dual::<4, Dual<4>>::from(0.0); MAX_EQUATIONS];
+        self.value(from_fn(|j| Dual::variable(Dual::variable(q[j], j), j)), &mut of[..w.len()]);
+        let sum = |number: &dyn Fn(&Dual<4, Dual<4>>) -> f64| w.iter().zip(&of).map(|(w, of)| w * number(of)).sum();
+        let square = from_fn(|j| from_fn(|k| sum(&|of| of.slope[j].slope[k])));
+        (from_fn(|j| sum(&|of| of.real.slope[j])), square)
+    }
 }
 
 /// Adds the equations `function` on the relative rotation of two bodies.
@@ -49,7 +63,7 @@ pub fn relative<F: RotationFunction>(
     function: F,
 ) {
     let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
-    [a, b].iter().for_each(|body| body.declare_magnitudes(sink));
+    [a, b].iter().for_each(|body| body.state(sink));
     sink.nonlinear(part, &dofs, RelativeRotation { a: a.kind, b: b.kind, function });
 }
 
@@ -80,10 +94,6 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
 
     fn angle(&self) -> Option<f64> {
         self.function.angle()
-    }
-
-    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        rotation_vectors([(0, self.a), (self.a.rotations(), self.b)], found);
     }
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
@@ -140,9 +150,4 @@ pub fn triangle(kind: RotationKind) -> usize {
 /// Index of the first entry of row j in a lower triangle.
 pub fn triangle_before(j: usize) -> usize {
     j * (j + 1) / 2
-}
-
-/// Reports the rotation vectors of two bodies, each given with the index of its first rotation.
-pub fn rotation_vectors(bodies: [(usize, RotationKind); 2], found: &mut dyn FnMut(usize)) {
-    bodies.into_iter().filter(|&(_, kind)| kind == RotationKind::Vector).for_each(|(first, _)| found(first));
 }

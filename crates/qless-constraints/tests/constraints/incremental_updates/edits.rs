@@ -1,26 +1,26 @@
 //! Single changes: in full segments, with an outdated evaluation, and invalid ones.
 
-use qless_constraints::types::{Distance, Driven, Equal, Prescribed};
+use qless_constraints::types::{Distance, Driven, Equal, Point, Prescribed};
 use qless_constraints::{ConstraintId, ConstraintSet, EditError, Evaluation, LineariseError, ReplaceError};
 
-use super::recipe::{Random, point};
+use super::recipe::{DOFS, Random, point};
 use super::run::bits;
 use crate::common::Outcome;
 
 /// A rod or an equal DOF between consecutive nodes.
 fn chain(nodes: usize, is_rod: impl Fn(usize) -> bool) -> Outcome<(ConstraintSet, Vec<ConstraintId>)> {
-    let mut builder = ConstraintSet::builder(3 * nodes);
+    let mut builder = ConstraintSet::builder(DOFS * nodes);
     let add = |node: usize| {
         if is_rod(node) {
             return Ok(builder.add("rod", rod(node))?);
         }
-        Ok(builder.add("tie", Equal::new([3 * node, 3 * node + 3]))?)
+        Ok(builder.add("tie", Equal::new([DOFS * node, DOFS * node + DOFS]))?)
     };
     let ids = (0..nodes - 1).map(add).collect::<Outcome<_>>()?;
     Ok((builder.build()?, ids))
 }
 
-fn rod(node: usize) -> Distance<3> {
+fn rod(node: usize) -> Distance<Point> {
     Distance { length: Some(1.0 + (node % 7) as f64), ..Distance::new(point(node), point(node + 1)) }
 }
 
@@ -38,7 +38,7 @@ fn full_segments_take_what_comes_between() -> Outcome {
             set.replace(ids[node], rod(node))?;
         }
         let fresh = chain(nodes, |node| is_rod[node])?.0;
-        let u: Vec<f64> = (0..3 * nodes).map(|_| random.number()).collect();
+        let u: Vec<f64> = (0..DOFS * nodes).map(|_| random.number()).collect();
         let w: Vec<f64> = (0..nodes - 1).map(|_| random.number()).collect();
         let mut expected = fresh.allocate();
         fresh.assemble(&u, &w, &mut expected)?;
@@ -55,7 +55,7 @@ fn full_segments_take_what_comes_between() -> Outcome {
 /// An evaluation from before a change is not accepted after it.
 #[test]
 fn numbers_from_before_a_change_are_refused() -> Outcome {
-    let mut builder = ConstraintSet::builder(6);
+    let mut builder = ConstraintSet::builder(12);
     let rod = builder.add("rod", Distance::new(point(0), point(1)))?;
     let clamp = builder.add("clamp", Prescribed::fixed([0, 1]))?;
     let mut set = builder.build()?;
@@ -64,18 +64,18 @@ fn numbers_from_before_a_change_are_refused() -> Outcome {
         matches!(set.linearised(evaluation, &[]), Err(LineariseError::Argument(_)))
     };
     assert!(outdated(&set, &evaluation), "never evaluated");
-    set.evaluate(&[0.1; 6], &mut evaluation)?;
+    set.evaluate(&[0.1; 12], &mut evaluation)?;
     assert!(!outdated(&set, &evaluation));
     set.deactivate(rod)?;
     assert!(outdated(&set, &evaluation));
-    set.evaluate(&[0.1; 6], &mut evaluation)?;
+    set.evaluate(&[0.1; 12], &mut evaluation)?;
     assert_eq!(set.linearised(&evaluation, &[])?.equations(), 2);
     set.set_rhs(clamp, &[1.0, 2.0])?;
     assert!(outdated(&set, &evaluation));
-    set.evaluate(&[0.1; 6], &mut evaluation)?;
+    set.evaluate(&[0.1; 12], &mut evaluation)?;
     set.activate(rod)?;
     // Only H is new; c and G are outdated.
-    set.effective_hessian(&[0.1; 6], &[0.0; 3], &mut evaluation)?;
+    set.effective_hessian(&[0.1; 12], &[0.0; 3], &mut evaluation)?;
     assert!(outdated(&set, &evaluation));
     Ok(())
 }

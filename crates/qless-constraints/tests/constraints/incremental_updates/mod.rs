@@ -8,7 +8,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Distance, Equal, Point};
 
 use crate::common::Outcome;
-use recipe::KINDS;
+use recipe::{DOFS, KINDS};
 use run::Run;
 
 /// Thousands of operations on small sets, compared often with a new set.
@@ -77,7 +77,7 @@ fn curvature_comes_and_goes() -> Outcome {
 impl Run {
     /// Evaluates after changes, without comparing with a second set.
     fn compare_values(&mut self) -> Outcome {
-        let u: Vec<f64> = (0..3 * self.nodes).map(|_| self.random.number()).collect();
+        let u: Vec<f64> = (0..DOFS * self.nodes).map(|_| self.random.number()).collect();
         let w = vec![1.0; self.set.equations()];
         self.set.assemble(&u, &w, &mut self.evaluation)?;
         Ok(())

@@ -39,11 +39,19 @@ pub struct Recipe {
 }
 
 pub const KINDS: usize = 9;
+/// Translations and rotations of a node.
+pub const DOFS: usize = 6;
 
 pub fn point(node: usize) -> Point {
     // Some have DOFs that do not ascend.
-    let dofs = from_fn(|k| 3 * node + if node.is_multiple_of(5) { 2 - k } else { k });
+    let dofs = from_fn(|k| DOFS * node + if node.is_multiple_of(5) { 2 - k } else { k });
     Point::new(dofs, [node as f64, (node * node % 7) as f64, (node % 3) as f64])
+}
+
+/// The node as a body.
+fn body(node: usize) -> Body {
+    let Point { dofs, at } = point(node);
+    Body::with_vector(dofs, at, dofs.map(|dof| dof + 3))
 }
 
 impl Recipe {
@@ -69,12 +77,9 @@ impl Recipe {
                 label,
                 OnPlane { point: a, plane: Plane::Fixed { through: [number; 3], normal: [1.0, 2.0, number] } },
             ),
-            7 => {
-                let body = Body::with_vector(a.dofs, a.at, third.dofs);
-                set.put(label, RigidBody { body, nodes: vec![b.into()] })
-            }
+            7 => set.put(label, RigidBody { body: body(self.node), nodes: vec![b.into()] }),
             _ => {
-                let body = Body::with_vector(a.dofs, a.at, third.dofs);
+                let body = body(self.node);
                 let joint = Spherical { a: body, b: Body::node(b), at: b.at };
                 if number > 0.3 {
                     set.put(label, Fixed { a: body, b: Body::ground(), at: [number; 3] })

@@ -2,7 +2,7 @@
 
 use qless_constraints::{ConstraintId, ConstraintSet, EditError, Evaluation};
 
-use super::recipe::{KINDS, Random, Recipe};
+use super::recipe::{DOFS, KINDS, Random, Recipe};
 use crate::common::Outcome;
 
 /// The expected state of a constraint.
@@ -28,7 +28,7 @@ pub struct Run {
 impl Run {
     /// One constraint of each type, so that both sets have their types in the same order.
     pub fn new(seed: u64, nodes: usize) -> Outcome<Self> {
-        let mut builder = ConstraintSet::builder(3 * nodes);
+        let mut builder = ConstraintSet::builder(DOFS * nodes);
         let mut entries = Vec::new();
         for k in 0..=KINDS {
             let recipe =
@@ -83,7 +83,7 @@ impl Run {
 
     /// Evaluates c and G, H, or all of them.
     fn look(&mut self) -> Outcome {
-        let (u, w) = (vec![0.1; 3 * self.nodes], vec![1.0; self.set.equations()]);
+        let (u, w) = (vec![0.1; DOFS * self.nodes], vec![1.0; self.set.equations()]);
         match self.random.below(3) {
             0 => self.set.evaluate(&u, &mut self.evaluation)?,
             1 => self.set.effective_hessian(&u, &w, &mut self.evaluation)?,
@@ -103,7 +103,7 @@ impl Run {
 
     /// The same constraints in a new set.
     fn fresh(&self) -> Outcome<ConstraintSet> {
-        let mut builder = ConstraintSet::builder(3 * self.nodes);
+        let mut builder = ConstraintSet::builder(DOFS * self.nodes);
         let active = || self.entries.iter().filter(|entry| entry.active);
         let ids = active().map(|entry| entry.recipe.add(&entry.label, &mut builder)).collect::<Outcome<Vec<_>>>()?;
         let mut set = builder.build()?;
@@ -117,7 +117,7 @@ impl Run {
     /// Compares c, G, H, their patterns and bounds, rows and labels, to the last bit.
     pub fn compare(&mut self) -> Outcome {
         let fresh = self.fresh()?;
-        let u: Vec<f64> = (0..3 * self.nodes).map(|_| self.random.number()).collect();
+        let u: Vec<f64> = (0..DOFS * self.nodes).map(|_| self.random.number()).collect();
         let w: Vec<f64> = (0..fresh.equations()).map(|_| self.random.number()).collect();
         let mut expected = fresh.allocate();
         fresh.assemble(&u, &w, &mut expected)?;

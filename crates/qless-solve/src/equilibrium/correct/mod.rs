@@ -107,7 +107,11 @@ impl<M: Model> Corrector<'_, M> {
         };
         let force = |&i: &usize| {
             let now = self.state.residual[i];
-            if arrived { now } else { more(more(now, &mut self.state.assembly.row(i)), &mut h.row(i)) }
+            if arrived {
+                return now;
+            }
+            let of_loads = more(now, &mut self.state.moments_of(i));
+            more(more(of_loads, &mut self.state.assembly.row(i)), &mut h.row(i))
         };
         let c = |&r: &usize| {
             let now = self.state.evaluation.c()[r];

@@ -109,7 +109,9 @@ impl<M: Model> Corrector<'_, M> {
             |(i, &dof): (usize, &usize)| self.state.assembly.row(dof).filter_map(move |(j, v)| Some((i, place(j)?, v)));
         let mut list: Vec<_> = free.iter().enumerate().flat_map(stiffness).collect();
         let stiff = list.len();
-        let bent = |(i, &dof): (usize, &usize)| h.row(dof).filter_map(move |(j, v)| Some((i, place(j)?, v)));
+        let bent = |(i, &dof): (usize, &usize)| {
+            h.row(dof).chain(self.state.moments_of(dof)).filter_map(move |(j, v)| Some((i, place(j)?, v)))
+        };
         list.extend(free.iter().enumerate().flat_map(bent));
         let border = (free.len()..)
             .zip(&rows.list)

@@ -9,10 +9,11 @@ mod track;
 
 use std::sync::Arc;
 
-use qless::SystemBuilder;
+use qless::{ArgumentError, SystemBuilder};
 use qless_constraints::ConstraintSet;
 
 use super::branch::growth;
+use super::check_tangent::{TangentCheck, WrongEntry};
 use super::correct::Factoring;
 use super::parts::{EquilibriumPart, EquilibriumParts};
 use super::rows::PartRows;
@@ -63,7 +64,7 @@ impl<'a, M: Model> Path<'a, M> {
         let track = |part: &EquilibriumPart| PartTrack { driven: driven(part), ..PartTrack::default() };
         let tracks = parts.list.iter().map(track).collect();
         let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
-        let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
+        let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.in_rows(set)? };
         let (rows, rotations, steps) = (None, Vec::new(), Vec::new());
         Ok(Self {
             model,
@@ -89,7 +90,8 @@ impl<'a, M: Model> Path<'a, M> {
         if found.is_err() {
             self.constraints.return_to(0.0);
         }
-        found.map(|()| self.finish())
+        found?;
+        Ok(self.finish()?)
     }
 
     fn go(&mut self) -> Result<(), EquilibriumError> {
@@ -107,12 +109,33 @@ impl<'a, M: Model> Path<'a, M> {
                     length = failures.shorter() * (tried - factor);
                     if failures.is_fatal() || length < self.options.shortest {
                         let tried = self.steps.last().map_or(factor, |step| step.factor);
-                        return Err(failures.into_error(self.constraints.set(), factor, tried));
+                        let error = failures.into_error(self.constraints.set(), factor, tried);
+                        return Err(self.or_wrong_tangent(error, factor));
                     }
                 }
             }
         }
         Ok(())
+    }
+
+    /// If a wrong tangent explains why no equilibrium was found, says so: it looks like a load that is too large, or like missing support.
+    fn or_wrong_tangent(&mut self, error: EquilibriumError, factor: f64) -> EquilibriumError {
+        let suspicious = matches!(
+            error,
+            EquilibriumError::NoConvergence { .. }
+                | EquilibriumError::Unsupported { .. }
+                | EquilibriumError::Solver { .. }
+        );
+        let last = self.state.evaluation.u().to_vec();
+        let mut places = [&self.at.u, &last].into_iter().filter(|_| suspicious);
+        let wrong = places.find_map(|u| TangentCheck::new(self.model, u).ok()?.wrong_entry());
+        wrong.map_or(error, |WrongEntry { row, column, given, difference }| EquilibriumError::Tangent {
+            factor,
+            row,
+            column,
+            given,
+            difference,
+        })
     }
 
     /// Factor for the length of the next step.
@@ -121,21 +144,24 @@ impl<'a, M: Model> Path<'a, M> {
         self.tracks.iter().map(|track| growth(track.branch_check.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
     }
 
-    fn finish(self) -> Equilibrium {
-        let Self { target, options, parts, state, at, rows, tracks, steps, .. } = self;
-        let forces = constraint_forces(state.evaluation.g(), &at.multipliers);
+    fn finish(self) -> Result<Equilibrium, ArgumentError> {
+        let Self { constraints, target, options, parts, state, at, rows, tracks, steps, .. } = self;
+        let set = constraints.set();
+        let forces: Vec<f64> = constraint_forces(state.evaluation.g(), &at.multipliers).iter().map(|f| -f).collect();
+        let mut reactions = vec![0.0; at.u.len()];
+        target.prescribed.iter().for_each(|&(j, _)| reactions[j] = state.residual[j]);
         let kept = |r: &usize| rows.as_ref().is_none_or(|rows| rows[parts.of_row(*r)].kept(*r));
         let stability = || Stability::of_parts(tracks.iter().filter_map(|track| track.stability));
-        Equilibrium {
-            reactions: target.prescribed.iter().map(|&(j, _)| state.residual[j]).collect(),
-            constraint_forces: forces.iter().map(|f| -f).collect(),
+        Ok(Equilibrium {
+            reactions: set.forces_in_space(&at.u, &reactions)?,
+            constraint_forces: set.forces_in_space(&at.u, &forces)?,
             redundant: (0..at.multipliers.len()).filter(|r| !kept(r)).collect(),
             loads: target.loads.to_vec(),
-            u: at.u,
             stability: options.stability.then(stability),
-            multipliers: at.multipliers,
+            multipliers: set.by_constraint(&at.multipliers)?,
+            u: at.u,
             steps,
-        }
+        })
     }
 }
 
@@ -146,23 +172,28 @@ fn is_straight(set: &ConstraintSet, part: &EquilibriumPart) -> bool {
 
 /// Validates the lengths and numbers of the arguments.
 pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -> Result<(), EquilibriumError> {
-    let (n, m) = (set.dofs(), set.equations());
+    let n = set.dofs();
     let lengths = [
         ("DOFs of the model", dofs, n),
         ("values of u at the start", start.u.len(), n),
-        ("multipliers at the start", start.multipliers.len(), m),
         ("loads at the start", start.loads.len(), n),
         ("loads", target.loads.len(), n),
     ];
     if let Some((what, found, expected)) = lengths.into_iter().find(|(_, found, expected)| found != expected) {
         return Err(EquilibriumError::Size { what, found, expected });
     }
-    let numbers =
-        [("u", &start.u[..]), ("multiplier", &start.multipliers), ("load", &start.loads), ("load", target.loads)];
+    let multipliers = start.multipliers.in_rows(set)?;
+    let numbers = [("u", &start.u[..]), ("multiplier", &multipliers), ("load", &start.loads), ("load", target.loads)];
     for (what, list) in numbers {
         if let Some(at) = list.iter().position(|x| !x.is_finite()) {
             return Err(EquilibriumError::NotFinite { factor: 0.0, what, at });
         }
+    }
+    // The scalar part of Euler parameters has no component of a moment.
+    let scalar = |dofs: Vec<usize>| (dofs.len() == 4).then(|| dofs[0]);
+    let mut scalars = set.rotations().filter_map(scalar);
+    if let Some(dof) = scalars.find(|&dof| start.loads[dof] != 0.0 || target.loads[dof] != 0.0) {
+        return Err(EquilibriumError::Moment { dof });
     }
     // Detects DOFs that are out of range or named twice, and values that are not finite.
     let mut builder = SystemBuilder::new(set.dofs());

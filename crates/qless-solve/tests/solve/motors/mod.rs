@@ -12,8 +12,8 @@ use qless_solve::newton::{NewtonOptions, NewtonSolution, solve};
 
 use crate::linkages::Outcome;
 use crate::poses::{
-    AT_REST, Kind, Pose, Quaternion, STRIDE, Vector, add, angle, back, body, dense_rank, dot, norm, norm_of, place,
-    pose, scale, sub, then, turned, values,
+    AT_REST, Kind, Pose, Quaternion, STRIDE, Vector, add, angle, back, body, dense_rank, dot, norm, place, pose, scale,
+    sub, then, turned, values,
 };
 
 const Z: Vector = [0.0, 0.0, 1.0];
@@ -43,7 +43,7 @@ impl Ring {
             let before = if i == 0 { Body::ground() } else { self.body(i - 1) };
             builder.add(format!("hinge {}", i + 1), Revolute { a: before, b: self.body(i), at, axis })?;
         }
-        (0..self.hinges.len() - 1).try_for_each(|i| norm_of(builder, i, self.kind))
+        Ok(())
     }
 
     fn builder(&self) -> SetBuilder {

@@ -5,7 +5,7 @@ use qless_constraints::{AddError, ConstraintSet};
 
 use super::{ACCURACY, Driven, UNITS, Z, about, follow};
 use crate::linkages::{Outcome, random};
-use crate::poses::{KINDS, Kind, Pose, STRIDE, add, body, norm, norm_of, scale, sub, then, turn, turned};
+use crate::poses::{KINDS, Kind, Pose, STRIDE, add, body, norm, scale, sub, then, turn, turned};
 
 /// A rod that is turned and pushed in its sleeve, which turns as well: it moves along a screw for eight turns.
 #[test]
@@ -21,7 +21,6 @@ fn motors_drive_a_screw() -> Outcome {
             builder.add("turns", RotationMotor::new(a, b, axis, |t| 2.0 * t))?;
             builder.add("pushes", TranslationMotor::new(a, b, at, axis, move |t| 0.1 * unit * t))?;
             builder.add("swings", RotationMotor::new(Body::ground(), a, carrier, |t| -t))?;
-            (0..2).try_for_each(|i| norm_of(&mut builder, i, kinds[i]))?;
             let poses = |t: f64| {
                 let swung = turn(carrier, -t);
                 let joint = turned(swung, add(at, scale(0.1 * unit * t, axis)));
@@ -55,7 +54,6 @@ fn motors_move_nodes() -> Outcome {
             }
             let refused = builder.add("none", TranslationMotor::new(node, table, at, Z, |t| t)).expect_err("no axis");
             assert!(matches!(refused, AddError::Input { .. }), "{refused}");
-            norm_of(&mut builder, 0, kind)?;
             let mut set = builder.build()?;
             follow(&mut set, (0..=40).map(|k| 0.3 * f64::from(k)), |time, (_, found)| {
                 let moved = (0..3).fold(at, |p, k| add(p, scale(travel(k, time) / 3.0, axes[k])));

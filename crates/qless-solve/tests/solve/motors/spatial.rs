@@ -8,7 +8,7 @@ use qless_constraints::types::{Body, Revolute, RotationMotor, Universal};
 use super::{ACCURACY, Driven, Ring, UNITS, Z, about, follow, twelfths};
 use crate::linkages::{Outcome, rank};
 use crate::poses::{
-    AT_REST, KINDS, Kind, Pose, STRIDE, add, back, body, dense_rank, norm, norm_of, place, scale, then, turn, turned,
+    AT_REST, KINDS, Kind, Pose, STRIDE, add, back, body, dense_rank, norm, place, scale, then, turn, turned,
 };
 
 /// `T_1 .. T_k` of links with lengths and twists at joint angles: the point and the axis of the next hinge.
@@ -122,7 +122,6 @@ fn universal_joint_turns_unevenly() -> Outcome {
             let axes = ([0.0, 1.0, 0.0], [beta.cos(), 0.0, -beta.sin()]);
             builder.add("cross", Universal { a, b, at: [0.0; 3], axis_a: axes.0, axis_b: axes.1 })?;
             builder.add("motor", RotationMotor::new(Body::ground(), a, Z, |t| t))?;
-            (0..2).try_for_each(|i| norm_of(&mut builder, i, kinds[i]))?;
             let poses = |psi: f64| {
                 let other = (psi.sin() * beta.cos()).atan2(psi.cos());
                 vec![Pose { at: from[0], turn: turn(Z, psi) }, Pose { at: from[1], turn: turn(out, other) }]

@@ -3,6 +3,7 @@
 mod many;
 mod pieces;
 
+use qless_constraints::ConstraintSet;
 use qless_solve::equilibrium::{
     Equilibrium, EquilibriumError, EquilibriumIterate, EquilibriumOptions, Stability, Start, Target, drive, solve,
 };
@@ -74,7 +75,14 @@ fn side_by_side(all: &[&[EquilibriumIterate]]) -> Vec<EquilibriumIterate> {
 }
 
 /// Checks that the joint result equals that of each piece; returns how many pieces were compared.
-fn assert_law(case: &str, pieces: &[Piece], together: &Together, found: &Found, single: &[Found]) -> [usize; 2] {
+fn assert_law(
+    case: &str,
+    pieces: &[Piece],
+    together: &Together,
+    found: &Found,
+    single: &[Found],
+    sets: &[ConstraintSet],
+) -> [usize; 2] {
     let failed: Vec<usize> = (0..single.len()).filter(|&m| single[m].is_err()).collect();
     if !failed.is_empty() {
         let error = match found {
@@ -100,16 +108,16 @@ fn assert_law(case: &str, pieces: &[Piece], together: &Together, found: &Found, 
     for (m, own) in alone.iter().enumerate() {
         let (map, rows) = (&together.maps[m], &together.rows[m]);
         assert_eq!(bits(map.iter().map(|&j| found.u[j])), bits(own.u.iter().copied()), "{case}: u of {m}");
-        let multipliers = rows.iter().map(|&r| found.multipliers[r]);
-        assert_eq!(bits(multipliers), bits(own.multipliers.iter().copied()), "{case}: multipliers of {m}");
+        let lambda = found.multipliers.in_rows(&together.set).expect("of this set");
+        let multipliers = rows.iter().map(|&r| lambda[r]);
+        let alone = own.multipliers.in_rows(&sets[m]).expect("of this set");
+        assert_eq!(bits(multipliers), bits(alone.into_iter()), "{case}: multipliers of {m}");
         let redundant: Vec<usize> = (0..rows.len()).filter(|&r| found.redundant.contains(&rows[r])).collect();
         assert_eq!(redundant, own.redundant, "{case}: {m}");
-        let held = pieces[m].mechanism.held.iter().map(|&(j, _)| map[j]);
-        let there = |j: &usize| together.held.iter().position(|&(k, _)| k == *j);
         let shared = |j: &usize| together.maps.iter().filter(|map| map.contains(j)).count() > 1;
-        for ((_, reaction), j) in own.reactions.iter().enumerate().zip(held).filter(|(_, j)| !shared(j)) {
-            let there = there(&j).map(|place| found.reactions[place].to_bits());
-            assert_eq!(there, Some(reaction.to_bits()), "{case}: reaction of {m}");
+        for &(j, _) in pieces[m].mechanism.held.iter().filter(|(j, _)| !shared(&map[*j])) {
+            let reactions = [found.reactions[map[j]], own.reactions[j]].map(f64::to_bits);
+            assert_eq!(reactions[0], reactions[1], "{case}: reaction of {m}");
         }
         let forces = map.iter().zip(&own.constraint_forces).filter(|(j, _)| !shared(j));
         let (there, own): (Vec<f64>, Vec<f64>) = forces.map(|(&j, f)| (found.constraint_forces[j], *f)).unzip();
@@ -140,14 +148,16 @@ fn of_all(parts: impl Iterator<Item = Stability>) -> Stability {
 /// How many were compared, and how many of these had errors.
 fn check(case: &str, pieces: &[Piece], shared: bool, in_time: bool, seed: usize) -> Outcome<[usize; 2]> {
     let mechanisms: Vec<Mechanism> = pieces.iter().map(|piece| piece.mechanism.clone()).collect();
-    let single = |piece: &Piece| -> Outcome<Found> {
+    let single = |piece: &Piece| -> Outcome<(Found, ConstraintSet)> {
         let mut alone = Together::new(std::slice::from_ref(&piece.mechanism), false, 0)?;
-        Ok(found(std::slice::from_ref(piece), &mut alone, in_time))
+        let found = found(std::slice::from_ref(piece), &mut alone, in_time);
+        Ok((found, alone.set))
     };
-    let single: Vec<Found> = pieces.iter().map(single).collect::<Outcome<_>>()?;
+    let (single, sets): (Vec<Found>, Vec<_>) =
+        pieces.iter().map(single).collect::<Outcome<Vec<_>>>()?.into_iter().unzip();
     let mut together = Together::new(&mechanisms, shared, seed)?;
     let all = found(pieces, &mut together, in_time);
-    Ok(assert_law(case, pieces, &together, &all, &single))
+    Ok(assert_law(case, pieces, &together, &all, &single, &sets))
 }
 
 fn units(seed: usize) -> [f64; 2] {

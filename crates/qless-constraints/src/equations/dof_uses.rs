@@ -1,0 +1,199 @@
+//! What a DOF is: a displacement, `x = at + u`, or part of a rotation. All constraints must say the same of one DOF.
+//!
+//! A body is copied into every joint. If one copy had another place, or other rotation DOFs, the joints would be about two bodies that
+//! share DOFs, and no later check could tell. So each constraint states what its DOFs are, and a statement that differs is refused.
+//! The coordinates also bound how well a DOF is known, for the analysis of rounding errors.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use crate::geometry::node::ROUNDING;
+use crate::scalar::Bounded;
+
+/// Fills unused entries of lists of DOFs.
+pub const NO_DOF: u32 = u32::MAX;
+
+/// What a constraint says of some DOFs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DofStatement {
+    /// The displacements of a node or body, whose place is `at`. If `measured`, the parameters of the equations hold differences of
+    /// coordinates only, so that the coordinates count as sizes of the DOFs.
+    Place { dofs: [u32; 3], at: [f64; 3], measured: bool },
+    /// A rotation vector, followed by [`NO_DOF`], or four Euler parameters.
+    Rotation([u32; 4]),
+}
+
+/// What one DOF is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum DofUse {
+    /// A displacement from the coordinate `at` of a node, the largest coordinate of which is `node`.
+    Displacement {
+        at: f64,
+        node: f64,
+    },
+    Rotation([u32; 4]),
+}
+
+impl DofStatement {
+    /// Each DOF with its use, and whether its coordinate is its size.
+    fn uses(&self) -> impl Iterator<Item = (u32, DofUse, bool)> {
+        let (dofs, at, measured) = match *self {
+            Self::Place { dofs: [x, y, z], at, measured } => ([x, y, z, NO_DOF], Some(at), measured),
+            Self::Rotation(dofs) => (dofs, None, true),
+        };
+        let node = at.map_or(0.0, |at| at.iter().fold(0.0, |most: f64, x| most.max(x.abs())));
+        let used = move |k: usize| at.map_or(DofUse::Rotation(dofs), |at| DofUse::Displacement { at: at[k], node });
+        (0..4).filter(move |&k| dofs[k] != NO_DOF).map(move |k| (dofs[k], used(k), measured))
+    }
+}
+
+/// The use of a DOF, and how many statements say so.
+#[derive(Clone, Copy)]
+struct DofRecord {
+    used: DofUse,
+    statements: u32,
+    /// Statements of active constraints whose coordinates are sizes.
+    measured: u32,
+}
+
+/// Two statements about one DOF that differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DofClash {
+    /// Two coordinates, the new one first.
+    Places([f64; 2]),
+    /// Two lists of rotation DOFs.
+    Rotations,
+    /// A displacement and a rotation.
+    Uses,
+}
+
+/// The statements of all constraints, by constraint and by DOF.
+#[derive(Default)]
+pub struct DofUses {
+    statements: Vec<Box<[DofStatement]>>,
+    records: BTreeMap<u32, DofRecord>,
+}
+
+impl DofUses {
+    /// Stores the statements of a constraint that has none; if one differs from those of others, returns its DOF, and stores none.
+    pub fn enter(&mut self, constraint: u32, list: Vec<DofStatement>) -> Result<(), (u32, DofClash)> {
+        let uses = || list.iter().flat_map(DofStatement::uses);
+        for (k, (dof, used, measured)) in uses().enumerate() {
+            if let Err(clash) = self.count(dof, used, measured) {
+                uses().take(k).for_each(|(dof, _, measured)| self.discount(dof, measured));
+                return Err((dof, clash));
+            }
+        }
+        if !list.is_empty() {
+            let place = constraint as usize;
+            self.statements.resize_with(self.statements.len().max(place + 1), Box::default);
+            self.statements[place] = list.into();
+        }
+        Ok(())
+    }
+
+    fn count(&mut self, dof: u32, used: DofUse, measured: bool) -> Result<(), DofClash> {
+        let record = self.records.entry(dof).or_insert(DofRecord { used, statements: 0, measured: 0 });
+        compare(record.used, used)?;
+        record.statements += 1;
+        record.measured += u32::from(measured);
+        Ok(())
+    }
+
+    fn discount(&mut self, dof: u32, measured: bool) {
+        if let Entry::Occupied(mut record) = self.records.entry(dof) {
+            let known = record.get_mut();
+            known.statements -= 1;
+            known.measured -= u32::from(measured && known.measured > 0);
+            if known.statements == 0 {
+                record.remove();
+            }
+        }
+    }
+
+    /// Removes and returns the statements of a constraint; `active`: whether they count as sizes.
+    pub fn take(&mut self, constraint: u32, active: bool) -> Vec<DofStatement> {
+        let list = self.statements.get_mut(constraint as usize).map(std::mem::take).unwrap_or_default();
+        let uses = list.iter().flat_map(DofStatement::uses);
+        uses.for_each(|(dof, _, measured)| self.discount(dof, measured && active));
+        list.into_vec()
+    }
+
+    /// Lets the coordinates of a constraint count as sizes, or no longer.
+    pub fn activate(&mut self, constraint: u32, active: bool) {
+        let Self { statements, records } = self;
+        let list = statements.get(constraint as usize).map_or(&[][..], |list| list);
+        for (dof, _, _) in list.iter().flat_map(DofStatement::uses).filter(|(.., measured)| *measured) {
+            let by = if active { 1 } else { -1 };
+            let record = records.get_mut(&dof).into_iter();
+            record.for_each(|record| record.measured = record.measured.saturating_add_signed(by));
+        }
+    }
+
+    /// The first constraint with a statement about a DOF.
+    pub fn constraint_with(&self, dof: u32) -> Option<usize> {
+        let names = |list: &[DofStatement]| list.iter().flat_map(DofStatement::uses).any(|(other, ..)| other == dof);
+        self.statements.iter().position(|list| names(list))
+    }
+
+    /// The rotations of all bodies: DOFs of rotation vectors, followed by [`NO_DOF`], and of Euler parameters, in the order of first DOFs.
+    pub fn rotations(&self) -> impl Iterator<Item = [u32; 4]> + '_ {
+        self.records.iter().filter_map(|(&dof, record)| match record.used {
+            DofUse::Rotation(dofs) if dofs[0] == dof => Some(dofs),
+            _ => None,
+        })
+    }
+
+    /// Whether a constraint states a rotation with this DOF.
+    pub fn states_rotation(&self, constraint: u32, dof: u32) -> bool {
+        let list = self.statements.get(constraint as usize).map_or(&[][..], |list| list);
+        list.iter().any(|statement| matches!(statement, DofStatement::Rotation(dofs) if dofs.contains(&dof)))
+    }
+
+    /// Number of statements about a DOF.
+    pub fn statements_of(&self, dof: u32) -> u32 {
+        self.records.get(&dof).map_or(0, |record| record.statements)
+    }
+
+    /// The coordinate that DOF j adds to, and the largest one of its node; 1 for rotations. `None` if it adds to none.
+    pub fn sizes(&self, j: usize) -> Option<[f64; 2]> {
+        let record = self.records.get(&u32::try_from(j).ok()?).filter(|record| record.measured > 0)?;
+        Some(match record.used {
+            DofUse::Displacement { at, node } => [at.abs(), node],
+            DofUse::Rotation(_) => [1.0; 2],
+        })
+    }
+}
+
+/// Coordinates may differ by rounding of the largest one.
+fn compare(known: DofUse, new: DofUse) -> Result<(), DofClash> {
+    match (known, new) {
+        (DofUse::Displacement { at: there, node: a }, DofUse::Displacement { at: here, node: b }) => {
+            let near = (there - here).abs() <= ROUNDING * a.max(b);
+            if near { Ok(()) } else { Err(DofClash::Places([here, there])) }
+        }
+        (DofUse::Rotation(a), DofUse::Rotation(b)) => (a == b).then_some(()).ok_or(DofClash::Rotations),
+        _ => Err(DofClash::Uses),
+    }
+}
+
+/// DOF values together with their uncertainty.
+pub struct UncertainDofs<'a> {
+    pub u: &'a [f64],
+    pub uses: &'a DofUses,
+}
+
+impl UncertainDofs<'_> {
+    /// The value of DOF j with its error bound.
+    pub fn dof(&self, j: u32) -> Bounded {
+        let (u, at) = (self.u[j as usize], self.uses.sizes(j as usize).map_or(0.0, |[at, _]| at));
+        Bounded::known_to(u, u.abs() + at)
+    }
+}
+
+/// The error bound of a computed number; infinite if it is NaN.
+///
+/// The bound is doubled, because a Jacobian written by hand sums the same terms in another order than [`crate::Nonlinear::value`].
+pub fn bound(x: Bounded) -> f64 {
+    if x.error.is_nan() { f64::INFINITY } else { 2.0 * x.error }
+}

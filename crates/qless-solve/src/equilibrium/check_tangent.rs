@@ -1,0 +1,174 @@
+//! Compares the stiffness of a model with differences of its forces: `K d = (f(u + t d) - f(u)) / t`.
+//!
+//! One direction d moves all DOFs by random fractions of their sizes, so that a wrong entry shows in its row after a few evaluations. Halving
+//! the moved DOFs then finds its column.
+
+use super::model::{Assembly, Model};
+use super::state::fault;
+use super::{EquilibriumError, StepFailure};
+use crate::common::random;
+
+/// Largest lengths t of differences, the best first: the bending `t` and the rounding `eps / t` of a difference are equal at the root of eps, for
+/// DOFs of their expected size. The others serve DOFs that are far from it, and models that refuse a configuration.
+const LENGTHS: [f64; 4] = [1e-7, 1e-10, 1e-5, 1e-13];
+/// A row is wrong from this share of its terms on. Iterations with a tangent that is off by a share e converge like `e^k`: 25 of them, the
+/// default, reach 1e-10 for e below 0.4, so that one per cent explains no failure.
+const SHARE: f64 = 0.01;
+/// A difference is trusted if it exceeds the spread of the slopes by this factor: slopes that bend one way lie within twice the spread.
+const TRUSTED: f64 = 4.0;
+/// Roundings of a sum of forces.
+const ULPS: f64 = 8.0 * f64::EPSILON;
+
+/// An entry of K that differs from the slope of the force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WrongEntry {
+    pub row: usize,
+    pub column: usize,
+    pub given: f64,
+    pub difference: f64,
+}
+
+/// Compares K of a model at u with differences of its forces.
+///
+/// [`super::solve`] does so by itself when it finds no equilibrium. Cost: some evaluations, and about twelve for each halving of the DOFs if an entry is wrong.
+///
+/// ```
+/// use qless_solve::equilibrium::{Assembly, EquilibriumError, Model, check_tangent};
+/// /// A spring `f = 2 u + u^3` that forgets the factor 3 of its stiffness.
+/// struct Spring;
+/// impl Model for Spring {
+///     fn dofs(&self) -> usize {
+///         1
+///     }
+///     fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
+///         entry(0, 0);
+///     }
+///     fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+///         out.force(0, 2.0 * u[0] + u[0].powi(3));
+///         out.stiffness(0, 0, 2.0 + u[0] * u[0]);
+///         Ok(())
+///     }
+/// }
+/// // It does not show at rest.
+/// check_tangent(&mut Spring, &[0.0])?;
+/// let wrong = check_tangent(&mut Spring, &[1.0]);
+/// assert!(matches!(wrong, Err(EquilibriumError::Tangent { row: 0, column: 0, given, .. }) if given == 3.0));
+/// # Ok::<(), EquilibriumError>(())
+/// ```
+///
+/// # Errors
+/// [`EquilibriumError::Tangent`] names an entry that is wrong by more than a hundredth of its row; others if the model refuses u.
+pub fn check_tangent(model: &mut impl Model, u: &[f64]) -> Result<(), EquilibriumError> {
+    let (found, expected) = (u.len(), model.dofs());
+    if found != expected {
+        return Err(EquilibriumError::Size { what: "values of u", found, expected });
+    }
+    match TangentCheck::new(model, u).map(|mut check| check.wrong_entry()) {
+        Ok(Some(WrongEntry { row, column, given, difference })) => {
+            Err(EquilibriumError::Tangent { factor: 0.0, row, column, given, difference })
+        }
+        Err(StepFailure::Model(source)) => Err(EquilibriumError::Model { factor: 0.0, source }),
+        Err(StepFailure::Fatal(error)) => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// The model at u.
+pub(super) struct TangentCheck<'a, M> {
+    model: &'a mut M,
+    u: &'a [f64],
+    here: Assembly,
+    /// The direction d.
+    direction: Vec<f64>,
+}
+
+/// Slopes along a direction in each row, and bounds on their errors.
+struct Slopes {
+    value: Vec<f64>,
+    error: Vec<f64>,
+}
+
+impl<'a, M: Model> TangentCheck<'a, M> {
+    pub fn new(model: &'a mut M, u: &'a [f64]) -> Result<Self, StepFailure> {
+        let mut here = Assembly::new(model);
+        model.assemble(u, &mut here).map_err(StepFailure::Model)?;
+        fault(&here)?;
+        let own: Vec<f64> = (0..u.len()).map(|j| u[j].abs().max(model.coordinate(j).abs())).collect();
+        let most = own.iter().copied().fold(0.0, f64::max);
+        let size = |own: f64| {
+            if own > 0.0 {
+                own
+            } else if most > 0.0 {
+                most
+            } else {
+                1.0
+            }
+        };
+        let direction = (0..).zip(own).map(|(k, own)| random(k) * size(own)).collect();
+        Ok(Self { model, u, here, direction })
+    }
+
+    /// An entry that differs from the slope of its force; `None` if there is none, or if the forces are too rough to tell.
+    pub fn wrong_entry(&mut self) -> Option<WrongEntry> {
+        let all = 0..self.u.len();
+        LENGTHS.into_iter().find_map(|length| {
+            let slopes = self.slopes(&all, length)?;
+            let row = all.clone().find(|&row| self.is_wrong(row, &all, &slopes))?;
+            self.column(row, all.clone(), length)
+        })
+    }
+
+    /// Halves the moved DOFs until one is left.
+    fn column(&mut self, row: usize, mut moved: std::ops::Range<usize>, length: f64) -> Option<WrongEntry> {
+        loop {
+            let slopes = self.slopes(&moved, length)?;
+            if !self.is_wrong(row, &moved, &slopes) {
+                return None;
+            }
+            if moved.len() == 1 {
+                let column = moved.start;
+                let given = self.here.row(row).find(|&(j, _)| j == column).map_or(0.0, |(_, v)| v);
+                let difference = slopes.value[row] / self.direction[column];
+                return Some(WrongEntry { row, column, given, difference });
+            }
+            let middle = moved.start.midpoint(moved.end);
+            let first = moved.start..middle;
+            let half = self.slopes(&first, length)?;
+            moved = if self.is_wrong(row, &first, &half) { first } else { middle..moved.end };
+        }
+    }
+
+    fn is_wrong(&self, row: usize, moved: &std::ops::Range<usize>, slopes: &Slopes) -> bool {
+        let terms = self.here.row(row).filter(|(j, _)| moved.contains(j)).map(|(j, v)| v * self.direction[j]);
+        let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term: f64| (sum + term, size + term.abs()));
+        let (slope, error) = (slopes.value[row], slopes.error[row]);
+        let off = (slope - sum).abs();
+        off > TRUSTED * error && off > SHARE * f64::max(size, slope.abs())
+    }
+
+    /// Slopes by forward and backward differences of three lengths, whose spread bounds the error: a force that bends, or the rounding of
+    /// a short difference, makes them differ. `None` if the model refuses a configuration.
+    fn slopes(&mut self, moved: &std::ops::Range<usize>, length: f64) -> Option<Slopes> {
+        let mut all = Vec::new();
+        for length in [length, length / 3.0, length / 9.0, -length, -length / 3.0, -length / 9.0] {
+            all.push((length, self.at(moved, length)?));
+        }
+        let (mut value, mut error) = (Vec::new(), Vec::new());
+        for (i, here) in self.here.force.iter().enumerate() {
+            let slopes = all.iter().map(|(length, there)| (there.force[i] - here) / length);
+            let (least, most) = slopes.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            value.push(f64::midpoint(least, most));
+            error.push(most - least + 9.0 * ULPS * all[0].1.terms[i] / length);
+        }
+        Some(Slopes { value, error })
+    }
+
+    fn at(&mut self, moved: &std::ops::Range<usize>, length: f64) -> Option<Assembly> {
+        let mut there = self.here.clone();
+        there.clear(false);
+        let mut u = self.u.to_vec();
+        moved.clone().for_each(|j| u[j] += length * self.direction[j]);
+        self.model.assemble(&u, &mut there).ok()?;
+        Some(there).filter(|there| there.force.iter().all(|f| f.is_finite()))
+    }
+}
