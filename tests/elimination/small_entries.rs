@@ -31,14 +31,20 @@ fn random_system(rng: &mut Rng) -> ConstraintSystem {
     builder.build().expect("valid")
 }
 
-/// The largest sum of terms of an equation in one column of `[T G g]`, relative to the magnitudes of the terms.
+/// The largest sum of terms of an equation in one column of `[T G g]`, relative to the magnitudes of the terms; 0 if it is rounding of the
+/// largest terms of the equation in any column of the same matrix.
 fn worst(system: &ConstraintSystem, kinds: &[Kind], reduction: &Reduction) -> f64 {
     let (q, p) = (reduction.masters().len(), reduction.prescribed().len());
     let place = |list: &[usize], j: usize| list.iter().position(|&other| other == j);
     let mut worst = 0.0_f64;
     for i in (0..kinds.len()).filter(|&i| kinds[i] == Kind::Independent) {
         let mut sums = vec![(0.0_f64, 0.0_f64); q + p + 1];
-        let mut add = |c: usize, term: f64| sums[c] = (sums[c].0 + term, sums[c].1 + term.abs());
+        let mut largest = [0.0_f64; 3];
+        let side = |c: usize| usize::from(c >= q) + usize::from(c >= q + p);
+        let mut add = |c: usize, term: f64| {
+            sums[c] = (sums[c].0 + term, sums[c].1 + term.abs());
+            largest[side(c)] = largest[side(c)].max(term.abs());
+        };
         add(q + p, -system.rhs()[i]);
         for (j, v) in system.matrix().row(i) {
             if let Some(s) = place(reduction.slaves(), j) {
@@ -51,8 +57,8 @@ fn worst(system: &ConstraintSystem, kinds: &[Kind], reduction: &Reduction) -> f6
                 add(master.or_else(prescribed).expect("a DOF of the reduction"), v);
             }
         }
-        let relative = sums.into_iter().filter(|&(_, size)| size > 0.0).map(|(sum, size)| sum.abs() / size);
-        worst = relative.fold(worst, f64::max);
+        let counts = sums.into_iter().enumerate().filter(|&(c, (sum, _))| sum.abs() > 1e-13 * largest[side(c)]);
+        worst = counts.map(|(_, (sum, size))| sum.abs() / size).fold(worst, f64::max);
     }
     worst
 }

@@ -61,7 +61,7 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         hessian(self, u, w, h);
     }
 
-    /// The index of the number of a pair, given the pair's place in the order of [`Nonlinear::pairs`].
+    /// Where [`Nonlinear::hessian`] writes the value of a pair; `pair` is the pair's place in the order of [`Nonlinear::pairs`].
     #[doc(hidden)]
     fn number(pair: usize) -> usize {
         if Self::NUMBERS.is_empty() { pair } else { Self::NUMBERS[pair % Self::NUMBERS.len()] }

@@ -98,7 +98,7 @@ impl Constraint for EulerLength {
     }
 }
 
-/// The constraint has no parameters.
+/// The equation of [`EulerLength`]; it has no parameters.
 struct Norm;
 
 impl Nonlinear for Norm {

@@ -141,7 +141,10 @@ pub struct ReducedEquations<'a> {
 }
 
 impl ReducedEquations<'_> {
-    /// A solution in balance, or an error.
+    /// Solves for q and lambda, and refines.
+    ///
+    /// # Errors
+    /// The residual of a row stays too large for its terms, or the matrix is singular.
     pub fn solved(&self, matrix: &SparseMatrix, rhs: (&[f64], &[f64])) -> Result<Vec<f64>, EnforceError> {
         let singular = EnforceError::Singular { what: "the reduced stiffness" };
         let Ok(mut factor) = ScaledFactor::new(matrix, self.units.clone(), false) else {

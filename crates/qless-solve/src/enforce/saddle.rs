@@ -140,7 +140,7 @@ impl MeasuredEquations for SaddleEquations<'_> {
     }
 }
 
-/// Factors of the matrix that combines the methods of all equations.
+/// Factors of M (see the module): springs are added to K, eliminated equations are condensed, and those with multipliers are a border.
 pub struct SaddleInverse<'a> {
     part: &'a EnforcedPart<'a>,
     /// D of each equation; zero without a spring.

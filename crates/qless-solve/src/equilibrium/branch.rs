@@ -157,7 +157,7 @@ const BETWEEN: [f64; 8] =
 const STRAIGHT: f64 = 0.1;
 /// If it differs by more than this fraction, it returns, as after a full turn, and its end is not representative.
 const BACK: f64 = 0.5;
-/// Largest spectral radius anywhere on a path that returns.
+/// Takes the place of [`MOST`] at an intermediate time at which the path returns (see [`BACK`]).
 const MOST_BACK: f64 = 0.1;
 
 /// A part whose path is curved: its displacement, and the largest spectral radius allowed there.

@@ -205,7 +205,8 @@ pub enum StepFailure {
         row: usize,
         angle: f64,
     },
-    /// Determined DOFs may have changed to another branch. A step of this fraction of the length stays on its branch.
+    /// Determined DOFs may have changed to another branch. A step of this fraction of the length is expected to
+    /// stay on its branch.
     Branch(f64),
     NoConvergence,
     Solver(String),

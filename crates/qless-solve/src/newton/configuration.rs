@@ -85,7 +85,7 @@ pub fn inverse(x: f64) -> f64 {
     if inverse.is_finite() { inverse } else { 0.0 }
 }
 
-/// `max |G_rj - G'_rj| s_j / max |G'_rj| s_j` over j, then the largest over the rows; s are the sizes of the columns.
+/// `max |G_rj - G'_rj| s_j / max (max(|G_rj|, |G'_rj|) s_j)` over j, then the largest over the rows; s are the sizes of the columns.
 pub fn change(
     [before, after]: [&Evaluation; 2],
     rows: impl IntoIterator<Item = usize>,

@@ -40,7 +40,9 @@ pub enum NewtonError {
         source: ReductionError,
     },
     /// A tolerance below what rounding allows, or not a number.
-    #[error("the tolerance is {0}; it counts roundings of c and must be at least 1, such as 4")]
+    #[error(
+        "the tolerance is {0}; it is a multiple of the rounding error of each equation's value, finite and at least 1, such as 4"
+    )]
     Tolerance(f64),
     /// Equations that contradict those that they depend on: no motion that the others allow reduces their residual, to first or second order.
     #[error(

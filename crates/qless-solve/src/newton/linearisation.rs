@@ -54,7 +54,7 @@ impl Linearisation {
             Tolerance::Relative(least) => Tolerance::Relative(least.max(CHANGE)),
             absolute => absolute,
         };
-        // The set has left out what is rounding of its own coefficients.
+        // The set has already left out entries within their rounding error, so no other number counts as noise.
         let loose = Options { growth, tolerance, noise: Noise::None, ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = vec![0.0; prescribed.len()];

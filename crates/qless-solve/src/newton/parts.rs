@@ -64,7 +64,7 @@ impl EquationParts {
     }
 }
 
-/// Column of each entry of G.
+/// The column that each entry of the Jacobian counts in: its own or, for a prescribed DOF, one for each part.
 pub struct PartColumns {
     column_of_entry: Vec<u32>,
     /// Number of columns.

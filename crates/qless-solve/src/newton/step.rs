@@ -43,7 +43,7 @@ pub struct StepLine<'a> {
     residuals: Vec<f64>,
 }
 
-/// State of a part's search for its length.
+/// State of the search for the step length of a part.
 #[derive(Clone, Copy, PartialEq)]
 enum TrialLength {
     /// Length of the next trial.

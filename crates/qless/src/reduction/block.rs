@@ -26,7 +26,7 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
         let (relation, width) = (columns.transposed(), columns.rows());
         let row = |(i, &constant)| relation.row(i).chain([(width, constant)]).collect();
         let rows_of_x: Vec<_> = constant.iter().enumerate().map(row).collect();
-        let cleaning = Cleaning { block, kept: &rows, slaves: &slaves, masters: &masters, zero };
+        let cleaning = Cleaning { block, kept: &rows, slaves: &slaves, masters: &masters, zero, is_small: false };
         return Ok(solved(block, &slaves, &masters, cleaning.run(&rows_of_x)));
     }
     let (columns, rhs) = kept_columns(block, &rows);
@@ -34,7 +34,8 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
     let tableau = relate(block, &rows, &factor)?;
     let rows_of_x: Vec<Vec<(usize, f64)>> =
         (0..tableau.basic.len()).map(|i| tableau.row(i).iter().copied().enumerate().collect()).collect();
-    let cleaning = Cleaning { block, kept: &rows, slaves: &tableau.basic, masters: &tableau.free, zero };
+    let cleaning =
+        Cleaning { block, kept: &rows, slaves: &tableau.basic, masters: &tableau.free, zero, is_small: true };
     Ok(solved(block, &tableau.basic, &tableau.free, cleaning.run(&rows_of_x)))
 }
 

@@ -50,8 +50,7 @@ impl<'a> Units<'a> {
 /// Drops entries of the relation `u_s = X [u_q; u_p; 1]` that are rounding.
 ///
 /// Entries are small in any units, beside the others of their row; those of masters, of prescribed DOFs and constants apart. A row whose
-/// entries are all small is zero, unless an equation needs them: the terms that are left of it in a column must cancel, relative to the
-/// largest motions of its DOFs.
+/// entries are all small is zero. Entries that an equation needs are kept: its terms in a column must cancel without the dropped ones.
 pub(super) struct Cleaning<'a> {
     pub block: &'a Block,
     /// Kept rows of the block.
@@ -61,6 +60,8 @@ pub(super) struct Cleaning<'a> {
     pub masters: &'a [u32],
     /// As [`zero`] gives it.
     pub zero: f64,
+    /// Whether the block is solved as a dense matrix.
+    pub is_small: bool,
 }
 
 /// By slave, whether each entry of its row is more than rounding.
@@ -113,62 +114,126 @@ impl Cleaning<'_> {
         }
     }
 
-    /// Marks the entries of the slaves of an equation in the columns in which it does not hold with what is marked so far. What the first
-    /// rule drops changes an equation by at most [`NOISE`] of the largest motions of its DOFs.
+    /// Marks the entries of the slaves of an equation in the columns in which it does not hold with the entries marked so far. In a large
+    /// block entries decay with the distance from their master: an equation counts relative to the largest motions of its DOFs. In a
+    /// small one each column counts by its own terms.
     fn needed_by_equations(&self, rows: &[Vec<(usize, f64)>], sizes: &ColumnSizes, is_large: &mut Large) {
-        let (q, constant) = (self.masters.len(), self.masters.len() + self.block.prescribed.len());
-        let motion = |row: &Vec<(usize, f64)>| {
-            let entries = row.iter().filter(|(c, _)| *c < constant);
-            entries.map(|&(c, v)| v.abs() * sizes.of_column[c]).fold(0.0, f64::max)
-        };
-        let motions: Vec<f64> = rows.iter().map(motion).collect();
-        let mut place = vec![Err(0); self.block.dofs.len()];
-        self.masters.iter().zip(0..).for_each(|(&j, c)| place[j as usize] = Err(c));
-        self.slaves.iter().zip(0..).for_each(|(&j, s)| place[j as usize] = Ok(s));
-        let mut sums = vec![0.0; constant + 1];
-        let mut is_touched = vec![false; constant + 1];
-        let mut touched: Vec<usize> = Vec::new();
-        for &i in self.kept {
-            let (mut size, mut of_b) = (0.0_f64, self.block.rhs[i].abs());
-            let mut add = |c: usize, term: f64| {
-                sums[c] += term;
-                if !std::mem::replace(&mut is_touched[c], true) {
-                    touched.push(c);
-                }
-            };
-            for (j, v) in self.block.matrix.row(i) {
-                match place[j] {
-                    Err(c) => {
-                        add(c, v);
-                        size += v.abs() * sizes.of_column[c];
-                    }
-                    Ok(s) => {
-                        let large = rows[s].iter().zip(&is_large[s]).filter(|(_, is_large)| **is_large);
-                        large.for_each(|(&(c, x), _)| add(c, v * x));
-                        size += v.abs() * motions[s];
-                        of_b = of_b
-                            .max(rows[s].last().map_or(0.0, |&(c, x)| if c == constant { (v * x).abs() } else { 0.0 }));
+        let motions = self.motions(rows, sizes);
+        let place = self.places();
+        let mut columns = ColumnSums::new(sizes.of_column.len());
+        loop {
+            let mut is_new = false;
+            for &i in self.kept {
+                self.add_terms(i, (rows, is_large), &place, &mut columns);
+                let size = self.block.matrix.row(i).map(|(j, v)| v.abs() * motions[j]).sum::<f64>();
+                while let Some((c, sum, own)) = columns.take() {
+                    let by_own = self.is_small || c + 1 == sizes.of_column.len();
+                    let bound = if by_own { own } else { own.max(size / sizes.of_column[c]) };
+                    if sum.abs() > 2.0 * NOISE * bound {
+                        is_new |= self.mark(i, c, (rows, is_large), &place);
                     }
                 }
             }
-            self.block.fixed.row(i).for_each(|(c, v)| {
-                add(q + c, v);
-                size += v.abs() * sizes.of_column[q + c];
-            });
-            add(constant, -self.block.rhs[i]);
-            for c in touched.drain(..) {
-                is_touched[c] = false;
-                let left = std::mem::take(&mut sums[c]).abs() * sizes.of_column[c];
-                if left <= 2.0 * NOISE * if c < constant { size } else { of_b } {
-                    continue;
-                }
-                for s in self.block.matrix.row(i).filter_map(|(j, _)| place[j].ok()) {
-                    if let Ok(at) = rows[s].binary_search_by_key(&c, |entry| entry.0) {
-                        is_large[s][at] = rows[s][at].1 != 0.0;
-                    }
+            if !(is_new && self.is_small) {
+                return;
+            }
+        }
+    }
+
+    /// By DOF of the block, its largest motion by a master or prescribed DOF.
+    fn motions(&self, rows: &[Vec<(usize, f64)>], sizes: &ColumnSizes) -> Vec<f64> {
+        let constant = sizes.of_column.len() - 1;
+        let mut motions = vec![0.0; self.block.dofs.len()];
+        self.masters.iter().zip(&sizes.of_column).for_each(|(&j, &size)| motions[j as usize] = size);
+        for (row, &slave) in rows.iter().zip(self.slaves) {
+            let entries = row.iter().filter(|(c, _)| *c < constant);
+            motions[slave as usize] = entries.map(|&(c, v)| v.abs() * sizes.of_column[c]).fold(0.0, f64::max);
+        }
+        motions
+    }
+
+    /// By DOF of the block, its slave or the column of its master.
+    fn places(&self) -> Vec<RelationPlace> {
+        let mut place = vec![RelationPlace::Master(0); self.block.dofs.len()];
+        self.masters.iter().zip(0..).for_each(|(&j, c)| place[j as usize] = RelationPlace::Master(c));
+        self.slaves.iter().zip(0..).for_each(|(&j, s)| place[j as usize] = RelationPlace::Slave(s));
+        place
+    }
+
+    /// Adds the terms of equation i in all columns, with the entries that are marked.
+    fn add_terms(&self, i: usize, (rows, is_large): Entries, place: &[RelationPlace], columns: &mut ColumnSums) {
+        let q = self.masters.len();
+        for (j, v) in self.block.matrix.row(i) {
+            match place[j] {
+                RelationPlace::Master(c) => columns.add(c, v),
+                RelationPlace::Slave(s) => {
+                    let large = rows[s].iter().zip(&is_large[s]).filter(|(_, is_large)| **is_large);
+                    large.for_each(|(&(c, x), _)| columns.add(c, v * x));
                 }
             }
         }
+        self.block.fixed.row(i).for_each(|(c, v)| columns.add(q + c, v));
+        columns.add(q + self.block.prescribed.len(), -self.block.rhs[i]);
+    }
+
+    /// Marks the entries of the slaves of equation i in column c; true if one was not marked before.
+    fn mark(
+        &self,
+        i: usize,
+        c: usize,
+        (rows, is_large): (&[Vec<(usize, f64)>], &mut Large),
+        place: &[RelationPlace],
+    ) -> bool {
+        let mut is_new = false;
+        for (j, _) in self.block.matrix.row(i) {
+            if let RelationPlace::Slave(s) = place[j]
+                && let Ok(at) = rows[s].binary_search_by_key(&c, |entry| entry.0)
+                && rows[s][at].1 != 0.0
+            {
+                is_new |= !std::mem::replace(&mut is_large[s][at], true);
+            }
+        }
+        is_new
+    }
+}
+
+/// The rows of X, and which entries are marked.
+type Entries<'a> = (&'a [Vec<(usize, f64)>], &'a Large);
+
+/// The place of a DOF in the relation.
+#[derive(Clone, Copy)]
+enum RelationPlace {
+    /// Its column.
+    Master(usize),
+    /// Its row.
+    Slave(usize),
+}
+
+/// The terms of an equation by column: their sum, and the sum of their magnitudes.
+struct ColumnSums {
+    sums: Vec<(f64, f64)>,
+    touched: Vec<usize>,
+}
+
+impl ColumnSums {
+    fn new(count: usize) -> Self {
+        Self { sums: vec![(0.0, 0.0); count], touched: Vec::new() }
+    }
+
+    fn add(&mut self, c: usize, term: f64) {
+        let (sum, size) = &mut self.sums[c];
+        if *size == 0.0 && term != 0.0 {
+            self.touched.push(c);
+        }
+        *sum += term;
+        *size += term.abs();
+    }
+
+    /// Removes a column with its sums.
+    fn take(&mut self) -> Option<(usize, f64, f64)> {
+        let c = self.touched.pop()?;
+        let (sum, size) = std::mem::take(&mut self.sums[c]);
+        Some((c, sum, size))
     }
 }
 

@@ -20,7 +20,7 @@ pub trait NonlinearBatch: Send + Sync {
     /// Names of the equations of each item.
     fn equation_names(&self) -> &'static [&'static str];
     fn owner(&self, i: usize) -> EquationOwner;
-    /// Number of DOFs of some items.
+    /// The numbers of DOFs of these items, added up; times the equations per item, this is the number of their entries of G.
     fn width(&self, items: Range<usize>) -> usize;
     /// Appends the ends and the columns of its rows of G.
     fn write_pattern(&self, start: &mut Vec<usize>, col: &mut Vec<u32>);

@@ -62,7 +62,7 @@ struct Correction {
 }
 
 impl<M: Model> Corrector<'_, M> {
-    /// Iterates the parts that are not done to equilibrium; their kept rows may change. An error concerns the whole model.
+    /// Iterates the unfinished parts to equilibrium; their kept rows may change. An error concerns the whole model.
     pub fn run(&mut self, x: &mut Unknowns) -> Result<(), StepFailure> {
         self.move_prescribed(x);
         loop {
