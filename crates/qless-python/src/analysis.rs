@@ -9,6 +9,7 @@ use qless::{Analysis, Report, analyse as analyse_system};
 
 use crate::elimination::{PyElimination, numbers_of};
 use crate::errors::{LabelNames, analysis_error, argument_error, plain};
+use crate::explanation::{ExplanationArrays, RepairNumbers, arrays, numbers};
 use crate::interrupt::run;
 use crate::options::options;
 use crate::system::{PySystem, places};
@@ -77,6 +78,24 @@ impl PyAnalysis {
     fn because_fixed<'py>(&self, py: Python<'py>, dof: usize) -> PyResult<TermArrays<'py>> {
         let found = py.detach(|| self.0.because_fixed(dof)).map_err(|error| plain("FactorError", &error))?;
         Ok(terms(py, &found))
+    }
+
+    /// Why a row is dependent, in few equations and prescribed values; `None` for an independent row.
+    fn explain<'py>(&self, py: Python<'py>, row: usize) -> PyResult<Option<ExplanationArrays<'py>>> {
+        let found = py.detach(|| self.0.explain(row)).map_err(|error| argument_error(&error))?;
+        Ok(found.map(|found| arrays(py, &found)))
+    }
+
+    /// Why a DOF is fixed, in few equations and prescribed values; `None` for a DOF that the equations do not fix.
+    fn explain_fixed<'py>(&self, py: Python<'py>, dof: usize) -> PyResult<Option<ExplanationArrays<'py>>> {
+        let found = py.detach(|| self.0.explain_fixed(dof)).map_err(|error| plain("FactorError", &error))?;
+        Ok(found.map(|found| arrays(py, &found)))
+    }
+
+    /// The fewest changes that cure the conflicts.
+    fn repairs(&self, py: Python<'_>) -> PyResult<Vec<RepairNumbers>> {
+        let found = py.detach(|| self.0.repairs()).map_err(|error| plain("FactorError", &error))?;
+        Ok(found.iter().map(numbers).collect())
     }
 
     /// `(digits kept, digits dropped, ambiguous, doubt)`.
