@@ -104,14 +104,14 @@ class Repair(NamedTuple):
     #: 16 are listed. Empty if more than 64 conflicts have no single change that cures them.
     ways: list[list[Change]]
     #: Number of ways of this size, listed or not.
-    count: int
+    total: int
 
     def __str__(self) -> str:
         rows = ", ".join(map(str, self.conflicts[:_TERMS])) + (", ..." if len(self.conflicts) > _TERMS else "")
         if not self.ways:
             return f"no single change cures the conflicts of rows {rows}"
         ways = [" and ".join(map(str, way)) for way in self.ways[:_WAYS]]
-        more = f", or {self.count - len(ways)} other ways" if self.count > len(ways) else ""
+        more = f", or {self.total - len(ways)} other ways" if self.total > len(ways) else ""
         return f"to cure row{'s' * (len(self.conflicts) > 1)} {rows}, change {', or '.join(ways)}{more}"
 
 
@@ -131,12 +131,12 @@ def reason(found: Any, labels: list[str], dof_labels: list[str]) -> tuple[list[R
 
 def repair(found: Any, labels: list[str], dof_labels: list[str]) -> Repair:
     """A repair from the numbers of the extension module."""
-    conflicts, ways, count = found
+    conflicts, ways, total = found
 
     def change(row: int | None, dof: int | None, old: float, new: float) -> Change:
         return Change(row, dof, old, new, label(labels, row) if dof is None else label(dof_labels, dof))
 
-    return Repair(conflicts, [[change(*numbers) for numbers in way] for way in ways], count)
+    return Repair(conflicts, [[change(*numbers) for numbers in way] for way in ways], total)
 
 
 def label(labels: list[str], place: int | None) -> str | None:

@@ -46,7 +46,7 @@ def test_the_exception_says_what_to_change():
 def test_repairs_cure():
     r = chain(0.0)
     (repair,) = r.repairs()
-    assert repair.conflicts == r.conflicting.tolist() and repair.count == len(repair.ways) == 4
+    assert repair.conflicts == r.conflicting.tolist() and repair.total == len(repair.ways) == 4
     for ((row, dof, old, new, _),) in repair.ways:
         b, values = np.array([0.25, 0.0]), {0: 0.5, 2: 0.0}
         place = b if dof is None else values
