@@ -1,7 +1,7 @@
 """Bennett's linkage: four skew revolute joints in a loop that moves, although six equations on four DOFs should lock it.
 
-    frame k+1 = frame k * turn about z by t_k * shift along x by a_k * turn about x by w_k
-    a = (1, 2, 1, 2),  sin w_1 / a_1 = sin w_2 / a_2,  t_3 = -t_1, t_4 = -t_2
+frame k+1 = frame k * turn about z by t_k * shift along x by a_k * turn about x by w_k
+a = (1, 2, 1, 2),  sin w_1 / a_1 = sin w_2 / a_2,  t_3 = -t_1, t_4 = -t_2
 """
 
 import numpy as np
