@@ -2,11 +2,12 @@
 
 import mechanisms
 import numpy as np
+import optional
 import pytest
 
 import qless
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo cannot be imported: pip install mujoco")
+mujoco = optional.package("mujoco")
 import qless.mujoco
 
 

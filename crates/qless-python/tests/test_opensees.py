@@ -1,12 +1,13 @@
 """OpenSees: a frame of three storeys whose floors and equal DOFs overlap, against a dense oracle."""
 
 import numpy as np
+import optional
 import pytest
 import scipy.linalg
 
 import qless
 
-ops = pytest.importorskip("openseespy.opensees", reason="OpenSees cannot be imported: pip install openseespy")
+ops = optional.package("openseespy.opensees")
 import qless.opensees
 
 STOREYS, CORNERS, BEAMS = range(1, 4), ((0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)), ((1, 5), (5, 2), (2, 3), (3, 4), (4, 1))

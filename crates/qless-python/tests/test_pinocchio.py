@@ -2,11 +2,12 @@
 
 import mechanisms
 import numpy as np
+import optional
 import pytest
 
 import qless
 
-pin = pytest.importorskip("pinocchio", reason="Pinocchio cannot be imported: pip install pin")
+pin = optional.package("pinocchio")
 import qless.pinocchio
 
 
