@@ -66,7 +66,10 @@ def dof_labels(model: Any) -> list[str]:
     """A label for each DOF: the name of its joint, and the number within the joint if it has several."""
     joints = model.dof_jntid.tolist()
     names = [model.joint(joint).name or f"joint {joint}" for joint in joints]
-    return [f"{name} {k - joints.index(joint)}" if joints.count(joint) > 1 else name for k, (joint, name) in enumerate(zip(joints, names))]
+    return [
+        f"{name} {k - joints.index(joint)}" if joints.count(joint) > 1 else name
+        for k, (joint, name) in enumerate(zip(joints, names, strict=True))
+    ]
 
 
 def _components(ids: np.ndarray) -> np.ndarray:

@@ -104,7 +104,7 @@ class Constraints:
             self._add("rigidDiaphragm", (direction, retained), retained, node, dofs, motion)
 
     def analyse(self, **options: Any) -> Result:
-        """Diagnoses all constraints. Rows of rigid links and floors are kept rather than those of `equalDOF`, which can be issued singly."""
+        """Diagnoses all constraints. Rows of rigid links and floors are kept rather than those of `equalDOF`, which can be split."""
         rigid = [row for group, rows in self._rows() if group.command != "equalDOF" for row in rows]
         return self._equations().analyse(**{"keep": rigid, **options})
 
@@ -149,7 +149,7 @@ class Constraints:
         return commands
 
     def _refuse_chains(self, commands: list[_Command]) -> None:
-        """The Transformation handler takes one constraint of a node, whose retained node is not constrained and whose DOFs are not fixed."""
+        """The Transformation handler takes one constraint of a node; its retained node is not constrained, and its DOFs are not fixed."""
         fixed = {(node, dof) for node, flags in self._fixed for dof, flag in enumerate(flags, 1) if flag}
         by_node: dict[int, _Command] = {}
         for command in commands:
@@ -174,7 +174,7 @@ class Constraints:
             if not group.is_equality(k):
                 raise InputError(
                     f'row {rows[k]} "{group.label(k)}" is independent, but another row of this command is not, and OpenSees has no command'
-                    f" for the one without the other; leave node {group.constrained} out of the command, and tie it by elements or equalDOF",
+                    f" for the one without the other; leave node {group.constrained} out, and tie it by elements or equalDOF",
                     row=int(rows[k]),
                 )
 
@@ -183,7 +183,7 @@ class Constraints:
     def _rows(self) -> list[tuple[_Group, np.ndarray]]:
         """Each group with its rows."""
         ends = np.cumsum([0, *(len(group.dofs) for group in self._groups)])
-        return [(group, np.arange(first, last)) for group, first, last in zip(self._groups, ends, ends[1:])]
+        return [(group, np.arange(first, last)) for group, first, last in zip(self._groups, ends[:-1], ends[1:], strict=True)]
 
     def _whole(self, options: dict[str, Any]) -> np.ndarray:
         """The rows that each add to those before them, rigid links and floors first, so that few of these are split."""

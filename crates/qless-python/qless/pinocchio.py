@@ -38,12 +38,16 @@ def jacobian(model: Any, q: Any, constraints: Sequence[Any]) -> np.ndarray:
         raise InputError(f"q has the shape {q.shape}; the model has {model.nq} coordinates")
     if not constraints:
         raise InputError("there are no constraints; give a list of pinocchio.RigidConstraintModel")
-    models, datas = pinocchio.StdVec_RigidConstraintModel(), pinocchio.StdVec_RigidConstraintData()
-    for constraint in constraints:
-        models.append(constraint)
-        datas.append(constraint.createData())
     data = model.createData()
     pinocchio.computeJointJacobians(model, data, q)
+    models, datas = pinocchio.StdVec_RigidConstraintModel(), pinocchio.StdVec_RigidConstraintData()
+    for constraint in constraints:
+        own = constraint.createData()
+        # Since Pinocchio 4, the frames of a constraint are not those of q before this call.
+        if hasattr(constraint, "calc"):
+            constraint.calc(model, data, own)
+        models.append(constraint)
+        datas.append(own)
     return np.asarray(pinocchio.getConstraintsJacobian(model, data, models, datas))
 
 

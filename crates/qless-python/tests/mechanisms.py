@@ -42,3 +42,10 @@ def rank_by_svd(J, rows):
     rank = int((sizes > 1e-10 * np.linalg.norm(J, 2)).sum())
     assert rank == len(sizes) or sizes[rank] < 1e-4 * sizes[rank - 1]
     return rank
+
+
+def velocities(frames, point):
+    """Velocity of a point and angular velocity of the last link, 3 x 4 each, in world axes, for a unit rate of each joint."""
+    axes = np.array([R[:, 2] for R, _ in frames[:4]])
+    arms = np.array([point - p for _, p in frames[:4]])
+    return np.cross(axes, arms).T, axes.T

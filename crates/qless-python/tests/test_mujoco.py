@@ -47,6 +47,16 @@ def test_rank_of_an_overconstrained_loop_in_every_orientation(jacobian):
         assert r.nullspace().shape == (4, 1) and np.abs(J @ r.nullspace().toarray()).max() <= 1e-12
 
 
+def test_the_jacobian_is_that_of_the_geometry():
+    base = mechanisms.bases()[0]
+    model = linkage(base)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    frames = mechanisms.links(1.0, base)
+    v, _ = mechanisms.velocities(frames, frames[3][1])
+    np.testing.assert_allclose(qless.mujoco.jacobian(model, data)[6:], v, atol=1e-14)
+
+
 def test_rows_and_dofs_have_names():
     model = linkage(np.eye(3))
     data = mujoco.MjData(model)
