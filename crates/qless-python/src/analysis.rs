@@ -118,10 +118,12 @@ impl PyAnalysis {
         self.0.noise().iter().map(|term| (term.row, term.dof, term.coefficient)).collect()
     }
 
-    /// The report as JSON, with at most `terms` terms of certificates.
+    /// The report as JSON, with repairs and at most `terms` terms of explanations.
     #[pyo3(signature = (terms=Report::TERMS))]
     fn json(&self, py: Python<'_>, terms: usize) -> PyResult<String> {
-        py.detach(|| serde_json::to_string(&Report::new(&self.0, terms))).map_err(|error| plain("Error", &error))
+        let report = py.detach(|| Report::new(&self.0, terms).with_repairs(&self.0));
+        let report = report.map_err(|error| plain("FactorError", &error))?;
+        py.detach(|| serde_json::to_string(&report)).map_err(|error| plain("Error", &error))
     }
 
     /// The reduced form.
