@@ -21,9 +21,11 @@ from ._constraints import Constraints
 from ._errors import Conflict, Error, FactorError, InputError, ReadError, ReductionError
 from ._presolve import Presolved, presolve
 from ._qless import __version__
+from ._reasons import Change, Reason, Repair, RowTerm, ValueTerm
 from ._result import Digits, Explanation, Kind, Result, load
 
 __all__ = [
+    "Change",
     "Conflict",
     "Constraints",
     "Digits",
@@ -34,8 +36,12 @@ __all__ = [
     "Kind",
     "Presolved",
     "ReadError",
+    "Reason",
     "ReductionError",
+    "Repair",
     "Result",
+    "RowTerm",
+    "ValueTerm",
     "__version__",
     "analyse",
     "load",

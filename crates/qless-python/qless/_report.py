@@ -5,6 +5,8 @@ from __future__ import annotations
 import html as _html
 from typing import TYPE_CHECKING
 
+from ._errors import FactorError
+
 if TYPE_CHECKING:
     from ._result import Explanation, Result
 
@@ -33,14 +35,24 @@ def explanation(one: Explanation) -> str:
     return text
 
 
-def conflicts(explanations: list[Explanation]) -> str:
+def conflicts(result: Result, rows: list[int]) -> str:
     """The message of :class:`qless.Conflict`."""
-    lines = [str(one) for one in explanations[:_LINES]]
-    if len(explanations) > _LINES:
-        lines.append(f"and {len(explanations) - _LINES} more")
-    count = len(explanations)
+    lines = [str(result.explain(row)) for row in rows[:_LINES]]
+    if len(rows) > _LINES:
+        lines.append(f"and {len(rows) - _LINES} more; `repairs()` tells which numbers to change")
+    else:
+        lines.extend(_repairs(result))
+    count = len(rows)
     head = "1 equation conflicts with others" if count == 1 else f"{count} equations conflict with others"
     return "\n  ".join([f"{head}; correct its right-hand side or that of one in its combination, or remove it:", *lines])
+
+
+def _repairs(result: Result) -> list[str]:
+    """What cures the conflicts, unless it needs more memory than is allowed: the conflicts themselves are the message."""
+    try:
+        return [str(repair) for repair in result.repairs()]
+    except FactorError:
+        return []
 
 
 def _counted(result: Result) -> str:

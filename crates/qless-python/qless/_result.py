@@ -1,9 +1,9 @@
 """The result of an analysis: diagnosis, reduced form and its uses.
 
-    expand       u   = L u_q + u_0        masters -> all DOFs
-    restrict     f_q = L^T f              forces on all DOFs -> on masters
-    condense     K_q = L^T K L,  f_q = L^T (f - K u_0)
-    multipliers  C^T lambda = f - K u     forces of the equations
+expand       u   = L u_q + u_0        masters -> all DOFs
+restrict     f_q = L^T f              forces on all DOFs -> on masters
+condense     K_q = L^T K L,  f_q = L^T (f - K u_0)
+multipliers  C^T lambda = f - K u     forces of the equations
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import _qless, _report
+from . import _qless, _reasons, _report
 from ._errors import Conflict, InputError
 from ._matrix import csr, doubles, floats, integers, is_sparse, system
+from ._reasons import Reason, Repair
 
 
 class Kind(enum.IntEnum):
@@ -124,6 +125,10 @@ class Result:
         return self._system.labels()
 
     @cached_property
+    def _dof_labels(self) -> list[str]:
+        return self._system.dof_labels()
+
+    @cached_property
     def _mismatches(self) -> dict[int, float]:
         rows, mismatches = self._analysis.mismatches()
         return dict(zip(rows.tolist(), mismatches.tolist(), strict=True))
@@ -141,6 +146,37 @@ class Result:
         """The combination ``e_dof = sum c_i row_i`` that fixes a DOF; empty for other DOFs."""
         rows, coefficients = self._analysis.because_fixed(_natural(dof, "DOF"))
         return list(zip(rows.tolist(), coefficients.tolist(), strict=True))
+
+    def explain(self, row: int) -> Reason | None:
+        """Why an equation is dependent, in few equations *and prescribed values*; None for an independent one.
+
+        :meth:`because` names kept equations only, and may be long. All numbers are those of the analysis, before any :meth:`refresh`.
+        """
+        row = _natural(row, "row")
+        found = self._analysis.explain(row)
+        if found is None:
+            return None
+        members, right_hand_side, error = _reasons.reason(found, self.labels, self._dof_labels)
+        conflicts = bool(self._analysis.kinds()[row] == Kind.CONFLICTING)
+        subject = _reasons.named("row", row, _reasons.label(self.labels, row))
+        return Reason(members, right_hand_side, float(self._system.rhs()[row]), conflicts, error, subject)
+
+    def explain_fixed(self, dof: int) -> Reason | None:
+        """Why a DOF of :attr:`fixed` has its value, in few equations and prescribed values; None for any other DOF."""
+        dof = _natural(dof, "DOF")
+        found = self._analysis.explain_fixed(dof)
+        if found is None:
+            return None
+        members, right_hand_side, error = _reasons.reason(found, self.labels, self._dof_labels)
+        subject = _reasons.named("DOF", dof, _reasons.label(self._dof_labels, dof))
+        return Reason(members, right_hand_side, None, False, error, subject)
+
+    def repairs(self) -> list[Repair]:
+        """The fewest right-hand sides and prescribed values to change so that no conflict is left, with their new values.
+
+        Conflicts without a common number have a repair each. Redundant equations stay redundant.
+        """
+        return [_reasons.repair(found, self.labels, self._dof_labels) for found in self._analysis.repairs()]
 
     @property
     def digits(self) -> Digits:
@@ -186,7 +222,7 @@ class Result:
     def _conflict(self) -> Conflict:
         rows = np.flatnonzero(self._analysis.kinds() == Kind.CONFLICTING).tolist()
         explanations = [self.because(row) for row in rows]
-        return Conflict(_report.conflicts(explanations), rows, explanations)
+        return Conflict(_report.conflicts(self, rows), rows, explanations)
 
     def __repr__(self) -> str:
         return self.report()

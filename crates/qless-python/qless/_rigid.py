@@ -23,7 +23,7 @@ def rigid_rows(dofs: np.ndarray, points: np.ndarray, reference: Any, centre: Any
         raise InputError(f"rigid: the reference has {len(reference)} DOFs; {d} translations and {_rotations(d)} rotations are needed")
     arms = points - doubles(points.mean(axis=0) if centre is None else centre)
     count = dofs.size
-    motion = np.concatenate([np.tile(np.eye(d), (len(dofs), 1)), _turns(arms).reshape(count, -1)], axis=1)
+    motion = np.concatenate([np.tile(np.eye(d), (len(dofs), 1)), turns(arms).reshape(count, -1)], axis=1)
     return _compressed(np.c_[dofs.ravel(), np.tile(reference, (count, 1))], np.c_[np.ones(count), -motion])
 
 
@@ -42,7 +42,7 @@ def _rotations(d: int) -> int:
     return 1 if d == 2 else 3
 
 
-def _turns(arms: np.ndarray) -> np.ndarray:
+def turns(arms: np.ndarray) -> np.ndarray:
     """``w x arm`` as (nodes, d, rotations)."""
     if arms.shape[1] == 2:
         return np.stack([-arms[:, 1], arms[:, 0]], axis=1)[:, :, None]
@@ -61,7 +61,7 @@ def _free(dofs: np.ndarray, points: np.ndarray) -> Rows:
     carriers = _carriers(points)
     carried, arms = dofs[carriers].ravel(), points - points[carriers[0]]
     d, nodes = dofs.shape[1], len(dofs)
-    modes = np.concatenate([np.tile(np.eye(d), (nodes, 1, 1)), _turns(arms)], axis=2)
+    modes = np.concatenate([np.tile(np.eye(d), (nodes, 1, 1)), turns(arms)], axis=2)
     of_carriers = modes[carriers].reshape(len(carried), modes.shape[2])
     # The first equations exclude the non-rigid motions of the carriers, given by an orthonormal basis.
     full, sizes, _ = np.linalg.svd(of_carriers)

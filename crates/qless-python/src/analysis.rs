@@ -9,6 +9,7 @@ use qless::{Analysis, Report, analyse as analyse_system};
 
 use crate::elimination::{PyElimination, numbers_of};
 use crate::errors::{LabelNames, analysis_error, argument_error, plain};
+use crate::explanation::{ExplanationArrays, RepairNumbers, arrays, numbers};
 use crate::interrupt::run;
 use crate::options::options;
 use crate::system::{PySystem, places};
@@ -79,6 +80,24 @@ impl PyAnalysis {
         Ok(terms(py, &found))
     }
 
+    /// Why a row is dependent, in few equations and prescribed values; `None` for an independent row.
+    fn explain<'py>(&self, py: Python<'py>, row: usize) -> PyResult<Option<ExplanationArrays<'py>>> {
+        let found = py.detach(|| self.0.explain(row)).map_err(|error| argument_error(&error))?;
+        Ok(found.map(|found| arrays(py, &found)))
+    }
+
+    /// Why a DOF is fixed, in few equations and prescribed values; `None` for a DOF that the equations do not fix.
+    fn explain_fixed<'py>(&self, py: Python<'py>, dof: usize) -> PyResult<Option<ExplanationArrays<'py>>> {
+        let found = py.detach(|| self.0.explain_fixed(dof)).map_err(|error| plain("FactorError", &error))?;
+        Ok(found.map(|found| arrays(py, &found)))
+    }
+
+    /// The fewest changes that cure the conflicts.
+    fn repairs(&self, py: Python<'_>) -> PyResult<Vec<RepairNumbers>> {
+        let found = py.detach(|| self.0.repairs()).map_err(|error| plain("FactorError", &error))?;
+        Ok(found.iter().map(numbers).collect())
+    }
+
     /// `(digits kept, digits dropped, ambiguous, doubt)`.
     fn confidence(&self) -> (f64, f64, bool, Option<String>) {
         let confidence = self.0.confidence();
@@ -99,10 +118,12 @@ impl PyAnalysis {
         self.0.noise().iter().map(|term| (term.row, term.dof, term.coefficient)).collect()
     }
 
-    /// The report as JSON, with at most `terms` terms of certificates.
+    /// The report as JSON, with repairs and at most `terms` terms of explanations.
     #[pyo3(signature = (terms=Report::TERMS))]
     fn json(&self, py: Python<'_>, terms: usize) -> PyResult<String> {
-        py.detach(|| serde_json::to_string(&Report::new(&self.0, terms))).map_err(|error| plain("Error", &error))
+        let report = py.detach(|| Report::new(&self.0, terms).with_repairs(&self.0));
+        let report = report.map_err(|error| plain("FactorError", &error))?;
+        py.detach(|| serde_json::to_string(&report)).map_err(|error| plain("Error", &error))
     }
 
     /// The reduced form.

@@ -10,6 +10,7 @@
 mod analysis;
 mod elimination;
 mod errors;
+mod explanation;
 mod files;
 mod interrupt;
 mod options;

@@ -10,7 +10,8 @@ RNG = np.random.default_rng(7)
 
 
 def rank(matrix):
-    return np.linalg.matrix_rank(matrix.toarray())
+    # Before NumPy 2.3, an empty matrix has no rank.
+    return np.linalg.matrix_rank(matrix.toarray()) if matrix.shape[0] else 0
 
 
 def rigid_motions(points):

@@ -1,6 +1,7 @@
 """The bits of Python are those of the library: every case of the corpus through the C interface, which Rust's tests compare with Rust."""
 
 import ctypes
+import json
 import os
 import pathlib
 
@@ -41,15 +42,19 @@ def by_c(c, C, b, dofs, values):
     if c.qless_eliminate(analysis, ctypes.byref(reduced)) != 0:
         return rank, kinds, None
     slaves, masters, _, t, g = numbers(c.qless_sizes, reduced, 5)
-    s, q, starts = np.empty(slaves, np.int64), np.empty(masters, np.int64), np.empty(slaves + 1, np.int64)
-    columns, T, G, constants, u = np.empty(max(t, g), np.int64), np.empty(t), np.empty(g), np.empty(slaves), np.empty(C.shape[1])
+    s, q, constants, u = np.empty(slaves, np.int64), np.empty(masters, np.int64), np.empty(slaves), np.empty(C.shape[1])
+    T, G = ((np.empty(slaves + 1, np.int64), np.empty(entries, np.int64), np.empty(entries)) for entries in (t, g))
     x = 1.0 / (1.0 + np.arange(masters))
     assert c.qless_dofs_64(reduced, address(s), address(q), None) == 0
-    assert c.qless_g_matrix_64(reduced, address(starts), address(columns), address(G)) == 0
-    assert c.qless_t_64(reduced, address(starts), address(columns), address(T)) == 0
+    assert c.qless_g_matrix_64(reduced, *map(address, G)) == 0
+    assert c.qless_t_64(reduced, *map(address, T)) == 0
     assert c.qless_g(reduced, address(constants), ctypes.c_int64(slaves)) == 0
     assert c.qless_expand(reduced, address(x), ctypes.c_int64(masters), address(u), ctypes.c_int64(len(u))) == 0
-    return rank, kinds, (s, q, starts, columns[:t].copy(), T, G, constants, u)
+    return rank, kinds, (s, q, *T, *G, constants, u)
+
+
+def arrays(matrix):
+    return matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64), matrix.data
 
 
 def test_there_is_a_corpus():
@@ -67,7 +72,21 @@ def test_python_has_the_bits_of_the_library(case):
         assert r.conflicting.size
         return
     x = 1.0 / (1.0 + np.arange(len(r.masters)))
-    T = r.T
-    ours = r.slaves, r.masters, T.indptr.astype(np.int64), T.indices.astype(np.int64), T.data, r.G.data, r.g, r.expand(x)
+    ours = r.slaves, r.masters, *arrays(r.T), *arrays(r.G), r.g, r.expand(x)
     for mine, theirs in zip(ours, reduced, strict=True):
         assert mine.tobytes() == theirs.tobytes()
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_reasons_and_repairs_are_those_of_the_report(case):
+    r = qless.read(case).analyse()
+    report = json.loads(r.to_json())
+    for found in report["dependent"]:
+        reason = r.explain(found["row"] - 1)
+        ours = [(getattr(member, "row", None), getattr(member, "dof", None), member.coefficient) for member in reason.members]
+        from_one = lambda number: None if number is None else number - 1
+        assert ours == [(from_one(term.get("row")), from_one(term.get("dof")), term["coefficient"]) for term in found["because"]]
+        assert reason.conflicts == (found["kind"] == "conflicting")
+    for mine, theirs in zip(r.repairs(), report.get("repairs", []), strict=True):
+        assert ([row + 1 for row in mine.conflicts], mine.total) == (theirs["conflicts"], theirs["count"])
+        assert [[(c.old, c.new) for c in way] for way in mine.ways] == [[(c["from"], c["to"]) for c in way] for way in theirs["ways"]]
