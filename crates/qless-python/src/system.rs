@@ -3,7 +3,7 @@
 use numpy::ndarray::ArrayView1;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use qless::{ConstraintSystem, SystemBuilder, SystemError};
+use qless::{ConstraintSystem, Csr, SystemBuilder, SystemError};
 
 use crate::errors::{LabelNames, plain, system_error};
 
@@ -49,12 +49,13 @@ pub struct Sides<'py> {
 }
 
 impl Sides<'_> {
-    /// Builds the system. `add` adds a row to the builder, given its index and its right-hand side.
+    /// Builds the system from a matrix if it is `ready`; otherwise `add` adds a row to the builder, given its index and its right-hand side.
     fn build(
         self,
         py: Python<'_>,
         rows: usize,
         dofs: usize,
+        ready: impl FnOnce() -> Option<Csr> + Send,
         add: impl Fn(&mut SystemBuilder, usize, f64) + Sync + Send,
     ) -> PyResult<PySystem> {
         let rhs = self.rhs.map_or_else(|| vec![0.0; rows], |rhs| rhs.as_array().to_vec());
@@ -64,6 +65,9 @@ impl Sides<'_> {
             let (what, found) = ("the right-hand side", rhs.len());
             if found != rows {
                 return Err(SystemError::WrongLength { what, found, expected: rows });
+            }
+            if let Some(matrix) = ready() {
+                return ConstraintSystem::new(matrix, rhs, &prescribed);
             }
             let mut builder = SystemBuilder::new(dofs);
             rhs.iter().enumerate().for_each(|(row, &rhs)| add(&mut builder, row, rhs));
@@ -163,7 +167,12 @@ where
     }
     let starts = starts(given, found)?;
     let entry = |k: usize| (columns[k].into() as usize, values[k].into());
-    sides.build(py, starts.len() - 1, dofs, |builder, row, rhs| {
+    // Rows that ascend, as SciPy's canonical format has them, need no sorting. A column that is too large is out of range for both ways.
+    let ready = || {
+        let columns = columns.iter().map(|&j| u32::try_from(j.into()).unwrap_or(u32::MAX)).collect();
+        Csr::from_parts(dofs, starts.clone(), columns, values.iter().map(|&v| v.into()).collect()).ok()
+    };
+    sides.build(py, starts.len() - 1, dofs, ready, |builder, row, rhs| {
         _ = builder.equation((starts[row]..starts[row + 1]).map(entry), rhs);
     })
 }
@@ -174,15 +183,27 @@ pub fn system_from_dense(py: Python<'_>, matrix: Dense<'_>, sides: Sides<'_>) ->
     match &matrix {
         Dense::Double(matrix) => {
             let matrix = matrix.as_array();
-            sides.build(py, matrix.nrows(), matrix.ncols(), |builder, row, rhs| {
-                _ = builder.equation(nonzeros(matrix.row(row)), rhs);
-            })
+            sides.build(
+                py,
+                matrix.nrows(),
+                matrix.ncols(),
+                || None,
+                |builder, row, rhs| {
+                    _ = builder.equation(nonzeros(matrix.row(row)), rhs);
+                },
+            )
         }
         Dense::Single(matrix) => {
             let matrix = matrix.as_array();
-            sides.build(py, matrix.nrows(), matrix.ncols(), |builder, row, rhs| {
-                _ = builder.equation(nonzeros(matrix.row(row)), rhs);
-            })
+            sides.build(
+                py,
+                matrix.nrows(),
+                matrix.ncols(),
+                || None,
+                |builder, row, rhs| {
+                    _ = builder.equation(nonzeros(matrix.row(row)), rhs);
+                },
+            )
         }
     }
 }

@@ -219,6 +219,32 @@ fn sides_that_exact_arithmetic_contradicts_are_in_doubt() {
     }
 }
 
+/// Six combinations of three equations, with errors of 1e-13 in every coefficient: more than rounding, but within stated errors of 1e-12.
+#[test]
+fn stated_errors_explain_what_combinations_leave() {
+    let mut random = SplitMix64::new(11);
+    let mut signed = || random.next() as i64 as f64 / 2_f64.powi(63);
+    for seed in 0..200 {
+        let rows: Vec<Vec<f64>> = (0..3).map(|_| (0..7).map(|_| signed()).collect()).collect();
+        let mut builder = SystemBuilder::new(7);
+        for i in 0..9 {
+            let factors: Vec<f64> =
+                (0..3).map(|k| if i < 3 { f64::from(u8::from(i == k)) } else { signed() }).collect();
+            let sum = |j: usize| factors.iter().zip(&rows).map(|(f, row)| f * row[j]).sum::<f64>();
+            let terms: Vec<_> = (0..7).map(|j| (j, sum(j) + 1e-13 * signed())).collect();
+            builder.equation(terms, 0.0);
+        }
+        let system = builder.build().expect("valid");
+        let noise = |floor: f64| Noise::Floors { coefficients: vec![floor; 9], rhs: vec![floor; 9] };
+        for (floor, is_ambiguous) in [(1e-12, false), (1e-16, true)] {
+            let options = Options { noise: noise(floor), ..Options::default() };
+            let analysis = analyse(&system, &options).expect("small");
+            let found = (analysis.rank(), analysis.confidence().ambiguous);
+            assert_eq!(found, (3, is_ambiguous), "{seed}, {floor}: {:?}", analysis.confidence());
+        }
+    }
+}
+
 /// `0 = b` is a conflict if b was typed, however small it is beside other right-hand sides; a computed b may be rounding of them.
 #[test]
 fn an_equation_without_coefficients_has_no_unit() {

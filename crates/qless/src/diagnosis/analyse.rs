@@ -31,7 +31,7 @@ use crate::factor::backend::BackendError;
 use crate::factor::block::triangle::Triangle;
 use crate::factor::block::{self, Block, FactorContext};
 use crate::input::components::Labels;
-use crate::input::noise::{TYPED, last_digit, of_right_hand_sides, typed_precision};
+use crate::input::noise::{TYPED, last_digit, of_right_hand_sides, relative_floors, typed_precision};
 use crate::input::numbering::{Column, Exponents, LocalSystem, Numbering};
 use crate::input::preferences::SlavePreferences;
 use crate::input::scale::{Scaling, balanced};
@@ -63,6 +63,7 @@ pub(super) fn read(
         Tolerance::Paper => Scaling::none(system.equations()),
     };
     let noise = of_right_hand_sides(local, &scaling.row, &options.noise);
+    let floors = relative_floors(local, &options.noise);
     let rule = MismatchRule::new(local, &scaling, options);
     let pipeline = Pipeline {
         local,
@@ -70,6 +71,7 @@ pub(super) fn read(
         scaling: &scaling,
         preferences: &preferences,
         noise: noise.as_deref(),
+        floors: floors.as_deref(),
         rule: &rule,
         is_absolute: options.tolerance.is_absolute(),
         absent: &BTreeSet::new(),
@@ -122,6 +124,8 @@ struct Pipeline<'a> {
     preferences: &'a SlavePreferences,
     /// Errors of right-hand sides, in scaled rows.
     noise: Option<&'a [f64]>,
+    /// Errors of coefficients, relative to the largest of their equation.
+    floors: Option<&'a [f64]>,
     rule: &'a MismatchRule<'a>,
     is_absolute: bool,
     /// Equations that are left out in favour of others.
@@ -258,7 +262,7 @@ impl Pipeline<'_> {
         let is_typed = distances.iter().any(|core| core.is_typed);
         let (rule, dependent) = (self.rule, &pass.dependent);
         let typed = (is_typed && rule.reads_digits()).then_some(Doubt::Near);
-        let error = dependent.iter().map(|d| d.dropped).fold(dropped, f64::max);
+        let error = dependent.iter().map(|d| self.beyond_floors(d, &pass.history)).fold(dropped, f64::max);
         let elimination = is_unverified.then_some(Doubt::Elimination);
         let differ = confidence::doubted(dependent, self.local.system()).next().is_some()
             || (rule.reads_digits() && dependent.iter().any(|d| self.agrees_as_typed(d, &pass.history)));
@@ -267,6 +271,15 @@ impl Pipeline<'_> {
         pass.triangles = Vec::new();
         pass.blocks.iter_mut().for_each(Block::restore_units);
         VerifiedPass { pass, held_back, confidence }
+    }
+
+    /// What is left of a dependent equation beyond rounding; 0 if the stated errors of its coefficients, or of those of the equations that
+    /// it is a combination of, explain it.
+    fn beyond_floors(&self, d: &Dependent, history: &History) -> f64 {
+        let Some(floors) = self.floors.filter(|_| d.dropped > 0.0) else { return d.dropped };
+        let members = d.source.explain(history).into_iter().map(|term| term.row).chain([d.row]);
+        let floor = members.map(|row| floors[row]).fold(0.0, f64::max);
+        if d.dropped > floor { d.dropped } else { 0.0 }
     }
 
     /// Returns true if a conflict is within the last digit with which the coefficients of its equations were typed.
@@ -280,7 +293,7 @@ impl Pipeline<'_> {
 
     /// One run of the stages. Rows held back skip presolve and go to the backend.
     fn run_stages(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
-        let Self { local, columns, scaling, preferences, noise, rule, is_absolute, absent, context, started } = *self;
+        let Self { local, columns, scaling, preferences, noise, rule, is_absolute, absent, context, started, .. } = *self;
         let least = if is_absolute { context.tolerance } else { 0.0 };
         let peeled = peel(local, columns, scaling, preferences, (held_back, absent), least);
         let remaining = (0..local.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();

@@ -49,7 +49,8 @@ pub enum Noise {
     /// equations below this fraction of the largest coefficients of their DOFs, and mismatches below this fraction of the largest
     /// right-hand side and prescribed term.
     Relative(f64),
-    /// The absolute error of each equation's coefficients and right-hand side is known: numbers within it are zero.
+    /// The absolute error of each equation's coefficients and right-hand side is known: numbers within it are zero, and a combination of
+    /// equations that holds within it is no doubt.
     Floors {
         /// By equation: coefficients up to this size are zero.
         coefficients: Vec<f64>,
@@ -258,6 +259,18 @@ fn rows_below(
 fn is_left_of(value: f64, most: f64) -> bool {
     let multiple = ldexp(value, -(exponent(most) + QUANTUM));
     multiple.fract() == 0.0 && !is_typed(value)
+}
+
+/// By equation, the error of its coefficients relative to the largest one; None if the option states no errors.
+pub(crate) fn relative_floors(system: LocalSystem, noise: &Noise) -> Option<Vec<f64>> {
+    let largest = |i: usize| free(system, i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
+    match noise {
+        Noise::Auto | Noise::None => None,
+        Noise::Relative(part) => Some(vec![*part; system.equations()]),
+        Noise::Floors { coefficients, .. } => {
+            Some(coefficients.iter().enumerate().map(|(i, floor)| floor / largest(i)).collect())
+        }
+    }
 }
 
 /// By equation, the error of its right-hand side in scaled rows; None if the option states no errors.

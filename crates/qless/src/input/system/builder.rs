@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::csr::{check_starts, fits};
 use super::{ConstraintSystem, Csr, Numbers, Place, SystemError};
 
@@ -90,7 +92,7 @@ impl SystemBuilder {
                 *label = format!("row {}", row + 1);
             }
         }
-        let system = finish(matrix, &self.rhs, &self.prescribed)?.with_labels(self.labels, self.dof_labels)?;
+        let system = finish(matrix, self.rhs, &self.prescribed)?.with_labels(self.labels, self.dof_labels)?;
         Ok(system.with_places(self.places))
     }
 }
@@ -124,6 +126,25 @@ pub(super) fn from_triplets(
     let mut matrix = Csr::empty(dofs);
     for row in 0..rows {
         push_checked(&mut matrix, row, &mut terms[start[row]..start[row + 1]])?;
+    }
+    finish(matrix, rhs.to_vec(), prescribed)
+}
+
+pub(super) fn from_csr(
+    mut matrix: Csr,
+    rhs: Vec<f64>,
+    prescribed: &[(usize, f64)],
+) -> Result<ConstraintSystem, SystemError> {
+    check_sizes(matrix.rows(), matrix.cols)?;
+    check_rhs(&rhs, matrix.rows())?;
+    if let Some(k) = matrix.val.par_iter().position_first(|v| !v.is_finite()) {
+        let row = matrix.start.partition_point(|&start| start <= k) - 1;
+        finite(matrix.val[k], Place::Coefficient { row, dof: matrix.col[k] as usize })?;
+    }
+    if matrix.val.par_iter().any(|&v| v == 0.0) {
+        let mut nonzero = Csr::empty(matrix.cols);
+        (0..matrix.rows()).for_each(|i| nonzero.append(matrix.row(i).filter(|&(_, v)| v != 0.0)));
+        matrix = nonzero;
     }
     finish(matrix, rhs, prescribed)
 }
@@ -187,13 +208,13 @@ fn check_rhs(rhs: &[f64], expected: usize) -> Result<(), SystemError> {
     }
 }
 
-fn finish(matrix: Csr, rhs: &[f64], prescribed: &[(usize, f64)]) -> Result<ConstraintSystem, SystemError> {
-    check_rhs(rhs, matrix.rows())?;
+fn finish(matrix: Csr, rhs: Vec<f64>, prescribed: &[(usize, f64)]) -> Result<ConstraintSystem, SystemError> {
+    check_rhs(&rhs, matrix.rows())?;
     for (row, &value) in rhs.iter().enumerate() {
         finite(value, Place::RightHandSide { row })?;
     }
     let prescribed = unique_prescribed(matrix.cols, prescribed)?;
-    let numbers = Numbers { matrix, rhs: rhs.to_vec(), prescribed };
+    let numbers = Numbers { matrix, rhs, prescribed };
     Ok(ConstraintSystem { numbers: Arc::new(numbers), labels: Arc::default() })
 }
 

@@ -95,9 +95,23 @@ impl ConstraintSystem {
     /// # Ok::<(), qless::SystemError>(())
     /// ```
     pub fn from_csr(matrix: &Csr, rhs: &[f64], prescribed: &[(usize, f64)]) -> Result<Self, SystemError> {
-        let row = |i: usize| matrix.row(i).map(move |(j, v)| (i, j, v));
-        let triplets: Vec<_> = (0..matrix.rows()).flat_map(row).collect();
-        builder::from_triplets(matrix.rows(), matrix.cols, &triplets, rhs, prescribed)
+        Self::new(matrix.clone(), rhs.to_vec(), prescribed)
+    }
+
+    /// [`ConstraintSystem::from_csr`] without a copy.
+    ///
+    /// # Errors
+    /// [`SystemError`], as for [`ConstraintSystem::from_triplets`].
+    ///
+    /// ```
+    /// use qless::{ConstraintSystem, Csr};
+    /// let matrix = Csr::from_parts(2, vec![0, 2], vec![0, 1], vec![1.0, -1.0])?;
+    /// let system = ConstraintSystem::new(matrix, vec![0.5], &[(1, 0.0)])?;
+    /// assert_eq!((system.equations(), system.free()), (1, 1));
+    /// # Ok::<(), qless::SystemError>(())
+    /// ```
+    pub fn new(matrix: Csr, rhs: Vec<f64>, prescribed: &[(usize, f64)]) -> Result<Self, SystemError> {
+        builder::from_csr(matrix, rhs, prescribed)
     }
 
     /// Labels the equations (one per row) and the DOFs. With an empty list, numbers serve as labels.
