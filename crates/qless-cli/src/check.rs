@@ -37,7 +37,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
         Some(file) => OneFile::at(file, args.files())?.write(&text)?,
     }
     if args.is_several() {
-        say(format_args!("{}", joined.summary(args.inputs(), &codes)));
+        say(format_args!("{}", Joined::summary(args.inputs(), &codes)));
     }
     Ok(ExitCode::from(exit_code::worst(codes)))
 }

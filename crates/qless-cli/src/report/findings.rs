@@ -97,10 +97,8 @@ fn of_equation(equation: &DependentEquation) -> Finding {
         _ => String::new(),
     };
     let because: Vec<String> = equation.certificate.because.iter().map(name).collect();
-    let mut named = because.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
-    if because.len() > NAMED {
-        named.push_str(&format!(" and {} more", because.len() - NAMED));
-    }
+    let first = because.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
+    let named = if because.len() > NAMED { format!("{first} and {} more", because.len() - NAMED) } else { first };
     let label = equation.label.clone();
     let (rule, message) = match (equation.kind, &equation.arithmetic) {
         (Kind::Conflicting, Some(sum)) => (Rule::Conflicting, format!("{label} contradicts {named}: {sum}")),

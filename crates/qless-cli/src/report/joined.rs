@@ -59,7 +59,7 @@ impl Joined {
     }
 
     /// `3 inputs: exit code 1 of a.inp, 2 of b.inp`; none if all are 0.
-    pub fn summary<'a>(&self, inputs: impl Iterator<Item = &'a PathBuf>, codes: &[u8]) -> String {
+    pub fn summary<'a>(inputs: impl Iterator<Item = &'a PathBuf>, codes: &[u8]) -> String {
         let worse = inputs.zip(codes).filter(|(_, code)| **code != 0);
         let named: Vec<String> = worse.map(|(input, code)| format!("{code} of {}", input.display())).collect();
         let all = count(codes.len(), "input");

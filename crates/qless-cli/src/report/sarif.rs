@@ -1,6 +1,6 @@
 //! SARIF 2.1.0, which code hosts and editors show beside the lines of a deck: one run for each input.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use qless::Report;
 use serde_json::{Value, json};
@@ -19,7 +19,7 @@ pub const FRAME: [&str; 3] = [
 /// The run of a diagnosis.
 pub fn run(diagnosis: &Diagnosis, report: &Report) -> String {
     let files: Vec<&Path> = match &diagnosis.deck {
-        Some(deck) => deck.deck.model().files().iter().map(|file| file.as_path()).collect(),
+        Some(deck) => deck.deck.model().files().iter().map(PathBuf::as_path).collect(),
         None => vec![&diagnosis.args.input],
     };
     let results = findings(diagnosis, report).into_iter().map(|finding| result(diagnosis, &files, &finding));
@@ -92,14 +92,11 @@ fn place<'a>(files: &[&'a Path], label: &str) -> (&'a Path, Option<usize>) {
 
 /// A relative or absolute reference; what a URI reserves is written in hexadecimal.
 fn uri(path: &Path) -> String {
-    let mut uri = String::new();
-    for &byte in path.to_string_lossy().as_bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'/' | b'-' | b'.' | b'_' | b'~' => uri.push(char::from(byte)),
-            _ => uri.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    uri
+    let written = |&byte: &u8| match byte {
+        b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'/' | b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
+        _ => format!("%{byte:02X}"),
+    };
+    path.to_string_lossy().as_bytes().iter().map(written).collect()
 }
 
 #[cfg(test)]

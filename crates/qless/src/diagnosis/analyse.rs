@@ -293,7 +293,8 @@ impl Pipeline<'_> {
 
     /// One run of the stages. Rows held back skip presolve and go to the backend.
     fn run_stages(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
-        let Self { local, columns, scaling, preferences, noise, rule, is_absolute, absent, context, started, .. } = *self;
+        let Self { local, columns, scaling, preferences, noise, rule, is_absolute, absent, context, started, .. } =
+            *self;
         let least = if is_absolute { context.tolerance } else { 0.0 };
         let peeled = peel(local, columns, scaling, preferences, (held_back, absent), least);
         let remaining = (0..local.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();
