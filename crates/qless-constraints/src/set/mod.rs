@@ -217,4 +217,4 @@ pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -1,5 +1,7 @@
 //! The nonlinear equations of all types: one batch for each type, in the order of first use, the items of a type sorted by constraint.
 
+#[cfg(test)]
+mod compare;
 pub mod typed;
 
 use std::any::{Any, TypeId};

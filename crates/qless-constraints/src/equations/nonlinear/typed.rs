@@ -251,7 +251,7 @@ impl<Q: Nonlinear> NonlinearBatch for TypedBatch<Q> {
         let mut local = Vec::new();
         for (i, item) in self.items.iter().enumerate() {
             self.gather(i, u, &mut local);
-            crate::set::tests::compare::compare(item, &local);
+            super::compare::compare(item, &local);
         }
     }
 }
