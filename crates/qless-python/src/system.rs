@@ -1,6 +1,6 @@
 //! A constraint system from arrays: compressed rows or a dense matrix, with numbers of any width.
 
-use numpy::ndarray::ArrayView1;
+use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use qless::{ConstraintSystem, Csr, SystemBuilder, SystemError};
@@ -181,31 +181,18 @@ where
 #[pyfunction]
 pub fn system_from_dense(py: Python<'_>, matrix: Dense<'_>, sides: Sides<'_>) -> PyResult<PySystem> {
     match &matrix {
-        Dense::Double(matrix) => {
-            let matrix = matrix.as_array();
-            sides.build(
-                py,
-                matrix.nrows(),
-                matrix.ncols(),
-                || None,
-                |builder, row, rhs| {
-                    _ = builder.equation(nonzeros(matrix.row(row)), rhs);
-                },
-            )
-        }
-        Dense::Single(matrix) => {
-            let matrix = matrix.as_array();
-            sides.build(
-                py,
-                matrix.nrows(),
-                matrix.ncols(),
-                || None,
-                |builder, row, rhs| {
-                    _ = builder.equation(nonzeros(matrix.row(row)), rhs);
-                },
-            )
-        }
+        Dense::Double(matrix) => from_dense(py, matrix.as_array(), sides),
+        Dense::Single(matrix) => from_dense(py, matrix.as_array(), sides),
     }
+}
+
+fn from_dense<V: Copy + Into<f64> + Sync + Send>(
+    py: Python<'_>,
+    matrix: ArrayView2<'_, V>,
+    sides: Sides<'_>,
+) -> PyResult<PySystem> {
+    let add = |builder: &mut SystemBuilder, row: usize, rhs: f64| _ = builder.equation(nonzeros(matrix.row(row)), rhs);
+    sides.build(py, matrix.nrows(), matrix.ncols(), || None, add)
 }
 
 fn nonzeros<V: Copy + Into<f64>>(row: ArrayView1<'_, V>) -> impl Iterator<Item = (usize, f64)> + '_ {
