@@ -66,7 +66,12 @@ fn advice(list: &EquationList, report: &Report) -> Vec<String> {
     } else if report.confidence.doubt == Some(Doubt::Exact) {
         lines.push("  Exact arithmetic has another result:".to_owned());
     } else if lines.is_empty() {
-        lines.push("  The rank could not be verified within the memory allowed: more memory settles it.".to_owned());
+        lines.push(match report.confidence.doubt {
+            Some(Doubt::Elimination) => {
+                "  The rank could not be verified within the memory allowed: more memory settles it.".to_owned()
+            }
+            _ => "  Right-hand sides may differ by rounding only. --effort exact says what the numbers say.".to_owned(),
+        });
     }
     lines
 }
