@@ -219,6 +219,20 @@ fn sides_that_exact_arithmetic_contradicts_are_in_doubt() {
     }
 }
 
+/// Row 4 contradicts rows 1, 5 and 6 by as much as its terms. In this order the elimination adds and subtracts 222.65625 / 0.003 of row 3.
+#[test]
+fn the_path_of_an_elimination_makes_no_conflict_small() {
+    let equations: Equations = &[
+        (&[(3, -0.2932), (4, -0.916), (0, 244_800.0)], 0.0),
+        (&[(3, -4.72), (1, -1052.0), (2, 6.0), (4, 1.964)], -274_000.0),
+        (&[(2, -0.000_465_820_312_5), (0, 0.002_929_687_5)], 222.656_25),
+        (&[(3, 2.0), (4, -0.0012), (0, -9.75)], -0.000_832),
+        (&[(3, 3.0), (4, 0.000_584), (0, -0.00834)], 1.0),
+        (&[(3, 432_500.0), (4, 30.5)], 0.0),
+    ];
+    is_sure(&system(5, equations, &[]), [5, 0, 1]);
+}
+
 /// Six combinations of three equations, with errors of 1e-13 in every coefficient: more than rounding, but within stated errors of 1e-12.
 #[test]
 fn stated_errors_explain_what_combinations_leave() {

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::certificate::History;
 use super::classify::{Dependent, Kind, MismatchRule, classify};
 use super::confidence::{Confidence, Doubt};
-use super::consistent::{not_redundant, to_give_up};
+use super::consistent::{not_redundant, side, to_give_up};
 use super::distance::{CoreDistance, KeptRows};
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
@@ -287,8 +287,13 @@ impl Pipeline<'_> {
         if d.kind != Kind::Conflicting || d.relative_mismatch >= last_digit(*TYPED.start()) {
             return false;
         }
-        let members = d.source.explain(history).into_iter().map(|term| term.row).chain([d.row]);
-        d.relative_mismatch < typed_precision(members.map(|row| self.local.row(row).map(|(_, value)| value)))
+        let terms = d.source.explain(history);
+        let members = terms.iter().map(|term| term.row).chain([d.row]);
+        let precision = typed_precision(members.map(|row| self.local.row(row).map(|(_, value)| value)));
+        // The elimination may have added large right-hand sides and subtracted them again: those of the certificate count.
+        let sides = terms.iter().map(|term| (term.coefficient * side(self.local, term.row).size).abs());
+        let size = sides.fold(side(self.local, d.row).size, f64::max);
+        d.mismatch.abs() < precision * size
     }
 
     /// One run of the stages. Rows held back skip presolve and go to the backend.

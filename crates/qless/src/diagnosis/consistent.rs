@@ -85,7 +85,7 @@ fn left_of(system: LocalSystem, row: usize, u: &[f64]) -> (f64, f64) {
 }
 
 /// `b - C_p u_p` of an equation.
-fn side(system: LocalSystem, row: usize) -> Mismatch {
+pub(crate) fn side(system: LocalSystem, row: usize) -> Mismatch {
     let mut side = WorkingRow::new(system.rhs()[row]);
     for &(j, value) in system.prescribed() {
         system.row(row).filter(|&(k, _)| k == j).for_each(|(_, v)| side.prescribe(v * value));
