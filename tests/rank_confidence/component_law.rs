@@ -9,7 +9,7 @@ use qless::{
     analyse,
 };
 use qless_scenes::families::{self, Near};
-use qless_scenes::{Scene, SceneError, fssi, paper};
+use qless_scenes::{Rng, Scene, SceneError, fssi, paper};
 use rayon::prelude::*;
 
 use super::checks::text;
@@ -303,6 +303,31 @@ fn a_component_beside_changes_nothing() {
 #[test]
 fn a_component_in_other_units_beside_changes_nothing() {
     pairs(&uneven(), &[even(), uneven()].concat(), BackendChoice::Faer, 1);
+}
+
+/// The same matrix with the DOFs in another order and other right-hand sides.
+fn twin((name, scene): &Named, seed: u64) -> Named {
+    let (system, mut rng) = (&scene.system, Rng::new(seed));
+    let order = rng.permutation(system.dofs()).expect("small");
+    let mut builder = SystemBuilder::new(order.len());
+    for (i, &b) in system.rhs().iter().enumerate() {
+        let other = if rng.below(4) == 0 { b + 1.0 } else { b };
+        builder.equation(system.matrix().row(i).map(|(j, v)| (order[j], v)), other);
+    }
+    system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(order[j], value));
+    let system = builder.build().expect("valid");
+    (format!("twin of {name}"), Scene { system, ..scene.clone() })
+}
+
+/// Blocks with the same matrix are factored once.
+#[test]
+fn a_twin_beside_changes_nothing() {
+    let planted = |seed| scene("planted(60, 70, 12, false)", families::planted(60, 70, 12, seed, false));
+    for (named, seed) in [even(), uneven(), (1..20).map(planted).collect()].concat().iter().zip(0..) {
+        let twins = [twin(named, seed), twin(named, seed + 1_000)];
+        pairs(std::slice::from_ref(named), &twins, BackendChoice::Faer, 1);
+        pairs(&twins[..1], &twins[1..], BackendChoice::Faer, 1);
+    }
 }
 
 /// With more than 800 rows presolve allows some fill, separately for each component.

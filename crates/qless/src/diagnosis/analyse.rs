@@ -318,13 +318,9 @@ impl Pipeline<'_> {
         };
         let random = if parts.is_empty() { Vec::new() } else { random_sides(&eliminated, &keys) };
         let mut blocks = Block::gather(&eliminated.rows, &parts, local.free(), &random, !is_absolute);
-        // Blocks are independent, so they run in parallel in the caller's pool; their order does not depend on the threads.
-        let diagnose = |block: &mut Block| block::diagnose(block, context);
-        let diagnosed: Result<Vec<(Diagnosed, Triangle)>, _> = match blocks.as_mut_slice() {
-            few @ ([] | [_]) => few.iter_mut().map(diagnose).collect(),
-            many => many.par_iter_mut().map(diagnose).collect(),
-        };
-        let (diagnosed, triangles): (Vec<Diagnosed>, Vec<Triangle>) = diagnosed?.into_iter().unzip();
+        // The order of the results does not depend on the threads.
+        let diagnosed = block::diagnose_all(&mut blocks, context)?;
+        let (diagnosed, triangles): (Vec<Diagnosed>, Vec<Triangle>) = diagnosed.into_iter().unzip();
         let factored = Instant::now();
         let presolve = statistics(&peeled, &eliminated, &blocks);
         let dependent = classify(&eliminated, &diagnosed, rule);

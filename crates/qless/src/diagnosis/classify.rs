@@ -137,7 +137,7 @@ pub(crate) fn classify(eliminated: &Eliminated, diagnosed: &[Diagnosed], rule: &
     let dead =
         eliminated.dead.iter().map(|d| make(d.row, d.mismatch, d.dropped, (BlockCertificate::Known(Vec::new()), 0.0)));
     let dependent = diagnosed.iter().flat_map(|block| &block.dependent);
-    let of_blocks = dependent.map(|d| make(d.row, d.mismatch, d.dropped, (d.because.clone(), d.units)));
+    let of_blocks = dependent.map(|d| make(d.row, d.mismatches[0], d.dropped, (d.because.clone(), d.units)));
     let mut all: Vec<_> = dead.chain(of_blocks).collect();
     all.sort_unstable_by_key(|d| d.row);
     all

@@ -27,8 +27,8 @@ pub(crate) struct Block {
     pub prescribed: Vec<u32>,
     pub fixed: Csr,
     pub rhs: Vec<f64>,
-    /// `b - C_p u_p`, scaled as the rows.
-    pub effective: Vec<Mismatch>,
+    /// `b - C_p u_p`, scaled as the rows; then those of the blocks with the same matrix that are diagnosed with this one.
+    pub effective: Vec<Vec<Mismatch>>,
     /// By row, the largest fraction that is left of the terms of a coefficient, beyond rounding.
     pub certain: Vec<f64>,
     /// A random right-hand side, after presolve.
@@ -98,7 +98,7 @@ impl Block {
             dofs,
             prescribed,
             rhs: Vec::new(),
-            effective: Vec::new(),
+            effective: vec![Vec::new()],
             certain: Vec::new(),
             random: Vec::new(),
         };
@@ -123,7 +123,7 @@ impl Block {
         self.fixed.append(sorted(row.entries.iter().filter_map(fixed).collect()));
         self.matrix.append(entries);
         self.rhs.push(ldexp(row.rhs, shift));
-        self.effective.push(Mismatch::of_row(row).scaled(shift));
+        self.effective[0].push(Mismatch::of_row(row).scaled(shift));
         self.certain.push(certain);
         self.random.push(ldexp(random, shift));
         self.exponents.push(shift);
@@ -145,7 +145,7 @@ impl Block {
             let range = self.fixed.start[i]..self.fixed.start[i + 1];
             self.fixed.val[range].iter_mut().for_each(|v| *v = ldexp(*v, shift));
             self.rhs[i] = ldexp(self.rhs[i], shift);
-            self.effective[i] = self.effective[i].scaled(shift);
+            self.effective.iter_mut().for_each(|sides| sides[i] = sides[i].scaled(shift));
             self.random[i] = ldexp(self.random[i], shift);
             self.exponents[i] += shift;
         }

@@ -8,52 +8,58 @@ pub(crate) mod dependent;
 mod gathered;
 pub(crate) mod tableau;
 pub(crate) mod triangle;
+mod twins;
 mod unexplained;
 
 use crate::factor::backend::BackendError;
-use crate::presolve::basis::Diagnosed;
+use crate::presolve::basis::Vectors;
 use dependent::Rows;
 use triangle::Triangle;
 use unexplained::unexplained;
 
 pub(crate) use gathered::{Block, FactorContext};
+pub(crate) use twins::diagnose_all;
 
-/// Finds which rows of a block depend on which, and how its DOFs can move. Also returns the factor of the kept rows.
+/// What is found of a matrix, whatever the names of its rows and DOFs are.
+struct Found {
+    rows: Rows,
+    /// The random vectors of the null space; no solutions.
+    motions: Vectors,
+}
+
+/// Finds which rows of a block depend on which, and how its DOFs can move.
 ///
 /// Balanced units work best if the coefficients of a row are of similar size. If rows that are no combinations are dropped in balanced
 /// units, the block is diagnosed again in the units of its rows, and the result that keeps more rows is used. Rotations become large in
 /// balanced units, so that some DOFs seem fixed beside others. The motions in which fewer DOFs are fixed are used.
-pub(crate) fn diagnose(block: &mut Block, means: FactorContext) -> Result<(Diagnosed, Triangle), BackendError> {
+fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendError> {
     let mut rows = dependent::find(block, means)?;
-    let mut vectors = rows.triangle.vectors(block);
-    let left = if means.check { unexplained(block, &mut rows, &vectors.moves) } else { 0 };
+    let mut motions = rows.triangle.motions(block);
+    let left = if means.check { unexplained(block, &mut rows, &motions.moves) } else { 0 };
     let is_balanced = block.units.iter().any(|&unit| unit != 0);
     if is_balanced && left > 0 {
         let mut plain = block.clone();
         plain.restore_units();
         let mut other = dependent::find(&plain, means)?;
         if other.kept.len() > rows.kept.len() {
-            vectors = other.triangle.vectors(&plain);
-            unexplained(&plain, &mut other, &vectors.moves);
+            motions = other.triangle.motions(&plain);
+            unexplained(&plain, &mut other, &motions.moves);
             (*block, rows) = (plain, other);
         }
     }
-    vectors.restore_units(&block.units, rows.nearness.sigma);
-    if is_balanced && vectors.resting() > 0 {
+    motions.restore_units(&block.units, rows.nearness.sigma);
+    if is_balanced && motions.resting() > 0 {
         let mut plain = block.clone();
         plain.restore_units();
         let triangle = Triangle::of(&plain, &rows.kept, &[], means)?;
         // Rows that are dependent to the last bit in these units are missing from the triangle.
         if triangle.rows.len() == rows.kept.len() {
-            let mut other = triangle.vectors(&plain);
+            let mut other = triangle.motions(&plain);
             other.restore_units(&[], triangle.factor.smallest_singular_value().0);
-            if other.resting() < vectors.resting() {
-                vectors.moves = other.moves;
+            if other.resting() < motions.resting() {
+                motions = other;
             }
         }
     }
-    let Rows { kept, order, dependent, nearness, triangle, .. } = rows;
-    let rows = kept.iter().map(|&i| block.rows[i]).collect();
-    let order = order.iter().map(|&k| k as u32).collect();
-    Ok((Diagnosed { kept: rows, order, dependent, nearness, vectors }, triangle))
+    Ok(Found { rows, motions })
 }

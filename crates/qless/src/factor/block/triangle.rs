@@ -33,6 +33,7 @@ const ENOUGH: f64 = 1e-3;
 type VectorPair = Slab<2>;
 
 /// The factor of some rows of a block.
+#[derive(Clone)]
 pub(crate) struct Triangle {
     pub factor: Arc<Factor>,
     /// Row of the block for each column of R1.
@@ -98,23 +99,21 @@ impl Triangle {
         all
     }
 
-    /// The null-space vectors and the solutions that a diagnosis needs.
-    pub fn vectors(&self, block: &Block) -> Vectors {
-        let moves = self.motions(block);
+    /// The two minimum-norm solutions that a diagnosis needs.
+    pub fn solutions(&self, block: &Block) -> Vectors {
         let sides = |c: usize, i: usize| match c {
             0 => block.random[self.rows[i]],
-            _ => block.effective[self.rows[i]].value,
+            _ => block.effective[0][self.rows[i]].value,
         };
         let x = self.shortest(block, &pair(self.rows.len(), sides));
-        let lane = |slab: &VectorPair, c: usize| slab.iter().map(|row| row[c]).collect::<Vec<f64>>();
-        Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], sample: lane(&x, 0), particular: lane(&x, 1) }
+        Vectors { sample: lane(&x, 0), particular: lane(&x, 1), ..Vectors::default() }
     }
 
     /// Two random vectors of the null space. They are zero if there are as many rows as DOFs, whatever rounding leaves.
-    fn motions(&self, block: &Block) -> VectorPair {
+    pub fn motions(&self, block: &Block) -> Vectors {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         if r == n {
-            return pair(n, |_, _| 0.0);
+            return Vectors { moves: [vec![0.0; n], vec![0.0; n]], ..Vectors::default() };
         }
         let sides = [&self.factor.rhs[..r], &self.factor.rhs[r..2 * r]];
         let mut weights = pair(r, |c, i| sides[c][i]);
@@ -131,7 +130,7 @@ impl Triangle {
                 break;
             }
         }
-        moves
+        Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], ..Vectors::default() }
     }
 
     /// `x` with `C_k x = b`, in the range of `C_k^T`: a solve and one correction.
@@ -199,6 +198,10 @@ impl Triangle {
             block.matrix.row(k).for_each(|(j, v)| x[j].iter_mut().zip(w).for_each(|(x, w)| *x -= v * w));
         }
     }
+}
+
+fn lane(slab: &VectorPair, c: usize) -> Vec<f64> {
+    slab.iter().map(|row| row[c]).collect()
 }
 
 /// Two vectors, number by number.

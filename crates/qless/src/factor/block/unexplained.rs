@@ -22,6 +22,7 @@ use crate::factor::backend::many::{Slab, WIDTH};
 use crate::input::scale::ldexp;
 use crate::presolve::basis::{BlockCertificate, BlockDependent};
 use crate::presolve::eliminate::SUSPECT;
+use crate::presolve::eliminated::Mismatch;
 
 /// A product with a null-space vector counts as rounding up to this fraction of its terms.
 const NOISE: f64 = 64.0 * f64::EPSILON;
@@ -135,16 +136,19 @@ pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2])
     found.iter().filter(|row| row.error > SUSPECT).count()
 }
 
-/// Writes a refined certificate, its mismatch and its remainder.
+/// Writes a refined certificate, its mismatches and its remainder.
 fn write(block: &Block, d: &mut BlockDependent, Unexplained { k, certificate, error, .. }: &Unexplained) {
     let largest = certificate.iter().fold(0.0, |most: f64, (_, y)| most.max(y.abs()));
     let error_of_y = d.units * certificate.len() as f64 * f64::EPSILON * largest;
-    let mut mismatch = block.effective[*k];
-    for &(i, y) in certificate {
-        mismatch.subtract(y, block.effective[i]);
-        mismatch.error += error_of_y * block.effective[i].size;
-    }
-    d.mismatch = mismatch.scaled(-block.exponents[*k]);
+    let mismatch = |sides: &Vec<Mismatch>| {
+        let mut rest = sides[*k];
+        for &(i, y) in certificate {
+            rest.subtract(y, sides[i]);
+            rest.error += error_of_y * sides[i].size;
+        }
+        rest.scaled(-block.exponents[*k])
+    };
+    d.mismatches = block.effective.iter().map(mismatch).collect();
     let of_user = |&(i, y): &(usize, f64)| (block.rows[i], ldexp(y, block.exponents[i] - block.exponents[*k]));
     let mut because: Vec<_> = certificate.iter().map(of_user).collect();
     because.sort_unstable_by_key(|&(row, _)| row);

@@ -43,8 +43,8 @@ pub(crate) struct BlockDependent {
     pub units: f64,
     /// Remainder of the row, relative to its size.
     pub dropped: f64,
-    /// `b - C_p u_p` of the row minus that of its certificate.
-    pub mismatch: Mismatch,
+    /// `b - C_p u_p` of the row minus that of its certificate, for this block and the others with its matrix.
+    pub mismatches: Vec<Mismatch>,
 }
 
 /// The diagnosis of a block, without slaves and without T.

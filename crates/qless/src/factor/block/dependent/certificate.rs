@@ -166,11 +166,12 @@ pub(super) fn dependent(
     let because: Vec<_> = terms.map(|(v, i)| (block.rows[i], ldexp(v, block.exponents[i] - exponent))).collect();
     let units = CERTIFICATE_UNITS / sigma.min(1.0);
     let error = units * because.len() as f64 * f64::EPSILON * largest;
-    let mismatch = mismatch(block, tableau, i, noise * largest, error);
+    let mismatch = |sides: &Vec<Mismatch>| mismatch(sides, tableau, i, noise * largest, error);
+    let mismatches = block.effective.iter().map(|sides| mismatch(sides).scaled(-block.exponents[k])).collect();
     // The remainder of all rows together may be only the rounding error of each row's terms.
     let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
     let (because, dropped) = (BlockCertificate::Known(because), small_row(block, k, left));
-    Dependent { row: block.rows[k], because, units, dropped, mismatch: mismatch.scaled(-block.exponents[k]) }
+    Dependent { row: block.rows[k], because, units, dropped, mismatches }
 }
 
 /// Largest entry of the remainder of dependent row i, or 0 if rounding of its terms explains it.
@@ -187,10 +188,10 @@ pub(super) fn small_row(block: &Block, k: usize, left: f64) -> f64 {
 }
 
 /// `b_k - sum y_i b_i` and its error, if each y_i has an error up to `error`; a y_i below `noise` counts as error only.
-fn mismatch(block: &Block, tableau: &Tableau, i: usize, noise: f64, error: f64) -> Mismatch {
-    let mut rest = block.effective[tableau.basic[i] as usize];
+fn mismatch(sides: &[Mismatch], tableau: &Tableau, i: usize, noise: f64, error: f64) -> Mismatch {
+    let mut rest = sides[tableau.basic[i] as usize];
     for (&y, &kept) in tableau.row(i).iter().zip(&tableau.free) {
-        let other = block.effective[kept as usize];
+        let other = sides[kept as usize];
         rest.error += error * other.size;
         if y.abs() > noise {
             rest.subtract(y, other);

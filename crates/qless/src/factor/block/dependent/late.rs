@@ -98,33 +98,34 @@ pub(super) fn late(block: &Block, left: f64, choice: Choice, order: Vec<usize>) 
     let noise = (ROUNDING * f64::EPSILON / nearness.sigma).max(NOISE);
     let certificates: Arc<dyn LateTerms> = Arc::new(LateCertificates::new(block, &triangle, noise));
     let units = CERTIFICATE_UNITS / nearness.sigma.min(1.0);
-    let mismatches = mismatches(block, &triangle, nearness.sigma);
-    let make = |((k, &row), mismatch): ((usize, &usize), Mismatch)| Dependent {
+    let of_sides = |sides: &Vec<Mismatch>| mismatches(block, sides, &triangle, nearness.sigma);
+    let mismatches: Vec<Vec<Mismatch>> = block.effective.iter().map(of_sides).collect();
+    let make = |(k, &row): (usize, &usize)| Dependent {
         row: block.rows[row],
         because: BlockCertificate::Late(Arc::clone(&certificates), k),
         units,
         dropped: small_row(block, row, 0.0),
-        mismatch: mismatch.scaled(-block.exponents[row]),
+        mismatches: mismatches.iter().map(|all| all[k].scaled(-block.exponents[row])).collect(),
     };
-    let dependent = triangle.dropped.iter().enumerate().zip(mismatches).map(make).collect();
+    let dependent = triangle.dropped.iter().enumerate().map(make).collect();
     let mut kept = triangle.rows.clone();
     kept.sort_unstable();
     Rows { kept, order, dependent, nearness, triangle, left }
 }
 
 /// `b_k - sum c_i b_i` of the dropped rows.
-fn mismatches(block: &Block, triangle: &Triangle, sigma: f64) -> Vec<Mismatch> {
+fn mismatches(block: &Block, given: &[Mismatch], triangle: &Triangle, sigma: f64) -> Vec<Mismatch> {
     let signs = |lane: usize, i: usize| signed(SEED + lane as u64, i as u64).signum();
     let size = |lane: usize, i: usize| match lane {
-        0 => block.effective[i].value,
-        _ => signs(lane, i) * block.effective[i].size,
+        0 => given[i].value,
+        _ => signs(lane, i) * given[i].size,
     };
     let sides = |of: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; LANES]> {
         triangle.rows.iter().map(|&i| std::array::from_fn(|lane| of(lane, i))).collect()
     };
     let x = triangle.shortest(block, &sides(&size));
     let parts = |i: usize| block.matrix.row(i).map(|(j, v)| (v * x[j][0]).abs()).sum::<f64>();
-    let rounding = |i: usize| f64::EPSILON * parts(i) + block.effective[i].error;
+    let rounding = |i: usize| f64::EPSILON * parts(i) + given[i].error;
     let errors = sides(&|lane, i| signs(lane, i) * rounding(i));
     let errors = triangle.nearly_shortest(block, &errors, sigma);
     let product =
@@ -134,7 +135,7 @@ fn mismatches(block: &Block, triangle: &Triangle, sigma: f64) -> Vec<Mismatch> {
         (sum / (LANES - first) as f64).sqrt()
     };
     let of = |&k: &usize| {
-        let own = block.effective[k];
+        let own = given[k];
         let size = own.size.max(rms(&x, k, 1));
         Mismatch { value: own.value - product(&x, k, 0), size, error: rounding(k) + SURE * rms(&errors, k, 0) }
     };
