@@ -21,7 +21,7 @@ pub struct Done {
     pub analysis: Option<Analysis>,
 }
 
-/// A run shorter than `SLOW` is repeated once, and then until the total time is `WARM`; seconds.
+/// A run shorter than `SLOW` seconds is repeated at least once, and until all its runs together take `WARM` seconds.
 const SLOW: f64 = 0.25;
 const WARM: f64 = 0.01;
 /// Limit for the repetitions.

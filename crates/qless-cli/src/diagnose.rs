@@ -4,7 +4,7 @@ mod gates;
 
 use std::time::{Duration, Instant};
 
-use qless::{Analysis, ConstraintSystem, Kind, NearDependence, Options, analyse};
+use qless::{Analysis, ConstraintSystem, Effort, Kind, NearDependence, Options, analyse};
 use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
 use qless_io::{FileContent, Opened, read_case};
@@ -142,7 +142,8 @@ impl Diagnosis<'_> {
 
     /// Adds the near-dependence, if the rank is ambiguous and memory allows it.
     pub fn add_near_dependence(&mut self) {
-        if self.analysis.confidence().ambiguous {
+        // A quick result is not checked, so nothing is said of what is nearly dependent either.
+        if self.analysis.confidence().ambiguous && self.options.effort != Effort::Quick {
             self.near_dependence = self.analysis.near_dependence().unwrap_or_default();
         }
     }

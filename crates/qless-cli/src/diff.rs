@@ -63,8 +63,9 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(exit_code::REFUSED) })
 }
 
-/// Solutions of a set, by the labels of its DOFs, or by their numbers.
+/// Sample solutions of one set of equations.
 struct Solutions {
+    /// By the label of a DOF, or its number if it has none: its place in each sample.
     columns: HashMap<String, usize>,
     samples: Vec<Vec<f64>>,
 }

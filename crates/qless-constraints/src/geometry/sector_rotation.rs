@@ -12,7 +12,7 @@ pub struct Turn<const D: usize> {
     pub(crate) angle: f64,
 }
 
-/// Units in the last place of the angle, or of 1, that are rounding in a sine or cosine.
+/// An entry up to `BLUR max(|angle|, 1)` of a sine, a cosine or a rotation matrix is only rounding.
 const BLUR: f64 = 8.0 * f64::EPSILON;
 
 /// Sets an entry of a rotation matrix to zero if it is only rounding. Quarter and full turns have no exact angle in

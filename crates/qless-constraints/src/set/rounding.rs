@@ -88,8 +88,8 @@ impl ConstraintSet {
         Ok(u.iter().enumerate().map(size).collect())
     }
 
-    /// Whether a DOF is a displacement of a node, because it adds to a coordinate. No DOF from n on is one.
-    pub fn is_displacement(&self, dof: usize) -> bool {
+    /// Returns true if an active constraint uses a DOF as a displacement or rotation of a node; false for other numbers, and from n on.
+    pub fn moves_node(&self, dof: usize) -> bool {
         self.dof_uses.sizes(dof).is_some()
     }
 }

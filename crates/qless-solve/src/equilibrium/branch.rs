@@ -227,7 +227,8 @@ fn pass(
 }
 
 impl Branch {
-    /// None if the path is straight enough; `straight` is the displacement of the whole step, of which `part` is the fraction.
+    /// `dx` is the displacement after the fraction `part` of a step, and `straight` that of the whole step along a straight path. None if dx is
+    /// near `part * straight`.
     fn bent(&self, dx: Vec<f64>, straight: &[f64], part: f64) -> Option<CurvedWay<'_>> {
         let off: Vec<f64> = dx.iter().zip(straight).map(|(x, whole)| x - part * whole).collect();
         let off = self.size(&off) / self.size(straight);

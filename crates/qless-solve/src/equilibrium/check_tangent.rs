@@ -118,7 +118,7 @@ impl<'a, M: Model> TangentCheck<'a, M> {
         })
     }
 
-    /// Halves the moved DOFs until one is left.
+    /// Finds the wrong entry of a row: halves the moved DOFs until one is left.
     fn column(&mut self, row: usize, mut moved: std::ops::Range<usize>, length: f64) -> Option<WrongEntry> {
         loop {
             let slopes = self.slopes(&moved, length)?;

@@ -96,7 +96,7 @@ pub fn units(set: &ConstraintSet, evaluation: &Evaluation, columns: &PartColumns
 
 /// Reach of each column: how far a DOF moves until a nonlinear c changes by the size of its terms, `1 / max_r (|G_rj| / size_r)`.
 ///
-/// An entry counts as the size of its terms, known from its rounding, even if they cancel. All displacements in a row count as its largest
+/// An entry counts as the size of its terms, known from its rounding, even if they cancel. All motions of nodes in a row count as its largest
 /// one: otherwise a rod along an axis would give the DOFs across it a longer reach. Terms of linear rows vanish with u, so that only the
 /// ratios of their entries count: a DOF without nonlinear rows gets the reach of its neighbours, or 0 if these have none.
 fn reaches(set: &ConstraintSet, evaluation: &Evaluation, columns: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
@@ -107,10 +107,10 @@ fn reaches(set: &ConstraintSet, evaluation: &Evaluation, columns: &PartColumns) 
         let weight = inverse(bound / f64::EPSILON);
         let entries = || columns.row(g, row).zip(g.row(row)).zip(rounding.of_row(row));
         let sizes = || entries().map(|(((j, v), (dof, _)), bound)| (j, dof, v.abs().max(bound / ROUNDINGS)));
-        let of_displacements =
-            sizes().filter(|&(_, dof, _)| set.is_displacement(dof)).fold(0.0, |most: f64, (.., size)| most.max(size));
+        let of_motions =
+            sizes().filter(|&(_, dof, _)| set.moves_node(dof)).fold(0.0, |most: f64, (.., size)| most.max(size));
         for (j, dof, size) in sizes() {
-            let size = if set.is_displacement(dof) { of_displacements } else { size };
+            let size = if set.moves_node(dof) { of_motions } else { size };
             steepness[j] = steepness[j].max(size * weight);
         }
     }

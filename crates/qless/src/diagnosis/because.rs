@@ -123,17 +123,21 @@ impl Analysis {
         terms.iter().copied().filter(|term| scaled(term) > part * largest).collect()
     }
 
-    /// By local DOF, the remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms. The sum has twice
-    /// the digits, so that a refinement uses the true remainder.
+    /// The remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms, by local DOF in ascending order.
+    /// The sum has twice the digits, so that a refinement uses the true remainder. Untouched pages of the sums cost nothing.
     pub(super) fn parts(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
         terms: &[CertificateTerm],
-    ) -> BTreeMap<u32, (f64, f64)> {
+    ) -> Vec<(u32, (f64, f64))> {
         let local = self.numbering.view(&self.system, self.system.rhs());
-        let mut parts: BTreeMap<u32, (f64, f64, f64)> = BTreeMap::new();
-        let mut add = |coefficient: f64, j: u32, v: f64| {
-            let (left, lost, size) = parts.entry(j).or_default();
+        let mut sums = vec![[0.0_f64; 3]; local.dofs()];
+        let mut touched = Vec::new();
+        let mut add = |coefficient: f64, j: usize, v: f64| {
+            let [left, lost, size] = &mut sums[j];
+            if *size == 0.0 {
+                touched.push(j as u32);
+            }
             let part = -coefficient * v;
             let sum = *left + part;
             let second = sum - *left;
@@ -141,12 +145,18 @@ impl Analysis {
             *left = sum;
             *size += part.abs();
         };
-        let is_free = |j: u32| local.free()[j as usize];
+        let is_free = |j: usize| local.free()[j];
         for &CertificateTerm { row: i, coefficient } in terms {
-            local.row(i).filter(|&(j, _)| is_free(j as u32)).for_each(|(j, v)| add(coefficient, j as u32, v));
+            local.row(i).filter(|&(j, _)| is_free(j)).for_each(|(j, v)| add(coefficient, j, v));
         }
-        vector.into_iter().filter(|&(j, _)| is_free(j)).for_each(|(j, v)| add(-1.0, j, v));
-        parts.into_iter().map(|(j, (left, lost, size))| (j, (left + lost, size))).collect()
+        vector.into_iter().filter(|&(j, _)| is_free(j as usize)).for_each(|(j, v)| add(-1.0, j as usize, v));
+        touched.sort_unstable();
+        touched.dedup();
+        let of = |j: u32| {
+            let [left, lost, size] = sums[j as usize];
+            (j, (left + lost, size))
+        };
+        touched.into_iter().map(of).collect()
     }
 
     pub(super) fn entries(&self, row: usize) -> impl Iterator<Item = (u32, f64)> {
@@ -162,7 +172,10 @@ impl Analysis {
     pub(crate) fn error_of(&self, vector: impl IntoIterator<Item = (u32, f64)>, terms: &[CertificateTerm]) -> f64 {
         let error = |&(left, size): &(f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
         let parts = self.parts(vector, terms);
-        parts.values().map(error).fold(0.0, |most, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
+        parts
+            .iter()
+            .map(|(_, parts)| error(parts))
+            .fold(0.0, |most, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
     }
 
     /// Expresses a vector of free DOFs, by local number, as a combination of the kept equations.

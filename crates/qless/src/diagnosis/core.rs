@@ -14,7 +14,7 @@ pub struct Core {
     pub entries: Vec<Vec<(u32, f64)>>,
 }
 
-/// Counts of the remaining rows and DOFs.
+/// The state of the removal: the rows and DOFs that remain, with the length of each row and the number of rows of each DOF.
 struct Peeling<'a> {
     system: LocalSystem<'a>,
     /// The equations, whether each remains, and the number of its remaining DOFs.

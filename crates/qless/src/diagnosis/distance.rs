@@ -30,7 +30,7 @@ const SEED: u64 = 0x2545_f491;
 
 type Lanes = [f64; SIGNS];
 
-/// The kept equations with their factors.
+/// The kept equations and their factorization: steps of elimination, blocks and triangles.
 pub(crate) struct KeptRows<'a> {
     pub system: LocalSystem<'a>,
     pub basis: &'a Basis,

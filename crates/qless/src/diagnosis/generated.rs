@@ -31,7 +31,7 @@ pub(crate) struct Generated {
     pub dofs: Vec<u32>,
 }
 
-/// The DOFs of `fixed` that do not move with other random masters either, ascending by the user's numbers.
+/// The DOFs of `fixed` that also stay at rest in a second probe, with other random values of the masters; ascending by the user's numbers.
 pub(crate) fn find(
     mut fixed: Vec<u32>,
     system: LocalSystem,

@@ -55,7 +55,7 @@ impl Observations {
         some
     }
 
-    /// Numbers that cure all mismatches alone, with their changes.
+    /// All repairs by one number: its change alone cures all mismatches.
     pub fn singles(&self) -> Vec<Vec<(Number, f64)>> {
         let cures = |(&number, effects): (&Number, &Effects)| {
             let change = -self.mismatches[effects[0].0] / effects[0].1;

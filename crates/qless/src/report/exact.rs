@@ -33,7 +33,7 @@ pub struct ExactFinding {
 pub struct ExactDifference {
     /// Its first equation, from 1.
     pub row: usize,
-    /// The label of that equation.
+    /// The label of its first equation.
     pub label: String,
     /// Its number of equations.
     pub equations: usize,

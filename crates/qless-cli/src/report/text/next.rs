@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use qless::report::{ChangeFinding, RepairFinding};
-use qless::{Report, Status};
+use qless::{Effort, Report, Status};
 
 use super::super::CommandOutcome;
 use super::EquationList;
@@ -150,6 +150,9 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
         }
         _ if report.input.rows == 0 && list.deck.is_some() => "Next: nothing to mend.".to_owned(),
         _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
+        _ if report.confidence.ambiguous && report.effort == Effort::Quick => {
+            "Next: run again with --effort checked, which checks the rank.".to_owned()
+        }
         _ if report.confidence.ambiguous => {
             "Next: decide, as said above, which equations are meant to be independent.".to_owned()
         }

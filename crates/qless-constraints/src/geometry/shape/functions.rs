@@ -74,8 +74,8 @@ fn simplex<S: Scalar>(l: &[S], shape: Shape) -> Vec<S> {
     corners.chain(shape.edges().iter().map(|&[_, i, j]| S::from(4.0) * l[i] * l[j])).collect()
 }
 
-/// `l side (2 l - 2 + a z)` at corners, `4 l_i l_j side` at edges of the triangles, `l (1 - z^2)` at edges between the
-/// triangles.
+/// The wedge with 15 nodes, area coordinates l and `side = (1 + a z) / 2` of the triangle at `z = a`, which is -1 or 1:
+/// `l side (2 l - 2 + a z)` at corners, `4 l_i l_j side` amid the edges of the triangles, `l (1 - z^2)` amid the edges that join them.
 fn quadratic_wedge<S: Scalar>(l: [S; 3], z: S) -> Vec<S> {
     let [two, four] = [2.0, 4.0].map(S::from);
     let ends = || [-1.0, 1.0].into_iter().flat_map(|a| (0..3).map(move |i| (a, i)));

@@ -166,7 +166,8 @@ const BENT: f64 = 0.01;
 /// Sums of weights below this share of the sum of their absolute values are zero.
 const NEGLIGIBLE: f64 = 1e-8;
 
-/// A straight line near its shell node, with the shares `w_i = int N_i dA` and `m_i = int N_i z dA` of its nodes.
+/// Solid nodes on a straight line through the thickness, near a shell node. Each has a share of the side of the solid: its area
+/// `w_i = int N_i dA` and its first moment `m_i = int N_i z dA`.
 pub struct LineShares {
     pub direction: Vector<f64>,
     /// Indices of its nodes in the surface.

@@ -48,7 +48,8 @@ impl RotationFunction for Aligned {
     }
 }
 
-/// Zero if the axes of both bodies are parallel and point the same way.
+/// The rotation that turns the axis of one body to that of the other: the angle vector of `(m, v)`. Zero if the axes are parallel and point the
+/// same way.
 ///
 /// With the components `q_t, q_1, q_2` along the axis and two directions perpendicular to it:
 /// `m = t . R t = q0^2 + q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.

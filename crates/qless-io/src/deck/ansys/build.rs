@@ -35,7 +35,8 @@ pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
     groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
 }
 
-/// Fills the model of a reader. Returns the owner of each equation if the reader keeps places.
+/// Adds equations and load cases to the model of a reader. Returns the owner of each equation if the reader keeps the places of commands,
+/// otherwise none.
 pub fn fill(reader: &mut AnsysReader) -> Result<Vec<CommandOwner>, DeckError> {
     check_complete(reader)?;
     let (owners, lives) = push_equations(reader);

@@ -85,8 +85,9 @@ pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> 
 /// Search for the faults of a load case.
 struct FaultSearch<'a> {
     profile: Profile<'a>,
-    /// Prescribed columns and their cards, in this load case and in the first one.
+    /// The DOFs that this load case prescribes, by column, each with its card.
     prescribed: FxHashMap<u32, Origin>,
+    /// The same for the first load case.
     at_start: FxHashMap<u32, Origin>,
     findings: Vec<Finding>,
 }

@@ -44,7 +44,8 @@ impl FactoredPart<'_> {
     /// Growth of rounding, if the springs neither make K lose its digits nor hide a mechanism.
     fn certain_growth(&mut self) -> Option<f64> {
         let Self { model, inverse, .. } = self;
-        // Dimensionless, as the growth. A factor is relative to the stiffest DOF of its equation; it is larger relative to the others.
+        // The stiffest spring in balanced units has no dimension, like the growth. It can exceed the user's factor, which is relative to the
+        // stiffest DOF of an equation: its other DOFs are softer.
         let of_rows = inverse.springs.iter().zip(&model.units()[model.dofs()..]);
         let stiffest = of_rows.map(|(spring, unit)| spring / unit / unit).fold(1.0, f64::max);
         let found = rounding_growth(model, &mut |r: &[f64]| inverse.solve(r)).ok()?;

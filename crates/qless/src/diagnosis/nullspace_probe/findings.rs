@@ -58,7 +58,8 @@ fn is_at_most(x: f64, limit: f64) -> bool {
     x <= limit
 }
 
-/// Returns true if more than [`FAR`] times a user's equation went into a row, so that about that many digits are lost.
+/// Returns true if `reach` exceeds [`FAR`] or is NaN: a row has then lost more than five digits. `reach` is the largest multiple of a user's
+/// equation in the row, or the motion of its slave.
 pub(crate) fn is_far(reach: f64) -> bool {
     !is_at_most(reach, FAR)
 }

@@ -220,5 +220,5 @@ fn is_combination(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) ->
         let is_in_range = size == 0.0 || size > 1e-290 && size.is_finite();
         is_in_range && left.abs() * (1.0 + 2.0 * f64::EPSILON) + n * n * size <= ROUNDING * size
     };
-    analysis.parts(analysis.entries(row), terms).values().all(is_rounding)
+    analysis.parts(analysis.entries(row), terms).iter().all(|(_, parts)| is_rounding(parts))
 }

@@ -20,7 +20,7 @@ pub(crate) struct Numbering {
     pub free: Vec<bool>,
     /// Local prescribed DOFs with their values, in the user's order.
     prescribed: Vec<(usize, f64)>,
-    /// The place of each of them in the user's list.
+    /// The place of each prescribed DOF in the user's list.
     places: Vec<u32>,
 }
 

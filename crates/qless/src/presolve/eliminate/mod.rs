@@ -24,8 +24,8 @@ mod pivots;
 pub(crate) const SUSPECT: f64 = 1e-3;
 /// A pivot is at least this fraction of each entry that it eliminates, which bounds the multipliers.
 const THRESHOLD: f64 = 0.1;
-/// A pivot is also at least a fraction of its row, strict levels first, which bounds the growth of T if possible.
-/// The first levels add no fill; the others are used only while a part has more than [`LARGE`] rows.
+/// Levels of elimination, tried in this order. A pivot is at least `of_row` times the largest coefficient of its row. Strict levels come first
+/// and limit the growth of T. The first three add no fill; the others are used only while a part has more than [`LARGE`] rows.
 const LEVELS: [FillLevel; 6] = [
     FillLevel { rows: 2, of_row: 1.0 },
     FillLevel { rows: 2, of_row: 0.1 },

@@ -19,7 +19,7 @@ const UNREAD: [(&str, &str); 10] = [
     ("*CONTACTPAIR", "*CONTACT PAIR, TIED"),
 ];
 
-/// Leaves out a card that constrains; ignores all other cards.
+/// Adds a warning for a card of [`UNREAD`], which constrains, and claims the DOFs of its nodes. Does nothing for any other card.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) {
     let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else { return };
     if *keyword == "*CONTACTPAIR" && card.parameter("TIED").is_none() {

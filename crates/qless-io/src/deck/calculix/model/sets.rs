@@ -149,8 +149,8 @@ impl DeckDefinitions {
         Ok(())
     }
 
-    /// Adds the range `first, last, increment`. Numbers that no element of the deck or node of an instance has are
-    /// skipped.
+    /// Adds the range `first, last, increment` without elements that do not exist. Nodes that do not exist are left out only if the deck has
+    /// instances.
     fn generate<'a>(
         &self,
         fields: &mut impl Iterator<Item = &'a [u8]>,
