@@ -100,7 +100,7 @@ impl CalculixReader {
                 }
                 equation::read(card, &mut self.model, &self.definitions)?;
             }
-            b"*MPC" => mpc::read(card, &mut self.model, &self.definitions)?,
+            b"*MPC" => mpc::read(card, &mut self.model, &self.definitions, self.solver)?,
             b"*RIGIDBODY" => {
                 self.bodies.extend(rigid::read(card, &mut self.model, &self.definitions, self.solver)?);
             }
