@@ -1,14 +1,17 @@
 //! Cleans a deck: makes its equations independent, with each slave once and never prescribed.
 //!
 //! Equations are treated by connected component ("part"); equations that share free DOFs or text belong together. A
-//! part without faults stays byte for byte. If its dependent equations can simply be removed, they are. Otherwise the
-//! whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
+//! part without faults stays byte for byte. If its dependent equations can be removed with their cards, they are. Otherwise
+//! the whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
 //! has no faults, so that cleaning it again changes nothing.
 //!
 //! The new text is read again to prove that it constrains as the original: see `proof`.
 
 mod proof;
 
+use qless::Options;
+
+use super::plan::{PlanOptions, plan_with};
 use super::{Deck, Format, ansys, calculix, nastran};
 use proof::prove;
 
@@ -16,6 +19,18 @@ pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
 pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
 pub(super) use super::plan::{Edits, Renamed};
 pub use super::solver::{Finding, findings};
+
+/// Plans the changes of a deck and carries them out. If edits of cards cannot be carried out or proved, equations are rewritten instead.
+///
+/// # Errors
+/// As [`plan`] and [`write`].
+pub fn clean(deck: &Deck, options: &Options) -> Result<(Plan, Vec<u8>), CleanError> {
+    let made = |edits_cards| {
+        let plan = plan_with(deck, PlanOptions { options, edits_cards })?;
+        write(deck, &plan).map(|text| (plan, text))
+    };
+    made(true).or_else(|error| made(false).map_err(|_| error))
+}
 
 /// Carries out a plan: returns the new text of the main file. It is read again, and proved to constrain as the deck
 /// does in every load case.

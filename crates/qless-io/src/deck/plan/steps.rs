@@ -4,8 +4,9 @@ use qless::common::DisjointSets;
 use qless::{Kind, Options, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::card_edits::edit_of;
 use super::layers::KeptEquations;
-use super::{Cases, CleanError, Ended, Plan, Reason, Removed, solved};
+use super::{Cases, CleanError, Ended, Plan, PlanOptions, Reason, Removed, solved};
 use crate::deck::faults::EquationFault;
 use crate::deck::{Deck, LoadCase, Model, Origin};
 
@@ -17,7 +18,7 @@ pub enum LateRemoval {
 }
 
 /// The plan for all load cases of a deck.
-pub fn plan(deck: &Deck, options: &Options, late_removal: LateRemoval) -> Result<Plan, CleanError> {
+pub fn plan(deck: &Deck, options: PlanOptions, late_removal: LateRemoval) -> Result<Plan, CleanError> {
     let model = &deck.model;
     let plan = plan_for(deck, &model.cases, options)?;
     let says_more = || !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
@@ -30,7 +31,7 @@ pub fn plan(deck: &Deck, options: &Options, late_removal: LateRemoval) -> Result
 }
 
 /// The plan for some load cases that follow each other, ignoring all others.
-pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
+pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: PlanOptions) -> Result<Plan, CleanError> {
     let kept = KeptEquations::choose(deck, cases, options)?;
     check_cases(&kept, cases)?;
     kept.plan()
@@ -69,17 +70,17 @@ impl KeptEquations<'_> {
         }
     }
 
-    /// Equations that share lines of the deck with equations that are kept for other load cases.
+    /// Equations whose edit would drop equations that are kept for other load cases.
     fn split_lines(&self) -> impl Iterator<Item = usize> + '_ {
-        let mut kept: FxHashMap<(u32, u32), Option<usize>> = FxHashMap::default();
-        let text = |i: usize| text_of(self.model, self.model.nth(i).origin);
+        let mut kept: FxHashMap<_, Option<usize>> = FxHashMap::default();
+        let edit = |i: usize| edit_of(self.model, i);
         let mut split = FxHashSet::default();
         for i in 0..self.model.equations() {
-            if *kept.entry(text(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
-                split.insert(text(i));
+            if *kept.entry(edit(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
+                split.insert(edit(i));
             }
         }
-        (0..self.model.equations()).filter(move |&i| split.contains(&text(i)))
+        (0..self.model.equations()).filter(move |&i| split.contains(&edit(i)))
     }
 }
 

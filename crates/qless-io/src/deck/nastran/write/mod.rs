@@ -2,6 +2,7 @@
 //! load cases select.
 
 mod select;
+mod star;
 mod target;
 mod wide;
 
@@ -60,6 +61,13 @@ fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_wri
         let text = texts.entry((file, origin.line)).or_insert((origin.lines, String::new()));
         if text.1.is_empty() || matches!(removed.reason, Reason::Fault(_)) {
             text.1 = comment(model, removed, is_written);
+        }
+    }
+    for (at, (lost, card)) in star::shortened(model, &content.bulk.ties, removed) {
+        if let Some((_, text)) = texts.get_mut(&at) {
+            let named: Vec<String> = lost.iter().take(NAMED).map(u32::to_string).collect();
+            let more = if lost.len() > NAMED { ", ..." } else { "" };
+            *text = text.replacen("$ qless: ", &format!("$ qless: {}{more} of ", named.join(", ")), 1) + &card;
         }
     }
     let apart =

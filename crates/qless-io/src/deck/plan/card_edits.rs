@@ -1,0 +1,138 @@
+//! Chooses the edits of cards that make equations independent, so that no equation need be rewritten.
+//!
+//! An edit leaves out a card, or one dependent grid point of an `RBE2`. The law: an equation is dropped by an edit of its card if all
+//! equations that the edit removes are implied by those that remain.
+//!
+//! Let `row_k = sum_i c_ki row_i` be the certificates of the dependent equations k, and N the matrix with `N_kk = 1` and `N_ik = -c_ki`: its
+//! columns span all dependencies. Equations D are implied by the others if and only if the rows of D in N are linearly independent. Edits
+//! are tried one by one: first those of equations with faults, then from the end of the deck. They count if they drop as many equations as
+//! are dependent; else the equations are chosen without regard to cards.
+
+use std::collections::BTreeMap;
+
+use qless::Analysis;
+use qless::common::DisjointSets;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::steps::text_of;
+use crate::deck::Model;
+
+/// Most dependent equations, and most operations: the search must not take longer than the analysis.
+const DEPENDENT: usize = 20_000;
+const OPERATIONS: usize = 50_000_000;
+
+/// Relative size below which a remainder is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Key of the edit that drops an equation: its text, and its grid point if the card is an `RBE2`.
+pub fn edit_of(model: &Model, i: usize) -> ((u32, u32), u32) {
+    let equation = model.nth(i);
+    let is_star = model.cards.nth(equation.origin.card).name.is_numbered("RBE2");
+    let slave = equation.columns.first().filter(|_| is_star);
+    (text_of(model, equation.origin), slave.map_or(0, |&j| model.dofs[j as usize].node))
+}
+
+/// For an analysis of these equations, those to keep instead of equations that edits drop. `is_edited` selects equations whose card
+/// may change, `is_faulty` those to drop first.
+pub fn kept_by_edits(
+    model: &Model,
+    rows: &[usize],
+    analysis: &Analysis,
+    is_edited: impl Fn(usize) -> bool,
+    is_faulty: impl Fn(usize) -> bool,
+) -> Option<Vec<usize>> {
+    let dependencies = Dependencies::collect(model, rows, analysis)?;
+    let mut edits: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    rows.iter().enumerate().for_each(|(row, &i)| edits.entry(edit_of(model, i)).or_default().push(row));
+    let mut edits: Vec<Vec<usize>> = edits.into_values().collect();
+    edits.retain(|edit| edit.iter().all(|&row| is_edited(rows[row]) && dependencies.rows.contains_key(&row)));
+    edits.sort_by_key(|edit| (edit.iter().any(|&row| is_faulty(rows[row])), edit.last().copied()));
+    let mut echelon = Echelon::default();
+    let dropped: FxHashSet<usize> =
+        edits.iter().rev().filter(|edit| echelon.extend(&dependencies, edit)).flatten().copied().collect();
+    let kept = dependencies.kept(&dropped);
+    (!kept.is_empty() && echelon.operations < OPERATIONS).then_some(kept)
+}
+
+/// The rows of N that are not zero, by equation of the analysis, in units of the largest coefficients of the equations.
+struct Dependencies {
+    rows: FxHashMap<usize, Vec<(usize, f64)>>,
+    count: usize,
+}
+
+impl Dependencies {
+    /// Reads the certificates; `None` if nothing is dependent, or too much.
+    fn collect(model: &Model, numbers: &[usize], analysis: &Analysis) -> Option<Self> {
+        let size = |row: usize| model.nth(numbers[row]).coefficients.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        let dependent: Vec<usize> = analysis.dependent().iter().map(|one| one.row).collect();
+        let mut rows: FxHashMap<usize, Vec<(usize, f64)>> = FxHashMap::default();
+        for (k, &row) in dependent.iter().enumerate().take(DEPENDENT) {
+            rows.entry(row).or_default().push((k, 1.0));
+            for term in analysis.because(row).ok()? {
+                rows.entry(term.row).or_default().push((k, -term.coefficient * size(term.row) / size(row)));
+            }
+        }
+        (1..=DEPENDENT).contains(&dependent.len()).then_some(Self { rows, count: dependent.len() })
+    }
+
+    /// The equations to keep wherever edits drop as many as are dependent. Dependencies with equations in common belong together.
+    fn kept(&self, dropped: &FxHashSet<usize>) -> Vec<usize> {
+        let mut sets = DisjointSets::new(self.count);
+        self.rows.values().for_each(|row| row.iter().for_each(|(k, _)| sets.join(row[0].0, *k)));
+        let part_of = sets.numbered().0;
+        let mut excess: FxHashMap<u32, isize> = FxHashMap::default();
+        part_of.iter().for_each(|&part| *excess.entry(part).or_default() += 1);
+        let part = |row: &usize| part_of[self.rows[row][0].0];
+        dropped.iter().for_each(|row| *excess.entry(part(row)).or_default() -= 1);
+        self.rows.keys().copied().filter(|row| excess[&part(row)] == 0 && !dropped.contains(row)).collect()
+    }
+}
+
+/// Linearly independent rows, each reduced by those before it, with its pivot.
+#[derive(Default)]
+struct Echelon {
+    rows: Vec<(usize, Vec<(usize, f64)>)>,
+    /// Index in `rows` by the column of the pivot.
+    of_pivot: FxHashMap<usize, usize>,
+    operations: usize,
+}
+
+impl Echelon {
+    /// Adds the rows of all equations of an edit, or none if they are dependent.
+    fn extend(&mut self, dependencies: &Dependencies, edit: &[usize]) -> bool {
+        let before = self.rows.len();
+        let is_added = edit.iter().all(|row| self.push(&dependencies.rows[row]));
+        if !is_added {
+            for (pivot, _) in self.rows.drain(before..) {
+                self.of_pivot.remove(&pivot);
+            }
+        }
+        is_added
+    }
+
+    fn push(&mut self, row: &[(usize, f64)]) -> bool {
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |most, a| most.max(a.abs()));
+        let size = most(&mut row.iter().map(|(_, a)| *a));
+        let mut row: BTreeMap<usize, f64> = row.iter().copied().collect();
+        let mut next = 0;
+        // A row has no entry at the pivots of the rows before it, so one pass in order removes all pivots.
+        while let Some(at) = row.keys().filter_map(|j| self.of_pivot.get(j)).copied().filter(|at| *at >= next).min() {
+            let (pivot, reduced) = &self.rows[at];
+            self.operations += row.len() + reduced.len();
+            if self.operations >= OPERATIONS {
+                return false;
+            }
+            let factor = row.remove(pivot).unwrap_or_default() / reduced[0].1;
+            reduced[1..].iter().for_each(|(j, a)| *row.entry(*j).or_default() -= factor * a);
+            next = at + 1;
+        }
+        row.retain(|_, a| a.abs() > ROUNDING * size);
+        let Some(pivot) = row.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(&j, &a)| (j, a)) else {
+            return false;
+        };
+        row.remove(&pivot.0);
+        self.of_pivot.insert(pivot.0, self.rows.len());
+        self.rows.push((pivot.0, [pivot].into_iter().chain(row).collect()));
+        true
+    }
+}
