@@ -14,8 +14,7 @@ use qless::Analysis;
 use qless::common::DisjointSets;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::steps::text_of;
-use crate::deck::Model;
+use crate::deck::{Model, Origin};
 
 /// Most dependent equations, and most operations: the search must not take longer than the analysis.
 const DEPENDENT: usize = 20_000;
@@ -23,6 +22,12 @@ const OPERATIONS: usize = 50_000_000;
 
 /// Relative size below which a remainder is rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// Key of the lines of an equation. An Abaqus part is read once for each instance, so that its equations share lines.
+pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
+    let card = if model.has_instances() { model.cards.nth(origin.card).file } else { origin.card };
+    (card, origin.line)
+}
 
 /// Key of the edit that drops an equation: its text, and its grid point if the card is an `RBE2`.
 pub fn edit_of(model: &Model, i: usize) -> ((u32, u32), u32) {
@@ -33,20 +38,20 @@ pub fn edit_of(model: &Model, i: usize) -> ((u32, u32), u32) {
 }
 
 /// For an analysis of these equations, those to keep instead of equations that edits drop. `is_edited` selects equations whose card
-/// may change, `is_faulty` those to drop first.
+/// may change; those with the largest `gain` are dropped first.
 pub fn kept_by_edits(
     model: &Model,
     rows: &[usize],
     analysis: &Analysis,
     is_edited: impl Fn(usize) -> bool,
-    is_faulty: impl Fn(usize) -> bool,
+    gain: impl Fn(usize) -> u8,
 ) -> Option<Vec<usize>> {
     let dependencies = Dependencies::collect(model, rows, analysis)?;
     let mut edits: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     rows.iter().enumerate().for_each(|(row, &i)| edits.entry(edit_of(model, i)).or_default().push(row));
     let mut edits: Vec<Vec<usize>> = edits.into_values().collect();
     edits.retain(|edit| edit.iter().all(|&row| is_edited(rows[row]) && dependencies.rows.contains_key(&row)));
-    edits.sort_by_key(|edit| (edit.iter().any(|&row| is_faulty(rows[row])), edit.last().copied()));
+    edits.sort_by_key(|edit| (edit.iter().map(|&row| gain(rows[row])).max(), edit.last().copied()));
     let mut echelon = Echelon::default();
     let dropped: FxHashSet<usize> =
         edits.iter().rev().filter(|edit| echelon.extend(&dependencies, edit)).flatten().copied().collect();

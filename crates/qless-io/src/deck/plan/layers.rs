@@ -82,8 +82,9 @@ impl<'a> KeptEquations<'a> {
         let mut preferences = Preferences { slaves, equations, ..Preferences::default() };
         let mut analysis = self.analyse(&layer, &rows, preferences.clone())?;
         if self.edits_cards && !analysis.dependent().is_empty() {
-            let faulty = self.faulty(&layer, &rows);
-            let kept = kept_by_edits(self.model, &rows, &analysis, |i| !is_fixed(i), |i| faulty.contains(&i));
+            let gains = self.gains(&layer, &rows);
+            let gain = |i| gains.get(&i).copied().unwrap_or(0);
+            let kept = kept_by_edits(self.model, &rows, &analysis, |i| !is_fixed(i), gain);
             if let Some(kept) = kept {
                 preferences.equations.extend(kept);
                 analysis = self.analyse(&layer, &rows, preferences)?;
@@ -102,11 +103,23 @@ impl<'a> KeptEquations<'a> {
         Ok(())
     }
 
-    /// Equations with faults among those of a layer.
-    fn faulty(&self, layer: &Layer, rows: &[usize]) -> FxHashSet<usize> {
+    /// How much it helps to drop an equation: most if it alone is the fault, less if it is in a circle, which others can open too.
+    fn gains(&self, layer: &Layer, rows: &[usize]) -> FxHashMap<usize, u8> {
         let mut left_out = vec![true; self.model.equations()];
         rows.iter().for_each(|&i| left_out[i] = false);
-        faults_of(self.model, &layer.prescribed, &left_out).iter().map(|fault| fault.equation).collect()
+        let mut gains = FxHashMap::default();
+        for fault in faults_of(self.model, &layer.prescribed, &left_out) {
+            let (gain, other) = match fault.kind {
+                FaultKind::Circle => (1, None),
+                FaultKind::SlaveTwice { first } | FaultKind::CoupledTwice { first } => (2, Some(first)),
+                _ => (2, None),
+            };
+            for i in other.into_iter().chain([fault.equation]) {
+                let known = gains.entry(i).or_insert(gain);
+                *known = gain.max(*known);
+            }
+        }
+        gains
     }
 
     /// Records the certificate of a dependent equation, from the last load case in which it holds.

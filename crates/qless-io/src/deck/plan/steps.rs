@@ -4,11 +4,11 @@ use qless::common::DisjointSets;
 use qless::{Kind, Options, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::card_edits::edit_of;
+use super::card_edits::{edit_of, text_of};
 use super::layers::KeptEquations;
 use super::{Cases, CleanError, Ended, Plan, PlanOptions, Reason, Removed, solved};
 use crate::deck::faults::EquationFault;
-use crate::deck::{Deck, LoadCase, Model, Origin};
+use crate::deck::{Deck, LoadCase, Model};
 
 /// Whether a format can remove an equation in a later load case.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -133,10 +133,4 @@ pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
         sets.join(*by_text.entry(text_of(model, equation.origin)).or_insert(i), i);
     }
     sets.numbered().0.into_iter().map(|number| number as usize).collect()
-}
-
-/// Key of the lines of an equation. An Abaqus part is read once for each instance, so that its equations share lines.
-pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
-    let card = if model.has_instances() { model.cards.nth(origin.card).file } else { origin.card };
-    (card, origin.line)
 }
