@@ -178,7 +178,8 @@ fn redundant_cards_are_left_out() {
 /// Rigid elements between up to eight grid points.
 fn elements(rng: &mut Rng) -> String {
     let points = 4 + rng.below(5);
-    let mut text = "SOL 101\nCEND\nMPC = 1\nSPC = 1\nBEGIN BULK\n".to_owned();
+    let control = ["MPC = 1\nSPC = 1\n", "SUBCASE 1\nMPC = 1\nSUBCASE 2\nSPC = 1\n"][rng.below(4) / 3];
+    let mut text = format!("SOL 101\nCEND\n{control}BEGIN BULK\n");
     for point in 1..=points {
         text += &format!("GRID,{point},,{}.,{}.,{}.\n", rng.below(4), rng.below(4), rng.below(3));
     }
