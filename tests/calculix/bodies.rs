@@ -143,3 +143,31 @@ fn a_redundant_card_goes_as_a_whole() {
         }
     }
 }
+
+/// Two cards share slave nodes, and agree on them: the later card loses these nodes, and the deck then solves as if it had never named them.
+#[test]
+fn a_card_loses_the_nodes_that_another_card_has() {
+    let (tie, body) = ("*TIE, NAME=T1\nB,A\n", "*RIGID BODY, NSET=ROOF, REF NODE=30, ROT NODE=31\n");
+    let sets = "*NSET, NSET=EDGE\n11,12\n*SURFACE, NAME=EDGE, TYPE=NODE\nEDGE\n*NSET, NSET=MORE\n15,25,26,16\n*NSET,NSET=LESS\n25,26\n";
+    let later_tie = "*TIE, NAME=T2\n** some\n B ,A\n";
+    for (cards, sound, expected) in [
+        (
+            format!("{sets}*TIE, NAME=T1\nEDGE,A\n{later_tie}"),
+            format!("{sets}{tie}"),
+            "*NSET, NSET=QLESS1\n13,14\n*SURFACE, NAME=QLESS1, TYPE=NODE\nQLESS1\n*TIE, NAME=T2\n** some\nQLESS1,A\n",
+        ),
+        (
+            format!("{sets}{tie}*TIE, NAME=T2\nC,B\n{body}*RIGID BODY, NSET = MORE,REF NODE=30,ROT NODE=31\n"),
+            format!("{sets}{tie}*TIE, NAME=T2\nC,B\n{body}*RIGID BODY,NSET=LESS,REF NODE=30,ROT NODE=31\n"),
+            "*NSET, NSET=QLESS1\n25,26\n*RIGID BODY, NSET =QLESS1,REF NODE=30,ROT NODE=31\n",
+        ),
+    ] {
+        let text = String::from_utf8(clean_text(&stack(&cards))).expect("text");
+        assert!(text.contains(expected) && !text.contains("written anew"), "{text}");
+        if is_there() {
+            assert!(difference(&run(stack(&sound).as_bytes()), &run(text.as_bytes())) < 1e-9, "{text}");
+        }
+        let dos = clean_text(&stack(&cards).replace('\n', "\r\n"));
+        assert_eq!(String::from_utf8(dos).expect("text").replace("\r\n", "\n"), text);
+    }
+}

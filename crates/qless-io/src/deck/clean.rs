@@ -17,7 +17,7 @@ use proof::prove;
 
 pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
 pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
-pub(super) use super::plan::{Edits, Renamed};
+pub(super) use super::plan::{Edits, Renamed, shortened};
 pub use super::solver::{Finding, findings};
 
 /// Plans the changes of a deck and carries them out. If edits of cards cannot be carried out or proved, equations are rewritten instead.

@@ -1,6 +1,6 @@
 //! Chooses the edits of cards that make equations independent, so that no equation need be rewritten.
 //!
-//! An edit leaves out a card, or one dependent grid point of an `RBE2`. The law: an equation is dropped by an edit of its card if all
+//! An edit leaves out a card, or one slave node of a divisible card, such as a grid point of an `RBE2`. The law: an equation is dropped by an edit of its card if all
 //! equations that the edit removes are implied by those that remain.
 //!
 //! Let `row_k = sum_i c_ki row_i` be the certificates of the dependent equations k, and N the matrix with `N_kk = 1` and `N_ik = -c_ki`: its
@@ -14,6 +14,7 @@ use qless::Analysis;
 use qless::common::DisjointSets;
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::Removed;
 use crate::deck::{Model, Origin};
 
 /// Most dependent equations, and most operations: the search must not take longer than the analysis.
@@ -29,28 +30,74 @@ pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
     (card, origin.line)
 }
 
-/// Key of the edit that drops an equation: its text, and its grid point if the card is an `RBE2`.
-pub fn edit_of(model: &Model, i: usize) -> ((u32, u32), u32) {
-    let equation = model.nth(i);
-    let is_star = model.cards.nth(equation.origin.card).name.is_numbered("RBE2");
-    let slave = equation.columns.first().filter(|_| is_star);
-    (text_of(model, equation.origin), slave.map_or(0, |&j| model.dofs[j as usize].node))
+/// Key of an edit: a text, and a node of the card if the edit leaves out only this node.
+pub type EditKey = ((u32, u32), u32);
+
+/// The edit that drops an equation; a whole card unless `by_node`.
+pub fn edit_of(model: &Model, i: usize, by_node: bool) -> EditKey {
+    let origin = model.nth(i).origin;
+    let node = if by_node && model.cards.is_divisible(origin.card) { slave_node(model, i) } else { 0 };
+    (text_of(model, origin), node)
 }
 
-/// For an analysis of these equations, those to keep instead of equations that edits drop. `is_edited` selects equations whose card
-/// may change; those with the largest `gain` are dropped first.
+fn slave_node(model: &Model, i: usize) -> u32 {
+    model.nth(i).columns.first().map_or(0, |&j| model.dofs[j as usize].node)
+}
+
+/// Slave nodes of a card that loses only some of them.
+#[derive(Default)]
+pub struct ShorterCard {
+    /// Those that remain, in the order of the card.
+    pub left: Vec<u32>,
+    /// Those that the card loses.
+    pub lost: Vec<u32>,
+}
+
+impl ShorterCard {
+    /// The nodes that the card loses, for a comment.
+    pub fn lost_names(&self) -> String {
+        const NAMED: usize = 8;
+        let names: Vec<String> = self.lost.iter().take(NAMED).map(u32::to_string).collect();
+        names.join(", ") + if self.lost.len() > NAMED { ", ..." } else { "" }
+    }
+}
+
+/// The cards that lose only some of their nodes, by file and line.
+pub fn shortened(model: &Model, removed: &[Removed]) -> BTreeMap<(u32, u32), ShorterCard> {
+    let gone: FxHashSet<usize> = removed.iter().map(|removed| removed.equation).collect();
+    let place = |i: usize| {
+        let origin = model.nth(i).origin;
+        (model.cards.nth(origin.card).file, origin.line)
+    };
+    let mut cards: BTreeMap<_, ShorterCard> = gone.iter().map(|&i| (place(i), ShorterCard::default())).collect();
+    for i in 0..model.equations() {
+        let Some(card) = cards.get_mut(&place(i)) else { continue };
+        let (side, node) = (if gone.contains(&i) { &mut card.lost } else { &mut card.left }, slave_node(model, i));
+        if side.last() != Some(&node) {
+            side.push(node);
+        }
+    }
+    cards.retain(|_, card| !card.left.is_empty());
+    cards
+}
+
+/// For an analysis of these equations, those to keep instead of equations that edits drop. `edit` gives the edit of an equation unless its
+/// card must not change; equations with the largest `gain` are dropped first.
 pub fn kept_by_edits(
     model: &Model,
     rows: &[usize],
     analysis: &Analysis,
-    is_edited: impl Fn(usize) -> bool,
+    edit: impl Fn(usize) -> Option<EditKey>,
     gain: impl Fn(usize) -> u8,
 ) -> Option<Vec<usize>> {
     let dependencies = Dependencies::collect(model, rows, analysis)?;
     let mut edits: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    rows.iter().enumerate().for_each(|(row, &i)| edits.entry(edit_of(model, i)).or_default().push(row));
+    rows.iter()
+        .enumerate()
+        .filter_map(|(row, &i)| Some((row, edit(i)?)))
+        .for_each(|(row, key)| edits.entry(key).or_default().push(row));
     let mut edits: Vec<Vec<usize>> = edits.into_values().collect();
-    edits.retain(|edit| edit.iter().all(|&row| is_edited(rows[row]) && dependencies.rows.contains_key(&row)));
+    edits.retain(|edit| edit.iter().all(|row| dependencies.rows.contains_key(row)));
     edits.sort_by_key(|edit| (edit.iter().map(|&row| gain(rows[row])).max(), edit.last().copied()));
     let mut echelon = Echelon::default();
     let dropped: FxHashSet<usize> =

@@ -10,7 +10,7 @@
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::card_edits::kept_by_edits;
+use super::card_edits::{EditKey, edit_of, kept_by_edits};
 use super::{Cases, CleanError, PlanOptions};
 use crate::deck::faults::{EquationFault, FaultKind, faults_of};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
@@ -84,7 +84,8 @@ impl<'a> KeptEquations<'a> {
         if self.edits_cards && !analysis.dependent().is_empty() {
             let gains = self.gains(&layer, &rows);
             let gain = |i| gains.get(&i).copied().unwrap_or(0);
-            let kept = kept_by_edits(self.model, &rows, &analysis, |i| !is_fixed(i), gain);
+            let edit = |i| (!is_fixed(i)).then(|| self.edit_of(i));
+            let kept = kept_by_edits(self.model, &rows, &analysis, edit, gain);
             if let Some(kept) = kept {
                 preferences.equations.extend(kept);
                 analysis = self.analyse(&layer, &rows, preferences)?;
@@ -101,6 +102,11 @@ impl<'a> KeptEquations<'a> {
         }
         self.layers.push(layer);
         Ok(())
+    }
+
+    /// The edit that drops an equation.
+    pub fn edit_of(&self, i: usize) -> EditKey {
+        edit_of(self.model, i, self.edits_cards)
     }
 
     /// How much it helps to drop an equation: most if it alone is the fault, less if it is in a circle, which others can open too.

@@ -19,6 +19,7 @@ use qless::Options;
 use crate::deck::faults::EquationFault;
 use crate::deck::{Deck, Dof, Format, Model};
 
+pub(super) use card_edits::shortened;
 pub(super) use edit::Edits;
 pub use error::CleanError;
 pub(crate) use error::Renamed;

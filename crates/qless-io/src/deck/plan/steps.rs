@@ -4,7 +4,7 @@ use qless::common::DisjointSets;
 use qless::{Kind, Options, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::card_edits::{edit_of, text_of};
+use super::card_edits::text_of;
 use super::layers::KeptEquations;
 use super::{Cases, CleanError, Ended, Plan, PlanOptions, Reason, Removed, solved};
 use crate::deck::faults::EquationFault;
@@ -73,14 +73,13 @@ impl KeptEquations<'_> {
     /// Equations whose edit would drop equations that are kept for other load cases.
     fn split_lines(&self) -> impl Iterator<Item = usize> + '_ {
         let mut kept: FxHashMap<_, Option<usize>> = FxHashMap::default();
-        let edit = |i: usize| edit_of(self.model, i);
         let mut split = FxHashSet::default();
         for i in 0..self.model.equations() {
-            if *kept.entry(edit(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
-                split.insert(edit(i));
+            if *kept.entry(self.edit_of(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
+                split.insert(self.edit_of(i));
             }
         }
-        (0..self.model.equations()).filter(move |&i| split.contains(&edit(i)))
+        (0..self.model.equations()).filter(move |&i| split.contains(&self.edit_of(i)))
     }
 }
 

@@ -43,8 +43,9 @@ fn plan_groups(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     for removed in plans.iter().flat_map(|plan| &plan.removed) {
         reasons.entry(removed.equation).or_insert_with(|| removed.reason.clone());
     }
-    let edits: FxHashSet<_> = reasons.keys().map(|&i| edit_of(model, i)).collect();
-    for i in (0..model.equations()).filter(|&i| edits.contains(&edit_of(model, i))) {
+    let edit = |i: usize| edit_of(model, i, options.edits_cards);
+    let edits: FxHashSet<_> = reasons.keys().map(|&i| edit(i)).collect();
+    for i in (0..model.equations()).filter(|&i| edits.contains(&edit(i))) {
         reasons.entry(i).or_insert(Reason::Connected);
     }
     let mut written = Vec::new();

@@ -13,7 +13,7 @@ use wide::mpc;
 
 use super::reader::{NastranContent, read};
 use super::syntax::lines::FileLine;
-use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};
+use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, shortened};
 use crate::deck::{Deck, Model};
 use select::TextChange;
 use target::EquationGroup;
@@ -63,11 +63,11 @@ fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_wri
             text.1 = comment(model, removed, is_written);
         }
     }
-    for (at, (lost, card)) in star::shortened(model, &content.bulk.ties, removed) {
-        if let Some((_, text)) = texts.get_mut(&at) {
-            let named: Vec<String> = lost.iter().take(NAMED).map(u32::to_string).collect();
-            let more = if lost.len() > NAMED { ", ..." } else { "" };
-            *text = text.replacen("$ qless: ", &format!("$ qless: {}{more} of ", named.join(", ")), 1) + &card;
+    let shorter = shortened(model, removed);
+    for (at, card) in star::with_points(&content.bulk.ties) {
+        if let (Some(shorter), Some((_, text))) = (shorter.get(&at), texts.get_mut(&at)) {
+            let lost = format!("$ qless: {} of ", shorter.lost_names());
+            *text = text.replacen("$ qless: ", &lost, 1) + &card(&shorter.left);
         }
     }
     let apart =
