@@ -18,7 +18,7 @@ use super::Removed;
 use crate::deck::{Model, Origin};
 
 /// Most dependent equations, and most operations: the search must not take longer than the analysis.
-const DEPENDENT: usize = 20_000;
+const DEPENDENT: usize = 1_000_000;
 const OPERATIONS: usize = 50_000_000;
 
 /// Relative size below which a remainder is rounding.
