@@ -171,3 +171,16 @@ fn a_card_loses_the_nodes_that_another_card_has() {
         assert_eq!(String::from_utf8(dos).expect("text").replace("\r\n", "\n"), text);
     }
 }
+
+/// The text of the second tie is not UTF-8, so that no other surface is written into it: the equations are.
+#[test]
+fn a_card_that_cannot_lose_nodes_becomes_equations() {
+    let sets = "*NSET, NSET=EDGE\n11,12\n*SURFACE, NAME=EDGE, TYPE=NODE\nEDGE\n";
+    let text = stack(&format!("{sets}*TIE, NAME=T1\nEDGE,A\n*TIE, NAME=T2\n** caf?\nB,A\n"));
+    let bytes: Vec<u8> = text.bytes().map(|byte| if byte == b'?' { 0xe9 } else { byte }).collect();
+    let deck = parse(&bytes);
+    let plan = clean::plan(&deck, &Options::default()).expect("a plan");
+    assert!(matches!(clean::write(&deck, &plan), Err(CleanError::Place { line: 61, .. })));
+    let (plan, text) = clean::clean(&deck, &Options::default()).expect("equations");
+    assert_eq!((plan.written.len(), clean::faults(parse(&text).model()).len()), (12, 0));
+}

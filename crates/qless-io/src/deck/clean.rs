@@ -24,6 +24,17 @@ pub use super::solver::{Finding, findings};
 ///
 /// # Errors
 /// As [`plan`] and [`write`].
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("links.bdf");
+/// let grids = "CEND\nBEGIN BULK\nGRID,1\nGRID,2,,1.\nGRID,3,,2.\n";
+/// std::fs::write(&path, format!("{grids}RBE2,8,1,123456,2,3\nRBE2,9,2,123456,3\n"))?;
+/// let (plan, text) = qless_io::deck::clean::clean(&qless_io::deck::read(&path)?, &qless::Options::default())?;
+/// assert_eq!((plan.removed.len(), plan.written.len()), (6, 0));
+/// assert!(String::from_utf8(text)?.contains("RBE2,8,1,123456,2,3\n$ qless: line 7 RBE2 9 removed, redundant"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn clean(deck: &Deck, options: &Options) -> Result<(Plan, Vec<u8>), CleanError> {
     let made = |edits_cards| {
         let plan = plan_with(deck, PlanOptions { options, edits_cards })?;
