@@ -116,8 +116,8 @@ fn stack(constraints: &str) -> String {
     text += "30,.4,.5,3.\n31,.4,.5,3.\n*NSET, NSET=ROOF\n15,16,17,18\n*NSET, NSET=PART\n15,16\n";
     for (name, first) in [("E1", 1), ("E2", 11), ("E3", 21)] {
         let nodes: Vec<String> = (first..first + 8).map(|node| node.to_string()).collect();
-        text += &format!("*ELEMENT, TYPE=C3D8, ELSET={name}\n{},{}\n", nodes[0], nodes.join(","));
-        text += &format!("*SOLID SECTION, ELSET={name}, MATERIAL=EL\n");
+        text.extend([format!("*ELEMENT, TYPE=C3D8, ELSET={name}\n{},{}\n", nodes[0], nodes.join(","))]);
+        text.extend([format!("*SOLID SECTION, ELSET={name}, MATERIAL=EL\n")]);
     }
     text += "*MATERIAL, NAME=EL\n*ELASTIC\n1000.,0.3\n*SURFACE, NAME=A\nE1,S2\n*SURFACE, NAME=B\nE2,S1\n*SURFACE, NAME=C\nE3,S1\n";
     let steps = step("*CLOAD\n15,1,10.\n26,3,5.\n");

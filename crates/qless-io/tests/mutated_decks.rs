@@ -181,19 +181,20 @@ fn elements(rng: &mut Rng) -> String {
     let control = ["MPC = 1\nSPC = 1\n", "SUBCASE 1\nMPC = 1\nSUBCASE 2\nSPC = 1\n"][rng.below(4) / 3];
     let mut text = format!("SOL 101\nCEND\n{control}BEGIN BULK\n");
     for point in 1..=points {
-        text += &format!("GRID,{point},,{}.,{}.,{}.\n", rng.below(4), rng.below(4), rng.below(3));
+        text.extend([format!("GRID,{point},,{}.,{}.,{}.\n", rng.below(4), rng.below(4), rng.below(3))]);
     }
     for id in 11..=12 + rng.below(4) {
         let mut all: Vec<usize> = (1..=points).collect();
         (0..points).for_each(|i| all.swap(i, rng.below(points)));
         let named: Vec<String> = all[1..2 + rng.below(3)].iter().map(usize::to_string).collect();
-        text += &match rng.below(8) {
+        let card = match rng.below(8) {
             0 => format!("RBAR,{id},{},{},123456\n", all[0], all[1]),
             1 => format!("MPC,1,{},1,1.,{},1,-1.\n", all[0], all[1]),
             2 => format!("RBE2,{id},{},123,{}\n", all[0], named.join(",")),
             3 => format!("SPC1,1,{},{}\nRBE2,{id},{},123456,{}\n", 1 + rng.below(6), all[3], all[0], named.join(",")),
             _ => format!("RBE2,{id},{},123456,{}\n", all[0], named.join(",")),
         };
+        text.extend([card]);
     }
     text + "ENDDATA\n"
 }
@@ -202,10 +203,10 @@ fn elements(rng: &mut Rng) -> String {
 fn cards(rng: &mut Rng) -> String {
     let mut text = "*NODE,NSET=ALL\n".to_owned();
     for node in 1..=8 {
-        text += &format!("{node},{}.,{}.,{}.\n", node % 2, node / 2 % 2, node / 4 % 2);
+        text.extend([format!("{node},{}.,{}.,{}.\n", node % 2, node / 2 % 2, node / 4 % 2)]);
     }
     for node in 9..=16 {
-        text += &format!("{node},{}.,{}.,{}.\n", node % 2, node / 2 % 2, 1 + node / 4 % 2);
+        text.extend([format!("{node},{}.,{}.,{}.\n", node % 2, node / 2 % 2, 1 + node / 4 % 2)]);
     }
     text += "21,9.,0.,0.\n22,9.,1.,0.\n23,9.,2.,0.\n";
     text += "*ELEMENT,TYPE=C3D8,ELSET=E1\n1,8,1,3,2,4,5,7,6\n*ELEMENT,TYPE=C3D8,ELSET=E2\n2,16,9,11,10,12,13,15,14\n";

@@ -98,7 +98,7 @@ fn closed_loops_of_rigid_elements_lose_an_element_or_become_equations() {
 /// The third grid point is dependent twice, and rigid anyway: one element loses it, and nothing else changes.
 #[test]
 fn a_grid_point_that_two_elements_share_leaves_one_of_them() {
-    let grids: String = (5..=30).map(|point| format!("GRID,{point},,{point}.,1.,{}.\n", point % 3)).collect();
+    let grids = (5..=30).fold(String::new(), |text, k| text + &format!("GRID,{k},,{k}.,1.,{}.\n", k % 3));
     let many: Vec<String> = (5..=30).map(|point| point.to_string()).collect();
     let wide = |points: &str| format!("RBE2          12       2  123456{points}\n");
     let long = many.iter().zip(4..).fold(String::new(), |text, (point, field)| {

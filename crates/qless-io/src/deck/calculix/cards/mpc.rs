@@ -83,7 +83,7 @@ fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<TypedF
         for field in fields.filter(|field| !field.is_empty() && *field != b"0") {
             let nodes = definitions.node_or_set(card.scope, field)?;
             if let Some((_, list)) = lists.last_mut() {
-                list.push(nodes.to_vec());
+                list.push(nodes);
             }
         }
     }

@@ -94,7 +94,7 @@ pub fn small_field(name: &str, fields: impl Iterator<Item = String>) -> String {
         if k > 0 && k.is_multiple_of(FIELD) {
             text += "+\n+       ";
         }
-        text += &format!("{field:>FIELD$}");
+        text.extend([format!("{field:>FIELD$}")]);
     }
     text + "\n"
 }
