@@ -1,7 +1,7 @@
 //! Chooses the edits of cards that make equations independent, so that no equation need be rewritten.
 //!
-//! An edit leaves out a card, or one slave node of a divisible card, such as a grid point of an `RBE2`. The law: an equation is dropped by an edit of its card if all
-//! equations that the edit removes are implied by those that remain.
+//! An edit leaves out a card, or one slave node of a divisible card, such as a grid point of an `RBE2`. The law: an equation is dropped by
+//! an edit of its card if all equations that the edit removes are implied by those that remain.
 //!
 //! Let `row_k = sum_i c_ki row_i` be the certificates of the dependent equations k, and N the matrix with `N_kk = 1` and `N_ik = -c_ki`: its
 //! columns span all dependencies. Equations D are implied by the others if and only if the rows of D in N are linearly independent. Edits
@@ -92,10 +92,8 @@ pub fn kept_by_edits(
 ) -> Option<Vec<usize>> {
     let dependencies = Dependencies::collect(model, rows, analysis)?;
     let mut edits: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    rows.iter()
-        .enumerate()
-        .filter_map(|(row, &i)| Some((row, edit(i)?)))
-        .for_each(|(row, key)| edits.entry(key).or_default().push(row));
+    let keys = rows.iter().enumerate().filter_map(|(row, &i)| Some((row, edit(i)?)));
+    keys.for_each(|(row, key)| edits.entry(key).or_default().push(row));
     let mut edits: Vec<Vec<usize>> = edits.into_values().collect();
     edits.retain(|edit| edit.iter().all(|row| dependencies.rows.contains_key(row)));
     edits.sort_by_key(|edit| (edit.iter().map(|&row| gain(rows[row])).max(), edit.last().copied()));
@@ -162,29 +160,30 @@ impl Echelon {
         is_added
     }
 
+    /// Adds a row if it is independent of the others.
     fn push(&mut self, row: &[(usize, f64)]) -> bool {
-        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |most, a| most.max(a.abs()));
-        let size = most(&mut row.iter().map(|(_, a)| *a));
+        let size = row.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
+        let Some(mut row) = self.remainder(row) else { return false };
+        row.retain(|_, a| a.abs() > ROUNDING * size);
+        let largest = row.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(&j, _)| j);
+        let Some(pivot) = largest.and_then(|j| row.remove_entry(&j)) else { return false };
+        self.of_pivot.insert(pivot.0, self.rows.len());
+        self.rows.push((pivot.0, [pivot].into_iter().chain(row).collect()));
+        true
+    }
+
+    /// A row without the pivots of the others; `None` if that takes too long.
+    fn remainder(&mut self, row: &[(usize, f64)]) -> Option<BTreeMap<usize, f64>> {
         let mut row: BTreeMap<usize, f64> = row.iter().copied().collect();
         let mut next = 0;
         // A row has no entry at the pivots of the rows before it, so one pass in order removes all pivots.
         while let Some(at) = row.keys().filter_map(|j| self.of_pivot.get(j)).copied().filter(|at| *at >= next).min() {
             let (pivot, reduced) = &self.rows[at];
             self.operations += row.len() + reduced.len();
-            if self.operations >= OPERATIONS {
-                return false;
-            }
             let factor = row.remove(pivot).unwrap_or_default() / reduced[0].1;
             reduced[1..].iter().for_each(|(j, a)| *row.entry(*j).or_default() -= factor * a);
             next = at + 1;
         }
-        row.retain(|_, a| a.abs() > ROUNDING * size);
-        let Some(pivot) = row.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(&j, &a)| (j, a)) else {
-            return false;
-        };
-        row.remove(&pivot.0);
-        self.of_pivot.insert(pivot.0, self.rows.len());
-        self.rows.push((pivot.0, [pivot].into_iter().chain(row).collect()));
-        true
+        (self.operations < OPERATIONS).then_some(row)
     }
 }
