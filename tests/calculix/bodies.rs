@@ -104,3 +104,83 @@ fn equations_that_would_have_to_come_back_are_refused() {
     let error = clean::plan(&parse(text.as_bytes()), &Options::default()).expect_err("no set of equations serves both");
     assert!(matches!(error, CleanError::CasesDiffer { .. } | CleanError::Apart { .. }), "{error}");
 }
+
+/// Three bricks that share a face at z = 1: one below, and two above it in the same place.
+fn stack(constraints: &str) -> String {
+    let corners = ["0.,0.", "1.,0.", "1.,1.", "0.,1."];
+    let mut text = "*NODE, NSET=NALL\n".to_owned();
+    for (first, z) in [(1, 0), (11, 1), (21, 1)] {
+        let node = |k: usize| format!("{},{},{}.\n", first + k, corners[k % 4], z + k / 4);
+        (0..8).for_each(|k| text += &node(k));
+    }
+    text += "30,.4,.5,3.\n31,.4,.5,3.\n*NSET, NSET=ROOF\n15,16,17,18\n*NSET, NSET=PART\n15,16\n";
+    for (name, first) in [("E1", 1), ("E2", 11), ("E3", 21)] {
+        let nodes: Vec<String> = (first..first + 8).map(|node| node.to_string()).collect();
+        text.extend([format!("*ELEMENT, TYPE=C3D8, ELSET={name}\n{},{}\n", nodes[0], nodes.join(","))]);
+        text.extend([format!("*SOLID SECTION, ELSET={name}, MATERIAL=EL\n")]);
+    }
+    text += "*MATERIAL, NAME=EL\n*ELASTIC\n1000.,0.3\n*SURFACE, NAME=A\nE1,S2\n*SURFACE, NAME=B\nE2,S1\n*SURFACE, NAME=C\nE3,S1\n";
+    let steps = step("*CLOAD\n15,1,10.\n26,3,5.\n");
+    format!("{text}*BOUNDARY\n1,1,3\n2,2,3\n3,3\n4,3\n{constraints}{steps}")
+}
+
+/// A redundant card is left out as a whole, and the deck then solves as if it had never had the card.
+#[test]
+fn a_redundant_card_goes_as_a_whole() {
+    let ties = "*TIE, NAME=T1\nB,A\n*TIE, NAME=T2\nC,B\n";
+    let body = "*RIGID BODY, NSET=ROOF, REF NODE=30, ROT NODE=31\n";
+    for (kept, redundant) in [
+        (ties.to_owned(), "*TIE, NAME=T3\nC,A\n"),
+        (ties.to_owned(), "*MPC\nTIE,22,6\nPIN,11,5\n"),
+        (format!("{ties}{body}"), "*RIGID BODY, NSET=PART, REF NODE=30, ROT NODE=31\n"),
+    ] {
+        let text = String::from_utf8(clean_text(&stack(&format!("{kept}{redundant}")))).expect("text");
+        let (before, after) = text.split_once("** qless: equation of line").expect("a comment");
+        let sound = stack(&kept);
+        assert!(sound == before.to_owned() + after.split_once('\n').expect("a line").1, "{text}");
+        if is_there() {
+            assert!(difference(&run(sound.as_bytes()), &run(text.as_bytes())) < 1e-9, "{text}");
+        }
+    }
+}
+
+/// Two cards share slave nodes, and agree on them: the later card loses these nodes, and the deck then solves as if it had never named them.
+#[test]
+fn a_card_loses_the_nodes_that_another_card_has() {
+    let (tie, body) = ("*TIE, NAME=T1\nB,A\n", "*RIGID BODY, NSET=ROOF, REF NODE=30, ROT NODE=31\n");
+    let sets = "*NSET, NSET=EDGE\n11,12\n*SURFACE, NAME=EDGE, TYPE=NODE\nEDGE\n*NSET, NSET=MORE\n15,25,26,16\n*NSET,NSET=LESS\n25,26\n";
+    let later_tie = "*TIE, NAME=T2\n** some\n B ,A\n";
+    for (cards, sound, expected) in [
+        (
+            format!("{sets}*TIE, NAME=T1\nEDGE,A\n{later_tie}"),
+            format!("{sets}{tie}"),
+            "*NSET, NSET=QLESS1\n13,14\n*SURFACE, NAME=QLESS1, TYPE=NODE\nQLESS1\n*TIE, NAME=T2\n** some\nQLESS1,A\n",
+        ),
+        (
+            format!("{sets}{tie}*TIE, NAME=T2\nC,B\n{body}*RIGID BODY, NSET = MORE,REF NODE=30,ROT NODE=31\n"),
+            format!("{sets}{tie}*TIE, NAME=T2\nC,B\n{body}*RIGID BODY,NSET=LESS,REF NODE=30,ROT NODE=31\n"),
+            "*NSET, NSET=QLESS1\n25,26\n*RIGID BODY, NSET =QLESS1,REF NODE=30,ROT NODE=31\n",
+        ),
+    ] {
+        let text = String::from_utf8(clean_text(&stack(&cards))).expect("text");
+        assert!(text.contains(expected) && !text.contains("written anew"), "{text}");
+        if is_there() {
+            assert!(difference(&run(stack(&sound).as_bytes()), &run(text.as_bytes())) < 1e-9, "{text}");
+        }
+        let dos = clean_text(&stack(&cards).replace('\n', "\r\n"));
+        assert_eq!(String::from_utf8(dos).expect("text").replace("\r\n", "\n"), text);
+    }
+}
+
+/// The text of the second tie is not UTF-8, so that no other surface is written into it: the equations are.
+#[test]
+fn a_card_that_cannot_lose_nodes_becomes_equations() {
+    let sets = "*NSET, NSET=EDGE\n11,12\n*SURFACE, NAME=EDGE, TYPE=NODE\nEDGE\n";
+    let text = stack(&format!("{sets}*TIE, NAME=T1\nEDGE,A\n*TIE, NAME=T2\n** caf?\nB,A\n"));
+    let bytes: Vec<u8> = text.bytes().map(|byte| if byte == b'?' { 0xe9 } else { byte }).collect();
+    let deck = parse(&bytes);
+    let plan = clean::plan(&deck, &Options::default()).expect("a plan");
+    assert!(matches!(clean::write(&deck, &plan), Err(CleanError::Place { line: 61, .. })));
+    let (plan, text) = clean::clean(&deck, &Options::default()).expect("equations");
+    assert_eq!((plan.written.len(), clean::faults(parse(&text).model()).len()), (12, 0));
+}

@@ -37,8 +37,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     }
     progress.stage("cleaning");
     let fail = |error: CleanError| CliFailure::Input(format!("{}: {error} (nothing was written)", input.display()));
-    let plan = clean::plan(&deck.deck, &diagnosis.options).map_err(fail)?;
-    let text = clean::write(&deck.deck, &plan).map_err(fail)?;
+    let (plan, text) = clean::clean(&deck.deck, &diagnosis.options).map_err(fail)?;
     progress.stage("writing");
     // The output may replace the deck itself, but no file that it includes.
     let included = Inputs::new(deck.deck.model().files().iter().skip(1));

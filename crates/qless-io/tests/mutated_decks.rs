@@ -139,6 +139,94 @@ fn changed_decks_are_cleaned_or_refused() {
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n--------\n"));
 }
 
+/// Rigid elements and bodies at random, many of them redundant: what edits of cards leave is checked like every cleaned deck, and cards
+/// that lose no equation stay as they are.
+#[test]
+fn redundant_cards_are_left_out() {
+    let count = if std::env::var_os("QLESS_THOROUGH").is_some() { 10_000 } else { 600 };
+    let mut rng = Rng::new(3);
+    let (mut edited, mut written) = (0, 0);
+    for k in 0..count {
+        let (format, text) =
+            if k % 2 == 0 { (Format::Nastran, elements(&mut rng)) } else { (Format::Calculix, cards(&mut rng)) };
+        let outcome = cleaned(format, text.as_bytes()).unwrap_or_else(|failure| panic!("deck {k}: {failure}\n{text}"));
+        let deck = read(format, text.clone().into_bytes(), &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let Some(plan) = (outcome == "cleaned").then(|| plan(&deck, &Options::default()).expect("a plan")) else {
+            continue;
+        };
+        written += usize::from(!plan.written.is_empty());
+        if plan.written.is_empty() {
+            edited += 1;
+            let after = String::from_utf8(write(&deck, &plan).expect("written")).expect("text");
+            let model = deck.model();
+            let lines = plan.removed.iter().map(|removed| model.equation(removed.equation).expect("one").origin);
+            let gone: BTreeSet<u32> = lines.flat_map(|origin| origin.line..origin.line + origin.lines).collect();
+            let stays = text
+                .lines()
+                .zip(1..)
+                .filter(|(text, line)| !gone.contains(line) && !["*EQUATION", "MPC = 1"].contains(text));
+            let mut stays = stays.map(|(text, _)| text);
+            let mut next = stays.next();
+            after.lines().for_each(|line| next = if next == Some(line) { stays.next() } else { next });
+            assert!(next.is_none(), "deck {k}: {next:?} is gone\n{text}\n{after}");
+        }
+    }
+    println!("{edited} edited, {written} written");
+    assert!(edited > count / 4 && edited > written, "{edited} edited, {written} written");
+}
+
+/// Rigid elements between up to eight grid points.
+fn elements(rng: &mut Rng) -> String {
+    let points = 4 + rng.below(5);
+    let control = ["MPC = 1\nSPC = 1\n", "SUBCASE 1\nMPC = 1\nSUBCASE 2\nSPC = 1\n"][rng.below(4) / 3];
+    let mut text = format!("SOL 101\nCEND\n{control}BEGIN BULK\n");
+    for point in 1..=points {
+        text.extend([format!("GRID,{point},,{}.,{}.,{}.\n", rng.below(4), rng.below(4), rng.below(3))]);
+    }
+    for id in 11..=12 + rng.below(4) {
+        let mut all: Vec<usize> = (1..=points).collect();
+        (0..points).for_each(|i| all.swap(i, rng.below(points)));
+        let named: Vec<String> = all[1..2 + rng.below(3)].iter().map(usize::to_string).collect();
+        let card = match rng.below(8) {
+            0 => format!("RBAR,{id},{},{},123456\n", all[0], all[1]),
+            1 => format!("MPC,1,{},1,1.,{},1,-1.\n", all[0], all[1]),
+            2 => format!("RBE2,{id},{},123,{}\n", all[0], named.join(",")),
+            3 => format!("SPC1,1,{},{}\nRBE2,{id},{},123456,{}\n", 1 + rng.below(6), all[3], all[0], named.join(",")),
+            _ => format!("RBE2,{id},{},123456,{}\n", all[0], named.join(",")),
+        };
+        text.extend([card]);
+    }
+    text + "ENDDATA\n"
+}
+
+/// Rigid bodies, ties and equations of up to eight nodes, some of them twice.
+fn cards(rng: &mut Rng) -> String {
+    let mut text = "*NODE,NSET=ALL\n".to_owned();
+    for node in 1..=8 {
+        text.extend([format!("{node},{}.,{}.,{}.\n", node % 2, node / 2 % 2, node / 4 % 2)]);
+    }
+    for node in 9..=16 {
+        text.extend([format!("{node},{}.,{}.,{}.\n", node % 2, node / 2 % 2, 1 + node / 4 % 2)]);
+    }
+    text += "21,9.,0.,0.\n22,9.,1.,0.\n23,9.,2.,0.\n";
+    text += "*ELEMENT,TYPE=C3D8,ELSET=E1\n1,8,1,3,2,4,5,7,6\n*ELEMENT,TYPE=C3D8,ELSET=E2\n2,16,9,11,10,12,13,15,14\n";
+    text += "*SURFACE,NAME=TOP\nE1,S2\n*SURFACE,NAME=FOOT\nE2,S1\n*NSET,NSET=A\n4,5\n*NSET,NSET=B\n5,6,7\n*NSET,NSET=C\n12,13,14,15\n";
+    let cards = [
+        "*TIE,NAME=T1\nFOOT,TOP\n",
+        "*TIE,NAME=T2\nTOP,FOOT\n",
+        "*RIGID BODY,NSET=A,REF NODE=21,ROT NODE=22\n",
+        "*RIGID BODY,NSET=B,REF NODE=21,ROT NODE=22\n",
+        "*RIGID BODY,NSET=C,REF NODE=21,ROT NODE=22\n",
+        "*EQUATION\n2\n4,1,1.,16,1,-1.\n",
+        "*EQUATION\n2\n16,1,2.,4,1,-2.\n2\n9,2,1.,5,2,-1.\n",
+        "*MPC\nTIE,9,5\n",
+        "*MPC\nPIN,5,9\nPIN,10,6\n",
+        "*MPC\nTIE,16,4\n",
+    ];
+    (0..2 + rng.below(4)).for_each(|_| text += cards[rng.below(cards.len())]);
+    text + "*STEP\n*STATIC\n*END STEP\n"
+}
+
 /// Decks of every format: the ones above, those of this repository and those that `QLESS_CORPUS` names.
 fn bases() -> Vec<(Format, String, Vec<u8>)> {
     let own = [

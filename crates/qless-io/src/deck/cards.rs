@@ -2,7 +2,7 @@
 //! one run.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 /// Name of a card in the deck, such as `*EQUATION` or `RBE2 12`.
@@ -127,6 +127,8 @@ pub struct Cards {
     count: u32,
     /// Cards that equations cannot replace, with a reason if the name does not explain it.
     irreplaceable: BTreeMap<u32, Option<&'static str>>,
+    /// Cards whose nodes can be left out one by one.
+    divisible: BTreeSet<u32>,
 }
 
 /// A run of cards: the number of card `first + k` is higher by `k numbers` than that of `card`, and its line by `k lines`.
@@ -204,6 +206,21 @@ impl Cards {
         } else {
             self.irreplaceable.remove(&i);
         }
+    }
+
+    /// Records that the writer can leave out nodes of card `i` one by one.
+    pub(super) fn mark_divisible(&mut self, i: u32) {
+        self.divisible.insert(i);
+    }
+
+    /// Records that no card is divisible.
+    pub(super) fn keep_whole(&mut self) {
+        self.divisible.clear();
+    }
+
+    /// Whether the writer can leave out nodes of card `i` one by one: the slave nodes of its equations.
+    pub(super) fn is_divisible(&self, i: u32) -> bool {
+        self.divisible.contains(&i) || self.nth(i).name.is_numbered("RBE2")
     }
 
     /// Records why equations cannot replace card `i`, and how to change that.

@@ -1,21 +1,47 @@
 //! Cleans a deck: makes its equations independent, with each slave once and never prescribed.
 //!
 //! Equations are treated by connected component ("part"); equations that share free DOFs or text belong together. A
-//! part without faults stays byte for byte. If its dependent equations can simply be removed, they are. Otherwise the
-//! whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
+//! part without faults stays byte for byte. If its dependent equations can be removed with their cards, they are. Otherwise
+//! the whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
 //! has no faults, so that cleaning it again changes nothing.
 //!
 //! The new text is read again to prove that it constrains as the original: see `proof`.
 
 mod proof;
 
+use qless::Options;
+
+use super::plan::{PlanOptions, plan_with};
 use super::{Deck, Format, ansys, calculix, nastran};
 use proof::prove;
 
 pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
 pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
-pub(super) use super::plan::{Edits, Renamed};
+pub(super) use super::plan::{Edits, Renamed, shortened};
 pub use super::solver::{Finding, findings};
+
+/// Plans the changes of a deck and carries them out. If edits of cards cannot be carried out or proved, equations are rewritten instead.
+///
+/// # Errors
+/// As [`plan`] and [`write`].
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("links.bdf");
+/// let grids = "CEND\nBEGIN BULK\nGRID,1\nGRID,2,,1.\nGRID,3,,2.\n";
+/// std::fs::write(&path, format!("{grids}RBE2,8,1,123456,2,3\nRBE2,9,2,123456,3\n"))?;
+/// let (plan, text) = qless_io::deck::clean::clean(&qless_io::deck::read(&path)?, &qless::Options::default())?;
+/// assert_eq!((plan.removed.len(), plan.written.len()), (6, 0));
+/// assert!(String::from_utf8(text)?.contains("RBE2,8,1,123456,2,3\n$ qless: line 7 RBE2 9 removed, redundant"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn clean(deck: &Deck, options: &Options) -> Result<(Plan, Vec<u8>), CleanError> {
+    let made = |edits_cards| {
+        let plan = plan_with(deck, PlanOptions { options, edits_cards })?;
+        write(deck, &plan).map(|text| (plan, text))
+    };
+    made(true).or_else(|error| made(false).map_err(|_| error))
+}
 
 /// Carries out a plan: returns the new text of the main file. It is read again, and proved to constrain as the deck
 /// does in every load case.

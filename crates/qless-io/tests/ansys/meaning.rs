@@ -77,6 +77,32 @@ fn values_of_nodes() {
 }
 
 #[test]
+fn selections_of_all() {
+    let two = "NSEL,S,NODE,,2\n";
+    for (selection, expected) in [
+        ("NSEL,S,NODE,,ALL\n", &["1:1 0", "2:1 0", "3:1 0"][..]),
+        ("NSEL,A,,,ALL\n", &["1:1 0", "2:1 0", "3:1 0"]),
+        ("NSEL,ALL\n", &["1:1 0", "2:1 0", "3:1 0"]),
+        ("NSEL,R,NODE,,ALL\n", &["2:1 0"]),
+        ("ESEL,ALL\n", &["2:1 0"]),
+        ("CM,A,NODE\nNSEL,S,NODE,,3\nCMSEL,ALL\n", &["2:1 0", "3:1 0"]),
+        // Groups of elements leave the selected nodes alone.
+        ("CM,E,ELEM\nCMSEL,S,E\n", &["2:1 0"]),
+        ("CMBLOCK,E,ELEM,1\n(8i10)\n         3\nCMSEL,S,E\n", &["2:1 0"]),
+    ] {
+        let deck = deck(&format!("/CLEAR\nN,1\nN,2\nN,3\nNUMMRG,ELEM\n{two}{selection}D,ALL,UX\n"));
+        assert_eq!(
+            (prescribed(&deck, 0), warnings(&deck)),
+            (expected.iter().map(|&one| one.into()).collect(), vec![]),
+            "{selection}"
+        );
+    }
+    for lost in ["N,1\n/CLEAR\n", "NUMMRG,NODE\n", "NUMMRG,ALL\n", "RESUME,a,db\n", "CDREAD,DB,a,cdb\n"] {
+        assert_eq!(deck(lost).model().left_out().count(), 1, "{lost}");
+    }
+}
+
+#[test]
 fn load_steps() {
     let deck = deck("CE,1,0,1,UX,1,2,UX,1\nD,1,UX,1\nF,2,FX,10\nSOLVE\nDDELE,1,UX\nD,2,UX,2\nFDELE,2,ALL\nsolve\n");
     let names: Vec<&str> = deck.model().cases().iter().map(|case| case.name.as_str()).collect();

@@ -73,6 +73,39 @@ fn cards_of_a_part_hold_for_each_of_its_instances() {
 }
 
 #[test]
+fn a_constraint_of_a_node_set_holds_for_each_of_its_nodes() {
+    let sets = "*NSET, NSET=RP\n1\n*NSET, NSET=B, INSTANCE=Brick-2\n1,2\n*NSET, NSET=C, INSTANCE=Brick-1\n5,6\n";
+    let of = |line: &str| read(&format!("{sets}*MPC\n{line}\n"), "*BOUNDARY\nRP,1,6\n");
+    let equal = ["1 Brick-2.1:1 -1 Brick-1.5:1", "1 Brick-2.2:1 -1 Brick-1.6:1"];
+    let first = |line: &str| equations(&of(line)).into_iter().step_by(3).collect::<Vec<_>>();
+    assert_eq!((first("TIE,B,C"), first("PIN,B,C")), (equal.map(String::from).into(), equal.map(String::from).into()));
+    assert_eq!(first("TIE,B,Brick-1.5")[1], "1 Brick-2.2:1 -1 Brick-1.5:1");
+    assert_eq!(of("LINK,B,RP").equations(), 2);
+    // Beams take the translations of a node without rotations along: node 5 is at (0, 0, 1), the reference at (5, 5, 5).
+    assert_eq!(first("BEAM,C,RP")[0], "1 Brick-1.5:1 -1 1:1 4 1:5 -5 1:6");
+    assert_eq!(of("BEAM,C,RP").equations(), 6);
+    let refused = refused(Abaqus, &deck("*NSET, NSET=B, INSTANCE=Brick-2\n1,2\n*MPC\nTIE,1,B\n", ""));
+    assert!(
+        refused.ends_with(
+            "expected two nodes, a node set and a node, or two sets of one size, found `3 nodes`; correct it"
+        )
+    );
+}
+
+#[test]
+fn clean_leaves_sound_beams_alone_and_says_why_it_cannot_replace_others() {
+    let cleaned = |cards: &str| {
+        let sets = "*NSET, NSET=RP\n1\n*NSET, NSET=C, INSTANCE=Brick-1\n5,6\n";
+        let deck =
+            parsed(Abaqus, &deck(&format!("{sets}*MPC\nBEAM,C,RP\n{cards}"), "*BOUNDARY\nRP,1,6\n")).expect("a deck");
+        clean::plan(&deck, &qless::Options::default()).map(|plan| plan.is_empty()).map_err(|error| error.to_string())
+    };
+    assert_eq!(cleaned(""), Ok(true));
+    let clash = cleaned("*EQUATION\n2\nBrick-1.5,1,1.,Brick-2.7,1,-1.\n").expect_err("a fault");
+    assert!(clash.contains("*MPC cannot be replaced by equations: an equation that shares DOFs"), "{clash}");
+}
+
+#[test]
 fn transforms_and_rigid_bodies_turn_with_their_instance() {
     let turned = deck("*RIGID BODY, REF NODE=1, PIN NSET=Brick-2.Top\n", "")
         .replace("*END PART", "*TRANSFORM, NSET=Top, TYPE=R\n1.,0.,0.,0.,1.,0.\n*END PART");

@@ -86,10 +86,43 @@ fn a_prescribed_dependent_component_is_exchanged() {
 }
 
 #[test]
-fn closed_loops_of_rigid_elements_become_equations() {
+fn closed_loops_of_rigid_elements_lose_an_element_or_become_equations() {
     let loops = "RBE2,1,1,123456,2\nRBE2,2,2,123456,3\nRBE2,3,3,123456,1\nRBAR,4,4,1,123456\n";
+    let edited = cleaned(&format!("CEND\nBEGIN BULK\n{GRIDS}{loops}"), &[]);
+    assert!(!edited.contains("MPC*") && edited.contains("RBAR,4,4,1,123456\n"), "{edited}");
+    // The dependent component of the MPC depends on itself through the loop.
     let after = cleaned(&format!("CEND\nMPC = 6\nBEGIN BULK\n{GRIDS}MPCADD,6,8,9\nMPC,8,4,1,1.,3,1,-1.\n{loops}"), &[]);
     assert!(after.contains("MPC*                   8"), "{after}");
+}
+
+/// The third grid point is dependent twice, and rigid anyway: one element loses it, and nothing else changes.
+#[test]
+fn a_grid_point_that_two_elements_share_leaves_one_of_them() {
+    let grids = (5..=30).fold(String::new(), |text, k| text + &format!("GRID,{k},,{k}.,1.,{}.\n", k % 3));
+    let many: Vec<String> = (5..=30).map(|point| point.to_string()).collect();
+    let wide = |points: &str| format!("RBE2          12       2  123456{points}\n");
+    let long = many.iter().zip(4..).fold(String::new(), |text, (point, field)| {
+        text + &format!("{}{point:>8}", if field % 8 == 1 { "+\n+       " } else { "" })
+    });
+    for (second, expected) in [
+        ("RBE2,12,2,123456,3,4\n".to_owned(), wide("       4")),
+        ("RBE2,12,2,123456,4,THRU,6\n+,3\n".to_owned(), wide("       4       5       6")),
+        (format!("RBE2,12,2,123456,3,{}\n", many.join(",")), wide(&long)),
+    ] {
+        let text = format!("SOL 101\nCEND\nBEGIN BULK\n{GRIDS}{grids}RBE2,11,1,123456,2,3\n{second}ENDDATA\n");
+        let comment = "$ qless: 3 of line 35 RBE2 12 removed, redundant: line 35 RBE2 12 3:1 is \
+                       -1 * (line 34 RBE2 11 2:1) + 2 * (line 34 RBE2 11 2:6) + 1 * (line 34 RBE2 11 3:1)\n";
+        assert_eq!(cleaned(&text, &[]), text.replace(&second, &(comment.to_owned() + &expected)));
+    }
+    // The lines of the card are apart.
+    let text = format!("CEND\nBEGIN BULK\n{GRIDS}RBE2,11,1,123456,2,3\nRBE2,12,2,123456,3,+A\nGRID,5\n+A,4\n");
+    let after = cleaned(&text, &[]);
+    let apart = "RBE2          12       2  123456       4\nGRID,5\n$ qless: continuation of a removed card\n";
+    assert!(after.ends_with(apart), "{after}");
+    // Copies need their text.
+    let copies = format!("CEND\nBEGIN BULK\n{GRIDS}RBE2,11,1,123456,2,3\nRBE2,12,2,123456,3\n=,*1,*1,=,*1\n");
+    let after = cleaned(&copies, &[]);
+    assert!(after.ends_with("RBE2          11       1  123456       2\nRBE2,12,2,123456,3\n=,*1,*1,=,*1\n"), "{after}");
 }
 
 #[test]

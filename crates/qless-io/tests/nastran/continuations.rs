@@ -2,7 +2,7 @@
 
 use qless_io::deck::Solver;
 
-use super::given::{equations, model, parsed, refused, warnings};
+use super::given::{equations, model, parsed, prescribed, refused, warnings};
 
 const GRIDS: &str = "GRID,1\nGRID,2,,1.\nGRID,3,,2.\nGRID,4,,3.\nGRID,5,,4.\nGRID,6,,5.\nGRID,7,,6.\n";
 const TOGETHER: &str = "RBE2,9,1,3,2,3,4,5,6,+A\n+A,7\nMPC,1,2,1,1.,3,1,-1.,,+B\n+B,,4,1,-1.\n";
@@ -38,6 +38,21 @@ fn a_line_that_none_names_is_that_of_the_card_before_it() {
     assert_eq!(sorted("RBE2,9,1,3,2,3\n+X,4\nCBAR,1,1,1,2,0.,1.,0.\n"), expected);
     // Here another card names it.
     assert_eq!(sorted("RBE2,9,1,3,2,3\n+X,4\nRBE2,8,1,1,2,+X"), sorted("RBE2,9,1,3,2,3\nRBE2,8,1,1,2,4"));
+}
+
+/// The last field of a line without a `+` may be a remark: the next line follows then, whatever its name.
+#[test]
+fn a_second_continuation_reads_like_the_first() {
+    let text = "SPC1    1       1       1       2       3       4       5       6       CSPC-A
++SPC-A  7       8       9       10      11      12      13      14      CSPC-B
++SPC-B  15      16\n";
+    let held = |text: &str| prescribed(&model(&format!("CEND\nSPC=1\nBEGIN BULK\n{GRIDS}{text}")).cases()[0]).len();
+    assert_eq!(held(text), 16);
+    assert_eq!(sorted("RBE2,9,1,3,2,3\n+X,4\n+Y,5\n+Z,6"), sorted("RBE2,9,1,3,2,3,4,5,6"));
+    assert_eq!(sorted("CBAR,9,1,3,2\n+X,4\n+Y,5\nRBE2,9,1,3,2"), sorted("RBE2,9,1,3,2"));
+    // Here another card names the second continuation.
+    let named = "RBE2,8,1,1,2,+Y\nRBE2,9,1,3,2,3\n+X,4\n+Y,5\n+Z,6";
+    assert_eq!(sorted(named), sorted("RBE2,8,1,1,2,5,6\nRBE2,9,1,3,2,3,4"));
 }
 
 #[test]

@@ -74,10 +74,6 @@ fn cards_are_named() {
             "place/deck.bdf:5: RROD 7: 1:2 is at right angles to the rod and cannot depend on it; choose another component",
         ),
         (
-            "RBE3,7,,1,4,1.,123,2,3",
-            "place/deck.bdf:5: RBE3 7: the connected components do not determine 1:4; connect more of them, or remove it from REFC",
-        ),
-        (
             "RBE3,7,,1,12,1.,123,2,3\n,UM,2,1",
             "place/deck.bdf:5: RBE3 7: UM names 1 components, but REFC has 2; name as many",
         ),

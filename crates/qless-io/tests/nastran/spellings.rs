@@ -97,7 +97,7 @@ fn cards_that_are_not_understood_are_named() {
     let expected = [
         "line 2: RSPLINE 9 is an interpolation element of grid points 1, 2, 3, 4; it is not understood and left out",
         "line 3: RBE2GS 8 is a rigid element that searches its grid points; it is not understood and left out",
-        "line 5: SUPORT 1 without inertia relief fixes reference components of grid points 1, 4; it is not understood and left out",
+        "line 5: SUPORT 1 names reference components of grid points 1, 4; it gives no equation, but a static solution without inertia relief holds them",
         "line 6: CWELD 4 joins its parts by equations; it is not understood and left out",
     ];
     assert_eq!(warnings(&model), expected);
@@ -152,13 +152,13 @@ fn what_constrains_and_is_not_read_leaves_the_model_incomplete() {
         "BEGIN SUPER=1\nRBE2,1,1,3,2",
         "SEBSET,1,1,123",
         "CSUPER,1,,1",
-        "SUPORT,1,123",
         "CWELD,7,1",
         "BCTABLE,1",
     ] {
         assert_eq!(left_out(card), 1, "{card}");
     }
     assert_eq!(left_out("BCTSET,1,2"), 0, "contact alone ties nothing");
+    assert_eq!(left_out("SUPORT,1,123"), 0, "reference components are no equation");
     assert!(
         warnings(&model("GRID,1\nGRID,2\nJOINTG,7,,HINGE,1,,2\n"))[0]
             .contains("JOINTG 7 is a joint of type HINGE of grid points 1, 2")

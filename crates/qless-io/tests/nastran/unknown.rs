@@ -1,6 +1,6 @@
 //! Cards of unknown names: those that may constrain are left out, others are named, usual ones are not.
 
-use super::given::{model, warnings};
+use super::given::{equations, model, warnings};
 
 const TIE: &str = "CEND\nBEGIN BULK\nGRID,1\nGRID,2\nRBE2,9,1,1,2\n";
 
@@ -31,4 +31,21 @@ fn usual_cards_are_passed_over_without_a_word() {
                  AERO AEROS TRIM FLUTTER MKAERO1 MDLPRM CHBDYG CONV RADM VIEW USET1 BCTPARM BSURFS GENEL NSM1 PVISC";
     let cards = names.split_whitespace().fold(String::new(), |cards, name| cards + name + ",1\n");
     assert_eq!(warnings(&model(&format!("{TIE}{cards}"))), [""; 0]);
+}
+
+#[test]
+fn a_singular_mean_is_left_out_alone() {
+    let tie = "CEND\nBEGIN BULK\nGRID,1\nGRID,2,,1.\nGRID,3,,2.\nRBE2,9,1,1,2\n";
+    let why = "the connected components do not determine 1:4; connect more of them, or remove it from REFC";
+    let um = "the element cannot be solved for the components after UM; choose others that it connects";
+    for (mean, why, claims) in [
+        ("RBE3,7,,1,1234,1.,123,2,3", why, vec!["1:1", "1:2", "1:3", "1:4"]),
+        ("RBE3,7,,1,1,1.,123,2,3\n,UM,2,3", um, vec!["2:3"]),
+    ] {
+        let model = model(&format!("{tie}{mean}\n"));
+        assert_eq!(warnings(&model), [format!("line 7: RBE3 7 is left out: {why}")]);
+        assert_eq!((model.left_out().count(), equations(&model)), (1, vec!["1 2:1 -1 1:1".to_owned()]));
+        let claimed: Vec<String> = model.left_out_claims().iter().map(|(dof, _)| dof.to_string()).collect();
+        assert_eq!(claimed, claims);
+    }
 }

@@ -3,7 +3,7 @@
 //! From `row_k = sum c_l row_l` follows `row_i = (row_k - sum_{l != i} c_l row_l) / c_i` for any i with `c_i != 0`: then k is
 //! kept and i depends on it. If all equations of a certificate are preferred, they exceed the rank, and the preference is unmet.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
@@ -34,17 +34,18 @@ pub(crate) fn keep_preferred(
     if !dependent.iter().any(|d| wanted.contains(&d.row)) {
         return out;
     }
-    let mut all: BTreeMap<usize, Exchangeable> = dependent
-        .drain(..)
-        .map(|d| (d.row, Exchangeable { because: certificate(&d, history), dependent: d }))
-        .collect();
-    let asked: Vec<usize> = all.keys().copied().filter(|row| wanted.contains(row)).collect();
+    let mut exchange = Exchange::default();
+    for d in dependent.drain(..) {
+        exchange.insert(Exchangeable { because: certificate(&d, history), dependent: d });
+    }
+    let asked: Vec<usize> = exchange.all.keys().copied().filter(|row| wanted.contains(row)).collect();
     for k in asked {
-        match substitute_for(&all[&k].because, &wanted, rule.scaling) {
-            Some(i) => exchange(&mut all, k, i, rule),
+        match substitute_for(&exchange.all[&k].because, &wanted, rule.scaling) {
+            Some(i) => exchange.keep(k, i, rule),
             None => out.unmet.push(k),
         }
     }
+    let all = exchange.all;
     out.overruled = all.values().filter(|e| e.changed() && e.is_conflicting()).map(Exchangeable::correction).collect();
     dependent.extend(all.into_values().map(Exchangeable::into_dependent));
     out
@@ -89,24 +90,41 @@ fn substitute_for(because: &BTreeMap<usize, f64>, wanted: &BTreeSet<usize>, scal
     may_go.reduce(|a, b| if b.1 > a.1 { b } else { a }).map(|(row, _)| row)
 }
 
-/// Keeps equation k instead of i, which then depends on it.
-fn exchange(all: &mut BTreeMap<usize, Exchangeable>, k: usize, i: usize, rule: &MismatchRule) {
-    let Some(Exchangeable { mut because, dependent }) = all.remove(&k) else { return };
-    let pivot = because.remove(&i).unwrap_or(1.0);
-    because.values_mut().for_each(|c| *c = -*c / pivot);
-    because.insert(k, 1.0 / pivot);
-    let Mismatch { value, size, error } = dependent.rest;
-    let rest = Mismatch { value: -value / pivot, size: size / pivot.abs(), error: error / pivot.abs() };
-    for entry in all.values_mut() {
-        if let Some(c) = entry.because.remove(&i) {
+/// The dependent equations while some are exchanged.
+#[derive(Default)]
+struct Exchange {
+    all: BTreeMap<usize, Exchangeable>,
+    /// For each kept equation, dependent ones whose certificates name it or named it before.
+    users: HashMap<usize, Vec<usize>>,
+}
+
+impl Exchange {
+    fn insert(&mut self, entry: Exchangeable) {
+        let row = entry.dependent.row;
+        entry.because.keys().for_each(|&kept| self.users.entry(kept).or_default().push(row));
+        self.all.insert(row, entry);
+    }
+
+    /// Keeps equation k instead of i, which then depends on it.
+    fn keep(&mut self, k: usize, i: usize, rule: &MismatchRule) {
+        let Some(Exchangeable { mut because, dependent }) = self.all.remove(&k) else { return };
+        let pivot = because.remove(&i).unwrap_or(1.0);
+        because.values_mut().for_each(|c| *c = -*c / pivot);
+        because.insert(k, 1.0 / pivot);
+        let Mismatch { value, size, error } = dependent.rest;
+        let rest = Mismatch { value: -value / pivot, size: size / pivot.abs(), error: error / pivot.abs() };
+        for user in self.users.remove(&i).unwrap_or_default() {
+            let Some(entry) = self.all.get_mut(&user) else { continue };
+            let Some(c) = entry.because.remove(&i) else { continue };
             because.iter().for_each(|(&row, &v)| add(&mut entry.because, row, c * v));
+            because.keys().for_each(|&row| self.users.entry(row).or_default().push(user));
             let old = entry.dependent.rest;
             let part = (c * rest.value, c.abs() * rest.size, c.abs() * rest.error);
             let sum = Mismatch { value: old.value + part.0, size: old.size.max(part.1), error: old.error + part.2 };
             entry.dependent = Dependent::new(entry.dependent.row, sum, entry.dependent.dropped, GIVEN, rule);
         }
+        self.insert(Exchangeable { because, dependent: Dependent::new(i, rest, dependent.dropped, GIVEN, rule) });
     }
-    all.insert(i, Exchangeable { because, dependent: Dependent::new(i, rest, dependent.dropped, GIVEN, rule) });
 }
 
 /// Replaced at the end by the certificate.

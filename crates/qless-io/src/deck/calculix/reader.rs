@@ -100,7 +100,7 @@ impl CalculixReader {
                 }
                 equation::read(card, &mut self.model, &self.definitions)?;
             }
-            b"*MPC" => mpc::read(card, &mut self.model, &self.definitions)?,
+            b"*MPC" => mpc::read(card, &mut self.model, &self.definitions, self.solver)?,
             b"*RIGIDBODY" => {
                 self.bodies.extend(rigid::read(card, &mut self.model, &self.definitions, self.solver)?);
             }
@@ -245,6 +245,10 @@ impl CalculixReader {
         if self.solver == Solver::Ccx {
             self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;
+        }
+        // Abaqus may tie a node-based surface in another way, and steps may need a node at different times.
+        if self.solver != Solver::Ccx || self.model.cases.windows(2).any(|two| !two[0].constrains_as(&two[1])) {
+            self.model.cards.keep_whole();
         }
         self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
         self.model.traits.is_nonlinear = self.definitions.is_nonlinear;

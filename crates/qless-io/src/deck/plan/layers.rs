@@ -10,7 +10,8 @@
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::{Cases, CleanError};
+use super::card_edits::{EditKey, edit_of, kept_by_edits};
+use super::{Cases, CleanError, PlanOptions};
 use crate::deck::faults::{EquationFault, FaultKind, faults_of};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
 
@@ -32,6 +33,7 @@ pub struct Layer {
 pub struct KeptEquations<'a> {
     pub model: &'a Model,
     pub options: &'a Options,
+    edits_cards: bool,
     /// Layers, with the last load case first.
     pub layers: Vec<Layer>,
     /// For each equation the layer up to which it is kept; `None` if it is dependent.
@@ -44,12 +46,16 @@ pub struct KeptEquations<'a> {
 
 impl<'a> KeptEquations<'a> {
     /// Chooses equations for load cases that follow each other.
-    pub fn choose(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
+    pub fn choose(
+        deck: &'a Deck,
+        cases: &[LoadCase],
+        PlanOptions { options, edits_cards }: PlanOptions<'a>,
+    ) -> Result<Self, CleanError> {
         let model = &deck.model;
         let end = ends(model, cases)?;
         let count = model.equations();
         let (layer_of, because) = (vec![None; count], FxHashMap::default());
-        let mut kept = Self { model, options, layers: Vec::new(), layer_of, because, end };
+        let mut kept = Self { model, options, edits_cards, layers: Vec::new(), layer_of, because, end };
         for last in (0..cases.len()).rev() {
             let next = (last + 1 < cases.len()).then(|| &cases[last + 1]);
             let prescribed = model.prescribed_in(&cases[..=last]);
@@ -71,9 +77,20 @@ impl<'a> KeptEquations<'a> {
         let own = |&i: &usize| self.model.nth(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
         let slaves = unprescribed(rows.iter().filter_map(own), &layer.prescribed);
         let is_fixed =
-            |&i: &usize| self.layer_of[i].is_some() || self.model.cards.nth(self.model.nth(i).origin.card).is_fixed;
-        let equations = rows.iter().zip(0..).filter(|(i, _)| is_fixed(i)).map(|(_, row)| row).collect();
-        let analysis = self.analyse(&layer, &rows, Preferences { slaves, equations, ..Preferences::default() })?;
+            |i: usize| self.layer_of[i].is_some() || self.model.cards.nth(self.model.nth(i).origin.card).is_fixed;
+        let equations = rows.iter().zip(0..).filter(|(i, _)| is_fixed(**i)).map(|(_, row)| row).collect();
+        let mut preferences = Preferences { slaves, equations, ..Preferences::default() };
+        let mut analysis = self.analyse(&layer, &rows, preferences.clone())?;
+        if self.edits_cards && !analysis.dependent().is_empty() {
+            let gains = self.gains(&layer, &rows);
+            let gain = |i| gains.get(&i).copied().unwrap_or(0);
+            let edit = |i| (!is_fixed(i)).then(|| self.edit_of(i));
+            let kept = kept_by_edits(self.model, &rows, &analysis, edit, gain);
+            if let Some(kept) = kept {
+                preferences.equations.extend(kept);
+                analysis = self.analyse(&layer, &rows, preferences)?;
+            }
+        }
         let number = self.layers.len();
         for (&i, kind) in rows.iter().zip(analysis.kinds()) {
             match (kind, self.layer_of[i]) {
@@ -85,6 +102,30 @@ impl<'a> KeptEquations<'a> {
         }
         self.layers.push(layer);
         Ok(())
+    }
+
+    /// The edit that drops an equation.
+    pub fn edit_of(&self, i: usize) -> EditKey {
+        edit_of(self.model, i, self.edits_cards)
+    }
+
+    /// How much it helps to drop an equation: most if it alone is the fault, less if it is in a circle, which others can open too.
+    fn gains(&self, layer: &Layer, rows: &[usize]) -> FxHashMap<usize, u8> {
+        let mut left_out = vec![true; self.model.equations()];
+        rows.iter().for_each(|&i| left_out[i] = false);
+        let mut gains = FxHashMap::default();
+        for fault in faults_of(self.model, &layer.prescribed, &left_out) {
+            let (gain, other) = match fault.kind {
+                FaultKind::Circle => (1, None),
+                FaultKind::SlaveTwice { first } | FaultKind::CoupledTwice { first } => (2, Some(first)),
+                _ => (2, None),
+            };
+            for i in other.into_iter().chain([fault.equation]) {
+                let known = gains.entry(i).or_insert(gain);
+                *known = gain.max(*known);
+            }
+        }
+        gains
     }
 
     /// Records the certificate of a dependent equation, from the last load case in which it holds.

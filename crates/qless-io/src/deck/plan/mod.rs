@@ -1,8 +1,10 @@
 //! Plans the changes of a deck.
 //!
 //! Load case k has the equations `E_k` and the prescribed DOFs `P_k`. In each case, the equations kept or written are
-//! independent without `P_k`, span the same space as `E_k`, and have distinct slaves outside `P_k`.
+//! independent without `P_k`, span the same space as `E_k`, and have distinct slaves outside `P_k`. Edits of cards are preferred
+//! (`card_edits`); equations are rewritten where they do not suffice.
 
+mod card_edits;
 mod edit;
 mod error;
 mod layers;
@@ -17,6 +19,7 @@ use qless::Options;
 use crate::deck::faults::EquationFault;
 use crate::deck::{Deck, Dof, Format, Model};
 
+pub(super) use card_edits::shortened;
 pub(super) use edit::Edits;
 pub use error::CleanError;
 pub(crate) use error::Renamed;
@@ -141,6 +144,19 @@ impl Plan {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
+    plan_with(deck, PlanOptions { options, edits_cards: true })
+}
+
+/// Options of a plan.
+#[derive(Clone, Copy)]
+pub(super) struct PlanOptions<'a> {
+    pub options: &'a Options,
+    /// Whether edits of cards are preferred.
+    pub edits_cards: bool,
+}
+
+/// [`plan`] with or without a preference for edits of cards.
+pub(super) fn plan_with(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     let model = &deck.model;
     if let Some(refusal) = model.refusals().first() {
         return Err(CleanError::Refused { place: model.place_of(refusal), why: refusal.text.clone() });

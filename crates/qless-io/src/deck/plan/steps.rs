@@ -4,10 +4,11 @@ use qless::common::DisjointSets;
 use qless::{Kind, Options, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::card_edits::text_of;
 use super::layers::KeptEquations;
-use super::{Cases, CleanError, Ended, Plan, Reason, Removed, solved};
+use super::{Cases, CleanError, Ended, Plan, PlanOptions, Reason, Removed, solved};
 use crate::deck::faults::EquationFault;
-use crate::deck::{Deck, LoadCase, Model, Origin};
+use crate::deck::{Deck, LoadCase, Model};
 
 /// Whether a format can remove an equation in a later load case.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -17,7 +18,7 @@ pub enum LateRemoval {
 }
 
 /// The plan for all load cases of a deck.
-pub fn plan(deck: &Deck, options: &Options, late_removal: LateRemoval) -> Result<Plan, CleanError> {
+pub fn plan(deck: &Deck, options: PlanOptions, late_removal: LateRemoval) -> Result<Plan, CleanError> {
     let model = &deck.model;
     let plan = plan_for(deck, &model.cases, options)?;
     let says_more = || !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
@@ -30,7 +31,7 @@ pub fn plan(deck: &Deck, options: &Options, late_removal: LateRemoval) -> Result
 }
 
 /// The plan for some load cases that follow each other, ignoring all others.
-pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
+pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: PlanOptions) -> Result<Plan, CleanError> {
     let kept = KeptEquations::choose(deck, cases, options)?;
     check_cases(&kept, cases)?;
     kept.plan()
@@ -69,17 +70,16 @@ impl KeptEquations<'_> {
         }
     }
 
-    /// Equations that share lines of the deck with equations that are kept for other load cases.
+    /// Equations whose edit would drop equations that are kept for other load cases.
     fn split_lines(&self) -> impl Iterator<Item = usize> + '_ {
-        let mut kept: FxHashMap<(u32, u32), Option<usize>> = FxHashMap::default();
-        let text = |i: usize| text_of(self.model, self.model.nth(i).origin);
+        let mut kept: FxHashMap<_, Option<usize>> = FxHashMap::default();
         let mut split = FxHashSet::default();
         for i in 0..self.model.equations() {
-            if *kept.entry(text(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
-                split.insert(text(i));
+            if *kept.entry(self.edit_of(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
+                split.insert(self.edit_of(i));
             }
         }
-        (0..self.model.equations()).filter(move |&i| split.contains(&text(i)))
+        (0..self.model.equations()).filter(move |&i| split.contains(&self.edit_of(i)))
     }
 }
 
@@ -132,10 +132,4 @@ pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
         sets.join(*by_text.entry(text_of(model, equation.origin)).or_insert(i), i);
     }
     sets.numbered().0.into_iter().map(|number| number as usize).collect()
-}
-
-/// Key of the lines of an equation. An Abaqus part is read once for each instance, so that its equations share lines.
-pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
-    let card = if model.has_instances() { model.cards.nth(origin.card).file } else { origin.card };
-    (card, origin.line)
 }

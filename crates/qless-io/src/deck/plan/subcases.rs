@@ -6,15 +6,15 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use qless::Options;
 use rustc_hash::FxHashSet;
 
-use super::steps::{LateRemoval, plan as common_plan, plan_for, text_of};
-use super::{Cases, CleanError, Plan, Reason, Removed, Written};
+use super::card_edits::edit_of;
+use super::steps::{LateRemoval, plan as common_plan, plan_for};
+use super::{Cases, CleanError, Plan, PlanOptions, Reason, Removed, Written};
 use crate::deck::{Deck, LoadCase, Model};
 
 /// One plan for all subcases, or else one for each group.
-pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
+pub fn plan(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     match common_plan(deck, options, LateRemoval::Impossible) {
         Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => plan_groups(deck, options),
         plan => plan,
@@ -34,7 +34,7 @@ fn groups(model: &Model) -> Vec<Vec<usize>> {
     groups
 }
 
-fn plan_groups(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
+fn plan_groups(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     let model = &deck.model;
     let groups = groups(model);
     let plans =
@@ -43,8 +43,9 @@ fn plan_groups(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     for removed in plans.iter().flat_map(|plan| &plan.removed) {
         reasons.entry(removed.equation).or_insert_with(|| removed.reason.clone());
     }
-    let texts: FxHashSet<(u32, u32)> = reasons.keys().map(|&i| text_of(model, model.nth(i).origin)).collect();
-    for i in (0..model.equations()).filter(|&i| texts.contains(&text_of(model, model.nth(i).origin))) {
+    let edit = |i: usize| edit_of(model, i, options.edits_cards);
+    let edits: FxHashSet<_> = reasons.keys().map(|&i| edit(i)).collect();
+    for i in (0..model.equations()).filter(|&i| edits.contains(&edit(i))) {
         reasons.entry(i).or_insert(Reason::Connected);
     }
     let mut written = Vec::new();
@@ -62,7 +63,7 @@ fn plan_groups(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
 }
 
 /// The plan for one load case alone; does not touch equations outside it.
-fn plan_group(deck: &Deck, case: &LoadCase, options: &Options) -> Result<Plan, CleanError> {
+fn plan_group(deck: &Deck, case: &LoadCase, options: PlanOptions) -> Result<Plan, CleanError> {
     let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
     plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());
     Ok(plan)

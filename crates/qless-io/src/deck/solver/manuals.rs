@@ -6,9 +6,11 @@
 //! | MSC and Simcenter Nastran | Quick Reference Guide | sets of DOFs are mutually exclusive: a dependent DOF that is dependent again or constrained is fatal (message 2101A) |
 //! | MYSTRAN | `tests/mystran.rs` runs it on every pair of cards | as MSC Nastran |
 //! | OptiStruct | Reference Guide | rigid elements may choose other dependent DOFs (`PARAM,AUTOMSET` defaults to `YES`) |
-//! | ANSYS | Modeling and Meshing Guide: "Coupling and Constraint Equations" | a constraint equation eliminates its first DOF that is in no other equation, in no coupled set and not prescribed; a coupled DOF must be in one set only and not prescribed |
+//! | ANSYS | Modeling and Meshing Guide: "Coupling and Constraint Equations" | a constraint equation eliminates its first DOF that is in no other equation, in no coupled set and not prescribed; a coupled DOF must be in one set only |
+//!
+//! ANSYS's own verification decks go further: they chain `CERIG`, and prescribe a DOF of a coupled set. Both count as accepted.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{CardKind, Outcome};
 use crate::deck::{LoadCase, Model};
@@ -43,38 +45,58 @@ pub fn optistruct(kinds: &[CardKind]) -> Outcome {
     if kinds.contains(&CardKind::RigidElement) { Outcome::Accepted } else { Outcome::Refused }
 }
 
-/// Number of equations in which each column occurs.
-pub struct ColumnUses(FxHashMap<u32, u32>);
+/// The equations that ANSYS can eliminate.
+pub struct Eliminations {
+    is_eliminated: Vec<bool>,
+    /// For the card of each coupled set, its prescribed columns.
+    prescribed: FxHashMap<u32, FxHashSet<u32>>,
+}
 
-impl ColumnUses {
-    /// Counts the equations that are not left out, and the values that these load cases prescribe.
-    pub fn count(model: &Model, cases: &[LoadCase], left_out: &[bool]) -> Self {
-        let mut uses = FxHashMap::default();
+impl Eliminations {
+    /// Finds an own DOF for the equations that are not left out, one after the other: a free DOF of no coupled set that no other equation
+    /// has, ignoring those that have theirs already. This follows chains of equations.
+    pub fn find(model: &Model, cases: &[LoadCase], left_out: &[bool]) -> Self {
+        let given = model.prescribed_in(cases);
+        let mut found = Self { is_eliminated: vec![false; model.equations()], prescribed: FxHashMap::default() };
+        let mut users: FxHashMap<u32, FxHashSet<usize>> = FxHashMap::default();
         for i in (0..model.equations()).filter(|&i| !left_out[i]) {
-            let mut columns = model.nth(i).columns.to_vec();
-            columns.sort_unstable();
-            columns.dedup();
-            columns.into_iter().for_each(|j| *uses.entry(j).or_default() += 1);
+            let equation = model.nth(i);
+            for (&j, _) in equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0) {
+                users.entry(j).or_default().insert(i);
+            }
+            let set = equation.columns.iter().filter(|j| given.contains_key(j)).copied();
+            found.prescribed.entry(equation.origin.card).or_default().extend(set);
         }
-        // A prescribed DOF counts as shared.
-        for given in cases.iter().flat_map(|case| &case.prescribed) {
-            if let Some(j) = model.column(given.dof) {
-                *uses.entry(j).or_default() += 2;
+        let is_set = |i: &usize| model.cards.nth(model.nth(*i).origin.card).name.is_numbered("CP");
+        users.retain(|j, users| !given.contains_key(j) && !users.iter().any(is_set));
+        let mut own: Vec<usize> = users.values().filter_map(only).collect();
+        while let Some(i) = own.pop() {
+            found.is_eliminated[i] = true;
+            for j in model.nth(i).columns {
+                let Some(users) = users.get_mut(j) else { continue };
+                users.remove(&i);
+                own.extend(only(users));
             }
         }
-        Self(uses)
+        found
     }
 
-    /// Whether an equation has a DOF that occurs nowhere else.
-    fn has_own(&self, model: &Model, equation: usize) -> bool {
-        let equation = model.nth(equation);
-        let mut terms = equation.columns.iter().zip(equation.coefficients);
-        terms.any(|(j, a)| *a != 0.0 && self.0.get(j) == Some(&1))
+    /// The outcome for equations with a fault.
+    pub fn outcome(&self, equations: &[usize]) -> Outcome {
+        accepted_if(equations.iter().all(|&i| self.is_eliminated[i]))
+    }
+
+    /// The outcome for a coupled set with prescribed DOFs: one of them gives the others their value.
+    pub fn of_set(&self, card: u32) -> Outcome {
+        accepted_if(self.prescribed.get(&card).is_none_or(|columns| columns.len() < 2))
     }
 }
 
-/// The outcome for equations with a fault.
-pub fn ansys_outcome(model: &Model, uses: &ColumnUses, equations: &[(usize, CardKind)]) -> Outcome {
-    let is_solvable = |&(i, kind): &(usize, CardKind)| kind != CardKind::CoupledSet && uses.has_own(model, i);
-    if equations.iter().all(is_solvable) { Outcome::Accepted } else { Outcome::Refused }
+/// The only element of a set.
+fn only(set: &FxHashSet<usize>) -> Option<usize> {
+    set.iter().next().copied().filter(|_| set.len() == 1)
+}
+
+fn accepted_if(holds: bool) -> Outcome {
+    if holds { Outcome::Accepted } else { Outcome::Refused }
 }

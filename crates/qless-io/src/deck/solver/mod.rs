@@ -12,7 +12,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::faults::{EquationFault, FaultKind};
 use super::{Dof, LoadCase, Model, Solver};
 pub use findings::{Finding, findings};
-use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, optistruct};
+use manuals::{Eliminations, abaqus_prescribed, abaqus_twice, optistruct};
 pub(super) use outcome::CardKind;
 pub use outcome::Outcome;
 
@@ -55,7 +55,7 @@ pub(super) struct Profile<'a> {
     /// For each equation, whether it is not in force.
     pub left_out: Vec<bool>,
     chain: OnceCell<bool>,
-    uses: OnceCell<ColumnUses>,
+    eliminations: OnceCell<Eliminations>,
 }
 
 impl<'a> Profile<'a> {
@@ -63,7 +63,7 @@ impl<'a> Profile<'a> {
     pub fn new(solver: Solver, model: &'a Model) -> Self {
         let left_out = vec![false; model.equations()];
         let cases = &model.cases;
-        Self { solver, model, cases, left_out, chain: OnceCell::new(), uses: OnceCell::new() }
+        Self { solver, model, cases, left_out, chain: OnceCell::new(), eliminations: OnceCell::new() }
     }
 
     /// Profile for one load case, without its removed equations.
@@ -80,11 +80,9 @@ impl<'a> Profile<'a> {
             FaultKind::SlavePrescribed { since, .. } => self.prescribed(equation, slave, since),
             FaultKind::SlaveTwice { first } => self.twice(first, equation),
             FaultKind::SlaveVanishes => self.vanishes(equation),
-            // These faults are fatal: coupled sets occur only in ANSYS decks, and sets of DOFs that exclude each other
-            // only in Nastran decks.
-            FaultKind::CoupledTwice { .. } | FaultKind::CoupledPrescribed { .. } | FaultKind::SlaveClaimed { .. } => {
-                Outcome::Refused
-            }
+            // Coupled sets occur only in ANSYS decks, and sets of DOFs that exclude each other only in Nastran decks.
+            FaultKind::CoupledTwice { .. } | FaultKind::SlaveClaimed { .. } => Outcome::Refused,
+            FaultKind::CoupledPrescribed { .. } => self.coupled(equation),
             FaultKind::MasterTwice { .. } => match self.solver {
                 Solver::Ccx => Outcome::Unsound,
                 _ => Outcome::Accepted,
@@ -118,6 +116,7 @@ impl<'a> Profile<'a> {
             Solver::Abaqus => abaqus_prescribed(kind),
             Solver::Nastran | Solver::Mystran => Outcome::Refused,
             Solver::Optistruct => optistruct(&[kind]),
+            Solver::Ansys if kind == CardKind::CoupledSet => self.coupled(equation),
             Solver::Ansys => self.ansys(&[equation]),
         }
     }
@@ -148,10 +147,17 @@ impl<'a> Profile<'a> {
         }
     }
 
+    fn eliminations(&self) -> &Eliminations {
+        self.eliminations.get_or_init(|| Eliminations::find(self.model, self.cases, &self.left_out))
+    }
+
     fn ansys(&self, equations: &[usize]) -> Outcome {
-        let uses = self.uses.get_or_init(|| ColumnUses::count(self.model, self.cases, &self.left_out));
-        let equations: Vec<(usize, CardKind)> = equations.iter().map(|&i| (i, self.kind(i))).collect();
-        ansys_outcome(self.model, uses, &equations)
+        self.eliminations().outcome(equations)
+    }
+
+    /// The outcome for the coupled set of an equation, one of whose DOFs is prescribed.
+    fn coupled(&self, equation: usize) -> Outcome {
+        self.eliminations().of_set(self.model.nth(equation).origin.card)
     }
 }
 

@@ -22,6 +22,8 @@ pub struct AnsysNodes {
     pub groups: FxHashMap<String, Vec<(u32, u32)>>,
     /// Named groups whose members are not known.
     pub unknown_groups: FxHashSet<String>,
+    /// Named groups of other entities.
+    pub other_groups: FxHashSet<String>,
     /// Whether commands may generate nodes that this reader does not know.
     pub are_generated: bool,
     pub positions: NodePositions,
@@ -48,14 +50,16 @@ impl AnsysNodes {
 
     /// `CMBLOCK, Cname, Entity, NUMITEMS`.
     pub fn group(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
+        let name = group_name(command.field(1));
         if !command.field(2).to_ascii_uppercase().starts_with(b"NODE") {
             self.end();
+            self.other_groups.insert(name);
             return Ok(());
         }
         let items = number::whole(command.field(3)).and_then(|items| u32::try_from(items).ok());
         let items = items.ok_or_else(|| expected(command, 3, "the number of items"))?;
-        let name = group_name(command.field(1));
         self.unknown_groups.remove(&name);
+        self.other_groups.remove(&name);
         self.groups.insert(name.clone(), Vec::new());
         self.block = DataBlock::Group(name, items, None);
         Ok(())

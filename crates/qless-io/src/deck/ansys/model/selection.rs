@@ -44,29 +44,45 @@ impl Default for NodeSelection {
 impl NodeSelection {
     /// `NSEL`.
     pub fn nodes_by(&mut self, command: &AnsysCommand) {
-        let by_number = command.is(2, "NODE") && command.field(3).is_empty();
+        let by_number = (command.is(2, "NODE") || command.field(2).is_empty()) && command.field(3).is_empty();
         let first = whole(command.field(4));
         let or = |at: usize, default| if is_nothing(command, at) { Some(default) } else { whole(command.field(at)) };
         let range = first.filter(|_| by_number).and_then(|first| Some((first, or(5, first)?.max(first), or(6, 1)?)));
         match command.field(1).to_ascii_uppercase().as_slice() {
             b"ALL" => self.nodes = SelectedNodes::All,
+            b"S" | b"A" | b"" if by_number && command.is(4, "ALL") => self.nodes = SelectedNodes::All,
+            b"R" if by_number && command.is(4, "ALL") => {}
             b"NONE" => self.nodes = SelectedNodes::Ranges(Vec::new()),
             b"STAT" => {}
             kind => self.select(kind, range.map(|range| vec![range])),
         }
     }
 
-    /// `CMSEL`.
+    /// `CMSEL`; a group of other entities than nodes selects no node.
     pub fn components_by(&mut self, command: &AnsysCommand, nodes: &AnsysNodes) {
+        if nodes.other_groups.contains(&group_name(command.field(2))) {
+            return;
+        }
+        if command.is(1, "ALL") && nodes.unknown_groups.is_empty() {
+            let all = nodes.groups.values().flatten().map(|&(first, last)| (first, last, 1)).collect();
+            return self.select(b"A", Some(all));
+        }
         let group = nodes.groups.get(&group_name(command.field(2)));
         let ranges = group.filter(|group| group.len() <= RANGES);
         let ranges = ranges.map(|group| group.iter().map(|&(first, last)| (first, last, 1)).collect());
         self.select(&command.field(1).to_ascii_uppercase(), ranges);
     }
 
-    /// `CM, Cname, NODE`: names the selected nodes as a group; the group is unknown if the selection is.
+    /// `CM, Cname, Entity`: names the selected nodes as a group, which is unknown if the selection is; or a group of other entities.
     pub fn name_group(&self, command: &AnsysCommand, nodes: &mut AnsysNodes) {
         let name = group_name(command.field(1));
+        if !command.is(2, "NODE") {
+            nodes.groups.remove(&name);
+            nodes.unknown_groups.remove(&name);
+            nodes.other_groups.insert(name);
+            return;
+        }
+        nodes.other_groups.remove(&name);
         if let SelectedNodes::Ranges(ranges) = &self.nodes
             && ranges.iter().all(|&(first, last, step)| step == 1 || first == last)
         {

@@ -57,9 +57,17 @@ impl AnsysReader {
                 warning.into_iter().for_each(|text| self.leave_out(command.line, text.to_owned()));
             }
             b"ETBL" => self.elements.in_block = true,
-            b"CM  " if command.is(2, "NODE") => self.selection.name_group(command, &mut self.nodes),
+            b"CM  " => self.selection.name_group(command, &mut self.nodes),
+            b"/CLE" if self.is_empty() => {}
+            b"NUMM" if ["ELEM", "TYPE", "REAL", "MAT", "MP", "SECN"].iter().any(|word| command.is(1, word)) => {}
             _ => self.unread(command),
         }
+    }
+
+    /// Whether no command before made a node, an equation or a value, or may have.
+    fn is_empty(&self) -> bool {
+        let is_made = self.made.line > 0 || self.made.unread || self.nodes.are_generated;
+        !is_made && self.nodes.numbers.is_empty() && self.events.is_empty()
     }
 
     /// Warns of an unsupported command by its effect; of an unknown command only once.

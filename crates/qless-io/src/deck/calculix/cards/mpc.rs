@@ -4,12 +4,15 @@
 //! | --- | --- |
 //! | `PLANE a b c k...` | `det[x_k - x_a, x_b - x_a, x_c - x_a] = 0` for each k |
 //! | `STRAIGHT a b k...` | `(x_k - x_a) x (x_b - x_a) = 0` for each k |
-//! | `BEAM a b` | a rigid beam if both nodes have rotations (Abaqus), else a constant distance (CalculiX) |
+//! | `BEAM a b` | a rigid beam, also for the rotations of a if it has them (Abaqus); without rotations a constant distance (CalculiX) |
 //! | `LINK a b` | `abs(x_a - x_b)` constant |
 //! | `PIN a b` | `u_a = u_b` |
 //! | `TIE a b` | `u_a = u_b`, also for rotations if both nodes have them |
 //! | `MEANROT k k k... p` | component 1 of p is the mean rotation of nodes k about the axis along p's coordinates (CalculiX) |
 //! | `DIST a a a b b b c` | `abs(x_a - x_b)` does not exceed the first coordinate of c (CalculiX) |
+//!
+//! In the types with two nodes, a may be a node set: each of its nodes gets the equations with b, or with its partner in a set b of as
+//! many nodes (Abaqus).
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
 use crate::deck::calculix::cards::unread::claim;
@@ -17,23 +20,29 @@ use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
 use crate::deck::calculix::model::{DeckDefinitions, folded};
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
-use crate::deck::{DeckError, Dof, Model, Problem};
+use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 use crate::fault::quote;
 
 /// Adds the equations of a card.
-pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
+pub fn read(
+    card: &KeywordCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+    solver: Solver,
+) -> Result<(), DeckError> {
     let place = RegisteredCard::register(card, model, "*MPC");
     let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
-    for (kind, nodes) in lists {
+    for (kind, fields) in lists {
+        let nodes = fields.concat();
         let rows = match kind.as_str() {
             "PLANE" => plane(definitions, &nodes),
             "STRAIGHT" => straight(definitions, &nodes),
-            "BEAM" => beam(definitions, &nodes),
-            "LINK" => pair(&nodes).and_then(|(a, b)| Ok(vec![distance(definitions, a, b)?])),
-            "PIN" => pair(&nodes).map(|(a, b)| (1..=3).map(|c| CardEquation::equal(a, b, c)).collect()),
-            "TIE" => pair(&nodes).map(|(a, b)| {
+            "BEAM" => of_pairs(&fields, |a, b| beam(definitions, a, b, solver)),
+            "LINK" => of_pairs(&fields, |a, b| Ok(vec![distance(definitions, a, b)?])),
+            "PIN" => of_pairs(&fields, |a, b| Ok((1..=3).map(|c| CardEquation::equal(a, b, c)).collect())),
+            "TIE" => of_pairs(&fields, |a, b| {
                 let rotate = definitions.rotates(a) && definitions.rotates(b);
-                (1..=if rotate { 6 } else { 3 }).map(|c| CardEquation::equal(a, b, c)).collect()
+                Ok((1..=if rotate { 6 } else { 3 }).map(|c| CardEquation::equal(a, b, c)).collect())
             }),
             "MEANROT" => mean_rotation(definitions, &nodes).map(|row| vec![row]),
             "DIST" => bound(definitions, &nodes).map(|row| row.into_iter().collect()),
@@ -59,9 +68,12 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     Ok(())
 }
 
+/// A type of constraint, and the nodes of each field after it.
+type TypedFields = (String, Vec<Vec<u32>>);
+
 /// Reads the types with their nodes; a line that begins with a number continues the list.
-fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<(String, Vec<u32>)>, Problem> {
-    let mut lists: Vec<(String, Vec<u32>)> = Vec::new();
+fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<TypedFields>, Problem> {
+    let mut lists: Vec<TypedFields> = Vec::new();
     for line in card.lines() {
         let mut fields = line.fields().peekable();
         let starts = fields.peek().is_some_and(|field| !field.first().is_some_and(u8::is_ascii_digit));
@@ -71,17 +83,34 @@ fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<(Strin
         for field in fields.filter(|field| !field.is_empty() && *field != b"0") {
             let nodes = definitions.node_or_set(card.scope, field)?;
             if let Some((_, list)) = lists.last_mut() {
-                list.extend(nodes);
+                list.push(nodes);
             }
         }
     }
     Ok(lists)
 }
 
-fn pair(nodes: &[u32]) -> Result<(u32, u32), Problem> {
-    match nodes {
-        [a, b] => Ok((*a, *b)),
-        _ => Err(Problem::Expected { expected: "two nodes", found: quote(nodes.len().to_string().as_bytes()) }),
+/// The equations of each pair of nodes.
+fn of_pairs(
+    fields: &[Vec<u32>],
+    equations: impl Fn(u32, u32) -> Result<Vec<CardEquation>, Problem>,
+) -> Result<Vec<CardEquation>, Problem> {
+    let rows = pairs(fields)?.into_iter().map(|(a, b)| equations(a, b)).collect::<Result<Vec<_>, _>>()?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+/// The pairs of a field with a node or a set and a second one; a set in the second field must be as large as the first one.
+fn pairs(fields: &[Vec<u32>]) -> Result<Vec<(u32, u32)>, Problem> {
+    match (fields, &fields.concat()[..]) {
+        (_, &[a, b]) => Ok(vec![(a, b)]),
+        ([first, second], _) if second.len() == 1 => Ok(first.iter().map(|&a| (a, second[0])).collect()),
+        ([first, second], _) if first.len() == second.len() => {
+            Ok(first.iter().copied().zip(second.iter().copied()).collect())
+        }
+        (_, nodes) => {
+            let expected = "two nodes, a node set and a node, or two sets of one size";
+            Err(Problem::Expected { expected, found: quote(format!("{} nodes", nodes.len()).as_bytes()) })
+        }
     }
 }
 
@@ -141,13 +170,13 @@ fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEqua
     Ok(rows)
 }
 
-fn beam(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEquation>, Problem> {
-    let (a, b) = pair(nodes)?;
-    if definitions.rotates(a) && definitions.rotates(b) {
-        let reference = BodyReference::with_rotations(b);
-        return kinematic(definitions, reference, std::iter::once(a), &[1, 2, 3, 4, 5, 6], None);
+fn beam(definitions: &DeckDefinitions, a: u32, b: u32, solver: Solver) -> Result<Vec<CardEquation>, Problem> {
+    let rotates = definitions.rotates(a);
+    if solver != Solver::Abaqus && !(rotates && definitions.rotates(b)) {
+        return Ok(vec![distance(definitions, a, b)?]);
     }
-    Ok(vec![distance(definitions, a, b)?])
+    let components = &[1, 2, 3, 4, 5, 6][..if rotates { 6 } else { 3 }];
+    kinematic(definitions, BodyReference::with_rotations(b), std::iter::once(a), components, None)
 }
 
 fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquation, Problem> {

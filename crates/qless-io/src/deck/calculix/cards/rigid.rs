@@ -83,6 +83,10 @@ pub fn read(
     } else if let Some(reference) = used.filter(|_| card.parameter("ROTNODE").is_none()) {
         own_rotation(&place, reference, model, definitions);
     }
+    let others = ["PINNSET", "TIENSET", "ELSET", "ANALYTICALSURFACE"];
+    if card.parameter("NSET").is_some() && others.iter().all(|other| card.parameter(other).is_none()) {
+        model.cards.mark_divisible(place.origin.card);
+    }
     model.warn(card.file, card.line, "*RIGID BODY is linearised at the reference configuration");
     Ok(used)
 }

@@ -38,6 +38,9 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     if tied.has_gap && card.word("ADJUST").as_deref() != Some("NO") {
         model.cards.fix_because(place.origin.card, MOVED);
     }
+    if card.lines().all(|line| line.file == card.file) {
+        model.cards.mark_divisible(place.origin.card);
+    }
     place.push(model, Ok(tied.rows))
 }
 

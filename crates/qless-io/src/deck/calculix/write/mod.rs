@@ -2,6 +2,7 @@
 //! equations that end.
 
 mod equations;
+mod fewer_nodes;
 mod local_axes;
 mod new_nodes;
 
@@ -9,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::deck::calculix::syntax::walk::{card_input, is_include, keyword_end, next_keyword};
-use crate::deck::plan::{CleanError, Edits, Plan, Reason, Removed, Renamed};
+use crate::deck::plan::{CleanError, Edits, Plan, Reason, Removed, Renamed, shortened};
 use crate::deck::{Deck, Model};
 use new_nodes::NewNodes;
 
@@ -30,6 +31,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
             entry.1 = comment(model, removed);
         }
     }
+    shorten(deck, plan, &mut comments)?;
     let new = NewNodes::build(deck, plan)?;
     comments.extend(new.rotations.lines(deck)?.into_iter().map(|(at, text)| (at, (1, text))));
     let text = equations::new_text(deck, plan, &new)?;
@@ -42,6 +44,22 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
         return Err(CleanError::Place { path, line: 1, why });
     }
     Ok((text, new.rotations.renamed().chain(new.proxies.renamed()).collect()))
+}
+
+/// Writes the cards that lose only some of their nodes below their comments.
+fn shorten(deck: &Deck, plan: &Plan, comments: &mut BTreeMap<(u32, u32), (u32, String)>) -> Result<(), CleanError> {
+    for (number, ((file, line), shorter)) in (1..).zip(shortened(&deck.model, &plan.removed)) {
+        let Some((lines, text)) = comments.get_mut(&(file, line)) else { continue };
+        let all = deck.texts[file as usize].split_inclusive(|&byte| byte == b'\n');
+        let card: Vec<&[u8]> = all.skip(line as usize - 1).take(*lines as usize).collect();
+        let card = String::from_utf8(card.concat()).ok().map(|card| card.replace("\r\n", "\n"));
+        let card = card.and_then(|card| fewer_nodes::with_nodes(deck, &card, &shorter.left, number));
+        let why = "a node cannot be left out of this card";
+        let refused = || CleanError::Place { path: deck.model.files[file as usize].clone(), line: line as usize, why };
+        let card = card.ok_or_else(refused)?;
+        *text = text.replacen("equation of", &format!("equations of {} in", shorter.lost_names()), 1) + &card;
+    }
+    Ok(())
 }
 
 struct CalculixWriter<'a> {

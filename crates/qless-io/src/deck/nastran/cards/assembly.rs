@@ -97,6 +97,10 @@ impl CardAssembly {
                 self.continuations.extend(line.text, line.at());
                 Ok(())
             }
+            LineBefore::Piece => {
+                self.continuations.start_next(name, line.text, line.at());
+                Ok(())
+            }
             before => self.start_piece(before, name, own.is_empty(), line),
         }
     }

@@ -60,8 +60,9 @@ pub struct UnreadCard {
     description: &'static str,
 }
 
-/// The description of cards that impose no equations.
+/// The descriptions of cards that impose no equations.
 const HARMLESS_CONTACT: &str = "is contact";
+const REFERENCE: &str = "names reference components";
 
 /// Descriptions, with the names of their cards.
 const UNREAD: [(&str, &str); 26] = [
@@ -83,7 +84,7 @@ const UNREAD: [(&str, &str); 26] = [
     ("is a section with pretension", "PRETENS"),
     ("joins the sides of a cyclic segment", "CYJOIN"),
     ("is cyclic symmetry", "CYSYM CYAX"),
-    ("without inertia relief fixes reference components", "SUPORT SUPORT1"),
+    (REFERENCE, "SUPORT SUPORT1"),
     ("fixes reference components", "SUPAX"),
     ("makes a superelement", "SESET"),
     ("joins a superelement", "CSUPER CSUPEXT"),
@@ -124,14 +125,18 @@ impl UnreadCard {
 
     /// Whether the card constrains: then the model is incomplete without it.
     pub fn constrains(self) -> bool {
-        self.description != HARMLESS_CONTACT
+        ![HARMLESS_CONTACT, REFERENCE].contains(&self.description)
     }
 
     /// The warning for a card: what the card is, and which grid points it names.
     pub fn warning(self, card: &BulkCard) -> String {
         let points = self.points(card);
         let on = if points.is_empty() { String::new() } else { format!(" of grid points {}", few(&points)) };
-        format!("{} {}{on}; it is not understood and left out", card.title(), self.description)
+        let end = match self.description {
+            REFERENCE => "it gives no equation, but a static solution without inertia relief holds them",
+            _ => "it is not understood and left out",
+        };
+        format!("{} {}{on}; {end}", card.title(), self.description)
     }
 
     /// The grid points that the card lists.

@@ -18,6 +18,7 @@ use super::control::selected::{self, CaseSets};
 use super::reader::{NastranContent, read};
 use super::syntax::card::CardLocation;
 use crate::deck::kinematics::body::{CouplingEquation, Poses};
+use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::partial_mean;
 use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::kinematics::vector::minus;
@@ -124,8 +125,7 @@ fn ties(
             }
             TieCard::Mpc(_) => {}
             TieCard::Element(element, place) => {
-                let card = add(element, place, bulk, points, model)?;
-                if is_multiplied {
+                if let Some(card) = add(element, place, bulk, points, model)?.filter(|_| is_multiplied) {
                     model.keep_by_multipliers(card);
                 }
             }
@@ -143,21 +143,39 @@ fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
     }
 }
 
-/// Adds the equations of an element and returns the number of its card.
+/// Adds the equations of an element and returns the number of its card. A mean that does not determine its reference is left out.
 fn add(
     element: &NastranElement,
     place: &CardLocation,
     bulk: &BulkData,
     points: &Points,
     model: &mut Model,
-) -> Result<u32, DeckError> {
-    let equations = equations(element, points).map_err(|problem| place.error(problem, model))?;
+) -> Result<Option<u32>, DeckError> {
+    let equations = match equations(element, points) {
+        Err(problem @ Problem::Card(CardFault::MeanUndetermined { .. } | CardFault::UmSingular)) => {
+            leave_out(element, place, &problem, model);
+            return Ok(None);
+        }
+        equations => equations.map_err(|problem| place.error(problem, model))?,
+    };
     let origin = place.origin(model);
     model.cards.mark_irreplaceable(origin.card, bulk.fixed.contains(&(place.file, place.line)));
     for equation in equations {
         model.push(equation.terms, 0.0, origin);
     }
-    Ok(origin.card)
+    Ok(Some(origin.card))
+}
+
+/// Leaves out a singular mean, which still claims the DOFs that it names as dependent.
+fn leave_out(element: &NastranElement, place: &CardLocation, problem: &Problem, model: &mut Model) {
+    let origin = place.origin(model);
+    model.leave_out(place.file, place.line, format!("{} is left out: {problem}", place.name));
+    let (NastranElement::Mean(mean) | NastranElement::PartialMean(mean)) = element else { return };
+    let own = [(mean.reference, mean.components)];
+    let dependent = if mean.dependent.is_empty() { &own[..] } else { &mean.dependent };
+    let dofs = |&(node, set): &(u32, Components)| set.iter().map(move |component| Dof { node, component });
+    let dofs: Vec<Dof> = dependent.iter().flat_map(dofs).collect();
+    model.claim_left_out(dofs, origin);
 }
 
 fn equations(element: &NastranElement, points: &Points) -> Result<Vec<CouplingEquation>, Problem> {

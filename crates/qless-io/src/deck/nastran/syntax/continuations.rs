@@ -1,8 +1,9 @@
 //! Joins cards with continuation lines that are not next to them.
 //!
-//! A card that ends with the mark `+A` continues in the line that begins with `+A`, wherever that line is in the deck.
+//! A card that ends with the mark `+A` continues in the line that begins with `+A`, wherever that line is in the deck. If a line ends
+//! without such a mark, the named line right after it continues it, unless another line names that line.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::card::{BulkCard, CardRefusal, NamedRefusal};
 use super::fields::{mark, name_in, split};
@@ -14,6 +15,8 @@ use crate::deck::{CardFault, Solver};
 pub struct Continuations {
     claims: Vec<ContinuationClaim>,
     pieces: Vec<LoosePiece>,
+    /// Names in the marks of cards and pieces.
+    named: BTreeSet<Vec<u8>>,
 }
 
 /// A card that continues in a line of a given name.
@@ -34,6 +37,8 @@ struct LoosePiece {
     lines: Vec<(FileLine, Vec<u8>)>,
     /// Whether the lines may belong to the skipped card before them.
     may_be_unread: bool,
+    /// Whether the lines follow the piece before, which ends without a mark.
+    follows: bool,
     is_taken: bool,
 }
 
@@ -63,7 +68,17 @@ impl Continuations {
     /// Starts a new piece with a line that does not continue the line before it.
     pub fn start(&mut self, name: Vec<u8>, line: &[u8], at: FileLine, may_be_unread: bool) {
         let lines = vec![(at, line.to_vec())];
-        self.pieces.push(LoosePiece { name, mark: name_in(mark(line)), lines, may_be_unread, is_taken: false });
+        let mark = name_in(mark(line));
+        self.pieces.push(LoosePiece { name, mark, lines, may_be_unread, follows: false, is_taken: false });
+    }
+
+    /// Starts a new piece right after the last one.
+    pub fn start_next(&mut self, name: Vec<u8>, line: &[u8], at: FileLine) {
+        let last = self.pieces.last();
+        let (may_be_unread, follows) =
+            last.map_or((false, false), |piece| (piece.may_be_unread, piece.mark.is_empty()));
+        self.start(name, line, at, may_be_unread && follows);
+        self.pieces.last_mut().into_iter().for_each(|piece| piece.follows = follows);
     }
 
     /// Whether a line of this name continues the last piece.
@@ -89,6 +104,8 @@ impl Continuations {
         for (i, piece) in self.pieces.iter().enumerate() {
             by_name.entry(piece.name.clone()).or_default().push_back(i);
         }
+        let marks = self.pieces.iter().map(|piece| &piece.mark);
+        self.named = self.claims.iter().map(|claim| &claim.name).chain(marks).cloned().collect();
         let mut cards = Vec::with_capacity(self.claims.len());
         // Cards that name their lines come first; a piece that no card names belongs to the card before it.
         let claims = std::mem::take(&mut self.claims);
@@ -140,16 +157,27 @@ impl Continuations {
         Ok(card)
     }
 
-    /// Appends a piece to a card unless the card is skipped; returns the name of the next piece.
-    fn take(&mut self, piece: usize, card: Option<&mut BulkCard>, is_apart: bool) -> Result<Vec<u8>, NamedRefusal> {
-        let piece = &mut self.pieces[piece];
-        piece.is_taken = true;
-        if let Some(card) = card {
-            for (at, line) in &piece.lines {
-                card.extend(line, *at, is_apart).map_err(|refused| refused.in_card(card))?;
+    /// Appends a piece and those that follow it to a card unless the card is skipped; returns the name of the next piece.
+    fn take(
+        &mut self,
+        mut at: usize,
+        mut card: Option<&mut BulkCard>,
+        is_apart: bool,
+    ) -> Result<Vec<u8>, NamedRefusal> {
+        loop {
+            let piece = &mut self.pieces[at];
+            piece.is_taken = true;
+            if let Some(card) = card.as_deref_mut() {
+                for (at, line) in &piece.lines {
+                    card.extend(line, *at, is_apart).map_err(|refused| refused.in_card(card))?;
+                }
+            }
+            at += 1;
+            let next = self.pieces.get(at).filter(|next| next.follows && !next.is_taken);
+            if next.is_none_or(|next| self.named.contains(&next.name)) {
+                return Ok(self.pieces[at - 1].mark.clone());
             }
         }
-        Ok(piece.mark.clone())
     }
 }
 

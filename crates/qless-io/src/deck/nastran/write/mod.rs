@@ -2,6 +2,7 @@
 //! load cases select.
 
 mod select;
+mod star;
 mod target;
 mod wide;
 
@@ -12,7 +13,7 @@ use wide::mpc;
 
 use super::reader::{NastranContent, read};
 use super::syntax::lines::FileLine;
-use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};
+use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, shortened};
 use crate::deck::{Deck, Model};
 use select::TextChange;
 use target::EquationGroup;
@@ -60,6 +61,13 @@ fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_wri
         let text = texts.entry((file, origin.line)).or_insert((origin.lines, String::new()));
         if text.1.is_empty() || matches!(removed.reason, Reason::Fault(_)) {
             text.1 = comment(model, removed, is_written);
+        }
+    }
+    let shorter = shortened(model, removed);
+    for (at, card) in star::with_points(&content.bulk.ties) {
+        if let (Some(shorter), Some((_, text))) = (shorter.get(&at), texts.get_mut(&at)) {
+            let lost = format!("$ qless: {} of ", shorter.lost_names());
+            *text = text.replacen("$ qless: ", &lost, 1) + &card(&shorter.left);
         }
     }
     let apart =

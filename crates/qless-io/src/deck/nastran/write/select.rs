@@ -84,13 +84,17 @@ fn unions(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange> {
 
 /// An `MPCADD` card.
 pub fn union(set: u32, members: &[u32]) -> String {
-    let mut text = format!("MPCADD  {set:>8}");
-    for (k, member) in members.iter().enumerate() {
-        // The number of the union is in the first field.
-        if k > 0 && (k + 1).is_multiple_of(FIELD) {
+    small_field("MPCADD", [set].iter().chain(members).map(u32::to_string))
+}
+
+/// A card in small field.
+pub fn small_field(name: &str, fields: impl Iterator<Item = String>) -> String {
+    let mut text = format!("{name:FIELD$}");
+    for (k, field) in fields.enumerate() {
+        if k > 0 && k.is_multiple_of(FIELD) {
             text += "+\n+       ";
         }
-        text.extend([format!("{member:>FIELD$}")]);
+        text.extend([format!("{field:>FIELD$}")]);
     }
     text + "\n"
 }

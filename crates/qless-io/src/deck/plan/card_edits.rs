@@ -1,0 +1,189 @@
+//! Chooses the edits of cards that make equations independent, so that no equation need be rewritten.
+//!
+//! An edit leaves out a card, or one slave node of a divisible card, such as a grid point of an `RBE2`. The law: an equation is dropped by
+//! an edit of its card if all equations that the edit removes are implied by those that remain.
+//!
+//! Let `row_k = sum_i c_ki row_i` be the certificates of the dependent equations k, and N the matrix with `N_kk = 1` and `N_ik = -c_ki`: its
+//! columns span all dependencies. Equations D are implied by the others if and only if the rows of D in N are linearly independent. Edits
+//! are tried one by one: first those of equations with faults, then from the end of the deck. They count if they drop as many equations as
+//! are dependent; else the equations are chosen without regard to cards.
+
+use std::collections::BTreeMap;
+
+use qless::Analysis;
+use qless::common::DisjointSets;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::Removed;
+use crate::deck::{Model, Origin};
+
+/// Most dependent equations, and most operations: the search must not take longer than the analysis.
+const DEPENDENT: usize = 1_000_000;
+const OPERATIONS: usize = 50_000_000;
+
+/// Relative size below which a remainder is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Key of the lines of an equation. An Abaqus part is read once for each instance, so that its equations share lines.
+pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
+    let card = if model.has_instances() { model.cards.nth(origin.card).file } else { origin.card };
+    (card, origin.line)
+}
+
+/// Key of an edit: a text, and a node of the card if the edit leaves out only this node.
+pub type EditKey = ((u32, u32), u32);
+
+/// The edit that drops an equation; a whole card unless `by_node`.
+pub fn edit_of(model: &Model, i: usize, by_node: bool) -> EditKey {
+    let origin = model.nth(i).origin;
+    let node = if by_node && model.cards.is_divisible(origin.card) { slave_node(model, i) } else { 0 };
+    (text_of(model, origin), node)
+}
+
+fn slave_node(model: &Model, i: usize) -> u32 {
+    model.nth(i).columns.first().map_or(0, |&j| model.dofs[j as usize].node)
+}
+
+/// Slave nodes of a card that loses only some of them.
+#[derive(Default)]
+pub struct ShorterCard {
+    /// Those that remain, in the order of the card.
+    pub left: Vec<u32>,
+    /// Those that the card loses.
+    pub lost: Vec<u32>,
+}
+
+impl ShorterCard {
+    /// The nodes that the card loses, for a comment.
+    pub fn lost_names(&self) -> String {
+        const NAMED: usize = 8;
+        let names: Vec<String> = self.lost.iter().take(NAMED).map(u32::to_string).collect();
+        names.join(", ") + if self.lost.len() > NAMED { ", ..." } else { "" }
+    }
+}
+
+/// The cards that lose only some of their nodes, by file and line.
+pub fn shortened(model: &Model, removed: &[Removed]) -> BTreeMap<(u32, u32), ShorterCard> {
+    let gone: FxHashSet<usize> = removed.iter().map(|removed| removed.equation).collect();
+    let place = |i: usize| {
+        let origin = model.nth(i).origin;
+        (model.cards.nth(origin.card).file, origin.line)
+    };
+    let mut cards: BTreeMap<_, ShorterCard> = gone.iter().map(|&i| (place(i), ShorterCard::default())).collect();
+    for i in 0..model.equations() {
+        let Some(card) = cards.get_mut(&place(i)) else { continue };
+        let (side, node) = (if gone.contains(&i) { &mut card.lost } else { &mut card.left }, slave_node(model, i));
+        if side.last() != Some(&node) {
+            side.push(node);
+        }
+    }
+    cards.retain(|_, card| !card.left.is_empty());
+    cards
+}
+
+/// For an analysis of these equations, those to keep instead of equations that edits drop. `edit` gives the edit of an equation unless its
+/// card must not change; equations with the largest `gain` are dropped first.
+pub fn kept_by_edits(
+    model: &Model,
+    rows: &[usize],
+    analysis: &Analysis,
+    edit: impl Fn(usize) -> Option<EditKey>,
+    gain: impl Fn(usize) -> u8,
+) -> Option<Vec<usize>> {
+    let dependencies = Dependencies::collect(model, rows, analysis)?;
+    let mut edits: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    let keys = rows.iter().enumerate().filter_map(|(row, &i)| Some((row, edit(i)?)));
+    keys.for_each(|(row, key)| edits.entry(key).or_default().push(row));
+    let mut edits: Vec<Vec<usize>> = edits.into_values().collect();
+    edits.retain(|edit| edit.iter().all(|row| dependencies.rows.contains_key(row)));
+    edits.sort_by_key(|edit| (edit.iter().map(|&row| gain(rows[row])).max(), edit.last().copied()));
+    let mut echelon = Echelon::default();
+    let dropped: FxHashSet<usize> =
+        edits.iter().rev().filter(|edit| echelon.extend(&dependencies, edit)).flatten().copied().collect();
+    let kept = dependencies.kept(&dropped);
+    (!kept.is_empty() && echelon.operations < OPERATIONS).then_some(kept)
+}
+
+/// The rows of N that are not zero, by equation of the analysis, in units of the largest coefficients of the equations.
+struct Dependencies {
+    rows: FxHashMap<usize, Vec<(usize, f64)>>,
+    count: usize,
+}
+
+impl Dependencies {
+    /// Reads the certificates; `None` if nothing is dependent, or too much.
+    fn collect(model: &Model, numbers: &[usize], analysis: &Analysis) -> Option<Self> {
+        let size = |row: usize| model.nth(numbers[row]).coefficients.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        let dependent: Vec<usize> = analysis.dependent().iter().map(|one| one.row).collect();
+        let mut rows: FxHashMap<usize, Vec<(usize, f64)>> = FxHashMap::default();
+        for (k, &row) in dependent.iter().enumerate().take(DEPENDENT) {
+            rows.entry(row).or_default().push((k, 1.0));
+            for term in analysis.because(row).ok()? {
+                rows.entry(term.row).or_default().push((k, -term.coefficient * size(term.row) / size(row)));
+            }
+        }
+        (1..=DEPENDENT).contains(&dependent.len()).then_some(Self { rows, count: dependent.len() })
+    }
+
+    /// The equations to keep wherever edits drop as many as are dependent. Dependencies with equations in common belong together.
+    fn kept(&self, dropped: &FxHashSet<usize>) -> Vec<usize> {
+        let mut sets = DisjointSets::new(self.count);
+        self.rows.values().for_each(|row| row.iter().for_each(|(k, _)| sets.join(row[0].0, *k)));
+        let part_of = sets.numbered().0;
+        let mut excess: FxHashMap<u32, isize> = FxHashMap::default();
+        part_of.iter().for_each(|&part| *excess.entry(part).or_default() += 1);
+        let part = |row: &usize| part_of[self.rows[row][0].0];
+        dropped.iter().for_each(|row| *excess.entry(part(row)).or_default() -= 1);
+        self.rows.keys().copied().filter(|row| excess[&part(row)] == 0 && !dropped.contains(row)).collect()
+    }
+}
+
+/// Linearly independent rows, each reduced by those before it, with its pivot.
+#[derive(Default)]
+struct Echelon {
+    rows: Vec<(usize, Vec<(usize, f64)>)>,
+    /// Index in `rows` by the column of the pivot.
+    of_pivot: FxHashMap<usize, usize>,
+    operations: usize,
+}
+
+impl Echelon {
+    /// Adds the rows of all equations of an edit, or none if they are dependent.
+    fn extend(&mut self, dependencies: &Dependencies, edit: &[usize]) -> bool {
+        let before = self.rows.len();
+        let is_added = edit.iter().all(|row| self.push(&dependencies.rows[row]));
+        if !is_added {
+            for (pivot, _) in self.rows.drain(before..) {
+                self.of_pivot.remove(&pivot);
+            }
+        }
+        is_added
+    }
+
+    /// Adds a row if it is independent of the others.
+    fn push(&mut self, row: &[(usize, f64)]) -> bool {
+        let size = row.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
+        let Some(mut row) = self.remainder(row) else { return false };
+        row.retain(|_, a| a.abs() > ROUNDING * size);
+        let largest = row.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(&j, _)| j);
+        let Some(pivot) = largest.and_then(|j| row.remove_entry(&j)) else { return false };
+        self.of_pivot.insert(pivot.0, self.rows.len());
+        self.rows.push((pivot.0, [pivot].into_iter().chain(row).collect()));
+        true
+    }
+
+    /// A row without the pivots of the others; `None` if that takes too long.
+    fn remainder(&mut self, row: &[(usize, f64)]) -> Option<BTreeMap<usize, f64>> {
+        let mut row: BTreeMap<usize, f64> = row.iter().copied().collect();
+        let mut next = 0;
+        // A row has no entry at the pivots of the rows before it, so one pass in order removes all pivots.
+        while let Some(at) = row.keys().filter_map(|j| self.of_pivot.get(j)).copied().filter(|at| *at >= next).min() {
+            let (pivot, reduced) = &self.rows[at];
+            self.operations += row.len() + reduced.len();
+            let factor = row.remove(pivot).unwrap_or_default() / reduced[0].1;
+            reduced[1..].iter().for_each(|(j, a)| *row.entry(*j).or_default() -= factor * a);
+            next = at + 1;
+        }
+        (self.operations < OPERATIONS).then_some(row)
+    }
+}
