@@ -22,6 +22,10 @@ fn decks() -> Vec<(String, &'static str, &'static str)> {
         (equation("2\n5,9,1.,6,9,-1."), "", "not defined in ccx"),
         (kinematic("NODE=9", "NODE=5"), "", "on its own surface"),
         (kinematic(", CONSTRAINT NAME=C", ""), "", "no CONSTRAINT NAME"),
+        ("*MPC\nTIE,5,6\n".into(), "", "does not know *MPC TIE"),
+        ("*MPC\nPIN,5,6\n".into(), "", "does not know *MPC PIN"),
+        ("*MPC\nLINK,5,6\n".into(), "", "does not know *MPC LINK"),
+        ("*NSET, NSET=SB\n6,7\n*MPC\nBEAM,SB,5\n".into(), "", "names a node set"),
         (format!("{COUPLING}1,6\n*BOUNDARY\n9,2,6\n"), "", "components above 3"),
     ]
 }

@@ -16,7 +16,7 @@
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
 use crate::deck::calculix::cards::unread::claim;
-use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
+use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused};
 use crate::deck::calculix::model::{DeckDefinitions, folded};
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
@@ -34,6 +34,9 @@ pub fn read(
     let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
     for (kind, fields) in lists {
         let nodes = fields.concat();
+        if solver == Solver::Ccx {
+            refused::mpc(card, &kind, fields.iter().any(|nodes| nodes.len() != 1), model);
+        }
         let rows = match kind.as_str() {
             "PLANE" => plane(definitions, &nodes),
             "STRAIGHT" => straight(definitions, &nodes),

@@ -58,6 +58,16 @@ fn flaw(line: &DataLine) -> Option<&'static str> {
     None
 }
 
+/// Refuses types of `*MPC` that Abaqus has and ccx does not, and node sets in `*MPC BEAM`.
+pub fn mpc(card: &KeywordCard, kind: &str, has_set: bool, model: &mut Model) {
+    let flaw = match kind {
+        "LINK" | "PIN" | "TIE" => format!("it does not know *MPC {kind}; write *EQUATION"),
+        "BEAM" if has_set => "*MPC BEAM names a node set; write the constraint for each of its nodes".to_owned(),
+        _ => return,
+    };
+    model.refuse(card.file, card.line, format!("ccx stops: {flaw}"));
+}
+
 /// Refuses a `*COUPLING` without a name.
 pub fn coupling(card: &KeywordCard, model: &mut Model) {
     if card.parameter("CONSTRAINTNAME").is_none_or(str::is_empty) {
