@@ -1,22 +1,27 @@
 //! The sections of the text report that only decks have.
 
 use qless::Analysis;
-use qless_io::deck::{Dof, Load};
+use qless_io::deck::{Dof, Load, Solver};
 
 use super::DeckInput;
-use super::claims::IgnoredClaims;
+use super::claims::{Claims, DroppedClaim};
+use crate::wording::count;
 use crate::wording::layout::LayoutSection;
 
 impl DeckInput {
     /// The most important first.
     pub fn sections(&self, analysis: &Analysis) -> Vec<LayoutSection> {
         let (solver, shown) = (self.deck.solver(), self.shown());
-        let ignored = shown.claims.ignored.iter().map(IgnoredClaims::words).collect();
+        let words = |claims: &[DroppedClaim]| claims.iter().map(DroppedClaim::words).collect();
         let sections = [
             LayoutSection::new("Constraints that were left out:", self.left_out()),
             self.table(),
             LayoutSection::new(format!("{solver} refuses the deck for these reasons:"), shown.claims.refused.clone()),
-            LayoutSection::new(format!("{solver} drops these claims without a message:"), ignored),
+            LayoutSection::new(lost_heading(solver, &shown.claims), words(&shown.claims.lost)),
+            LayoutSection::new(
+                format!("{solver} drops these claims, which follow from what it keeps:"),
+                words(&shown.claims.implied),
+            ),
             LayoutSection::new(
                 format!("{solver} may continue with these, but its results are then unreliable:"),
                 shown.claims.unsound.clone(),
@@ -70,4 +75,22 @@ impl DeckInput {
         let name = |load: &Load| format!("{} in {}", load.dof, model.place(load.origin));
         model.cases()[self.case].loads.iter().filter(|load| is_fixed(load.dof)).map(name).collect()
     }
+}
+
+/// Most DOFs of free motions that a heading names; JSON has all of them.
+const FREED_SHOWN: usize = 3;
+
+/// `LOST: ccx drops 12 claims that do not follow from the rest. 12 motions come free (101:1, ... and 9 more):`.
+fn lost_heading(solver: Solver, claims: &Claims) -> String {
+    let (lost, freed) = (count(claims.lost.len(), "claim"), &claims.freed);
+    let verb = if claims.lost.len() == 1 { "does" } else { "do" };
+    let first = freed.iter().take(FREED_SHOWN).cloned().collect::<Vec<_>>().join(", ");
+    let more = freed.len().saturating_sub(FREED_SHOWN);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let motions = match freed.len() {
+        0 => "no motion comes free".to_owned(),
+        1 => format!("1 motion comes free, {first}"),
+        n => format!("{n} motions come free, {first}{more}"),
+    };
+    format!("LOST: {solver} drops {lost} that {verb} not follow from the rest; {motions}:")
 }

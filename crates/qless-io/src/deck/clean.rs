@@ -15,7 +15,7 @@ use proof::prove;
 pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
 pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
 pub(super) use super::plan::{Edits, Renamed};
-pub use super::solver::{Finding, findings};
+pub use super::solver::{Finding, Loss, findings, loss};
 
 /// Carries out a plan: returns the new text of the main file. It is read again, and proved to constrain as the deck
 /// does in every load case.

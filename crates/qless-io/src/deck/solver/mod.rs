@@ -2,6 +2,7 @@
 
 mod ccx;
 mod findings;
+mod loss;
 mod manuals;
 mod outcome;
 
@@ -12,6 +13,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::faults::{EquationFault, FaultKind};
 use super::{Dof, LoadCase, Model, Solver};
 pub use findings::{Finding, findings};
+pub use loss::{Loss, loss};
 use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, optistruct};
 pub(super) use outcome::CardKind;
 pub use outcome::Outcome;
