@@ -19,7 +19,7 @@ impl DeckInput {
             LayoutSection::new(format!("{solver} refuses the deck for these reasons:"), shown.claims.refused.clone()),
             LayoutSection::new(lost_heading(solver, &shown.claims), words(&shown.claims.lost)),
             LayoutSection::new(
-                format!("{solver} drops these claims, which follow from what it keeps:"),
+                format!("{solver} drops these claims without effect: they follow from what it keeps:"),
                 words(&shown.claims.implied),
             ),
             LayoutSection::new(
@@ -77,20 +77,12 @@ impl DeckInput {
     }
 }
 
-/// Most DOFs of free motions that a heading names; JSON has all of them.
-const FREED_SHOWN: usize = 3;
-
-/// `LOST: ccx drops 12 claims that do not follow from the rest. 12 motions come free (101:1, ... and 9 more):`.
+/// `LOST: ccx drops 12 claims that the rest does not imply; 12 motions come free, 101:1 to 104:3:`.
 fn lost_heading(solver: Solver, claims: &Claims) -> String {
-    let (lost, freed) = (count(claims.lost.len(), "claim"), &claims.freed);
-    let verb = if claims.lost.len() == 1 { "does" } else { "do" };
-    let first = freed.iter().take(FREED_SHOWN).cloned().collect::<Vec<_>>().join(", ");
-    let more = freed.len().saturating_sub(FREED_SHOWN);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let motions = match freed.len() {
-        0 => "no motion comes free".to_owned(),
-        1 => format!("1 motion comes free, {first}"),
-        n => format!("{n} motions come free, {first}{more}"),
+    let motions = match &claims.freed[..] {
+        [] => "no motion comes free".to_owned(),
+        [one] => format!("1 motion comes free, {one}"),
+        [first, .., last] => format!("{} motions come free, {first} to {last}", claims.freed.len()),
     };
-    format!("LOST: {solver} drops {lost} that {verb} not follow from the rest; {motions}:")
+    format!("LOST: {solver} drops {} that the rest does not imply; {motions}:", count(claims.lost.len(), "claim"))
 }

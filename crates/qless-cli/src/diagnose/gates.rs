@@ -24,9 +24,9 @@ impl Diagnosis<'_> {
                 let redundant = self.analysis.dependent().iter().filter(|found| found.kind == Kind::Redundant).count();
                 some(redundant, "redundant equation")
             }
-            Deny::Refused => some(claims.refused.len(), "claim that the solver refuses"),
-            Deny::Dropped => some(claims.dropped(), "claim that the solver drops"),
-            Deny::Lost => some(claims.lost.len(), "claim that the solver loses"),
+            Deny::Refused => some(claims.refused.len(), "refused claim"),
+            Deny::Dropped => some(claims.dropped(), "dropped claim"),
+            Deny::Lost => some(claims.lost.len(), "lost claim"),
             Deny::Ambiguous => {
                 let is_ambiguous =
                     self.analysis.confidence().ambiguous || self.deck.as_ref().is_some_and(DeckInput::is_ambiguous);

@@ -153,7 +153,7 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
         _ if report.confidence.ambiguous => {
             "Next: decide, as said above, which equations are meant to be independent.".to_owned()
         }
-        _ if is_lost && !is_refused => clean("in which the lost claims hold; or remove those that are not meant"),
+        _ if is_lost && !is_refused => clean("in which the lost ones hold"),
         Status::Redundant if list.deck.is_some() => clean("without redundant equations"),
         Status::Redundant => {
             let them = if report.counts.redundant == 1 { "it" } else { "them" };

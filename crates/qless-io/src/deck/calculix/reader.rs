@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use super::cards::mean_rotation::{self, MeanRotation};
 use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
-use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
+use crate::deck::{DeckEquation, DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
 /// Reads a deck.
 ///
@@ -18,7 +19,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let (mut definitions, mut has_mpc) = (DeckDefinitions::default(), false);
     walk(sources, &mut |card: &KeywordCard| {
         definitions.note(card);
-        has_mpc |= card.is("*MPC");
+        has_mpc |= mpc::is_nonlinear(card);
         Ok(())
     })?;
     definitions.check_nodes().map_err(|(line, (field, problem))| {
@@ -29,7 +30,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
         // Only Abaqus has instances of parts.
         sources.set_solver(Solver::Abaqus);
     }
-    // In ccx, any `*MPC` makes all steps nonlinear.
+    // In ccx, these types of `*MPC` make all steps nonlinear.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
@@ -52,6 +53,7 @@ struct CalculixReader {
     coupling: Option<CouplingCard>,
     /// References that only distribute forces, with file and line of their cards.
     forces: Vec<(u32, u32, u32)>,
+    mean_rotations: Vec<MeanRotation>,
     /// References of rigid bodies.
     bodies: Vec<BodyReference>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
@@ -78,6 +80,7 @@ impl CalculixReader {
             removed: Vec::new(),
             coupling: None,
             forces: Vec::new(),
+            mean_rotations: Vec::new(),
             bodies: Vec::new(),
             sectors: Vec::new(),
             cyclic: Vec::new(),
@@ -100,7 +103,11 @@ impl CalculixReader {
                 }
                 equation::read(card, &mut self.model, &self.definitions)?;
             }
-            b"*MPC" => mpc::read(card, &mut self.model, &self.definitions)?,
+            b"*MPC" => {
+                let first = self.model.equations();
+                mpc::read(card, &mut self.model, &self.definitions)?;
+                self.note_mean_rotations(first);
+            }
             b"*RIGIDBODY" => {
                 self.bodies.extend(rigid::read(card, &mut self.model, &self.definitions, self.solver)?);
             }
@@ -130,6 +137,18 @@ impl CalculixReader {
             _ => unread::read(card, &mut self.model, &self.definitions),
         }
         Ok(())
+    }
+
+    /// Notes the mean rotations among the equations from `first` on.
+    fn note_mean_rotations(&mut self, first: usize) {
+        for equation in first..self.model.equations() {
+            let DeckEquation { columns, origin, .. } = self.model.nth(equation);
+            if self.model.cards.nth(origin.card).name == mean_rotation::NAME {
+                let dofs = columns.iter().map(|&j| self.model.dofs[j as usize]);
+                let prescribed = dofs.filter(|dof| self.prescribed.contains_key(dof)).collect();
+                self.mean_rotations.push(MeanRotation { equation, prescribed });
+            }
+        }
     }
 
     /// Reads the card that decides the type of the last `*COUPLING`.
@@ -239,6 +258,7 @@ impl CalculixReader {
             let case = self.case("model".into());
             self.model.cases.push(case);
         }
+        mean_rotation::choose_slaves(&mut self.model, &self.mean_rotations);
         self.check_nodes()?;
         self.warn_of_forces();
         self.warn_of_rotations();

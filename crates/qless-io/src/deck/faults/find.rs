@@ -51,6 +51,9 @@ pub fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &
         let Some(&column) = equation.columns.first() else { continue };
         let slave = model.dofs[column as usize];
         let mut add = |kind| faults.push(EquationFault { equation: i, slave, kind });
+        if let Some(why) = model.why_missing(i) {
+            add(FaultKind::Missing { why });
+        }
         let same = |&(j, _): &(&u32, &f64)| *j == column;
         let own: f64 = equation.columns.iter().zip(equation.coefficients).filter(same).map(|(_, a)| a).sum();
         let terms = equation.columns.iter().zip(equation.coefficients);

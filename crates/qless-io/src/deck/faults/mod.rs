@@ -58,6 +58,11 @@ pub enum FaultKind {
         /// The master.
         master: Dof,
     },
+    /// The solver makes no equation of the card.
+    Missing {
+        /// Why it makes none.
+        why: &'static str,
+    },
     /// Slaves depend on each other in a circle, and the equations hardly determine them.
     Circle,
 }
@@ -89,6 +94,7 @@ impl EquationFault {
                 let master = model.dof_name(master);
                 format!("{master} occurs twice in {own}{through}, and the solver does not add up the coefficients")
             }
+            FaultKind::Missing { why } => format!("{slave} is the slave of {own}, but the solver makes no equation: {why}"),
             FaultKind::Circle => {
                 format!("{slave}, the slave of {own}, depends on itself through other slaves and is not determined")
             }

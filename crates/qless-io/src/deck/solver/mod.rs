@@ -91,6 +91,7 @@ impl<'a> Profile<'a> {
                 Solver::Ccx => Outcome::Unsound,
                 _ => Outcome::Accepted,
             },
+            FaultKind::Missing { .. } => Outcome::IgnoresFirst,
             FaultKind::Circle => self.circle(&connected(self.model, equation)),
         }
     }
