@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cards::mean_rotation::{self, MeanRotation};
-use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
+use super::cards::{boundary, cyclic, equation, expanded, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
@@ -125,7 +125,7 @@ impl CalculixReader {
                 old_coupling::distributing_coupling(card, &mut self.model, &self.definitions, self.solver)?;
             }
             b"*TIE" if card.parameter("CYCLICSYMMETRY").is_some() => self.cyclic.push(card.clone()),
-            b"*TIE" => tie::read(card, &mut self.model, &self.definitions)?,
+            b"*TIE" => tie::read(card, &mut self.model, &self.definitions, self.solver)?,
             b"*BOUNDARY" => self.boundary(card)?,
             b"*CLOAD" => self.load(card)?,
             b"*STEP" => {
@@ -263,6 +263,7 @@ impl CalculixReader {
         self.warn_of_forces();
         self.warn_of_rotations();
         if self.solver == Solver::Ccx {
+            expanded::leave_out(&mut self.model, &self.definitions);
             self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;
         }

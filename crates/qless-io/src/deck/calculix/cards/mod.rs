@@ -5,6 +5,7 @@ pub mod boundary;
 pub mod coupling;
 pub mod cyclic;
 pub mod equation;
+pub mod expanded;
 pub mod mean_rotation;
 pub mod mpc;
 pub mod old_coupling;

@@ -2,11 +2,12 @@
 
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
+use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
 use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::{DeckError, Model, Problem};
+use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
 
 /// Default distance within which a node is tied, relative to the typical size of a face.
@@ -15,15 +16,26 @@ pub const TOLERANCE: f64 = 0.025;
 /// Distance within which a node counts as lying on a face, relative to the typical size of a face. Coordinates of many
 /// decks have only six or seven digits.
 const ON_FACE: f64 = 1e-6;
+/// All nodes of the solids into which ccx expands these elements follow the nodes of the deck already.
+const LINES: &str = "its slave surface is faces of first-order plane elements; name their nodes instead (TYPE=NODE)";
 const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
 
 /// Adds the equations of a card.
-pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
+pub fn read(
+    card: &KeywordCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+    solver: Solver,
+) -> Result<(), DeckError> {
     for special in ["MULTISTAGE", "FLUIDPERIODIC", "FLUIDCYCLIC"] {
         if card.parameter(special).is_some() {
             leave_out(card, special, model, definitions);
             return Ok(());
         }
+    }
+    if solver == Solver::Ccx && has_shell_faces(card, definitions) {
+        leave_out(card, "faces of shells, which ccx expands into solids,", model, definitions);
+        return Ok(());
     }
     let place = RegisteredCard::register(card, model, "*TIE");
     let tied = tied(card, definitions).map_err(|problem| place.fail(model, problem))?;
@@ -38,6 +50,9 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     if tied.has_gap && card.word("ADJUST").as_deref() != Some("NO") {
         model.cards.fix_because(place.origin.card, MOVED);
     }
+    if solver == Solver::Ccx && tied.has_lines {
+        model.mark_missing(place.origin.card, LINES);
+    }
     place.push(model, Ok(tied.rows))
 }
 
@@ -46,7 +61,15 @@ struct Tied {
     apart: Vec<u32>,
     /// Whether a tied node does not lie on its face.
     has_gap: bool,
+    /// Whether the slave surface has faces of first-order plane elements.
+    has_lines: bool,
     tolerance: f64,
+}
+
+/// Whether a surface has faces of shells. ccx ties the faces of the solids into which it expands them.
+fn has_shell_faces(card: &KeywordCard, definitions: &DeckDefinitions) -> bool {
+    let is_shell = |side: &String| DeckSurface::find(definitions, card.scope, side).is_ok_and(|side| side.has_shells);
+    sides(card).is_ok_and(|sides| sides.iter().any(is_shell))
 }
 
 /// Leaves out a tie of a special kind, with all DOFs that it may claim.
@@ -80,7 +103,8 @@ fn nodes(card: &KeywordCard, definitions: &DeckDefinitions, sides: &[String; 2])
 
 fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Problem> {
     let [slave, master] = &sides(card)?;
-    let slaves = DeckSurface::find(definitions, card.scope, slave)?.all_nodes();
+    let slaves = DeckSurface::find(definitions, card.scope, slave)?;
+    let has_lines = slaves.is_line && slaves.faces.iter().any(|face| face.len() == 2);
     let faces = MasterFace::all(DeckSurface::find(definitions, card.scope, master)?, definitions)?;
     if faces.is_empty() {
         let found = quote(master.as_bytes());
@@ -90,8 +114,8 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Probl
     let given = card.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
     let tolerance = given.unwrap_or(TOLERANCE * typical);
     let grid = FaceGrid::new(&faces, tolerance);
-    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), has_gap: false, tolerance };
-    for node in slaves {
+    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), has_gap: false, has_lines, tolerance };
+    for node in slaves.all_nodes() {
         let position: Vector = definitions.position(node)?;
         match grid.nearest(&faces, position).filter(|near| near.distance <= tolerance) {
             Some(near) if faces[near.face].nodes.contains(&node) => {}
@@ -117,5 +141,7 @@ fn rows(
         let gradients: Vec<(u32, Vector)> = std::iter::once((node, axis)).chain(others).collect();
         CardEquation::along(definitions, &gradients, 0.0)
     };
-    definitions.pose(node)?.axes.into_iter().map(row).collect()
+    // Plane elements have no third component.
+    let is_plane = definitions.expanded_at(node).iter().any(ElementShape::is_plane);
+    definitions.pose(node)?.axes.into_iter().take(if is_plane { 2 } else { 3 }).map(row).collect()
 }
