@@ -7,6 +7,7 @@ use super::cards::{boundary, cyclic, equation, expanded, mpc, old_coupling, refu
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::{DeckEquation, DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
@@ -54,8 +55,8 @@ struct CalculixReader {
     /// References that only distribute forces, with file and line of their cards.
     forces: Vec<(u32, u32, u32)>,
     mean_rotations: Vec<MeanRotation>,
-    /// References of rigid bodies.
-    bodies: Vec<BodyReference>,
+    /// References of rigid bodies, with file and line of their cards.
+    bodies: Vec<(BodyReference, u32, u32)>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
     sectors: Vec<KeywordCard>,
     cyclic: Vec<KeywordCard>,
@@ -109,7 +110,8 @@ impl CalculixReader {
                 self.note_mean_rotations(first);
             }
             b"*RIGIDBODY" => {
-                self.bodies.extend(rigid::read(card, &mut self.model, &self.definitions, self.solver)?);
+                let body = rigid::read(card, &mut self.model, &self.definitions, self.solver)?;
+                self.bodies.extend(body.map(|body| (body, card.file, card.line)));
             }
             b"*COUPLING" => {
                 if self.solver == Solver::Ccx {
@@ -261,6 +263,7 @@ impl CalculixReader {
         mean_rotation::choose_slaves(&mut self.model, &self.mean_rotations);
         self.check_nodes()?;
         self.warn_of_forces();
+        self.refuse_free_rotations();
         self.warn_of_rotations();
         if self.solver == Solver::Ccx {
             expanded::leave_out(&mut self.model, &self.definitions);
@@ -287,6 +290,35 @@ impl CalculixReader {
         }
     }
 
+    /// Refuses rotations of bodies that nothing holds: those about a line through the reference and all nodes.
+    fn refuse_free_rotations(&mut self) {
+        let has_plane = || self.definitions.blocks.iter().any(|block| ElementShape::from_type(&block.kind).is_plane());
+        if self.solver != Solver::Ccx || self.bodies.is_empty() || has_plane() {
+            return;
+        }
+        let rotations = |(body, file, line): &(BodyReference, u32, u32)| {
+            let (body, file, line) = (*body, *file, *line);
+            body.rotations().map(|dof| (body, dof, file, line))
+        };
+        let free = self.bodies.iter().flat_map(rotations).filter(|(_, dof, ..)| !self.is_held(*dof));
+        for (body, dof, file, line) in free.collect::<Vec<_>>() {
+            let name = match body.rotation_node() {
+                Some(_) => self.model.dof_name(dof),
+                None => format!("about axis {}", dof.component + 1 - body.rotation.component),
+            };
+            let text = format!("ccx stops: nothing holds the rotation {name} of the *RIGID BODY, whose nodes are on its axis");
+            self.model.refuse(file, line, text);
+        }
+    }
+
+    /// Whether an equation, a value of the first step or an element has a DOF of a body's reference.
+    fn is_held(&self, dof: Dof) -> bool {
+        let is_given = |case: &LoadCase| case.prescribed.iter().any(|given| given.dof == dof);
+        let is_meshed = || self.definitions.elements().is_ok_and(|elements| elements.nodes.contains(&dof.node));
+        let is_prescribed = self.model.cases.first().is_some_and(is_given);
+        self.model.column(dof).is_some() || is_prescribed || dof.component <= 3 && is_meshed()
+    }
+
     /// Warns of values and moments on components 4 to 6 of a body's reference: ccx ignores them unless an element or
     /// an equation has these DOFs.
     fn warn_of_rotations(&mut self) {
@@ -294,7 +326,8 @@ impl CalculixReader {
             return;
         }
         let bodies = std::mem::take(&mut self.bodies);
-        let body = |dof: Dof| bodies.iter().find(|body| body.node == dof.node && (4..=6).contains(&dof.component));
+        let references = || bodies.iter().map(|(body, ..)| body);
+        let body = |dof: Dof| references().find(|body| body.node == dof.node && (4..=6).contains(&dof.component));
         let is_idle = |dof: Dof| !self.definitions.rotates(dof.node) && self.model.column(dof).is_none();
         let given = self.model.cases.iter().flat_map(|case| &case.prescribed).map(|given| (given.dof, given.origin));
         let loads = self.model.cases.iter().flat_map(|case| &case.loads).map(|load| (load.dof, load.origin));

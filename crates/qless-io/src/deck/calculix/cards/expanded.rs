@@ -18,9 +18,9 @@ use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::{Dof, Model, Origin};
 
-const ROTATION: &str = "writes equations between new nodes for rotations, which are not understood";
-const MPC: &str = "has rules of its own for *MPC there, which are not understood";
-const THIRD: &str = "keeps component 3 of plane elements at zero";
+const ROTATION: &str = "with equations of their own for rotations";
+const MPC: &str = "with rules of its own for *MPC";
+const THIRD: &str = "of which component 3 stays zero";
 
 /// The DOFs of one kind, with the first card that constrains one.
 type Found = BTreeMap<&'static str, (Origin, Dof, BTreeSet<Dof>)>;
@@ -47,8 +47,8 @@ pub fn leave_out(model: &mut Model, definitions: &DeckDefinitions) {
     for (why, (origin, dof, all)) in found {
         let card = model.cards.nth(origin.card);
         let (more, name) = (all.len() - 1, model.dof_name(dof));
-        let more = if more > 0 { format!(" and {more} more DOFs") } else { String::new() };
-        let text = format!("{} constrains {name}{more}; ccx expands the elements there into solids, and {why}", card.name);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let text = format!("{} at {name}{more}: ccx expands the elements there into solids {why}: left out", card.name);
         model.leave_out(card.file, origin.line, text);
     }
 }
@@ -59,12 +59,12 @@ fn is_rotation(dof: Dof, definitions: &DeckDefinitions) -> bool {
 
 /// Why an equation of a card with this DOF may change, if it may.
 fn why(dof: Dof, model: &Model, card: u32, definitions: &DeckDefinitions) -> Option<&'static str> {
-    let (name, shapes) = (model.cards.nth(card).name, definitions.expanded_at(dof.node));
+    let name = model.cards.nth(card).name;
     if is_rotation(dof, definitions) {
         Some(ROTATION)
-    } else if !shapes.is_empty() && (name == "*MPC" || name == mean_rotation::NAME) {
+    } else if !definitions.expanded_at(dof.node).is_empty() && (name == "*MPC" || name == mean_rotation::NAME) {
         Some(MPC)
-    } else if dof.component == 3 && shapes.iter().any(ElementShape::is_plane) && name == "*EQUATION" {
+    } else if dof.component == 3 && definitions.is_plane(dof.node) && name == "*EQUATION" {
         Some(THIRD)
     } else {
         None

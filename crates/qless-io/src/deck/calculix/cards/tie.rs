@@ -2,7 +2,6 @@
 
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
-use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
 use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::body::Poses;
@@ -141,7 +140,6 @@ fn rows(
         let gradients: Vec<(u32, Vector)> = std::iter::once((node, axis)).chain(others).collect();
         CardEquation::along(definitions, &gradients, 0.0)
     };
-    // Plane elements have no third component.
-    let is_plane = definitions.expanded_at(node).iter().any(ElementShape::is_plane);
-    definitions.pose(node)?.axes.into_iter().take(if is_plane { 2 } else { 3 }).map(row).collect()
+    let components = if definitions.is_plane(node) { 2 } else { 3 };
+    definitions.pose(node)?.axes.into_iter().take(components).map(row).collect()
 }

@@ -264,6 +264,11 @@ impl DeckDefinitions {
         self.expanded_at(node).iter().any(|shape| shape.rotates)
     }
 
+    /// Whether a node belongs to a plane element, and so has no third component.
+    pub fn is_plane(&self, node: u32) -> bool {
+        self.expanded_at(node).iter().any(ElementShape::is_plane)
+    }
+
     /// Shapes of the elements at a node that ccx expands into solids. All elements with rotations are among them.
     pub fn expanded_at(&self, node: u32) -> &[ElementShape] {
         let find = || {
