@@ -58,7 +58,7 @@ fn the_worst_step_is_shown_and_the_others_are_named() {
     assert_eq!(run.code, 1);
     assert!(
         run.out.contains(
-            "Load cases: 2, shown is step 2.\n  step 2: rank 0, 0 redundant, 1 conflicting; ccx: 1 dropped\n"
+            "Load cases: 2, shown is step 2.\n  step 2: rank 0, 0 redundant, 1 conflicting; ccx: 1 lost\n"
         ),
         "{}",
         run.out
