@@ -76,6 +76,8 @@ fn translations_keep_their_meaning() {
         return;
     }
     for mesh in &MESHES {
+        // Printed radial displacements are means over the thickness of a sector.
+        let most = if mesh.kind == "CAX4" { 1e-3 } else { 1e-5 };
         let last = if mesh.is_plane() { 2 } else { 3 };
         let other = if mesh.is_bar() { 103 } else { 5 };
         let mut decks = vec![format!("*NSET, NSET=R\n2\n{}\n*RIGID BODY, NSET=R, REF NODE=101, ROT NODE=102\n*BOUNDARY\n101,1,3,.01\n102,1,3\n", if mesh.is_bar() { 2 } else { 6 })];
@@ -87,31 +89,34 @@ fn translations_keep_their_meaning() {
         for text in decks.iter().map(|cards| mesh.deck(cards)) {
             assert_eq!(left_out(&text), None, "{text}");
             let (model, printed) = (model(&text), Printed::run(&text).unwrap_or_else(|| panic!("ccx stops: {text}")));
-            assert!(model.equations() > 0 && (0..model.equations()).all(|i| printed.holds(&model, i)), "{text}");
+            assert!(model.equations() > 0 && (0..model.equations()).all(|i| printed.off(&model, i) < most), "{text}");
         }
     }
 }
 
 #[test]
 fn rotations_and_nonlinear_cards_leave_the_deck_incomplete() {
-    let mut stopped = 0;
     for mesh in &MESHES {
         let cards = ["*BOUNDARY\n2,4,6\n", "*EQUATION\n2\n2,5,1.,3,5,-1.\n", "*MPC\nBEAM,2,103\n*BOUNDARY\n103,1,3\n"];
         for text in cards.map(|cards| mesh.deck(cards)) {
             let said = left_out(&text).unwrap_or_else(|| panic!("{text}"));
             assert!(said.contains(" at 2:") && said.contains("ccx expands the elements there into solids"), "{said}");
         }
-        if mesh.slope > 0.0 && mesh.is_bar() && is_there() {
-            // Two of the rotations of a fully clamped beam clash.
-            stopped += usize::from(Printed::run(&mesh.deck("*BOUNDARY\n1,4,6\n")).is_none());
-        }
     }
-    assert!(stopped == 2 || !is_there());
     let third = MESHES.iter().find(|mesh| mesh.kind == "CPS4").expect("there").deck("*EQUATION\n2\n6,3,1.,103,3,-1.\n*BOUNDARY\n103,1,3,.01\n");
     assert!(left_out(&third).is_some_and(|said| said.contains("*EQUATION at 6:3") && said.contains("stays zero")));
     if is_there() {
         assert!(!Printed::run(&third).expect("solved").holds(&model(&third), 0));
     }
+}
+
+#[test]
+fn a_clamped_beam_off_the_axes_is_incomplete_and_stops_ccx() {
+    let text = "*NODE, NSET=NALL\n1,0,0,0\n2,.9,1.1,-1.7\n*ELEMENT, TYPE=B31, ELSET=E\n1,1,2\n*MATERIAL, NAME=M\n*ELASTIC\n2.1e11,.3
+*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=RECT\n.12,.25\n-.774,.633,0\n*BOUNDARY\n1,1,6\n*STEP\n*STATIC\n*CLOAD\n2,3,10.\n*END STEP\n";
+    let said = left_out(text).expect("incomplete");
+    assert!(said.starts_with("line 13: *BOUNDARY at 1:4 and 2 more: ccx expands the elements there into solids"), "{said}");
+    assert!(!is_there() || Printed::run(text).is_none());
 }
 
 #[test]
@@ -143,7 +148,7 @@ fn patches(kind: &str, slave: &str) -> String {
 }
 
 #[test]
-fn ties_of_edges_of_first_order_plane_elements_are_lost() {
+fn ties_of_edges_of_plane_elements_are_lost_but_at_corners_of_second_order() {
     if !is_there() {
         return;
     }
@@ -152,17 +157,19 @@ fn ties_of_edges_of_first_order_plane_elements_are_lost() {
             let text = patches(kind, slave);
             let deck = parse(text.as_bytes());
             let findings = clean::findings(deck.model(), &deck.model().cases()[0], Solver::Ccx);
-            let is_lost = kind.contains('4') && !slave.contains("TYPE");
-            let expected: Vec<usize> = if is_lost { vec![0, 1, 2, 3] } else { Vec::new() };
-            assert_eq!(findings.iter().filter_map(Finding::dropped).collect::<Vec<_>>(), expected, "{kind}{slave}");
+            // Slaves are in the order of their numbers: the middle of an edge is the last.
+            let is_lost = !slave.contains("TYPE");
+            let expected = if !is_lost { 0..0 } else if kind.contains('4') { 0..4 } else { 4..6 };
+            assert_eq!(findings.iter().filter_map(Finding::dropped).collect::<Vec<_>>(), expected.clone().collect::<Vec<_>>(), "{kind}{slave}");
             assert!(findings.iter().all(|finding| finding.outcome == Outcome::IgnoresFirst));
             let printed = Printed::run(&text).expect("solved");
-            let hold = (0..deck.model().equations()).all(|i| printed.holds(deck.model(), i));
-            assert_eq!(hold, !is_lost, "{kind}{slave}");
+            let holds = |i: usize| printed.off(deck.model(), i) < 1e-3;
+            assert!((0..deck.model().equations()).all(|i| expected.contains(&i) || holds(i)), "{kind}{slave}");
+            assert_eq!(expected.clone().all(holds), !is_lost, "{kind}{slave}");
             if is_lost {
                 let mended = String::from_utf8(cleaned(&deck).expect("cleaned")).expect("text");
                 let (model, printed) = (model(&mended), Printed::run(&mended).expect("solved"));
-                assert!(model.equations() == 4 && (0..4).all(|i| printed.holds(&model, i)), "{mended}");
+                assert!((0..model.equations()).all(|i| printed.off(&model, i) < 1e-3), "{mended}");
             }
         }
     }

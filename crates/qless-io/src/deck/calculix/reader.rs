@@ -10,7 +10,7 @@ use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
-use crate::deck::{DeckEquation, DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
+use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
 /// Reads a deck.
 ///
@@ -105,9 +105,8 @@ impl CalculixReader {
                 equation::read(card, &mut self.model, &self.definitions)?;
             }
             b"*MPC" => {
-                let first = self.model.equations();
-                mpc::read(card, &mut self.model, &self.definitions)?;
-                self.note_mean_rotations(first);
+                let rotations = mpc::read(card, &mut self.model, &self.definitions)?;
+                rotations.into_iter().for_each(|(equation, nodes)| self.note_mean_rotation(equation, nodes));
             }
             b"*RIGIDBODY" => {
                 let body = rigid::read(card, &mut self.model, &self.definitions, self.solver)?;
@@ -141,16 +140,11 @@ impl CalculixReader {
         Ok(())
     }
 
-    /// Notes the mean rotations among the equations from `first` on.
-    fn note_mean_rotations(&mut self, first: usize) {
-        for equation in first..self.model.equations() {
-            let DeckEquation { columns, origin, .. } = self.model.nth(equation);
-            if self.model.cards.nth(origin.card).name == mean_rotation::NAME {
-                let dofs = columns.iter().map(|&j| self.model.dofs[j as usize]);
-                let prescribed = dofs.filter(|dof| self.prescribed.contains_key(dof)).collect();
-                self.mean_rotations.push(MeanRotation { equation, prescribed });
-            }
-        }
+    /// Notes a mean rotation, for the choice of its slave.
+    fn note_mean_rotation(&mut self, equation: usize, nodes: Vec<u32>) {
+        let dofs = self.model.nth(equation).columns.iter().map(|&j| self.model.dofs[j as usize]);
+        let prescribed = dofs.filter(|dof| self.prescribed.contains_key(dof)).collect();
+        self.mean_rotations.push(MeanRotation { equation, prescribed, nodes });
     }
 
     /// Reads the card that decides the type of the last `*COUPLING`.

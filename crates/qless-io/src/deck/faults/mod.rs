@@ -1,9 +1,11 @@
 //! Faults of equations, other than dependence, that stop a solver which eliminates the first DOF of each equation.
 
 mod find;
+mod insertion;
 
 pub(crate) use find::faults_of;
 pub use find::{faults, faults_in};
+pub(crate) use insertion::keeps_slaves;
 
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
@@ -63,7 +65,8 @@ pub enum FaultKind {
         /// Why it makes none.
         why: &'static str,
     },
-    /// Slaves depend on each other in a circle, and the equations hardly determine them.
+    /// Slaves depend on each other in a circle, and the equations hardly determine them, or one cancels when the solver
+    /// inserts the equations into each other.
     Circle,
 }
 
@@ -96,7 +99,7 @@ impl EquationFault {
             }
             FaultKind::Missing { why } => format!("{slave} is the slave of {own}, but the solver makes no equation: {why}"),
             FaultKind::Circle => {
-                format!("{slave}, the slave of {own}, depends on itself through other slaves and is not determined")
+                format!("{slave}, the slave of {own}, depends on itself through other slaves, and is not determined or cancels")
             }
         }
     }

@@ -51,9 +51,9 @@ impl Model {
         self.terms.coefficients.swap(start, start + at);
     }
 
-    /// Records that the solver makes no equations of a card, and why.
-    pub(crate) fn mark_missing(&mut self, card: u32, why: &'static str) {
-        self.missing.insert(card, why);
+    /// Records that the solver does not make an equation, and why.
+    pub(crate) fn mark_missing(&mut self, equation: usize, why: &'static str) {
+        self.missing.insert(equation, why);
     }
 
     /// Adds a card and returns its number.

@@ -45,8 +45,8 @@ pub struct Model {
     pub(crate) keeps_repeated_terms: bool,
     /// Cards whose equations the solver enforces by multipliers, without slaves.
     without_slaves: BTreeSet<u32>,
-    /// Cards of which the solver makes no equations, and why.
-    missing: BTreeMap<u32, &'static str>,
+    /// Equations that the solver does not make, and why.
+    missing: BTreeMap<usize, &'static str>,
     columns: ColumnMap,
     terms: TermStorage,
     /// End of each equation in `terms`.
@@ -160,9 +160,9 @@ impl Model {
         self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
     }
 
-    /// Why the solver makes no equation `i`, if it makes none.
+    /// Why the solver does not make equation `i`, if it does not.
     pub(crate) fn why_missing(&self, i: usize) -> Option<&'static str> {
-        if self.missing.is_empty() { None } else { self.missing.get(&self.nth(i).origin.card).copied() }
+        self.missing.get(&i).copied()
     }
 
     /// DOFs that cards left out may claim, ascending, with the origins of the claims. New equations must not have them

@@ -10,7 +10,7 @@ use std::cell::OnceCell;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::faults::{EquationFault, FaultKind};
+use super::faults::{EquationFault, FaultKind, keeps_slaves};
 use super::{Dof, LoadCase, Model, Solver};
 pub use findings::{Finding, findings};
 pub use loss::{Loss, loss};
@@ -100,7 +100,7 @@ impl<'a> Profile<'a> {
     pub fn circle(&self, equations: &[usize]) -> Outcome {
         match self.solver {
             Solver::Ansys => self.ansys(equations),
-            Solver::Ccx if ccx::keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
+            Solver::Ccx if keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
             _ => Outcome::Refused,
         }
     }

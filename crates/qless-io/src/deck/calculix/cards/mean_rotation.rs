@@ -1,28 +1,32 @@
 //! `*MPC` of type MEANROT, and the slave that ccx chooses for it.
 //!
-//! ccx takes the first node of the card that has a DOF which is not taken, and of this node the DOF with the largest
-//! coefficient. A DOF is taken if an equation before has it as slave, or if it is prescribed before. ccx reads
-//! `*COUPLING` before all other cards, so that slaves are chosen after the whole deck is read.
+//! ccx goes through the nodes of the card. The slave is the DOF with the largest coefficient of those that are not
+//! taken, usually of the first node that has one. A DOF is taken if an equation before has it as slave, or if it is prescribed before. ccx reads
+//! `*COUPLING` before all other cards and `*TIE` after them, so that slaves are chosen after the whole deck is read.
 
 use rustc_hash::FxHashSet;
 
-use crate::deck::calculix::cards::CardEquation;
+use crate::deck::calculix::cards::{CardEquation, terms};
 use crate::deck::calculix::model::DeckDefinitions;
-use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, unit};
+use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled};
 use crate::deck::{Dof, Model, Problem};
 use crate::fault::quote;
 
 /// Name of the card.
 pub const NAME: &str = "*MPC MEANROT";
 
-/// Smallest coefficient of a slave, in the form of [`equation`] where that of the rotation is minus the number of nodes.
+/// Smallest coefficient of a slave, in the form of [`equation`].
 const SMALLEST: f64 = 1e-5;
+/// Most nodes whose coefficients are added up as in ccx.
+const ADDED: usize = 2000;
 const NONE_FREE: &str = "all DOFs that could be its slave are slaves or prescribed already, or have coefficients below 1e-5";
 
 /// A mean rotation: its equation, and its DOFs that are prescribed before its card.
 pub struct MeanRotation {
     pub equation: usize,
     pub prescribed: Vec<Dof>,
+    /// Its nodes, in the order of the card.
+    pub nodes: Vec<u32>,
 }
 
 /// Makes the slaves of some mean rotations those that ccx chooses. It makes no equation if it finds no slave.
@@ -30,60 +34,95 @@ pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
     for rotation in rotations {
         match slave(model, rotation) {
             Some(at) => model.lead(rotation.equation, at),
-            None => model.mark_missing(model.nth(rotation.equation).origin.card, NONE_FREE),
+            None => model.mark_missing(rotation.equation, NONE_FREE),
         }
     }
 }
 
-/// Position of the slave among the terms of the equation.
+/// Position of the slave among the terms of the equation: the largest that is free, up to the first node with a free
+/// one. ccx misses the end of that node if its third component is taken and larger, and then goes on.
 fn slave(model: &Model, rotation: &MeanRotation) -> Option<usize> {
     let own = model.nth(rotation.equation);
-    let is_early = |i: usize| i < rotation.equation || model.cards.nth(model.nth(i).origin.card).name == "*KINEMATIC";
+    let is_taken = taken(model, rotation);
+    let (mut found, mut largest) = (None, SMALLEST);
+    for node in &rotation.nodes {
+        for component in 1..=3 {
+            let column = model.column(Dof { node: *node, component });
+            let at = own.columns.iter().position(|&j| Some(j) == column);
+            let size = at.map_or(0.0, |at| own.coefficients[at].abs());
+            match column.filter(|_| size > largest) {
+                Some(column) if is_taken.contains(&column) => continue,
+                Some(_) => (found, largest) = (at, size),
+                None => {}
+            }
+            if component == 3 && found.is_some() {
+                return found;
+            }
+        }
+    }
+    found
+}
+
+/// Columns that are slaves of cards that ccx reads before, or prescribed before.
+fn taken(model: &Model, rotation: &MeanRotation) -> FxHashSet<u32> {
+    let name = |i: usize| model.cards.nth(model.nth(i).origin.card).name;
+    let is_early = |i: usize| name(i) == "*KINEMATIC" || i < rotation.equation && name(i) != "*TIE";
     let slaves = (0..model.equations()).filter(|&i| is_early(i) && model.why_missing(i).is_none());
-    let taken: FxHashSet<u32> = slaves.filter_map(|i| model.nth(i).columns.first().copied()).collect();
-    let (_, others) = own.columns.split_last()?;
-    let node = |at: usize| model.dofs[own.columns[at] as usize].node;
-    let nodes = (0..others.len()).map(node).collect::<FxHashSet<u32>>().len();
-    let scale = nodes as f64 / own.coefficients.last()?;
-    let size = |at: usize| (own.coefficients[at] * scale).abs();
-    let is_free = |&at: &usize| {
-        let column = own.columns[at];
-        size(at) > SMALLEST && !taken.contains(&column) && !rotation.prescribed.contains(&model.dofs[column as usize])
-    };
-    let free: Vec<usize> = (0..others.len()).filter(is_free).collect();
-    let first = node(*free.first()?);
-    // The first component of equal ones.
-    let component = |at: usize| model.dofs[own.columns[at] as usize].component;
-    let of_first = free.into_iter().filter(|&at| node(at) == first);
-    of_first.max_by(|&a, &b| size(a).total_cmp(&size(b)).then(component(b).cmp(&component(a))))
+    let slaves = slaves.filter_map(|i| model.nth(i).columns.first().copied());
+    slaves.chain(rotation.prescribed.iter().filter_map(|&dof| model.column(dof))).collect()
+}
+
+/// The nodes of a list, which has each three times, and then the node that gives the axis.
+pub fn nodes(list: &[u32]) -> Result<(Vec<u32>, u32), Problem> {
+    match list.split_last() {
+        Some((&pilot, nodes)) if !nodes.is_empty() && nodes.len() % 3 == 0 => {
+            Ok((nodes.iter().step_by(3).copied().collect(), pilot))
+        }
+        _ => {
+            let found = quote(list.len().to_string().as_bytes());
+            Err(Problem::Expected { expected: "nodes three times each, and then one more", found })
+        }
+    }
 }
 
 /// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`: p_k is the arm of node k from the mean position,
 /// perpendicular to the axis e. Nodes on the axis only enter the mean. The card lists each node three times.
 pub fn equation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
-    let Some((&pilot, nodes)) = nodes.split_last().filter(|(_, nodes)| !nodes.is_empty() && nodes.len() % 3 == 0)
-    else {
-        let found = quote(nodes.len().to_string().as_bytes());
-        return Err(Problem::Expected { expected: "nodes three times each, and then one more", found });
-    };
-    let nodes: Vec<u32> = nodes.iter().step_by(3).copied().collect();
-    let axis = unit(definitions.position(pilot)?);
-    let axis = axis.ok_or_else(|| Problem::Degenerate { what: format!("node {pilot} gives no axis of rotation") })?;
+    let (nodes, pilot) = self::nodes(nodes)?;
+    let axis = definitions.position(pilot)?;
+    let along = length(axis);
+    if along <= 0.0 {
+        return Err(Problem::Degenerate { what: format!("node {pilot} gives no axis of rotation") });
+    }
+    let axis = axis.map(|x| x / along);
     let places: Vec<Vector> = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
-    let part = 1.0 / nodes.len() as f64;
-    let centre = places.iter().fold([0.0; 3], |sum, x| plus(sum, scaled(*x, part)));
+    let count = nodes.len() as f64;
+    let centre = places.iter().fold([0.0; 3], |sum, x| plus(sum, *x)).map(|sum| sum / count);
     let arms: Vec<Vector> = places.iter().map(|x| minus(*x, centre)).collect();
-    let spread = arms.iter().map(|arm| dot(*arm, *arm)).sum::<f64>() * part;
+    let spread = arms.iter().map(|arm| dot(*arm, *arm)).sum::<f64>() / count;
     let rotation = |arm: &Vector| {
         let across = minus(*arm, scaled(axis, dot(*arm, axis)));
         let square = dot(across, across);
-        if square > 1e-10 * spread { scaled(cross(axis, across), 1.0 / square) } else { [0.0; 3] }
+        if square > 1e-10 * spread { cross(axis, across).map(|c| c / square) } else { [0.0; 3] }
     };
     let rotations: Vec<Vector> = arms.iter().map(rotation).collect();
+    let mut terms = terms(definitions, &gradients(&nodes, &rotations))?;
+    if terms.is_empty() {
+        return Err(Problem::Degenerate { what: "all nodes of a mean rotation lie on its axis".into() });
+    }
+    terms.push((Dof { node: pilot, component: 1 }, -count));
+    Ok(CardEquation { terms, rhs: 0.0 })
+}
+
+/// `r_k - mean r` for each node. Up to [`ADDED`] nodes, adds up as ccx does, because rounding decides between equal
+/// coefficients; this takes quadratic time.
+fn gradients(nodes: &[u32], rotations: &[Vector]) -> Vec<(u32, Vector)> {
+    let part = 1.0 / nodes.len() as f64;
     let mean = scaled(rotations.iter().fold([0.0; 3], |sum, rotation| plus(sum, *rotation)), part);
-    let mut gradients: Vec<(u32, Vector)> =
-        nodes.iter().copied().zip(rotations.iter().map(|rotation| minus(*rotation, mean))).collect();
-    gradients.retain(|(_, gradient)| gradient.iter().any(|g| g.abs() > 1e-12 * spread.sqrt().recip()));
-    let rotation = (Dof { node: pilot, component: 1 }, -(nodes.len() as f64));
-    CardEquation::along_with(definitions, &gradients, &[rotation], 0.0)
+    let added = |k: usize| {
+        let share = |i: usize| scaled(rotations[i], if i == k { 1.0 - part } else { -part });
+        (0..nodes.len()).fold([0.0; 3], |sum, i| plus(sum, share(i)))
+    };
+    let gradient = |k: usize| if nodes.len() <= ADDED { added(k) } else { minus(rotations[k], mean) };
+    nodes.iter().enumerate().map(|(k, &node)| (node, gradient(k))).collect()
 }

@@ -33,11 +33,16 @@ pub fn is_nonlinear(card: &KeywordCard) -> bool {
     card.is("*MPC") && matches!(first_type(card).as_str(), "PLANE" | "STRAIGHT" | "BEAM")
 }
 
-/// Adds the equations of a card.
-pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
+/// Adds the equations of a card. Returns those that are mean rotations, with their nodes.
+pub fn read(
+    card: &KeywordCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+) -> Result<Vec<(usize, Vec<u32>)>, DeckError> {
     let name = if first_type(card) == MEAN_ROTATION { mean_rotation::NAME } else { "*MPC" };
     let place = RegisteredCard::register(card, model, name);
     let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
+    let mut rotations = Vec::new();
     for (kind, nodes) in lists {
         let rows = match kind.as_str() {
             "PLANE" => plane(definitions, &nodes),
@@ -61,6 +66,9 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
         };
         let before = model.equations();
         place.push(model, rows)?;
+        if kind == MEAN_ROTATION {
+            rotations.push((before, mean_rotation::nodes(&nodes).map_err(|problem| place.fail(model, problem))?.0));
+        }
         if model.equations() == before && kind == "DIST" {
             let text = "*MPC DIST is inactive while the nodes are closer than its bound: no equation";
             model.warn(card.file, card.line, text);
@@ -70,7 +78,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
             model.warn(card.file, card.line, format!("*MPC {kind} is linearised at the reference configuration"));
         }
     }
-    Ok(())
+    Ok(rotations)
 }
 
 /// Reads the types with their nodes; a line that begins with a number continues the list.

@@ -1,5 +1,7 @@
 //! `*TIE`: each node of the slave surface moves with the nearest point of the master surface, `u_s = sum N_i(xi) u_i`.
 
+use rustc_hash::FxHashSet;
+
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
 use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
@@ -15,8 +17,9 @@ pub const TOLERANCE: f64 = 0.025;
 /// Distance within which a node counts as lying on a face, relative to the typical size of a face. Coordinates of many
 /// decks have only six or seven digits.
 const ON_FACE: f64 = 1e-6;
-/// All nodes of the solids into which ccx expands these elements follow the nodes of the deck already.
-const LINES: &str = "its slave surface is faces of first-order plane elements; name their nodes instead (TYPE=NODE)";
+/// ccx ties the new nodes of the solids into which it expands plane elements. Only at corners of second-order elements,
+/// one of them does not follow the node of the deck already.
+const EDGES: &str = "only corners of second-order plane elements are tied by edge; name the nodes instead (TYPE=NODE)";
 const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
 
 /// Adds the equations of a card.
@@ -49,10 +52,11 @@ pub fn read(
     if tied.has_gap && card.word("ADJUST").as_deref() != Some("NO") {
         model.cards.fix_because(place.origin.card, MOVED);
     }
-    if solver == Solver::Ccx && tied.has_lines {
-        model.mark_missing(place.origin.card, LINES);
-    }
-    place.push(model, Ok(tied.rows))
+    let first = model.equations();
+    place.push(model, Ok(tied.rows))?;
+    let missing = tied.on_edges.iter().filter(|_| solver == Solver::Ccx);
+    missing.for_each(|row| model.mark_missing(first + row, EDGES));
+    Ok(())
 }
 
 struct Tied {
@@ -60,8 +64,8 @@ struct Tied {
     apart: Vec<u32>,
     /// Whether a tied node does not lie on its face.
     has_gap: bool,
-    /// Whether the slave surface has faces of first-order plane elements.
-    has_lines: bool,
+    /// Rows of nodes at which ccx ties no edge of a plane element.
+    on_edges: Vec<usize>,
     tolerance: f64,
 }
 
@@ -103,7 +107,8 @@ fn nodes(card: &KeywordCard, definitions: &DeckDefinitions, sides: &[String; 2])
 fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Problem> {
     let [slave, master] = &sides(card)?;
     let slaves = DeckSurface::find(definitions, card.scope, slave)?;
-    let has_lines = slaves.is_line && slaves.faces.iter().any(|face| face.len() == 2);
+    let edges = slaves.faces.iter().filter(|_| slaves.is_line);
+    let untied: FxHashSet<u32> = edges.flat_map(|edge| if edge.len() == 2 { &edge[..] } else { &edge[2..] }).copied().collect();
     let faces = MasterFace::all(DeckSurface::find(definitions, card.scope, master)?, definitions)?;
     if faces.is_empty() {
         let found = quote(master.as_bytes());
@@ -113,14 +118,16 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Probl
     let given = card.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
     let tolerance = given.unwrap_or(TOLERANCE * typical);
     let grid = FaceGrid::new(&faces, tolerance);
-    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), has_gap: false, has_lines, tolerance };
+    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), has_gap: false, on_edges: Vec::new(), tolerance };
     for node in slaves.all_nodes() {
         let position: Vector = definitions.position(node)?;
         match grid.nearest(&faces, position).filter(|near| near.distance <= tolerance) {
             Some(near) if faces[near.face].nodes.contains(&node) => {}
             Some(near) => {
                 tied.has_gap |= near.distance > ON_FACE * typical;
+                let before = tied.rows.len();
                 tied.rows.extend(rows(definitions, node, &faces[near.face].nodes, &near.weights)?);
+                tied.on_edges.extend((before..tied.rows.len()).filter(|_| untied.contains(&node)));
             }
             None => tied.apart.push(node),
         }
