@@ -4,7 +4,7 @@ use qless_io::deck::clean::{self, Finding, Loss};
 use qless_io::deck::{Deck, Dof, Model, Outcome, Solver};
 use qless_scenes::Rng;
 
-use super::solver::{cleaned, is_there, parse, solve};
+use super::solver::{SINGULAR, cleaned, is_there, parse, run, solve};
 
 /// Two bars of two bricks each, end to end: nodes 1 to 12 and 101 to 112, of which 9 to 12 and 101 to 104 coincide. The
 /// far ends are held. Nodes above 200 are free for references.
@@ -31,9 +31,12 @@ pub struct Printed(Vec<(u32, [f64; 3])>);
 
 impl Printed {
     pub fn run(text: &str) -> Option<Self> {
-        let words = solve(text.as_bytes())?;
+        solve(text.as_bytes()).map(|words| Self::parse(&words))
+    }
+
+    fn parse(words: &[String]) -> Self {
         let numbers: Vec<f64> = words.iter().skip_while(|word| *word != "time").skip(2).filter_map(|w| w.parse().ok()).collect();
-        Some(Self(numbers.chunks_exact(4).map(|row| (row[0] as u32, [row[1], row[2], row[3]])).collect()))
+        Self(numbers.chunks_exact(4).map(|row| (row[0] as u32, [row[1], row[2], row[3]])).collect())
     }
 
     /// A translation; rotations of references are prescribed as zero.
@@ -75,9 +78,12 @@ fn judge(name: &str, text: &str) -> (bool, usize, usize) {
     let (findings, loss) = said(&deck);
     let words: Vec<String> = findings.iter().map(|finding| finding.describe(deck.model(), Solver::Ccx)).collect();
     let show = || format!("{name}: {words:#?}\n{:?}\n{loss:?}\n{text}", deck.model().refusals());
-    let printed = Printed::run(text);
-    assert_eq!(printed.is_none(), is_refused(&deck, &findings), "{}", show());
-    let Some(printed) = printed else { return (true, 0, 0) };
+    let found = run(text.as_bytes());
+    // A motion that comes free may leave a reference that nothing holds.
+    let is_loose = found == Err(SINGULAR) && !loss.freed.is_empty();
+    assert_eq!(found.is_err() && !is_loose, is_refused(&deck, &findings), "{found:?} {}", show());
+    let Ok(words) = found else { return (!is_loose, 0, 0) };
+    let printed = Printed::parse(&words);
     for i in 0..deck.model().equations() {
         let off = printed.off(deck.model(), i);
         assert_eq!(off < 2e-6, !loss.equations.contains(&i), "equation {i}, off by {off}: {}", show());
@@ -125,7 +131,8 @@ fn lost_ties_hold_in_the_cleaned_deck() {
     assert!((pulled(&cleaned) - 8.666_667e-4).abs() < 1e-9);
 }
 
-const FACES: [&str; 5] = ["101,102,103,104", "9,10,11,12", "105,106,107,108", "5,6,7,8", "9,12,101"];
+const FACES: [&str; 6] =
+    ["101,102,103,104", "9,10,11,12", "105,106,107,108", "5,6,7,8", "9,11,104", "9,10,11,12,101,102,103,104"];
 
 /// A random deck of cards that claim the nodes where the bars meet, and their neighbours.
 fn drawn(seed: u64) -> String {
@@ -136,7 +143,7 @@ fn drawn(seed: u64) -> String {
         cards.push(TIE.to_owned());
     }
     if rng.below(2) == 0 {
-        cards.push(body(FACES[rng.below(5)]));
+        cards.push(body(FACES[rng.below(6)]));
     }
     if rng.below(3) == 0 {
         let set = FACES[rng.below(5)].replace(',', "\n");
@@ -147,8 +154,8 @@ fn drawn(seed: u64) -> String {
     }
     for axis in [204, 205, 206].into_iter().take(rng.below(4)) {
         let nodes: Vec<String> = FACES[rng.below(4)].split(',').map(|node| format!("{node},{node},{node}")).collect();
-        let value = if rng.below(3) > 0 { format!("*BOUNDARY\n{axis},1,1,1e-3\n") } else { String::new() };
-        cards.push(format!("*MPC\nMEANROT,{},{axis}\n{value}", nodes.join(",")));
+        // A rotation without a value has no effect.
+        cards.push(format!("*MPC\nMEANROT,{},{axis}\n*BOUNDARY\n{axis},1,1,1e-3\n", nodes.join(",")));
     }
     for _ in 0..rng.below(3) {
         let (a, b, c) = (near[rng.below(16)], near[rng.below(16)], 1 + rng.below(3));
@@ -174,5 +181,5 @@ fn random_decks_lose_what_is_said() {
     let count = |is: fn(&(bool, usize, usize)) -> bool| all.iter().filter(|found| is(found)).count();
     let (refused, implied, lost) = (count(|found| found.0), count(|found| found.1 > 0), count(|found| found.2 > 0));
     println!("150 decks: {refused} refused; {implied} with implied and {lost} with lost equations");
-    assert!(refused >= 15 && implied >= 10 && lost >= 30);
+    assert!(refused >= 30 && implied >= 5 && lost >= 30);
 }

@@ -300,7 +300,7 @@ impl CalculixReader {
                 Some(_) => self.model.dof_name(dof),
                 None => format!("about axis {}", dof.component + 1 - body.rotation.component),
             };
-            let text = format!("ccx stops: nothing holds the rotation {name} of the *RIGID BODY, whose nodes are on its axis");
+            let text = format!("ccx stops: nothing holds rotation {name} of a *RIGID BODY whose nodes are on its axis");
             self.model.refuse(file, line, text);
         }
     }
