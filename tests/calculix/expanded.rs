@@ -31,11 +31,23 @@ const MESHES: [Mesh; 10] = [
     Mesh { kind: "B32", elements: "1,1,2,3\n", section: BAR, slope: 0.4, held: "1,1,3\n3,1,3\n" },
     Mesh { kind: "S4", elements: FACES, section: SHELL, slope: 0.3, held: "1,1,3\n4,1,3\n3,3\n" },
     Mesh { kind: "S4R", elements: FACES, section: SHELL, slope: 0.0, held: "1,1,3\n4,1,3\n3,3\n" },
-    Mesh { kind: "M3D4", elements: FACES, section: "*MEMBRANE SECTION, ELSET=E, MATERIAL=M\n.1\n", slope: 0.0, held: "1,1,3\n4,1,3\n3,3\n" },
+    Mesh {
+        kind: "M3D4",
+        elements: FACES,
+        section: "*MEMBRANE SECTION, ELSET=E, MATERIAL=M\n.1\n",
+        slope: 0.0,
+        held: "1,1,3\n4,1,3\n3,3\n",
+    },
     Mesh { kind: "CPS4", elements: FACES, section: SOLID, slope: 0.0, held: "1,1,2\n4,1,2\n" },
     Mesh { kind: "CPE4", elements: FACES, section: SOLID, slope: 0.0, held: "1,1,2\n4,1,2\n" },
     Mesh { kind: "CAX4", elements: FACES, section: SOLID, slope: 0.0, held: "1,1,2\n4,1,2\n" },
-    Mesh { kind: "CPS3", elements: "1,1,2,4\n2,2,5,4\n3,2,3,5\n4,3,6,5\n", section: SOLID, slope: 0.0, held: "1,1,2\n4,1,2\n" },
+    Mesh {
+        kind: "CPS3",
+        elements: "1,1,2,4\n2,2,5,4\n3,2,3,5\n4,3,6,5\n",
+        section: SOLID,
+        slope: 0.0,
+        held: "1,1,2\n4,1,2\n",
+    },
 ];
 
 impl Mesh {
@@ -80,7 +92,10 @@ fn translations_keep_their_meaning() {
         let most = if mesh.kind == "CAX4" { 1e-3 } else { 1e-5 };
         let last = if mesh.is_plane() { 2 } else { 3 };
         let other = if mesh.is_bar() { 103 } else { 5 };
-        let mut decks = vec![format!("*NSET, NSET=R\n2\n{}\n*RIGID BODY, NSET=R, REF NODE=101, ROT NODE=102\n*BOUNDARY\n101,1,3,.01\n102,1,3\n", if mesh.is_bar() { 2 } else { 6 })];
+        let mut decks = vec![format!(
+            "*NSET, NSET=R\n2\n{}\n*RIGID BODY, NSET=R, REF NODE=101, ROT NODE=102\n*BOUNDARY\n101,1,3,.01\n102,1,3\n",
+            if mesh.is_bar() { 2 } else { 6 }
+        )];
         for c in 1..=last {
             decks.push(format!("*BOUNDARY\n{other},{c},{c},.01\n*EQUATION\n2\n2,{c},1.,{other},{c},-2.\n"));
             decks.push(format!("*BOUNDARY\n2,{c},{c},.01\n*EQUATION\n2\n103,{c},1.,2,{c},-1.\n"));
@@ -103,7 +118,11 @@ fn rotations_and_nonlinear_cards_leave_the_deck_incomplete() {
             assert!(said.contains(" at 2:") && said.contains("ccx expands the elements there into solids"), "{said}");
         }
     }
-    let third = MESHES.iter().find(|mesh| mesh.kind == "CPS4").expect("there").deck("*EQUATION\n2\n6,3,1.,103,3,-1.\n*BOUNDARY\n103,1,3,.01\n");
+    let third = MESHES
+        .iter()
+        .find(|mesh| mesh.kind == "CPS4")
+        .expect("there")
+        .deck("*EQUATION\n2\n6,3,1.,103,3,-1.\n*BOUNDARY\n103,1,3,.01\n");
     assert!(left_out(&third).is_some_and(|said| said.contains("*EQUATION at 6:3") && said.contains("stays zero")));
     if is_there() {
         assert!(!Printed::run(&third).expect("solved").holds(&model(&third), 0));
@@ -115,7 +134,10 @@ fn a_clamped_beam_off_the_axes_is_incomplete_and_stops_ccx() {
     let text = "*NODE, NSET=NALL\n1,0,0,0\n2,.9,1.1,-1.7\n*ELEMENT, TYPE=B31, ELSET=E\n1,1,2\n*MATERIAL, NAME=M\n*ELASTIC\n2.1e11,.3
 *BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=RECT\n.12,.25\n-.774,.633,0\n*BOUNDARY\n1,1,6\n*STEP\n*STATIC\n*CLOAD\n2,3,10.\n*END STEP\n";
     let said = left_out(text).expect("incomplete");
-    assert!(said.starts_with("line 13: *BOUNDARY at 1:4 and 2 more: ccx expands the elements there into solids"), "{said}");
+    assert!(
+        said.starts_with("line 13: *BOUNDARY at 1:4 and 2 more: ccx expands the elements there into solids"),
+        "{said}"
+    );
     assert!(!is_there() || Printed::run(text).is_none());
 }
 
@@ -159,8 +181,18 @@ fn ties_of_edges_of_plane_elements_are_lost_but_at_corners_of_second_order() {
             let findings = clean::findings(deck.model(), &deck.model().cases()[0], Solver::Ccx);
             // Slaves are in the order of their numbers: the middle of an edge is the last.
             let is_lost = !slave.contains("TYPE");
-            let expected = if !is_lost { 0..0 } else if kind.contains('4') { 0..4 } else { 4..6 };
-            assert_eq!(findings.iter().filter_map(Finding::dropped).collect::<Vec<_>>(), expected.clone().collect::<Vec<_>>(), "{kind}{slave}");
+            let expected = if !is_lost {
+                0..0
+            } else if kind.contains('4') {
+                0..4
+            } else {
+                4..6
+            };
+            assert_eq!(
+                findings.iter().filter_map(Finding::dropped).collect::<Vec<_>>(),
+                expected.clone().collect::<Vec<_>>(),
+                "{kind}{slave}"
+            );
             assert!(findings.iter().all(|finding| finding.outcome == Outcome::IgnoresFirst));
             let printed = Printed::run(&text).expect("solved");
             let holds = |i: usize| printed.off(deck.model(), i) < 1e-3;
@@ -178,10 +210,16 @@ fn ties_of_edges_of_plane_elements_are_lost_but_at_corners_of_second_order() {
 #[test]
 fn ties_of_shell_faces_are_left_out_and_those_of_their_nodes_are_not() {
     let shells = |slave| patches("S4", slave).replace("*SOLID SECTION", "*SHELL SECTION");
-    assert!(left_out(&shells("\n2,SPOS\n").replace("1,S2", "1,SNEG")).is_some_and(|said| said.contains("*TIE with faces of shells")));
+    assert!(
+        left_out(&shells("\n2,SPOS\n").replace("1,S2", "1,SNEG"))
+            .is_some_and(|said| said.contains("*TIE with faces of shells"))
+    );
     let bricks = "*NODE, NSET=NALL\n21,2.,0.,-1.\n22,3.,0.,-1.\n23,3.,1.,-1.\n24,2.,1.,-1.\n25,2.,0.,0.\n26,3.,0.,0.\n27,3.,1.,0.\n28,2.,1.,0.\n\
                   *ELEMENT, TYPE=C3D8, ELSET=B\n9,21,22,23,24,25,26,27,28\n*SOLID SECTION, ELSET=B, MATERIAL=M\n*BOUNDARY\n21,1,3\n22,1,3\n23,1,3\n24,1,3\n*TIE";
-    let nodes = shells(", TYPE=NODE\n11\n12\n13\n14\n").replace("1,S2", "9,S2").replacen("*TIE", bricks, 1).replace("\n1,1,2\n4,1,2", "\n1,1,3\n4,1,3");
+    let nodes = shells(", TYPE=NODE\n11\n12\n13\n14\n")
+        .replace("1,S2", "9,S2")
+        .replacen("*TIE", bricks, 1)
+        .replace("\n1,1,2\n4,1,2", "\n1,1,3\n4,1,3");
     assert_eq!(left_out(&nodes), None);
     if is_there() {
         let (model, printed) = (model(&nodes), Printed::run(&nodes).expect("solved"));

@@ -1,5 +1,7 @@
 //! What ccx drops: implied equations hold in its results, and lost ones do not. Runs named and random decks.
 
+use std::fmt::Write;
+
 use qless_io::deck::clean::{self, Finding, Loss};
 use qless_io::deck::{Deck, Dof, Model, Outcome, Solver};
 use qless_scenes::Rng;
@@ -13,7 +15,7 @@ pub fn bars(cards: &str, step: &str) -> String {
     for (first, x) in [(0, 0.0), (100, 2.0)] {
         for k in 0..12 {
             let (i, j, l) = (f64::from(k / 4), f64::from(k / 2 % 2), f64::from(k % 2));
-            text += &format!("{},{},{j},{l}\n", first + k + 1, x + i);
+            writeln!(text, "{},{},{j},{l}", first + k + 1, x + i).expect("text");
         }
     }
     text += "201,2.,.5,.5\n202,2.,.5,.5\n203,2.2,.4,.3\n204,1.,.4,.7\n205,0.,1.,0.\n206,.6,0.,.8\n207,3.,.5,.2\n208,3.,.5,.2\n";
@@ -35,7 +37,8 @@ impl Printed {
     }
 
     fn parse(words: &[String]) -> Self {
-        let numbers: Vec<f64> = words.iter().skip_while(|word| *word != "time").skip(2).filter_map(|w| w.parse().ok()).collect();
+        let numbers: Vec<f64> =
+            words.iter().skip_while(|word| *word != "time").skip(2).filter_map(|w| w.parse().ok()).collect();
         Self(numbers.chunks_exact(4).map(|row| (row[0] as u32, [row[1], row[2], row[3]])).collect())
     }
 
@@ -163,7 +166,9 @@ fn drawn(seed: u64) -> String {
             cards.push(format!("*EQUATION\n2\n{a},{c},1.,{b},{c},-1.\n"));
         }
     }
-    let value = |rng: &mut Rng| format!("*BOUNDARY\n{},{c},{c},{}\n", near[rng.below(16)], [0.0, 2e-3][rng.below(2)], c = 1 + rng.below(3));
+    let value = |rng: &mut Rng| {
+        format!("*BOUNDARY\n{},{c},{c},{}\n", near[rng.below(16)], [0.0, 2e-3][rng.below(2)], c = 1 + rng.below(3))
+    };
     if rng.below(3) == 0 {
         cards.push(value(&mut rng));
     }

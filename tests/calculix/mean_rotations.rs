@@ -48,11 +48,9 @@ fn each_takes_a_slave_that_is_free() {
         let value = format!("*BOUNDARY\n105,{c},{c}\n");
         accepted.push(deck(&(equation.clone() + &rotation(205)), ""));
         accepted.push(deck(&(value.clone() + &rotation(205)), ""));
-        for late in [
-            deck(&(rotation(205) + &equation), ""),
-            deck(&(rotation(205) + &value), ""),
-            deck(&rotation(205), &value),
-        ] {
+        for late in
+            [deck(&(rotation(205) + &equation), ""), deck(&(rotation(205) + &value), ""), deck(&rotation(205), &value)]
+        {
             let [said, found] = outcomes(&late);
             assert_eq!(said, found, "{late}");
             (stops, first) = (stops + usize::from(found.0), first + usize::from(!found.0));

@@ -57,9 +57,8 @@ fn the_worst_step_is_shown_and_the_others_are_named() {
     let run = place.run("check -q steps.inp");
     assert_eq!(run.code, 1);
     assert!(
-        run.out.contains(
-            "Load cases: 2, shown is step 2.\n  step 2: rank 0, 0 redundant, 1 conflicting; ccx: 1 lost\n"
-        ),
+        run.out
+            .contains("Load cases: 2, shown is step 2.\n  step 2: rank 0, 0 redundant, 1 conflicting; ccx: 1 lost\n"),
         "{}",
         run.out
     );
@@ -126,7 +125,10 @@ fn what_is_refused_what_is_implied_and_what_is_lost_are_three_things() {
             0,
             "independent",
             [1, 0, 0],
-            ["ccx refuses the deck for these reasons:", "Next: `qless clean refused.inp -o DECK` writes a deck that the solver takes."],
+            [
+                "ccx refuses the deck for these reasons:",
+                "Next: `qless clean refused.inp -o DECK` writes a deck that the solver takes.",
+            ],
         ),
     ] {
         let run = place.run(&format!("check -q {name}.inp"));
@@ -143,13 +145,19 @@ fn what_is_refused_what_is_implied_and_what_is_lost_are_three_things() {
     assert!(run.err.contains("error: found what --deny names: 12 lost claims"), "{}", run.err);
     let report: serde_json::Value = serde_json::from_str(&run.out).expect("JSON");
     let results = report["runs"][0]["results"].as_array().expect("results");
-    assert!(results.iter().all(|found| (&found["ruleId"], &found["level"]) == (&serde_json::json!("lost"), &serde_json::json!("error"))));
+    assert!(
+        results
+            .iter()
+            .all(|found| (&found["ruleId"], &found["level"])
+                == (&serde_json::json!("lost"), &serde_json::json!("error")))
+    );
 }
 
 #[test]
 fn a_body_on_a_line_names_the_rotation_that_nothing_holds() {
     let place = Place::new();
-    let line = LOST.replace("101,102,103,104\n*NSET,NSET=OUT", "101,102\n*NSET,NSET=OUT").replace("901,2,.5,.5", "901,2,0,.5");
+    let line =
+        LOST.replace("101,102,103,104\n*NSET,NSET=OUT", "101,102\n*NSET,NSET=OUT").replace("901,2,.5,.5", "901,2,0,.5");
     let held = line.replace("4,1,3\n*STEP", "4,1,3\n902,3\n*STEP");
     place.file("line.inp", line).file("held.inp", held);
     let run = place.run("check -q line.inp --deny refused");

@@ -37,8 +37,8 @@ impl Claims {
         let (model, solver) = (deck.model(), deck.solver());
         let found = findings(model, case, solver);
         let loss = loss(model, case, &found, solver, options);
-        let mut claims = Self::default();
-        claims.freed = loss.freed.iter().map(|&dof| model.dof_name(dof)).collect();
+        let freed = loss.freed.iter().map(|&dof| model.dof_name(dof)).collect();
+        let mut claims = Self { freed, ..Self::default() };
         for finding in &found {
             let place = |_| dropped(finding, model);
             claims.add(finding.outcome, finding.fault.describe(model), loss.contains(finding), place);

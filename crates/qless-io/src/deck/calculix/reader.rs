@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use super::cards::body_rotations::{self, ReadBody};
 use super::cards::mean_rotation::{self, MeanRotation};
 use super::cards::{boundary, cyclic, equation, expanded, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
-use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
-use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
@@ -55,8 +54,7 @@ struct CalculixReader {
     /// References that only distribute forces, with file and line of their cards.
     forces: Vec<(u32, u32, u32)>,
     mean_rotations: Vec<MeanRotation>,
-    /// References of rigid bodies, with file and line of their cards.
-    bodies: Vec<(BodyReference, u32, u32)>,
+    bodies: Vec<ReadBody>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
     sectors: Vec<KeywordCard>,
     cyclic: Vec<KeywordCard>,
@@ -110,7 +108,7 @@ impl CalculixReader {
             }
             b"*RIGIDBODY" => {
                 let body = rigid::read(card, &mut self.model, &self.definitions, self.solver)?;
-                self.bodies.extend(body.map(|body| (body, card.file, card.line)));
+                self.bodies.extend(body.map(|body| ReadBody { body, file: card.file, line: card.line }));
             }
             b"*COUPLING" => {
                 if self.solver == Solver::Ccx {
@@ -257,9 +255,8 @@ impl CalculixReader {
         mean_rotation::choose_slaves(&mut self.model, &self.mean_rotations);
         self.check_nodes()?;
         self.warn_of_forces();
-        self.refuse_free_rotations();
-        self.warn_of_rotations();
         if self.solver == Solver::Ccx {
+            body_rotations::check(&mut self.model, &self.definitions, &self.bodies);
             expanded::leave_out(&mut self.model, &self.definitions);
             self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;
@@ -281,66 +278,6 @@ impl CalculixReader {
                 );
                 self.model.warn(file, line, text);
             }
-        }
-    }
-
-    /// Refuses rotations of bodies that nothing holds: those about a line through the reference and all nodes.
-    fn refuse_free_rotations(&mut self) {
-        let has_plane = || self.definitions.blocks.iter().any(|block| ElementShape::from_type(&block.kind).is_plane());
-        if self.solver != Solver::Ccx || self.bodies.is_empty() || has_plane() {
-            return;
-        }
-        let rotations = |(body, file, line): &(BodyReference, u32, u32)| {
-            let (body, file, line) = (*body, *file, *line);
-            body.rotations().map(|dof| (body, dof, file, line))
-        };
-        let free = self.bodies.iter().flat_map(rotations).filter(|(_, dof, ..)| !self.is_held(*dof));
-        for (body, dof, file, line) in free.collect::<Vec<_>>() {
-            let name = match body.rotation_node() {
-                Some(_) => self.model.dof_name(dof),
-                None => format!("about axis {}", dof.component + 1 - body.rotation.component),
-            };
-            let text = format!("ccx stops: nothing holds rotation {name} of a *RIGID BODY whose nodes are on its axis");
-            self.model.refuse(file, line, text);
-        }
-    }
-
-    /// Whether an equation, a value of the first step or an element has a DOF of a body's reference.
-    fn is_held(&self, dof: Dof) -> bool {
-        let is_given = |case: &LoadCase| case.prescribed.iter().any(|given| given.dof == dof);
-        let is_meshed = || self.definitions.elements().is_ok_and(|elements| elements.nodes.contains(&dof.node));
-        let is_prescribed = self.model.cases.first().is_some_and(is_given);
-        self.model.column(dof).is_some() || is_prescribed || dof.component <= 3 && is_meshed()
-    }
-
-    /// Warns of values and moments on components 4 to 6 of a body's reference: ccx ignores them unless an element or
-    /// an equation has these DOFs.
-    fn warn_of_rotations(&mut self) {
-        if self.solver != Solver::Ccx {
-            return;
-        }
-        let bodies = std::mem::take(&mut self.bodies);
-        let references = || bodies.iter().map(|(body, ..)| body);
-        let body = |dof: Dof| references().find(|body| body.node == dof.node && (4..=6).contains(&dof.component));
-        let is_idle = |dof: Dof| !self.definitions.rotates(dof.node) && self.model.column(dof).is_none();
-        let given = self.model.cases.iter().flat_map(|case| &case.prescribed).map(|given| (given.dof, given.origin));
-        let loads = self.model.cases.iter().flat_map(|case| &case.loads).map(|load| (load.dof, load.origin));
-        let found: BTreeMap<_, _> = given
-            .chain(loads)
-            .filter(|(dof, _)| is_idle(*dof))
-            .filter_map(|(dof, origin)| Some(((origin.line, dof, self.model.cards.nth(origin.card).file), body(dof)?)))
-            .collect();
-        for ((line, dof, file), body) in found {
-            let name = self.model.dof_name(dof);
-            let text = match body.rotation_node() {
-                Some(node) => format!(
-                    "{name} has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of node {node}"
-                ),
-                None => {
-                    format!("{name} has no effect: no card can name the rotation of a *RIGID BODY without ROT NODE")
-                }
-            };
-            self.model.warn(file, line, text);
         }
     }
 

@@ -97,9 +97,13 @@ impl EquationFault {
                 let master = model.dof_name(master);
                 format!("{master} occurs twice in {own}{through}, and the solver does not add up the coefficients")
             }
-            FaultKind::Missing { why } => format!("{slave} is the slave of {own}, but the solver makes no equation: {why}"),
+            FaultKind::Missing { why } => {
+                format!("{slave} is the slave of {own}, but the solver makes no equation: {why}")
+            }
             FaultKind::Circle => {
-                format!("{slave}, the slave of {own}, depends on itself through other slaves, and is not determined or cancels")
+                format!(
+                    "{slave}, the slave of {own}, depends on itself through other slaves, and is not determined or cancels"
+                )
             }
         }
     }

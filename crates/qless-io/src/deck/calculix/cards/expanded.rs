@@ -41,7 +41,9 @@ pub fn leave_out(model: &mut Model, definitions: &DeckDefinitions) {
     }
     for equation in (0..model.equations()).map(|i| model.nth(i)) {
         for dof in equation.columns.iter().map(|&j| model.dofs[j as usize]) {
-            why(dof, model, equation.origin.card, definitions).into_iter().for_each(|why| note(why, dof, equation.origin));
+            why(dof, model, equation.origin.card, definitions)
+                .into_iter()
+                .for_each(|why| note(why, dof, equation.origin));
         }
     }
     for (why, (origin, dof, all)) in found {

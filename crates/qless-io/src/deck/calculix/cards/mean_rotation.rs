@@ -4,7 +4,7 @@
 //! taken, usually of the first node that has one. A DOF is taken if an equation before has it as slave, or if it is prescribed before. ccx reads
 //! `*COUPLING` before all other cards and `*TIE` after them, so that slaves are chosen after the whole deck is read.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::calculix::cards::{CardEquation, terms};
 use crate::deck::calculix::model::DeckDefinitions;
@@ -19,20 +19,31 @@ pub const NAME: &str = "*MPC MEANROT";
 const SMALLEST: f64 = 1e-5;
 /// Most nodes whose coefficients are added up as in ccx.
 const ADDED: usize = 2000;
-const NONE_FREE: &str = "all DOFs that could be its slave are slaves or prescribed already, or have coefficients below 1e-5";
+const NONE_FREE: &str =
+    "all DOFs that could be its slave are slaves or prescribed already, or have coefficients below 1e-5";
 
 /// A mean rotation: its equation, and its DOFs that are prescribed before its card.
 pub struct MeanRotation {
     pub equation: usize,
-    pub prescribed: Vec<Dof>,
+    pub prescribed: FxHashSet<Dof>,
     /// Its nodes, in the order of the card.
     pub nodes: Vec<u32>,
 }
 
-/// Makes the slaves of some mean rotations those that ccx chooses. It makes no equation if it finds no slave.
+/// Makes the slaves of mean rotations, in the order of the deck, those that ccx chooses. It makes no equation if it finds no
+/// slave.
 pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
+    let name = |model: &Model, i: usize| model.cards.nth(model.nth(i).origin.card).name;
+    let own = |model: &Model, i: usize| model.nth(i).columns.first().copied();
+    let all = (0..model.equations()).filter(|_| !rotations.is_empty());
+    let coupled = all.filter(|&i| name(model, i) == "*KINEMATIC");
+    let mut taken: FxHashSet<u32> = coupled.filter_map(|i| own(model, i)).collect();
+    let mut next = 0;
     for rotation in rotations {
-        match slave(model, rotation) {
+        let before = (next..rotation.equation).filter(|&i| name(model, i) != "*TIE" && model.why_missing(i).is_none());
+        taken.extend(before.filter_map(|i| own(model, i)));
+        next = rotation.equation;
+        match slave(model, rotation, &taken) {
             Some(at) => model.lead(rotation.equation, at),
             None => model.mark_missing(rotation.equation, NONE_FREE),
         }
@@ -41,18 +52,19 @@ pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
 
 /// Position of the slave among the terms of the equation: the largest that is free, up to the first node with a free
 /// one. ccx misses the end of that node if its third component is taken and larger, and then goes on.
-fn slave(model: &Model, rotation: &MeanRotation) -> Option<usize> {
+fn slave(model: &Model, rotation: &MeanRotation, taken: &FxHashSet<u32>) -> Option<usize> {
     let own = model.nth(rotation.equation);
-    let is_taken = taken(model, rotation);
+    let terms: FxHashMap<Dof, usize> = own.columns.iter().map(|&j| model.dofs[j as usize]).zip(0..).collect();
+    let is_taken = |at: usize, dof: &Dof| taken.contains(&own.columns[at]) || rotation.prescribed.contains(dof);
     let (mut found, mut largest) = (None, SMALLEST);
-    for node in &rotation.nodes {
+    for &node in &rotation.nodes {
         for component in 1..=3 {
-            let column = model.column(Dof { node: *node, component });
-            let at = own.columns.iter().position(|&j| Some(j) == column);
-            let size = at.map_or(0.0, |at| own.coefficients[at].abs());
-            match column.filter(|_| size > largest) {
-                Some(column) if is_taken.contains(&column) => continue,
-                Some(_) => (found, largest) = (at, size),
+            let dof = Dof { node, component };
+            let at = terms.get(&dof).copied();
+            let larger = at.filter(|&at| own.coefficients[at].abs() > largest);
+            match larger {
+                Some(at) if is_taken(at, &dof) => continue,
+                Some(at) => (found, largest) = (larger, own.coefficients[at].abs()),
                 None => {}
             }
             if component == 3 && found.is_some() {
@@ -61,15 +73,6 @@ fn slave(model: &Model, rotation: &MeanRotation) -> Option<usize> {
         }
     }
     found
-}
-
-/// Columns that are slaves of cards that ccx reads before, or prescribed before.
-fn taken(model: &Model, rotation: &MeanRotation) -> FxHashSet<u32> {
-    let name = |i: usize| model.cards.nth(model.nth(i).origin.card).name;
-    let is_early = |i: usize| name(i) == "*KINEMATIC" || i < rotation.equation && name(i) != "*TIE";
-    let slaves = (0..model.equations()).filter(|&i| is_early(i) && model.why_missing(i).is_none());
-    let slaves = slaves.filter_map(|i| model.nth(i).columns.first().copied());
-    slaves.chain(rotation.prescribed.iter().filter_map(|&dof| model.column(dof))).collect()
 }
 
 /// The nodes of a list, which has each three times, and then the node that gives the axis.

@@ -1,6 +1,7 @@
 //! Cards that constrain, as equations and prescribed values. This file has the common parts: cards that are registered
 //! in the model, and equations between displacements along any direction. `reader.rs` calls them by keyword.
 
+pub mod body_rotations;
 pub mod boundary;
 pub mod coupling;
 pub mod cyclic;

@@ -108,7 +108,8 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Probl
     let [slave, master] = &sides(card)?;
     let slaves = DeckSurface::find(definitions, card.scope, slave)?;
     let edges = slaves.faces.iter().filter(|_| slaves.is_line);
-    let untied: FxHashSet<u32> = edges.flat_map(|edge| if edge.len() == 2 { &edge[..] } else { &edge[2..] }).copied().collect();
+    let untied: FxHashSet<u32> =
+        edges.flat_map(|edge| if edge.len() == 2 { &edge[..] } else { &edge[2..] }).copied().collect();
     let faces = MasterFace::all(DeckSurface::find(definitions, card.scope, master)?, definitions)?;
     if faces.is_empty() {
         let found = quote(master.as_bytes());
