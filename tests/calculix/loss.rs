@@ -118,6 +118,34 @@ fn a_tie_that_a_rigid_body_displaces_is_lost_or_implied() {
     assert_eq!(judge("some", &some), (false, 9, 0));
 }
 
+/// ccx drops a value that a later step prescribes at a slave.
+#[test]
+fn a_dropped_value_is_implied_by_the_same_value_of_its_master() {
+    let deck = |value: &str| {
+        let step = |cards: &str| format!("*STEP\n*STATIC\n{cards}*END STEP\n");
+        let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n";
+        parse(format!("{nodes}{}{}", step(""), step(&format!("*BOUNDARY\n1,1,1,.5\n{value}"))).as_bytes())
+    };
+    let dof = Dof { node: 1, component: 1 };
+    for (value, is_lost, is_freed) in [("", true, true), ("2,1,1,.5\n", false, false), ("2,1,1,.25\n", true, false)] {
+        let deck = deck(value);
+        let (model, case) = (deck.model(), &deck.model().cases()[1]);
+        let findings = clean::findings(model, case, Solver::Ccx);
+        let loss = clean::loss(model, case, &findings, Solver::Ccx, &qless::Options::default());
+        let list = |is: bool| if is { vec![dof] } else { Vec::new() };
+        assert_eq!((loss.values, loss.freed, loss.equations.len()), (list(is_lost), list(is_freed), 0), "{value}");
+    }
+}
+
+/// What follows from another lost claim is lost too, but only one of them sets a motion free.
+#[test]
+fn what_only_lost_claims_imply_is_lost() {
+    let body = |reference: u32| format!("*RIGID BODY, NSET=A, REF NODE={reference}, ROT NODE=3\n");
+    let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n4,1.,1.,0.\n*NSET, NSET=A\n1\n";
+    let (_, loss) = said(&parse(format!("{nodes}{}{}{}", body(2), body(4), body(4)).as_bytes()));
+    assert_eq!((loss.equations, loss.freed.len()), ((3..9).collect(), 3));
+}
+
 #[test]
 fn lost_ties_hold_in_the_cleaned_deck() {
     if !is_there() {
