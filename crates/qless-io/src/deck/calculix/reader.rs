@@ -6,6 +6,7 @@ use super::cards::body_rotations::{self, ReadBody};
 use super::cards::mean_rotation::{self, MeanRotation};
 use super::cards::{boundary, cyclic, equation, expanded, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
+use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
@@ -55,6 +56,8 @@ struct CalculixReader {
     forces: Vec<(u32, u32, u32)>,
     mean_rotations: Vec<MeanRotation>,
     bodies: Vec<ReadBody>,
+    /// References of kinematic couplings.
+    couplings: Vec<ReadBody>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
     sectors: Vec<KeywordCard>,
     cyclic: Vec<KeywordCard>,
@@ -81,6 +84,7 @@ impl CalculixReader {
             forces: Vec::new(),
             mean_rotations: Vec::new(),
             bodies: Vec::new(),
+            couplings: Vec::new(),
             sectors: Vec::new(),
             cyclic: Vec::new(),
             steps: 0,
@@ -149,6 +153,10 @@ impl CalculixReader {
     fn coupled(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let Some(coupling) = &self.coupling else { return Ok(()) };
         let constrains = coupling::read(card, coupling, &mut self.model, &self.definitions, self.solver)?;
+        if constrains && card.is("*KINEMATIC") {
+            let body = BodyReference::with_rotations(coupling.reference(&self.definitions).unwrap_or_default());
+            self.couplings.push(ReadBody { body, file: card.file, line: card.line });
+        }
         if !constrains && card.is("*DISTRIBUTING") && self.solver == Solver::Ccx {
             // Reading the card has already checked that the reference exists.
             let reference = coupling.reference(&self.definitions).unwrap_or_default();
@@ -256,7 +264,7 @@ impl CalculixReader {
         self.check_nodes()?;
         self.warn_of_forces();
         if self.solver == Solver::Ccx {
-            body_rotations::check(&mut self.model, &self.definitions, &self.bodies);
+            body_rotations::check(&mut self.model, &self.definitions, &self.bodies, &self.couplings);
             expanded::leave_out(&mut self.model, &self.definitions);
             self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;

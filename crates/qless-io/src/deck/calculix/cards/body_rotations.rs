@@ -1,4 +1,4 @@
-//! Rotations of rigid bodies in ccx: those that nothing holds, and values that do not reach them.
+//! Rotations of rigid bodies and kinematic couplings in ccx: those that nothing holds, and values that do not reach them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,18 +12,18 @@ use crate::deck::{Dof, Model};
 /// Relative determinant of [`Gram`] below which a rotation is free.
 const FREE: f64 = 1e-13;
 
-/// A rigid body, with file and line of its card.
+/// A rigid body or a kinematic coupling, with file and line of its card.
 pub struct ReadBody {
     pub body: BodyReference,
     pub file: u32,
     pub line: u32,
 }
 
-/// Checks the rotations of all bodies.
-pub fn check(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBody]) {
-    // Bodies in a plane have a single rotation.
-    let is_plane = definitions.blocks.iter().any(|block| ElementShape::from_type(&block.kind).is_plane());
-    if !bodies.is_empty() && !is_plane {
+/// Checks the rotations of all bodies, and of couplings.
+pub fn check(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBody], couplings: &[ReadBody]) {
+    // With elements that it expands, ccx does not stop at free rotations.
+    let is_expanded = definitions.blocks.iter().any(|block| ElementShape::from_type(&block.kind).is_expanded());
+    for bodies in [bodies, couplings].into_iter().filter(|bodies| !bodies.is_empty() && !is_expanded) {
         find_free(model, definitions, bodies);
     }
     warn_of_idle(model, definitions, bodies);
@@ -39,23 +39,19 @@ fn find_free(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBod
     let mut seen = BTreeSet::new();
     for ReadBody { body, file, line } in bodies {
         let is_meshed = |node| definitions.elements().is_ok_and(|elements| elements.nodes.contains(&node));
-        if !seen.insert(body.rotation) || body.rotation_node().is_some_and(is_meshed) {
+        if !seen.insert(body.rotation) || body.names_rotation() && is_meshed(body.rotation.node) {
             continue;
         }
         let gram = grams.get(&body.rotation).copied().unwrap_or_default();
         for (k, is_sure) in free(&gram) {
-            let name = match body.rotation_node() {
-                Some(_) => model.dof_name(body.rotations()[k]),
-                None => format!("about axis {}", k + 1),
-            };
+            let about = || format!("about axis {}", k + 1);
+            let name = if body.names_rotation() { model.dof_name(body.rotations()[k]) } else { about() };
             if is_sure {
-                let text =
-                    format!("ccx stops: nothing holds rotation {name} of a *RIGID BODY whose nodes are on its axis");
+                let text = format!("ccx stops: nothing holds rotation {name}: no equation of the body has it");
                 model.refuse(*file, *line, text);
             } else {
-                let text = format!(
-                    "*RIGID BODY: its nodes are on a line, and nothing holds the rotation about it ({name} is part of it): ccx may stop"
-                );
+                let text =
+                    format!("ccx may stop: nothing holds the rotation of the body about a line ({name} is part of it)");
                 model.warn(*file, *line, text);
             }
         }

@@ -46,6 +46,11 @@ impl BodyReference {
         (self.rotation.component == 1).then_some(self.rotation.node)
     }
 
+    /// Whether cards can name the DOFs of the rotation.
+    pub fn names_rotation(&self) -> bool {
+        self.rotation.component != UNREACHED
+    }
+
     /// The three DOFs of the rotation.
     pub fn rotations(&self) -> [Dof; 3] {
         [0, 1, 2].map(|k| self.rotation_dof(k))
