@@ -34,7 +34,9 @@ fn ccx_stops_where_a_rotation_is_free() {
             }
             for range in ["1,3", "1,1", "2,3"] {
                 for held in ["", "*BOUNDARY\n300,6\n", "*BOUNDARY\n300,4,6\n"] {
-                    let mut card = format!("*SURFACE, NAME=N, TYPE=NODE\n{nodes}*COUPLING, REF NODE=300, SURFACE=N, CONSTRAINT NAME=C\n");
+                    let mut card = format!(
+                        "*SURFACE, NAME=N, TYPE=NODE\n{nodes}*COUPLING, REF NODE=300, SURFACE=N, CONSTRAINT NAME=C\n"
+                    );
                     write!(card, "*KINEMATIC\n{range}\n").expect("text");
                     decks.push(deck(reference, &card, held));
                 }
@@ -42,7 +44,8 @@ fn ccx_stops_where_a_rotation_is_free() {
             for text in decks {
                 let (is_said, is_found) = outcomes(&text);
                 // Rounding may hold a rotation about a slanted line.
-                let is_slanted = || parse(text.as_bytes()).model().warnings().iter().any(|w| w.text.starts_with("ccx may stop"));
+                let is_slanted =
+                    || parse(text.as_bytes()).model().warnings().iter().any(|w| w.text.starts_with("ccx may stop"));
                 assert!(is_said == is_found || is_slanted(), "said {is_said}: {text}");
                 (refused, all) = (refused + usize::from(is_found), all + 1);
             }
