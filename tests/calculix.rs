@@ -11,7 +11,11 @@ mod calculix {
     pub mod claims;
     pub mod cleaning;
     pub mod cube;
+    pub mod expanded;
+    pub mod free_rotations;
     pub mod geometric;
+    pub mod loss;
+    pub mod mean_rotations;
     pub mod mutations;
     pub mod periodic;
     pub mod plain;

@@ -39,13 +39,24 @@ pub fn is_there() -> bool {
 
 /// Every word that `ccx` prints to its .dat file; `None` if it stops with an error.
 pub fn solve(text: &[u8]) -> Option<Vec<String>> {
+    run(text).ok()
+}
+
+/// Exit code of `ccx` if its equilibrium equations are singular.
+pub const SINGULAR: i32 = 255;
+
+/// Every word that `ccx` prints to its .dat file, or its exit code.
+pub fn run(text: &[u8]) -> Result<Vec<String>, i32> {
     let place = tempfile::tempdir().expect("a folder");
     std::fs::write(place.path().join("deck.inp"), text).expect("written");
     let mut ccx = Command::new("ccx");
     ccx.args(["-i", "deck"]).current_dir(place.path()).stdout(Stdio::null()).stderr(Stdio::null());
     let status = ccx.env("OMP_NUM_THREADS", "1").status().expect("ccx runs");
     let printed = std::fs::read_to_string(place.path().join("deck.dat")).unwrap_or_default();
-    status.success().then(|| printed.split_whitespace().map(str::to_owned).collect())
+    match status.code() {
+        Some(0) => Ok(printed.split_whitespace().map(str::to_owned).collect()),
+        code => Err(code.unwrap_or(-1)),
+    }
 }
 
 /// The largest difference of two printouts in units of the largest displacement of a component in a table row; the words that are no numbers

@@ -57,9 +57,8 @@ fn the_worst_step_is_shown_and_the_others_are_named() {
     let run = place.run("check -q steps.inp");
     assert_eq!(run.code, 1);
     assert!(
-        run.out.contains(
-            "Load cases: 2, shown is step 2.\n  step 2: rank 0, 0 redundant, 1 conflicting; ccx: 1 dropped\n"
-        ),
+        run.out
+            .contains("Load cases: 2, shown is step 2.\n  step 2: rank 0, 0 redundant, 1 conflicting; ccx: 1 lost\n"),
         "{}",
         run.out
     );
@@ -85,6 +84,89 @@ fn what_the_solver_refuses_and_what_loads_it_swallows() {
     assert_eq!(report["deck"]["solver_refuses"].as_array().map(Vec::len), Some(1));
     assert_eq!(report["deck"]["loads_without_effect"][0], "3:1 in line 14 *CLOAD");
     assert_eq!(report["generated_boundary_conditions"][0]["label"], "3:1");
+}
+
+/// A tie whose slave nodes a rigid body takes.
+const LOST: &str = include_str!("../calculix/tie_and_body.inp");
+
+#[test]
+fn what_is_refused_what_is_implied_and_what_is_lost_are_three_things() {
+    let place = Place::new();
+    // A body of all nodes of both faces implies the tie; one of three nodes of the slave face does not.
+    let implied = LOST.replace("101,102,103,104\n*NSET,NSET=OUT", "9,10,11,12,101,102,103,104\n*NSET,NSET=OUT");
+    let refused = deck("*EQUATION\n2\n2,1,1.,3,1,-1.\n*EQUATION\n2\n2,1,1.,3,1,-2.\n", "");
+    place.file("lost.inp", LOST).file("implied.inp", &*implied).file("refused.inp", refused);
+    for (name, counts, freed, status, denies, parts) in [
+        (
+            "lost",
+            [0, 0, 12],
+            12,
+            "independent",
+            [0, 1, 1],
+            [
+                "LOST: ccx drops 12 claims that the rest does not imply; 12 motions come free, 101:1 to 104:3:",
+                "Next: `qless clean lost.inp -o DECK` writes a deck in which the lost ones hold.",
+            ],
+        ),
+        (
+            "implied",
+            [0, 12, 0],
+            0,
+            "redundant",
+            [0, 1, 0],
+            [
+                "ccx drops these claims without effect: they follow from what it keeps:",
+                "Next: `qless clean implied.inp -o DECK` writes a deck without redundant equations.",
+            ],
+        ),
+        (
+            "refused",
+            [1, 0, 0],
+            0,
+            "independent",
+            [1, 0, 0],
+            [
+                "ccx refuses the deck for these reasons:",
+                "Next: `qless clean refused.inp -o DECK` writes a deck that the solver takes.",
+            ],
+        ),
+    ] {
+        let run = place.run(&format!("check -q {name}.inp"));
+        assert_eq!(run.code, 0, "{name}");
+        parts.iter().for_each(|part| assert!(run.out.contains(part), "{part}\n{}", run.out));
+        let report = place.run(&format!("check -q {name}.inp --format json")).json();
+        let length = |key: &str| report["solver"][key].as_array().map(Vec::len).expect("a list");
+        assert_eq!(["refused", "implied", "lost"].map(length), counts, "{name}");
+        assert_eq!((length("freed"), &report["status"]), (freed, &serde_json::json!(status)), "{name}");
+        let code = |what: &str| place.run(&format!("check -q {name}.inp --deny {what}")).code;
+        assert_eq!(["refused", "dropped", "lost"].map(code), denies, "{name}");
+    }
+    let run = place.run("check -q lost.inp --deny lost,refused --format sarif");
+    assert!(run.err.contains("error: found what --deny names: 12 lost claims"), "{}", run.err);
+    let report: serde_json::Value = serde_json::from_str(&run.out).expect("JSON");
+    let results = report["runs"][0]["results"].as_array().expect("results");
+    assert!(
+        results
+            .iter()
+            .all(|found| (&found["ruleId"], &found["level"])
+                == (&serde_json::json!("lost"), &serde_json::json!("error")))
+    );
+}
+
+#[test]
+fn a_body_on_a_line_names_the_rotation_that_nothing_holds() {
+    let place = Place::new();
+    let line =
+        LOST.replace("101,102,103,104\n*NSET,NSET=OUT", "101,102\n*NSET,NSET=OUT").replace("901,2,.5,.5", "901,2,0,.5");
+    let held = line.replace("4,1,3\n*STEP", "4,1,3\n902,3\n*STEP");
+    place.file("line.inp", line).file("held.inp", held);
+    let run = place.run("check -q line.inp --deny refused");
+    assert!(
+        run.code == 1 && run.out.contains("nothing holds rotation 902:3: no equation of the body has it"),
+        "{}",
+        run.out
+    );
+    assert_eq!(place.run("check -q held.inp --deny refused").code, 0);
 }
 
 #[test]

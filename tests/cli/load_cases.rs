@@ -36,7 +36,7 @@ fn every_load_case_has_an_entry() {
     assert_eq!(of("dependent")[2], report["dependent"]);
     let solver = &of("solver")[2];
     assert_eq!(solver["refused"].as_array().map(Vec::len), report["solver"]["refused"].as_array().map(Vec::len));
-    for key in ["refused", "ignored", "unsound", "accepted"] {
+    for key in ["refused", "implied", "lost", "freed", "unsound", "accepted"] {
         assert!(solver[key].is_array() && report["solver"][key].is_array(), "{key}");
     }
     assert_eq!(report["deck"]["load_case"], "step 3");

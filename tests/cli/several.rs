@@ -88,7 +88,7 @@ fn junit_fails_what_the_exit_code_fails_and_escapes_names() {
     let text = &run.out;
     assert_eq!(text.matches("<testsuite ").count(), 3);
     assert_eq!((text.matches("<failure ").count(), text.matches("<error ").count()), (1, 1));
-    assert!(text.contains("name=\"a &amp; &lt;b&gt;.inp\" tests=\"7\" failures=\"1\""), "{text}");
+    assert!(text.contains("name=\"a &amp; &lt;b&gt;.inp\" tests=\"8\" failures=\"1\""), "{text}");
     assert_eq!(text.matches('<').count(), text.matches('>').count(), "{text}");
 }
 

@@ -270,9 +270,9 @@ pub enum Deny {
     Redundant,
     /// Claims that make the solver stop
     Refused,
-    /// Claims that the solver drops without a message
+    /// Claims that the solver drops, at most with a warning
     Dropped,
-    /// Dropped claims that do not follow from the others, so that the solver solves another problem
+    /// Dropped claims that do not follow from what the solver keeps, so that it solves another problem
     Lost,
     /// A rank that may be wrong
     Ambiguous,

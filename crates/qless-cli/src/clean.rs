@@ -42,7 +42,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     // The output may replace the deck itself, but no file that it includes.
     let included = Inputs::new(deck.deck.model().files().iter().skip(1));
     OneFile::at(output, included)?.write(&text)?;
-    let restored = if plan.is_empty() { 0 } else { deck.dropped() };
+    let restored = if plan.is_empty() { 0 } else { deck.lost() };
     let outcome = CommandOutcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len(), restored };
     diagnosis.print(None, &outcome, progress)?;
     Ok(ExitCode::from(diagnosis.code()))

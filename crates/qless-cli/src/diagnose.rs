@@ -54,7 +54,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     progress.stage("analysing");
     // The analysis may use the memory that remains.
     options.memory = memory::remaining().map_or(options.memory, |left| left.min(options.memory));
-    let (system, analysis, deck) = input.analyse(&choice, args.format.terms(), &|system, place| {
+    let (system, analysis, deck) = input.analyse(&choice, &options, args.format.terms(), &|system, place| {
         analyse(system, &preferences.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
     })?;
     if let Some(deck) = deck.as_ref().filter(|_| !preferences.is_empty()) {
@@ -114,6 +114,7 @@ impl Input {
     fn analyse(
         self,
         choice: &LoadCaseChoice,
+        options: &Options,
         terms: usize,
         run: DiagnosisRun,
     ) -> Result<(ConstraintSystem, Analysis, Option<DeckInput>), CliFailure> {
@@ -124,7 +125,7 @@ impl Input {
             }
             Self::Deck(deck) => {
                 let of_case = |system: &ConstraintSystem, place: (&deck::Deck, &LoadCase)| run(system, Some(place));
-                let (system, analysis, deck) = DeckInput::analyse(*deck, choice, terms, &of_case)?;
+                let (system, analysis, deck) = DeckInput::analyse(*deck, choice, options, terms, &of_case)?;
                 Ok((system, analysis, Some(deck)))
             }
         }

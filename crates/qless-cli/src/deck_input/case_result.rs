@@ -1,7 +1,7 @@
 //! The analysis of one load case.
 
 use qless::report::{Counts, DependentEquation};
-use qless::{Analysis, ConstraintSystem, Kind, Report, Status};
+use qless::{Analysis, ConstraintSystem, Kind, Options, Report, Status};
 use qless_io::deck::{Deck, LoadCase};
 
 use super::AnalyseCase;
@@ -35,6 +35,7 @@ impl CaseResult {
         deck: &Deck,
         case: &LoadCase,
         CaseAnalysis { analysis, history, .. }: &CaseAnalysis,
+        options: &Options,
         terms: usize,
     ) -> Self {
         let (conflicting, redundant) = count_kinds(analysis);
@@ -49,15 +50,16 @@ impl CaseResult {
             is_ambiguous: analysis.confidence().ambiguous,
             counts: Counts::new(analysis.rank(), redundant, conflicting),
             dependent: if terms == 0 { Vec::new() } else { Report::new(analysis, terms).dependent },
-            claims: Claims::new(deck, case),
+            claims: Claims::new(deck, case, options),
             when: history.map(|history| describe_times(deck, history)),
         }
     }
 
-    /// Sort key of the severity: conflicts, redundancies, claims that the solver refuses, handles unsoundly, or drops.
-    pub fn severity(&self) -> [usize; 5] {
-        let Claims { refused, ignored, unsound, .. } = &self.claims;
-        [self.counts.conflicting, self.counts.redundant, refused.len(), unsound.len(), ignored.len()]
+    /// Sort key of the severity: conflicts, redundancies, claims that the solver refuses, loses, handles unsoundly, or drops.
+    pub fn severity(&self) -> [usize; 6] {
+        let Claims { refused, implied, lost, unsound, .. } = &self.claims;
+        let Counts { conflicting, redundant, .. } = self.counts;
+        [conflicting, redundant, refused.len(), lost.len(), unsound.len(), implied.len()]
     }
 
     /// `rank 12, 3 redundant, 1 conflicting`.

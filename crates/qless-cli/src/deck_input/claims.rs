@@ -1,6 +1,7 @@
 //! Claims of two cards on one DOF, and the reaction of the solver.
 
-use qless_io::deck::clean::{FaultKind, Finding, findings};
+use qless::Options;
+use qless_io::deck::clean::{FaultKind, Finding, findings, loss};
 use qless_io::deck::{Deck, LoadCase, Model, Outcome, Prescribed};
 use serde::Serialize;
 
@@ -9,17 +10,21 @@ use serde::Serialize;
 pub struct Claims {
     /// The solver stops.
     pub refused: Vec<String>,
-    /// The solver drops one of the two claims without a message.
-    pub ignored: Vec<IgnoredClaims>,
+    /// The solver drops one of the two claims, which follows from what it keeps.
+    pub implied: Vec<DroppedClaim>,
+    /// The solver drops one of the two claims, which does not follow from what it keeps.
+    pub lost: Vec<DroppedClaim>,
+    /// A DOF for each motion that comes free with the lost claims.
+    pub freed: Vec<String>,
     /// The solver may continue, but its results are unreliable.
     pub unsound: Vec<String>,
     /// Both claims hold.
     pub accepted: Vec<String>,
 }
 
-/// A claim that the solver drops without a message.
+/// A claim that the solver drops, at most with a warning.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct IgnoredClaims {
+pub struct DroppedClaim {
     /// The card of the dropped claim.
     pub dropped: String,
     /// The two claims.
@@ -28,51 +33,64 @@ pub struct IgnoredClaims {
 
 impl Claims {
     /// The claims in a load case.
-    pub fn new(deck: &Deck, case: &LoadCase) -> Self {
+    pub fn new(deck: &Deck, case: &LoadCase, options: &Options) -> Self {
         let (model, solver) = (deck.model(), deck.solver());
-        let mut claims = Self::default();
-        for finding in findings(model, case, solver) {
-            claims.add(finding.outcome, finding.fault.describe(model), |_| dropped(&finding, model));
+        let found = findings(model, case, solver);
+        let loss = loss(model, case, &found, solver, options);
+        let freed = loss.freed.iter().map(|&dof| model.dof_name(dof)).collect();
+        let mut claims = Self { freed, ..Self::default() };
+        for finding in &found {
+            let place = |_| dropped(finding, model);
+            claims.add(finding.outcome, finding.fault.describe(model), loss.contains(finding), place);
         }
         for (first, second) in contradicting_values(case) {
             let place = |given: &Prescribed| model.place(given.origin);
             let words =
                 format!("{} is prescribed in {}, and with another value in {}", first.dof, place(first), place(second));
-            claims.add(solver.prescribed_twice(), words, |is_first| place(if is_first { first } else { second }));
+            claims.add(solver.prescribed_twice(), words, true, |is_first| place(if is_first { first } else { second }));
         }
         let stops = model.refusals().iter().map(|refusal| format!("{}: {}", model.place_of(refusal), refusal.text));
         claims.refused.extend(stops);
         claims
     }
 
-    fn add(&mut self, outcome: Outcome, claims: String, dropped: impl Fn(bool) -> String) {
+    fn add(&mut self, outcome: Outcome, claims: String, is_lost: bool, dropped: impl Fn(bool) -> String) {
+        let list = if is_lost { &mut self.lost } else { &mut self.implied };
         match outcome {
             Outcome::Refused => self.refused.push(claims),
             Outcome::Accepted => self.accepted.push(claims),
             Outcome::Unsound => self.unsound.push(claims),
-            Outcome::IgnoresFirst => self.ignored.push(IgnoredClaims { dropped: dropped(true), claims }),
-            Outcome::IgnoresSecond => self.ignored.push(IgnoredClaims { dropped: dropped(false), claims }),
+            Outcome::IgnoresFirst => list.push(DroppedClaim { dropped: dropped(true), claims }),
+            Outcome::IgnoresSecond => list.push(DroppedClaim { dropped: dropped(false), claims }),
         }
     }
 
     /// Adds the claims of another load case that are not yet included.
     pub fn merge(&mut self, other: &Self) {
         add(&mut self.refused, &other.refused);
-        add(&mut self.ignored, &other.ignored);
+        add(&mut self.implied, &other.implied);
+        add(&mut self.lost, &other.lost);
+        add(&mut self.freed, &other.freed);
         add(&mut self.unsound, &other.unsound);
         add(&mut self.accepted, &other.accepted);
     }
 
-    /// Counts of the claims that are not accepted: `2 refused, 1 dropped`.
+    /// Number of claims that the solver drops.
+    pub fn dropped(&self) -> usize {
+        self.implied.len() + self.lost.len()
+    }
+
+    /// Counts of the claims that are not accepted: `2 refused, 1 lost`.
     pub fn summary(&self) -> Option<String> {
+        let Self { refused, implied, lost, unsound, .. } = self;
         let counts =
-            [(self.refused.len(), "refused"), (self.ignored.len(), "dropped"), (self.unsound.len(), "unsound")];
+            [(refused.len(), "refused"), (lost.len(), "lost"), (implied.len(), "dropped"), (unsound.len(), "unsound")];
         let some = counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
         Some(some.collect::<Vec<_>>().join(", ")).filter(|text| !text.is_empty())
     }
 }
 
-impl IgnoredClaims {
+impl DroppedClaim {
     /// `line 19 *BOUNDARY: 1:3 is the slave of ...`.
     pub fn words(&self) -> String {
         format!("{}: {}", self.dropped, self.claims)

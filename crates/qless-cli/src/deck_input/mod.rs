@@ -8,7 +8,7 @@ mod sections;
 
 use std::collections::BTreeSet;
 
-use qless::{Analysis, ConstraintSystem};
+use qless::{Analysis, ConstraintSystem, Options};
 use qless_io::deck::{Deck, LoadCase};
 
 use case_result::{CaseAnalysis, CaseResult, analyse_case};
@@ -49,12 +49,13 @@ impl DeckInput {
     pub fn analyse(
         deck: Deck,
         choice: &LoadCaseChoice,
+        options: &Options,
         terms: usize,
         analyse: AnalyseCase,
     ) -> Result<(ConstraintSystem, Analysis, Self), CliFailure> {
         let chosen = choice.select(deck.model()).map_err(|error| CliFailure::from_deck(&deck, &error))?;
         let terms = terms / chosen.len().max(1);
-        let mut worst: Option<(usize, [usize; 5], CaseAnalysis)> = None;
+        let mut worst: Option<(usize, [usize; 6], CaseAnalysis)> = None;
         let (mut cases, mut results): (Vec<DeckLoadCase>, Vec<CaseResult>) = (Vec::new(), Vec::new());
         for number in chosen {
             let case = &deck.model().cases()[number];
@@ -64,7 +65,7 @@ impl DeckInput {
                 continue;
             }
             let analysed = analyse_case(&deck, case, analyse)?;
-            let result = CaseResult::new(&deck, case, &analysed, terms);
+            let result = CaseResult::new(&deck, case, &analysed, options, terms);
             if worst.as_ref().is_none_or(|(_, severity, _)| result.severity() > *severity) {
                 worst = Some((number, result.severity(), analysed));
             }
@@ -95,23 +96,19 @@ impl DeckInput {
         self.results.iter().any(|result| result.is_ambiguous)
     }
 
-    /// Indices of the load cases that were analysed.
-    pub fn numbers(&self) -> impl Iterator<Item = usize> {
-        self.cases.iter().map(|case| case.number)
-    }
-
-    /// Whether the solver stops or computes unreliable results in any load case.
+    /// Whether the solver stops, loses claims or computes unreliable results in any load case.
     pub fn needs_cleaning(&self) -> bool {
-        self.results.iter().any(|result| !result.claims.refused.is_empty() || !result.claims.unsound.is_empty())
+        let claims = self.claims();
+        !claims.refused.is_empty() || !claims.lost.is_empty() || !claims.unsound.is_empty()
     }
 
-    /// Number of claims that the solver drops in any load case; 0 if it does not run the deck at all.
-    pub fn dropped(&self) -> usize {
+    /// Number of claims that the solver loses in any load case; 0 if it does not run the deck at all.
+    pub fn lost(&self) -> usize {
         if self.results.iter().any(|result| !result.claims.refused.is_empty()) {
             return 0;
         }
-        let dropped = self.results.iter().flat_map(|result| &result.claims.ignored);
-        dropped.map(|ignored| ignored.claims.as_str()).collect::<BTreeSet<&str>>().len()
+        let lost = self.results.iter().flat_map(|result| &result.claims.lost);
+        lost.map(|lost| lost.claims.as_str()).collect::<BTreeSet<&str>>().len()
     }
 
     /// Constraints that were not read, each with its place in the deck.

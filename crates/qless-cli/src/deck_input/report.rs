@@ -4,7 +4,7 @@ use qless::report::{Counts, DependentEquation};
 use qless::{Analysis, Status};
 use serde::Serialize;
 
-use super::claims::{Claims, IgnoredClaims};
+use super::claims::{Claims, DroppedClaim};
 use super::{CaseResult, DeckInput};
 
 /// Keys of the report that only decks have.
@@ -45,7 +45,8 @@ struct ShownCase {
     load_case: String,
     other_load_cases: Vec<String>,
     solver_refuses: Vec<String>,
-    solver_ignores: Vec<String>,
+    solver_implied: Vec<String>,
+    solver_lost: Vec<String>,
     solver_unsound: Vec<String>,
     loads_without_effect: Vec<String>,
     warnings: Vec<String>,
@@ -90,7 +91,8 @@ impl DeckInput {
             load_case: self.name(self.case).to_owned(),
             other_load_cases: others.map(other).collect(),
             solver_refuses: claims.refused.clone(),
-            solver_ignores: claims.ignored.iter().map(IgnoredClaims::words).collect(),
+            solver_implied: claims.implied.iter().map(DroppedClaim::words).collect(),
+            solver_lost: claims.lost.iter().map(DroppedClaim::words).collect(),
             solver_unsound: claims.unsound.clone(),
             loads_without_effect: self.loads_on_fixed_dofs(analysis),
             warnings: self.deck.model().warnings().iter().map(|warning| self.place(warning)).collect(),

@@ -1,22 +1,27 @@
 //! The sections of the text report that only decks have.
 
 use qless::Analysis;
-use qless_io::deck::{Dof, Load};
+use qless_io::deck::{Dof, Load, Solver};
 
 use super::DeckInput;
-use super::claims::IgnoredClaims;
+use super::claims::{Claims, DroppedClaim};
+use crate::wording::count;
 use crate::wording::layout::LayoutSection;
 
 impl DeckInput {
     /// The most important first.
     pub fn sections(&self, analysis: &Analysis) -> Vec<LayoutSection> {
         let (solver, shown) = (self.deck.solver(), self.shown());
-        let ignored = shown.claims.ignored.iter().map(IgnoredClaims::words).collect();
+        let words = |claims: &[DroppedClaim]| claims.iter().map(DroppedClaim::words).collect();
         let sections = [
             LayoutSection::new("Constraints that were left out:", self.left_out()),
             self.table(),
             LayoutSection::new(format!("{solver} refuses the deck for these reasons:"), shown.claims.refused.clone()),
-            LayoutSection::new(format!("{solver} drops these claims without a message:"), ignored),
+            LayoutSection::new(lost_heading(solver, &shown.claims), words(&shown.claims.lost)),
+            LayoutSection::new(
+                format!("{solver} drops these claims without effect: they follow from what it keeps:"),
+                words(&shown.claims.implied),
+            ),
             LayoutSection::new(
                 format!("{solver} may continue with these, but its results are then unreliable:"),
                 shown.claims.unsound.clone(),
@@ -70,4 +75,14 @@ impl DeckInput {
         let name = |load: &Load| format!("{} in {}", load.dof, model.place(load.origin));
         model.cases()[self.case].loads.iter().filter(|load| is_fixed(load.dof)).map(name).collect()
     }
+}
+
+/// `LOST: ccx drops 12 claims that the rest does not imply; 12 motions come free, 101:1 to 104:3:`.
+fn lost_heading(solver: Solver, claims: &Claims) -> String {
+    let motions = match &claims.freed[..] {
+        [] => "no motion comes free".to_owned(),
+        [one] => format!("1 motion comes free, {one}"),
+        [first, .., last] => format!("{} motions come free, {first} to {last}", claims.freed.len()),
+    };
+    format!("LOST: {solver} drops {} that the rest does not imply; {motions}:", count(claims.lost.len(), "claim"))
 }

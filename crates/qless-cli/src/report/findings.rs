@@ -13,6 +13,7 @@ pub enum Rule {
     Conflicting,
     Refused,
     Unsound,
+    Lost,
     Dropped,
     Redundant,
     Ambiguous,
@@ -20,10 +21,11 @@ pub enum Rule {
 }
 
 impl Rule {
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Conflicting,
         Self::Refused,
         Self::Unsound,
+        Self::Lost,
         Self::Dropped,
         Self::Redundant,
         Self::Ambiguous,
@@ -36,7 +38,8 @@ impl Rule {
             Self::Conflicting => ("conflicting", "Equations have no solution"),
             Self::Refused => ("refused", "The solver stops at two claims on one DOF"),
             Self::Unsound => ("unsound", "The solver may continue, but its results are unreliable"),
-            Self::Dropped => ("dropped", "The solver drops a claim without a message"),
+            Self::Lost => ("lost", "The solver drops a claim that does not follow from the rest"),
+            Self::Dropped => ("dropped", "The solver drops a claim, which follows from what it keeps"),
             Self::Redundant => ("redundant", "An equation is a combination of others, which already say the same"),
             Self::Ambiguous => ("ambiguous", "The rank or the verdict may be wrong"),
             Self::Incomplete => ("incomplete", "A constraint of the deck was left out"),
@@ -50,7 +53,8 @@ impl Rule {
             Self::Conflicting => true,
             Self::Unsound => false,
             Self::Refused => denied(Deny::Refused),
-            Self::Dropped => denied(Deny::Dropped) || denied(Deny::Lost),
+            Self::Lost => denied(Deny::Dropped) || denied(Deny::Lost),
+            Self::Dropped => denied(Deny::Dropped),
             Self::Redundant => denied(Deny::Redundant),
             Self::Ambiguous => denied(Deny::Ambiguous),
             Self::Incomplete => denied(Deny::Incomplete) || !diagnosis.args.allow_incomplete,
@@ -78,7 +82,8 @@ pub fn findings(diagnosis: &Diagnosis, report: &Report) -> Vec<Finding> {
     let claims = diagnosis.deck.as_ref().map(DeckInput::claims).unwrap_or_default();
     all.extend(claims.refused.iter().map(|words| plain(Rule::Refused, words.clone())));
     all.extend(claims.unsound.iter().map(|words| plain(Rule::Unsound, words.clone())));
-    all.extend(claims.ignored.iter().map(|claim| plain(Rule::Dropped, claim.words())));
+    all.extend(claims.lost.iter().map(|claim| plain(Rule::Lost, claim.words())));
+    all.extend(claims.implied.iter().map(|claim| plain(Rule::Dropped, claim.words())));
     if report.confidence.ambiguous || diagnosis.deck.as_ref().is_some_and(DeckInput::is_ambiguous) {
         let text = format!("rank {} is ambiguous: the report of `qless check` says why", report.rank);
         all.push(Finding { label: String::new(), ..plain(Rule::Ambiguous, text) });

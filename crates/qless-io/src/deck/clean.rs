@@ -18,7 +18,7 @@ use proof::prove;
 pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
 pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
 pub(super) use super::plan::{Edits, Renamed, shortened};
-pub use super::solver::{Finding, findings};
+pub use super::solver::{Finding, Loss, findings, loss};
 
 /// Plans the changes of a deck and carries them out. If edits of cards cannot be carried out or proved, equations are rewritten instead.
 ///

@@ -140,7 +140,7 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
     };
     let claims = list.deck.map(DeckInput::claims);
     let is_refused = claims.as_ref().is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
-    let is_dropped = claims.as_ref().is_some_and(|claims| !claims.ignored.is_empty());
+    let is_lost = claims.as_ref().is_some_and(|claims| !claims.lost.is_empty());
     match report.status {
         Status::Conflicting => {
             "Next: correct each conflicting equation, or one in its combination, or remove it.".to_owned()
@@ -156,9 +156,7 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
         _ if report.confidence.ambiguous => {
             "Next: decide, as said above, which equations are meant to be independent.".to_owned()
         }
-        _ if is_dropped && !is_refused => {
-            "Next: decide which of the claims are meant: what is dropped has no effect on the result.".to_owned()
-        }
+        _ if is_lost && !is_refused => clean("in which the lost ones hold"),
         Status::Redundant if list.deck.is_some() => clean("without redundant equations"),
         Status::Redundant => {
             let them = if report.counts.redundant == 1 { "it" } else { "them" };

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
+use super::cards::body_rotations::{self, ReadBody};
+use super::cards::mean_rotation::{self, MeanRotation};
+use super::cards::{boundary, cyclic, equation, expanded, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
@@ -18,7 +20,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let (mut definitions, mut has_mpc) = (DeckDefinitions::default(), false);
     walk(sources, &mut |card: &KeywordCard| {
         definitions.note(card);
-        has_mpc |= card.is("*MPC");
+        has_mpc |= mpc::is_nonlinear(card);
         Ok(())
     })?;
     definitions.check_nodes().map_err(|(line, (field, problem))| {
@@ -29,7 +31,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
         // Only Abaqus has instances of parts.
         sources.set_solver(Solver::Abaqus);
     }
-    // In ccx, any `*MPC` makes all steps nonlinear.
+    // In ccx, these types of `*MPC` make all steps nonlinear.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
@@ -52,8 +54,10 @@ struct CalculixReader {
     coupling: Option<CouplingCard>,
     /// References that only distribute forces, with file and line of their cards.
     forces: Vec<(u32, u32, u32)>,
-    /// References of rigid bodies.
-    bodies: Vec<BodyReference>,
+    mean_rotations: Vec<MeanRotation>,
+    bodies: Vec<ReadBody>,
+    /// References of kinematic couplings.
+    couplings: Vec<ReadBody>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
     sectors: Vec<KeywordCard>,
     cyclic: Vec<KeywordCard>,
@@ -78,7 +82,9 @@ impl CalculixReader {
             removed: Vec::new(),
             coupling: None,
             forces: Vec::new(),
+            mean_rotations: Vec::new(),
             bodies: Vec::new(),
+            couplings: Vec::new(),
             sectors: Vec::new(),
             cyclic: Vec::new(),
             steps: 0,
@@ -100,9 +106,13 @@ impl CalculixReader {
                 }
                 equation::read(card, &mut self.model, &self.definitions)?;
             }
-            b"*MPC" => mpc::read(card, &mut self.model, &self.definitions, self.solver)?,
+            b"*MPC" => {
+                let rotations = mpc::read(card, &mut self.model, &self.definitions, self.solver)?;
+                rotations.into_iter().for_each(|(equation, nodes)| self.note_mean_rotation(equation, nodes));
+            }
             b"*RIGIDBODY" => {
-                self.bodies.extend(rigid::read(card, &mut self.model, &self.definitions, self.solver)?);
+                let body = rigid::read(card, &mut self.model, &self.definitions, self.solver)?;
+                self.bodies.extend(body.map(|body| ReadBody { body, file: card.file, line: card.line }));
             }
             b"*COUPLING" => {
                 if self.solver == Solver::Ccx {
@@ -118,7 +128,7 @@ impl CalculixReader {
                 old_coupling::distributing_coupling(card, &mut self.model, &self.definitions, self.solver)?;
             }
             b"*TIE" if card.parameter("CYCLICSYMMETRY").is_some() => self.cyclic.push(card.clone()),
-            b"*TIE" => tie::read(card, &mut self.model, &self.definitions)?,
+            b"*TIE" => tie::read(card, &mut self.model, &self.definitions, self.solver)?,
             b"*BOUNDARY" => self.boundary(card)?,
             b"*CLOAD" => self.load(card)?,
             b"*STEP" => {
@@ -132,10 +142,21 @@ impl CalculixReader {
         Ok(())
     }
 
+    /// Notes a mean rotation, for the choice of its slave.
+    fn note_mean_rotation(&mut self, equation: usize, nodes: Vec<u32>) {
+        let dofs = self.model.nth(equation).columns.iter().map(|&j| self.model.dofs[j as usize]);
+        let prescribed = dofs.filter(|dof| self.prescribed.contains_key(dof)).collect();
+        self.mean_rotations.push(MeanRotation { equation, prescribed, nodes });
+    }
+
     /// Reads the card that decides the type of the last `*COUPLING`.
     fn coupled(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let Some(coupling) = &self.coupling else { return Ok(()) };
         let constrains = coupling::read(card, coupling, &mut self.model, &self.definitions, self.solver)?;
+        if constrains && card.is("*KINEMATIC") {
+            let body = BodyReference::with_rotations(coupling.reference(&self.definitions).unwrap_or_default());
+            self.couplings.push(ReadBody { body, file: card.file, line: card.line });
+        }
         if !constrains && card.is("*DISTRIBUTING") && self.solver == Solver::Ccx {
             // Reading the card has already checked that the reference exists.
             let reference = coupling.reference(&self.definitions).unwrap_or_default();
@@ -239,10 +260,12 @@ impl CalculixReader {
             let case = self.case("model".into());
             self.model.cases.push(case);
         }
+        mean_rotation::choose_slaves(&mut self.model, &self.mean_rotations);
         self.check_nodes()?;
         self.warn_of_forces();
-        self.warn_of_rotations();
         if self.solver == Solver::Ccx {
+            body_rotations::check(&mut self.model, &self.definitions, &self.bodies, &self.couplings);
+            expanded::leave_out(&mut self.model, &self.definitions);
             self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;
         }
@@ -267,36 +290,6 @@ impl CalculixReader {
                 );
                 self.model.warn(file, line, text);
             }
-        }
-    }
-
-    /// Warns of values and moments on components 4 to 6 of a body's reference: ccx ignores them unless an element or
-    /// an equation has these DOFs.
-    fn warn_of_rotations(&mut self) {
-        if self.solver != Solver::Ccx {
-            return;
-        }
-        let bodies = std::mem::take(&mut self.bodies);
-        let body = |dof: Dof| bodies.iter().find(|body| body.node == dof.node && (4..=6).contains(&dof.component));
-        let is_idle = |dof: Dof| !self.definitions.rotates(dof.node) && self.model.column(dof).is_none();
-        let given = self.model.cases.iter().flat_map(|case| &case.prescribed).map(|given| (given.dof, given.origin));
-        let loads = self.model.cases.iter().flat_map(|case| &case.loads).map(|load| (load.dof, load.origin));
-        let found: BTreeMap<_, _> = given
-            .chain(loads)
-            .filter(|(dof, _)| is_idle(*dof))
-            .filter_map(|(dof, origin)| Some(((origin.line, dof, self.model.cards.nth(origin.card).file), body(dof)?)))
-            .collect();
-        for ((line, dof, file), body) in found {
-            let name = self.model.dof_name(dof);
-            let text = match body.rotation_node() {
-                Some(node) => format!(
-                    "{name} has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of node {node}"
-                ),
-                None => {
-                    format!("{name} has no effect: no card can name the rotation of a *RIGID BODY without ROT NODE")
-                }
-            };
-            self.model.warn(file, line, text);
         }
     }
 

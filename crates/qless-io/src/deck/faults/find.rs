@@ -3,7 +3,7 @@
 use qless::{Options, SystemBuilder, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::{EquationFault, FaultKind};
+use super::{EquationFault, FaultKind, keeps_slaves};
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
 /// A slave's coefficient relative to the largest one: below this, rounding errors grow by the inverse factor.
@@ -51,6 +51,9 @@ pub fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &
         let Some(&column) = equation.columns.first() else { continue };
         let slave = model.dofs[column as usize];
         let mut add = |kind| faults.push(EquationFault { equation: i, slave, kind });
+        if let Some(why) = model.why_missing(i) {
+            add(FaultKind::Missing { why });
+        }
         let same = |&(j, _): &(&u32, &f64)| *j == column;
         let own: f64 = equation.columns.iter().zip(equation.coefficients).filter(same).map(|(_, a)| a).sum();
         let terms = equation.columns.iter().zip(equation.coefficients);
@@ -92,7 +95,7 @@ fn unit_of(dof: Dof) -> u8 {
     }
 }
 
-/// Finds slaves that depend on each other in a circle and are not determined. Equations whose masters are no slaves
+/// Finds slaves that depend on each other in a circle and are not determined, or that ccx cannot insert. Equations whose masters are no slaves
 /// are removed repeatedly; a circle remains.
 fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault> {
     let others = |i: usize| {
@@ -118,7 +121,9 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
     }
     let mut circle: Vec<usize> = waits.into_keys().collect();
     circle.sort_unstable();
-    if circle.is_empty() || determines_slaves(model, &circle) {
+    // Only ccx keeps repeated terms, and only it inserts equations without pivoting.
+    let cancels = || model.keeps_repeated_terms && keeps_slaves(model, &circle) == Some(false);
+    if circle.is_empty() || determines_slaves(model, &circle) && !cancels() {
         return Vec::new();
     }
     let slave = |i: usize| model.dofs[model.nth(i).columns[0] as usize];

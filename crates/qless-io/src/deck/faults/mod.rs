@@ -1,9 +1,11 @@
 //! Faults of equations, other than dependence, that stop a solver which eliminates the first DOF of each equation.
 
 mod find;
+mod insertion;
 
 pub(crate) use find::faults_of;
 pub use find::{faults, faults_in};
+pub(crate) use insertion::keeps_slaves;
 
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
@@ -58,7 +60,13 @@ pub enum FaultKind {
         /// The master.
         master: Dof,
     },
-    /// Slaves depend on each other in a circle, and the equations hardly determine them.
+    /// The solver makes no equation of the card.
+    Missing {
+        /// Why it makes none.
+        why: &'static str,
+    },
+    /// Slaves depend on each other in a circle, and the equations hardly determine them, or one cancels when the solver
+    /// inserts the equations into each other.
     Circle,
 }
 
@@ -89,8 +97,13 @@ impl EquationFault {
                 let master = model.dof_name(master);
                 format!("{master} occurs twice in {own}{through}, and the solver does not add up the coefficients")
             }
+            FaultKind::Missing { why } => {
+                format!("{slave} is the slave of {own}, but the solver makes no equation: {why}")
+            }
             FaultKind::Circle => {
-                format!("{slave}, the slave of {own}, depends on itself through other slaves and is not determined")
+                format!(
+                    "{slave}, the slave of {own}, depends on itself through other slaves, and is not determined or cancels"
+                )
             }
         }
     }

@@ -44,6 +44,18 @@ impl Model {
         }
     }
 
+    /// Makes the term at a position the slave of an equation.
+    pub(crate) fn lead(&mut self, equation: usize, at: usize) {
+        let start = if equation == 0 { 0 } else { self.ends[equation - 1] as usize };
+        self.terms.columns.swap(start, start + at);
+        self.terms.coefficients.swap(start, start + at);
+    }
+
+    /// Records that the solver does not make an equation, and why.
+    pub(crate) fn mark_missing(&mut self, equation: usize, why: &'static str) {
+        self.missing.insert(equation, why);
+    }
+
     /// Adds a card and returns its number.
     pub(crate) fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
         self.cards.push(name.into(), file, line)

@@ -1,6 +1,6 @@
 //! Constraints of a deck of any format: equations, prescribed values by load case, and their origins.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use rustc_hash::FxHashMap;
@@ -45,6 +45,8 @@ pub struct Model {
     pub(crate) keeps_repeated_terms: bool,
     /// Cards whose equations the solver enforces by multipliers, without slaves.
     without_slaves: BTreeSet<u32>,
+    /// Equations that the solver does not make, and why.
+    missing: BTreeMap<usize, &'static str>,
     columns: ColumnMap,
     terms: TermStorage,
     /// End of each equation in `terms`.
@@ -156,6 +158,11 @@ impl Model {
     /// Whether the first term of equation `i` is a slave. If the solver enforces it by a multiplier, it has none.
     pub fn has_slave(&self, i: usize) -> bool {
         self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
+    }
+
+    /// Why the solver does not make equation `i`, if it does not.
+    pub(crate) fn why_missing(&self, i: usize) -> Option<&'static str> {
+        self.missing.get(&i).copied()
     }
 
     /// DOFs that cards left out may claim, ascending, with the origins of the claims. New equations must not have them

@@ -75,6 +75,7 @@ impl Finding {
 /// ```
 pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> {
     let mut search = FaultSearch::new(model, case, solver);
+    search.drop_missing();
     search.drop_prescribed();
     search.drop_shared();
     search.add_remaining();
@@ -120,6 +121,15 @@ impl<'a> FaultSearch<'a> {
         self.profile.left_out[dropped] = true;
         self.findings.push(finding);
         Some(dropped)
+    }
+
+    /// Drops equations that the solver does not make.
+    fn drop_missing(&mut self) {
+        for (equation, column) in self.slaves() {
+            if let Some(why) = self.profile.model.why_missing(equation) {
+                self.drop_for(EquationFault { equation, slave: self.dof(column), kind: FaultKind::Missing { why } });
+            }
+        }
     }
 
     /// Drops equations whose slave is prescribed in the first load case. A value that comes later makes ccx drop no

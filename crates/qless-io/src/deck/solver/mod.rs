@@ -2,6 +2,7 @@
 
 mod ccx;
 mod findings;
+mod loss;
 mod manuals;
 mod outcome;
 
@@ -9,9 +10,10 @@ use std::cell::OnceCell;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::faults::{EquationFault, FaultKind};
+use super::faults::{EquationFault, FaultKind, keeps_slaves};
 use super::{Dof, LoadCase, Model, Solver};
 pub use findings::{Finding, findings};
+pub use loss::{Loss, loss};
 use manuals::{Eliminations, abaqus_prescribed, abaqus_twice, optistruct};
 pub(super) use outcome::CardKind;
 pub use outcome::Outcome;
@@ -87,6 +89,7 @@ impl<'a> Profile<'a> {
                 Solver::Ccx => Outcome::Unsound,
                 _ => Outcome::Accepted,
             },
+            FaultKind::Missing { .. } => Outcome::IgnoresFirst,
             FaultKind::Circle => self.circle(&connected(self.model, equation)),
         }
     }
@@ -95,7 +98,7 @@ impl<'a> Profile<'a> {
     pub fn circle(&self, equations: &[usize]) -> Outcome {
         match self.solver {
             Solver::Ansys => self.ansys(equations),
-            Solver::Ccx if ccx::keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
+            Solver::Ccx if keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
             _ => Outcome::Refused,
         }
     }

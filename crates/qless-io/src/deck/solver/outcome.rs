@@ -69,7 +69,7 @@ impl CardKind {
             "DISTRIBUTING" => Self::Distributing,
             "DISTRIBUTINGCOUPLING" => Self::DistributingCoupling,
             "CYCLICSYMMETRYMODEL" | "PRETENSIONSECTION" => Self::Sector,
-            "MPC" => Self::Mpc,
+            "MPC" | "MPCMEANROT" => Self::Mpc,
             "CP" => Self::CoupledSet,
             rigid if rigid.starts_with('R') => Self::RigidElement,
             _ => Self::Other,

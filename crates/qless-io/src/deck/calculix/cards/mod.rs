@@ -1,10 +1,13 @@
 //! Cards that constrain, as equations and prescribed values. This file has the common parts: cards that are registered
 //! in the model, and equations between displacements along any direction. `reader.rs` calls them by keyword.
 
+pub mod body_rotations;
 pub mod boundary;
 pub mod coupling;
 pub mod cyclic;
 pub mod equation;
+pub mod expanded;
+pub mod mean_rotation;
 pub mod mpc;
 pub mod old_coupling;
 pub mod refused;
@@ -41,19 +44,12 @@ impl CardEquation {
         others: &[(Dof, f64)],
         rhs: f64,
     ) -> Result<Self, Problem> {
-        let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
-        for &(node, gradient) in gradients {
-            let axes = definitions.pose(node)?.axes;
-            let component = |(axis, component): (&Vector, u8)| (Dof { node, component }, dot(*axis, gradient));
-            terms.extend(axes.iter().zip(1..).map(component));
-        }
-        let largest = terms.iter().fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
+        let terms = terms(definitions, gradients)?;
         let first = gradients.first().map_or(0, |(node, _)| *node);
-        terms.retain(|(_, a)| a.abs() > ROUNDING * largest);
         let own = terms.iter().enumerate().filter(|(_, (dof, _))| dof.node == first);
         // Ties go to the first component, as in ccx.
         let slave = own.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(k, _)| k);
-        let Some(slave) = slave.filter(|_| largest > 0.0) else {
+        let Some(slave) = slave else {
             return Err(Problem::Degenerate { what: format!("node {first} is not constrained by its geometry") });
         };
         let mut equation = Self { terms, rhs };
@@ -98,6 +94,19 @@ impl CardEquation {
         let dof = |node| Dof { node, component };
         Self { terms: vec![(dof(a), 1.0), (dof(b), -1.0)], rhs: 0.0 }
     }
+}
+
+/// The terms of `sum g_k . u_k`, in the order of the nodes and in the local axes of each, without rounding errors.
+fn terms(definitions: &DeckDefinitions, gradients: &[(u32, Vector)]) -> Result<Vec<(Dof, f64)>, Problem> {
+    let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
+    for &(node, gradient) in gradients {
+        let axes = definitions.pose(node)?.axes;
+        let component = |(axis, component): (&Vector, u8)| (Dof { node, component }, dot(*axis, gradient));
+        terms.extend(axes.iter().zip(1..).map(component));
+    }
+    let largest = terms.iter().fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
+    terms.retain(|(_, a)| a.abs() > ROUNDING * largest);
+    Ok(terms)
 }
 
 /// A card in the model, to which equations are added.

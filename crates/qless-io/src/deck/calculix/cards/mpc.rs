@@ -14,24 +14,39 @@
 //! In the types with two nodes, a may be a node set: each of its nodes gets the equations with b, or with its partner in a set b of as
 //! many nodes (Abaqus).
 
+use crate::deck::calculix::cards::mean_rotation;
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused};
 use crate::deck::calculix::model::{DeckDefinitions, folded};
 use crate::deck::calculix::syntax::KeywordCard;
-use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
+use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 use crate::fault::quote;
 
-/// Adds the equations of a card.
+const MEAN_ROTATION: &str = "MEANROT";
+
+/// The first type on a card; ccx knows no other.
+fn first_type(card: &KeywordCard) -> String {
+    card.lines().next().and_then(|line| line.fields().next().map(folded)).unwrap_or_default()
+}
+
+/// Whether ccx makes all steps nonlinear because of a card.
+pub fn is_nonlinear(card: &KeywordCard) -> bool {
+    card.is("*MPC") && matches!(first_type(card).as_str(), "PLANE" | "STRAIGHT" | "BEAM")
+}
+
+/// Adds the equations of a card. Returns those that are mean rotations, with their nodes.
 pub fn read(
     card: &KeywordCard,
     model: &mut Model,
     definitions: &DeckDefinitions,
     solver: Solver,
-) -> Result<(), DeckError> {
-    let place = RegisteredCard::register(card, model, "*MPC");
+) -> Result<Vec<(usize, Vec<u32>)>, DeckError> {
+    let name = if first_type(card) == MEAN_ROTATION { mean_rotation::NAME } else { "*MPC" };
+    let place = RegisteredCard::register(card, model, name);
     let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
+    let mut rotations = Vec::new();
     for (kind, fields) in lists {
         let nodes = fields.concat();
         if solver == Solver::Ccx {
@@ -47,7 +62,7 @@ pub fn read(
                 let rotate = definitions.rotates(a) && definitions.rotates(b);
                 Ok((1..=if rotate { 6 } else { 3 }).map(|c| CardEquation::equal(a, b, c)).collect())
             }),
-            "MEANROT" => mean_rotation(definitions, &nodes).map(|row| vec![row]),
+            MEAN_ROTATION => mean_rotation::equation(definitions, &nodes).map(|row| vec![row]),
             "DIST" => bound(definitions, &nodes).map(|row| row.into_iter().collect()),
             _ => {
                 let text =
@@ -59,6 +74,9 @@ pub fn read(
         };
         let before = model.equations();
         place.push(model, rows)?;
+        if kind == MEAN_ROTATION {
+            rotations.push((before, mean_rotation::nodes(&nodes).map_err(|problem| place.fail(model, problem))?.0));
+        }
         if model.equations() == before && kind == "DIST" {
             let text = "*MPC DIST is inactive while the nodes are closer than its bound: no equation";
             model.warn(card.file, card.line, text);
@@ -68,7 +86,7 @@ pub fn read(
             model.warn(card.file, card.line, format!("*MPC {kind} is linearised at the reference configuration"));
         }
     }
-    Ok(())
+    Ok(rotations)
 }
 
 /// A type of constraint, and the nodes of each field after it.
@@ -188,38 +206,6 @@ fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquatio
         return Err(Problem::Degenerate { what: format!("nodes {a} and {b} coincide") });
     }
     CardEquation::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
-}
-
-/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`: p_k is the arm of node k from the mean position,
-/// perpendicular to the axis e. Nodes on the axis only enter the mean. The card lists each node three times.
-fn mean_rotation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
-    let Some((&pilot, nodes)) = nodes.split_last().filter(|(_, nodes)| !nodes.is_empty() && nodes.len() % 3 == 0)
-    else {
-        let found = quote(nodes.len().to_string().as_bytes());
-        return Err(Problem::Expected { expected: "nodes three times each, and then one more", found });
-    };
-    let nodes: Vec<u32> = nodes.iter().step_by(3).copied().collect();
-    let axis = unit(definitions.position(pilot)?);
-    let axis = axis.ok_or_else(|| Problem::Degenerate { what: format!("node {pilot} gives no axis of rotation") })?;
-    let places: Vec<Vector> = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
-    let part = 1.0 / nodes.len() as f64;
-    let centre = places.iter().fold([0.0; 3], |sum, x| plus(sum, scaled(*x, part)));
-    let arms: Vec<Vector> = places.iter().map(|x| minus(*x, centre)).collect();
-    let spread = arms.iter().map(|arm| dot(*arm, *arm)).sum::<f64>() * part;
-    let rotation = |arm: &Vector| {
-        let across = minus(*arm, scaled(axis, dot(*arm, axis)));
-        let square = dot(across, across);
-        if square > 1e-10 * spread { scaled(cross(axis, across), 1.0 / square) } else { [0.0; 3] }
-    };
-    let rotations: Vec<Vector> = arms.iter().map(rotation).collect();
-    let mean = scaled(rotations.iter().fold([0.0; 3], |sum, rotation| plus(sum, *rotation)), part);
-    let mut gradients: Vec<(u32, Vector)> =
-        nodes.iter().copied().zip(rotations.iter().map(|rotation| minus(*rotation, mean))).collect();
-    let size = |gradient: &Vector| dot(*gradient, *gradient);
-    let most = (0..gradients.len()).max_by(|&i, &j| size(&gradients[i].1).total_cmp(&size(&gradients[j].1)));
-    gradients.swap(0, most.unwrap_or(0));
-    let rotation = (Dof { node: pilot, component: 1 }, -(nodes.len() as f64));
-    CardEquation::along_with(definitions, &gradients, &[rotation], 0.0)
 }
 
 /// Equation of an upper bound on a distance; `None` while the distance is smaller. The first DOF of the last node,

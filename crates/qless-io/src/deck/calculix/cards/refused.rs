@@ -75,8 +75,17 @@ pub fn coupling(card: &KeywordCard, model: &mut Model) {
     }
 }
 
-/// Refuses `*KINEMATIC` with rotations, or with its reference on its own surface.
-pub fn kinematic(card: &KeywordCard, components: &[u8], holds_its_reference: bool, model: &mut Model) {
+/// Refuses `*KINEMATIC` with rotations, with component 3 of plane elements, or with its reference on its own surface.
+pub fn kinematic(
+    card: &KeywordCard,
+    components: &[u8],
+    (is_plane, holds_its_reference): (bool, bool),
+    model: &mut Model,
+) {
+    if is_plane && components.contains(&3) {
+        let text = "ccx stops: *KINEMATIC couples component 3 of plane elements; write 1 to 2 at most";
+        model.refuse(card.file, card.line, text);
+    }
     if components.iter().any(|component| *component > 3) {
         let text = "ccx stops: *KINEMATIC couples components above 3; write 1 to 3 at most";
         model.refuse(card.file, card.line, text);

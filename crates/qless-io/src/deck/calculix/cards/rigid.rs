@@ -46,6 +46,16 @@ impl BodyReference {
         (self.rotation.component == 1).then_some(self.rotation.node)
     }
 
+    /// Whether cards can name the DOFs of the rotation.
+    pub fn names_rotation(&self) -> bool {
+        self.rotation.component != UNREACHED
+    }
+
+    /// The three DOFs of the rotation.
+    pub fn rotations(&self) -> [Dof; 3] {
+        [0, 1, 2].map(|k| self.rotation_dof(k))
+    }
+
     fn rotation_dof(&self, k: usize) -> Dof {
         Dof { component: self.rotation.component + k as u8, ..self.rotation }
     }
@@ -114,7 +124,11 @@ impl RigidBodyCard<'_> {
         let is_own = |node: u32| node == reference.node || node == reference.rotation.node;
         let mut rows = Vec::new();
         for (node, rotates) in nodes.into_iter().filter(|(node, _)| !is_own(*node)) {
-            let components: &[u8] = if rotates { &[1, 2, 3, 4, 5, 6] } else { &[1, 2, 3] };
+            let components: &[u8] = match (rotates, self.definitions.is_plane(node)) {
+                (true, _) => &[1, 2, 3, 4, 5, 6],
+                (false, false) => &[1, 2, 3],
+                (false, true) => &[1, 2],
+            };
             rows.extend(kinematic(self.definitions, reference, std::iter::once(node), components, None)?);
         }
         Ok(rows)

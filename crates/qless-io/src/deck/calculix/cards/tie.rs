@@ -1,12 +1,14 @@
 //! `*TIE`: each node of the slave surface moves with the nearest point of the master surface, `u_s = sum N_i(xi) u_i`.
 
+use rustc_hash::FxHashSet;
+
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
 use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
 use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::{DeckError, Model, Problem};
+use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
 
 /// Default distance within which a node is tied, relative to the typical size of a face.
@@ -15,15 +17,27 @@ pub const TOLERANCE: f64 = 0.025;
 /// Distance within which a node counts as lying on a face, relative to the typical size of a face. Coordinates of many
 /// decks have only six or seven digits.
 const ON_FACE: f64 = 1e-6;
+/// ccx ties the new nodes of the solids into which it expands plane elements. Only at corners of second-order elements,
+/// one of them does not follow the node of the deck already.
+const EDGES: &str = "only corners of second-order plane elements are tied by edge; name the nodes instead (TYPE=NODE)";
 const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
 
 /// Adds the equations of a card.
-pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
+pub fn read(
+    card: &KeywordCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+    solver: Solver,
+) -> Result<(), DeckError> {
     for special in ["MULTISTAGE", "FLUIDPERIODIC", "FLUIDCYCLIC"] {
         if card.parameter(special).is_some() {
             leave_out(card, special, model, definitions);
             return Ok(());
         }
+    }
+    if solver == Solver::Ccx && has_shell_faces(card, definitions) {
+        leave_out(card, "faces of shells, which ccx expands into solids,", model, definitions);
+        return Ok(());
     }
     let place = RegisteredCard::register(card, model, "*TIE");
     let tied = tied(card, definitions).map_err(|problem| place.fail(model, problem))?;
@@ -41,7 +55,11 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     if card.lines().all(|line| line.file == card.file) {
         model.cards.mark_divisible(place.origin.card);
     }
-    place.push(model, Ok(tied.rows))
+    let first = model.equations();
+    place.push(model, Ok(tied.rows))?;
+    let missing = tied.on_edges.iter().filter(|_| solver == Solver::Ccx);
+    missing.for_each(|row| model.mark_missing(first + row, EDGES));
+    Ok(())
 }
 
 struct Tied {
@@ -49,7 +67,15 @@ struct Tied {
     apart: Vec<u32>,
     /// Whether a tied node does not lie on its face.
     has_gap: bool,
+    /// Rows of nodes at which ccx ties no edge of a plane element.
+    on_edges: Vec<usize>,
     tolerance: f64,
+}
+
+/// Whether a surface has faces of shells. ccx ties the faces of the solids into which it expands them.
+fn has_shell_faces(card: &KeywordCard, definitions: &DeckDefinitions) -> bool {
+    let is_shell = |side: &String| DeckSurface::find(definitions, card.scope, side).is_ok_and(|side| side.has_shells);
+    sides(card).is_ok_and(|sides| sides.iter().any(is_shell))
 }
 
 /// Leaves out a tie of a special kind, with all DOFs that it may claim.
@@ -83,7 +109,10 @@ fn nodes(card: &KeywordCard, definitions: &DeckDefinitions, sides: &[String; 2])
 
 fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Problem> {
     let [slave, master] = &sides(card)?;
-    let slaves = DeckSurface::find(definitions, card.scope, slave)?.all_nodes();
+    let slaves = DeckSurface::find(definitions, card.scope, slave)?;
+    let edges = slaves.faces.iter().filter(|_| slaves.is_line);
+    let untied: FxHashSet<u32> =
+        edges.flat_map(|edge| if edge.len() == 2 { &edge[..] } else { &edge[2..] }).copied().collect();
     let faces = MasterFace::all(DeckSurface::find(definitions, card.scope, master)?, definitions)?;
     if faces.is_empty() {
         let found = quote(master.as_bytes());
@@ -93,14 +122,16 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Probl
     let given = card.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
     let tolerance = given.unwrap_or(TOLERANCE * typical);
     let grid = FaceGrid::new(&faces, tolerance);
-    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), has_gap: false, tolerance };
-    for node in slaves {
+    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), has_gap: false, on_edges: Vec::new(), tolerance };
+    for node in slaves.all_nodes() {
         let position: Vector = definitions.position(node)?;
         match grid.nearest(&faces, position).filter(|near| near.distance <= tolerance) {
             Some(near) if faces[near.face].nodes.contains(&node) => {}
             Some(near) => {
                 tied.has_gap |= near.distance > ON_FACE * typical;
+                let before = tied.rows.len();
                 tied.rows.extend(rows(definitions, node, &faces[near.face].nodes, &near.weights)?);
+                tied.on_edges.extend((before..tied.rows.len()).filter(|_| untied.contains(&node)));
             }
             None => tied.apart.push(node),
         }
@@ -120,5 +151,6 @@ fn rows(
         let gradients: Vec<(u32, Vector)> = std::iter::once((node, axis)).chain(others).collect();
         CardEquation::along(definitions, &gradients, 0.0)
     };
-    definitions.pose(node)?.axes.into_iter().map(row).collect()
+    let components = if definitions.is_plane(node) { 2 } else { 3 };
+    definitions.pose(node)?.axes.into_iter().take(components).map(row).collect()
 }

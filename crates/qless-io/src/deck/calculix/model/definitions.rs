@@ -38,7 +38,8 @@ pub struct DeckDefinitions {
     positions: OnceCell<Result<FxHashMap<u32, Vector>, Problem>>,
     elements: OnceCell<Result<MeshElements, Problem>>,
     locals: OnceCell<Result<FxHashMap<u32, Frame>, Problem>>,
-    rotating: OnceCell<FxHashSet<u32>>,
+    /// Shapes of the elements that ccx expands, by node.
+    expanded: OnceCell<FxHashMap<u32, Vec<ElementShape>>>,
     /// Positions of nodes that the solver makes.
     made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
@@ -260,15 +261,31 @@ impl DeckDefinitions {
 
     /// Whether a node belongs to an element with rotations.
     pub fn rotates(&self, node: u32) -> bool {
+        self.expanded_at(node).iter().any(|shape| shape.rotates)
+    }
+
+    /// Whether a node belongs to a plane element, and so has no third component.
+    pub fn is_plane(&self, node: u32) -> bool {
+        self.expanded_at(node).iter().any(ElementShape::is_plane)
+    }
+
+    /// Shapes of the elements at a node that ccx expands into solids. All elements with rotations are among them.
+    pub fn expanded_at(&self, node: u32) -> &[ElementShape] {
         let find = || {
-            let mut rotating = FxHashSet::default();
-            for block in self.blocks.iter().filter(|block| ElementShape::from_type(&block.kind).rotates) {
+            let mut all: FxHashMap<u32, Vec<ElementShape>> = FxHashMap::default();
+            let shape = |block: &ElementDefinition| ElementShape::from_type(&block.kind);
+            for block in self.blocks.iter().filter(|block| shape(block).is_expanded()) {
                 let fields = DataLines::new(&block.data).flat_map(|line| line.fields().skip(1));
-                rotating.extend(fields.filter_map(|field| self.node(block.scope, field).ok()));
+                for node in fields.filter_map(|field| self.node(block.scope, field).ok()) {
+                    let shapes = all.entry(node).or_default();
+                    if shapes.last() != Some(&shape(block)) {
+                        shapes.push(shape(block));
+                    }
+                }
             }
-            rotating
+            all
         };
-        self.rotating.get_or_init(find).contains(&node)
+        self.expanded.get_or_init(find).get(&node).map_or(&[], Vec::as_slice)
     }
 }
 

@@ -23,6 +23,8 @@ enum ElementFamily {
     Wedge,
     Shell,
     Plane,
+    /// Beams and trusses.
+    Bar,
     Other,
 }
 
@@ -68,16 +70,17 @@ impl ElementShape {
                 (ElementFamily::Plane, nodes, false)
             } else if let Some(nodes) = starts("M3D") {
                 (ElementFamily::Shell, nodes, false)
-            } else if let Some(nodes) = starts("S") {
+            } else if let Some(nodes) = starts("S").filter(|_| !kind.starts_with("SPRING")) {
                 (ElementFamily::Shell, nodes, true)
             } else {
                 let is_beam = kind.starts_with('B');
+                let is_bar = is_beam || ["T2D", "T3D"].iter().any(|truss| kind.starts_with(truss));
                 let nodes = match kind {
                     _ if kind.starts_with("B31") || kind.starts_with("T3D2") => Some(2),
                     _ if kind.starts_with("B32") || kind.starts_with("T3D3") => Some(3),
                     _ => None,
                 };
-                (ElementFamily::Other, nodes, is_beam)
+                (if is_bar { ElementFamily::Bar } else { ElementFamily::Other }, nodes, is_beam)
             };
         Self { nodes, family, rotates }
     }
@@ -85,6 +88,16 @@ impl ElementShape {
     /// Whether the element is plane, so that its faces are lines.
     pub fn is_plane(&self) -> bool {
         self.family == ElementFamily::Plane
+    }
+
+    /// Whether the element is a shell or a membrane.
+    pub fn is_shell(&self) -> bool {
+        self.family == ElementFamily::Shell
+    }
+
+    /// Whether ccx expands the element into solids.
+    pub fn is_expanded(&self) -> bool {
+        matches!(self.family, ElementFamily::Shell | ElementFamily::Plane | ElementFamily::Bar)
     }
 
     /// Nodes of face `S3`: corners in order, then the middle nodes of the edges between them.
@@ -96,7 +109,7 @@ impl ElementShape {
             ElementFamily::Wedge => WEDGE.face(number?, nodes),
             ElementFamily::Shell => Some(nodes.to_vec()),
             ElementFamily::Plane => edge(number?, nodes),
-            ElementFamily::Other => None,
+            ElementFamily::Bar | ElementFamily::Other => None,
         }
     }
 }
@@ -172,5 +185,8 @@ mod tests {
                 && ElementShape::from_type("B32R").nodes == Some(3)
                 && !ElementShape::from_type("T3D2").rotates
         );
+        let expands = |kind| ElementShape::from_type(kind).is_expanded();
+        assert!(["S3", "M3D4", "CPS4R", "CAX8", "B31R", "T3D2"].into_iter().all(expands));
+        assert!(!["C3D8", "SPRINGA", "DCOUP3D", "MASS", "GAPUNI"].into_iter().any(expands));
     }
 }

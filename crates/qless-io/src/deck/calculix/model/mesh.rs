@@ -55,6 +55,8 @@ pub struct DeckSurface {
     pub faces: Vec<Vec<u32>>,
     /// Whether the faces are edges of plane elements.
     pub is_line: bool,
+    /// Whether some faces belong to shells or membranes.
+    pub has_shells: bool,
 }
 
 impl DeckSurface {
@@ -95,6 +97,7 @@ impl DeckSurface {
                 found: quote(format!("{face} of {}", String::from_utf8_lossy(elements)).as_bytes()),
             })?;
             self.is_line |= shape.is_plane();
+            self.has_shells |= shape.is_shell();
             self.faces.push(nodes);
         }
         Ok(())

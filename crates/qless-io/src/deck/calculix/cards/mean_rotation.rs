@@ -1,0 +1,131 @@
+//! `*MPC` of type MEANROT, and the slave that ccx chooses for it.
+//!
+//! ccx goes through the nodes of the card. The slave is the DOF with the largest coefficient of those that are not
+//! taken, usually of the first node that has one. A DOF is taken if an equation before has it as slave, or if it is prescribed before. ccx reads
+//! `*COUPLING` before all other cards and `*TIE` after them, so that slaves are chosen after the whole deck is read.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::deck::calculix::cards::{CardEquation, terms};
+use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled};
+use crate::deck::{Dof, Model, Problem};
+use crate::fault::quote;
+
+/// Name of the card.
+pub const NAME: &str = "*MPC MEANROT";
+
+/// Smallest coefficient of a slave, in the form of [`equation`].
+const SMALLEST: f64 = 1e-5;
+/// Most nodes whose coefficients are added up as in ccx.
+const ADDED: usize = 2000;
+const NONE_FREE: &str =
+    "all DOFs that could be its slave are slaves or prescribed already, or have coefficients below 1e-5";
+
+/// A mean rotation: its equation, and its DOFs that are prescribed before its card.
+pub struct MeanRotation {
+    pub equation: usize,
+    pub prescribed: FxHashSet<Dof>,
+    /// Its nodes, in the order of the card.
+    pub nodes: Vec<u32>,
+}
+
+/// Makes the slaves of mean rotations, in the order of the deck, those that ccx chooses. It makes no equation if it finds no
+/// slave.
+pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
+    let name = |model: &Model, i: usize| model.cards.nth(model.nth(i).origin.card).name;
+    let own = |model: &Model, i: usize| model.nth(i).columns.first().copied();
+    let all = (0..model.equations()).filter(|_| !rotations.is_empty());
+    let coupled = all.filter(|&i| name(model, i) == "*KINEMATIC");
+    let mut taken: FxHashSet<u32> = coupled.filter_map(|i| own(model, i)).collect();
+    let mut next = 0;
+    for rotation in rotations {
+        let before = (next..rotation.equation).filter(|&i| name(model, i) != "*TIE" && model.why_missing(i).is_none());
+        taken.extend(before.filter_map(|i| own(model, i)));
+        next = rotation.equation;
+        match slave(model, rotation, &taken) {
+            Some(at) => model.lead(rotation.equation, at),
+            None => model.mark_missing(rotation.equation, NONE_FREE),
+        }
+    }
+}
+
+/// Position of the slave among the terms of the equation: the largest that is free, up to the first node with a free
+/// one. ccx misses the end of that node if its third component is taken and larger, and then goes on.
+fn slave(model: &Model, rotation: &MeanRotation, taken: &FxHashSet<u32>) -> Option<usize> {
+    let own = model.nth(rotation.equation);
+    let terms: FxHashMap<Dof, usize> = own.columns.iter().map(|&j| model.dofs[j as usize]).zip(0..).collect();
+    let is_taken = |at: usize, dof: &Dof| taken.contains(&own.columns[at]) || rotation.prescribed.contains(dof);
+    let (mut found, mut largest) = (None, SMALLEST);
+    for &node in &rotation.nodes {
+        for component in 1..=3 {
+            let dof = Dof { node, component };
+            let at = terms.get(&dof).copied();
+            let larger = at.filter(|&at| own.coefficients[at].abs() > largest);
+            match larger {
+                Some(at) if is_taken(at, &dof) => continue,
+                Some(at) => (found, largest) = (larger, own.coefficients[at].abs()),
+                None => {}
+            }
+            if component == 3 && found.is_some() {
+                return found;
+            }
+        }
+    }
+    found
+}
+
+/// The nodes of a list, which has each three times, and then the node that gives the axis.
+pub fn nodes(list: &[u32]) -> Result<(Vec<u32>, u32), Problem> {
+    match list.split_last() {
+        Some((&pilot, nodes)) if !nodes.is_empty() && nodes.len() % 3 == 0 => {
+            Ok((nodes.iter().step_by(3).copied().collect(), pilot))
+        }
+        _ => {
+            let found = quote(list.len().to_string().as_bytes());
+            Err(Problem::Expected { expected: "nodes three times each, and then one more", found })
+        }
+    }
+}
+
+/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`: p_k is the arm of node k from the mean position,
+/// perpendicular to the axis e. Nodes on the axis only enter the mean. The card lists each node three times.
+pub fn equation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
+    let (nodes, pilot) = self::nodes(nodes)?;
+    let axis = definitions.position(pilot)?;
+    let along = length(axis);
+    if along <= 0.0 {
+        return Err(Problem::Degenerate { what: format!("node {pilot} gives no axis of rotation") });
+    }
+    let axis = axis.map(|x| x / along);
+    let places: Vec<Vector> = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
+    let count = nodes.len() as f64;
+    let centre = places.iter().fold([0.0; 3], |sum, x| plus(sum, *x)).map(|sum| sum / count);
+    let arms: Vec<Vector> = places.iter().map(|x| minus(*x, centre)).collect();
+    let spread = arms.iter().map(|arm| dot(*arm, *arm)).sum::<f64>() / count;
+    let rotation = |arm: &Vector| {
+        let across = minus(*arm, scaled(axis, dot(*arm, axis)));
+        let square = dot(across, across);
+        if square > 1e-10 * spread { cross(axis, across).map(|c| c / square) } else { [0.0; 3] }
+    };
+    let rotations: Vec<Vector> = arms.iter().map(rotation).collect();
+    let mut terms = terms(definitions, &gradients(&nodes, &rotations))?;
+    if terms.is_empty() {
+        return Err(Problem::Degenerate { what: "all nodes of a mean rotation lie on its axis".into() });
+    }
+    terms.push((Dof { node: pilot, component: 1 }, -count));
+    Ok(CardEquation { terms, rhs: 0.0 })
+}
+
+/// `r_k - mean r` for each node. Up to [`ADDED`] nodes, adds up as ccx does, because rounding decides between equal
+/// coefficients; this takes quadratic time.
+fn gradients(nodes: &[u32], rotations: &[Vector]) -> Vec<(u32, Vector)> {
+    let part = 1.0 / nodes.len() as f64;
+    let mean = scaled(rotations.iter().fold([0.0; 3], |sum, rotation| plus(sum, *rotation)), part);
+    let added = |k: usize| {
+        let share = |i: usize| scaled(rotations[i], if i == k { 1.0 - part } else { -part });
+        (0..nodes.len()).fold([0.0; 3], |sum, i| plus(sum, share(i)))
+    };
+    let gradient = |k: usize| if nodes.len() <= ADDED { added(k) } else { minus(rotations[k], mean) };
+    nodes.iter().enumerate().map(|(k, &node)| (node, gradient(k))).collect()
+}
