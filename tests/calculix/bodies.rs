@@ -131,13 +131,17 @@ fn a_redundant_card_goes_as_a_whole() {
     let body = "*RIGID BODY, NSET=ROOF, REF NODE=30, ROT NODE=31\n";
     for (kept, redundant) in [
         (ties.to_owned(), "*TIE, NAME=T3\nC,A\n"),
-        (ties.to_owned(), "*MPC\nTIE,22,6\nPIN,11,5\n"),
+        (
+            ties.to_owned(),
+            "*EQUATION\n2\n22,1,1.,6,1,-1.\n2\n22,2,1.,6,2,-1.\n2\n22,3,1.,6,3,-1.\n2\n11,1,1.,5,1,-1.\n2\n11,2,1.,5,2,-1.\n2\n11,3,1.,5,3,-1.\n",
+        ),
         (format!("{ties}{body}"), "*RIGID BODY, NSET=PART, REF NODE=30, ROT NODE=31\n"),
     ] {
         let text = String::from_utf8(clean_text(&stack(&format!("{kept}{redundant}")))).expect("text");
-        let (before, after) = text.split_once("** qless: equation of line").expect("a comment");
+        let is_comment = |line: &&str| line.starts_with("** qless: equation of line");
         let sound = stack(&kept);
-        assert!(sound == before.to_owned() + after.split_once('\n').expect("a line").1, "{text}");
+        assert!(text.lines().any(|line| is_comment(&line)), "{text}");
+        assert!(text.lines().filter(|line| !is_comment(line)).eq(sound.lines()), "{text}");
         if is_there() {
             assert!(difference(&run(sound.as_bytes()), &run(text.as_bytes())) < 1e-9, "{text}");
         }

@@ -219,9 +219,9 @@ fn cards(rng: &mut Rng) -> String {
         "*RIGID BODY,NSET=C,REF NODE=21,ROT NODE=22\n",
         "*EQUATION\n2\n4,1,1.,16,1,-1.\n",
         "*EQUATION\n2\n16,1,2.,4,1,-2.\n2\n9,2,1.,5,2,-1.\n",
-        "*MPC\nTIE,9,5\n",
-        "*MPC\nPIN,5,9\nPIN,10,6\n",
-        "*MPC\nTIE,16,4\n",
+        "*EQUATION\n2\n9,1,1.,5,1,-1.\n2\n9,2,1.,5,2,-1.\n2\n9,3,1.,5,3,-1.\n",
+        "*EQUATION\n2\n5,1,1.,9,1,-1.\n2\n5,2,1.,9,2,-1.\n2\n5,3,1.,9,3,-1.\n2\n10,1,1.,6,1,-1.\n2\n10,2,1.,6,2,-1.\n2\n10,3,1.,6,3,-1.\n",
+        "*EQUATION\n2\n16,1,1.,4,1,-1.\n2\n16,2,1.,4,2,-1.\n2\n16,3,1.,4,3,-1.\n",
     ];
     (0..2 + rng.below(4)).for_each(|_| text += cards[rng.below(cards.len())]);
     text + "*STEP\n*STATIC\n*END STEP\n"

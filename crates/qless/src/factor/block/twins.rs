@@ -73,12 +73,11 @@ fn groups(blocks: &[Block], columns: &[SortedColumns]) -> Vec<Vec<usize>> {
     for k in 0..blocks.len() {
         let same_hash = by_hash.entry(columns[k].hash).or_default();
         let is_twin = |first: usize| are_twins([&blocks[k], &blocks[first]], [&columns[k], &columns[first]]);
-        match same_hash.iter().find(|&&group| is_twin(groups[group][0])) {
-            Some(&group) => groups[group].push(k),
-            None => {
-                same_hash.push(groups.len());
-                groups.push(vec![k]);
-            }
+        if let Some(&group) = same_hash.iter().find(|&&group| is_twin(groups[group][0])) {
+            groups[group].push(k);
+        } else {
+            same_hash.push(groups.len());
+            groups.push(vec![k]);
         }
     }
     groups
@@ -132,7 +131,7 @@ fn translated(
     }
     let mut vectors = rows.triangle.solutions(block);
     vectors.restore_units(&block.units, rows.nearness.sigma);
-    vectors.moves = motions.moves.clone();
+    vectors.moves.clone_from(&motions.moves);
     for (own, common) in vectors.moves.iter_mut().zip(&motions.moves) {
         columns.iter().zip(common).for_each(|(&j, &v)| own[j] = v);
     }
