@@ -13,15 +13,15 @@
 //! When OpenBLAS is loaded, it starts a thread with such a buffer for each core. Without memory for the buffers these threads
 //! never end, and `exit` waits for them. A program (not a library) can prevent this with the feature `serial-blas` of this
 //! crate and the linker option `--export-dynamic-symbol=openblas_num_threads_env` (in the program's `build.rs`,
-//! `cargo::rustc-link-arg-bins`): then OpenBLAS starts with one thread unless `OPENBLAS_NUM_THREADS` is set, and starts others only on request. Setting
-//! `OPENBLAS_NUM_THREADS=1` in the environment has the same effect for any program.
+//! `cargo::rustc-link-arg-bins`): then OpenBLAS starts with one thread unless `OPENBLAS_NUM_THREADS` is set, and starts others only on
+//! request. Setting `OPENBLAS_NUM_THREADS=1` in the environment has the same effect for any program.
 
 use core::ffi::{CStr, c_int, c_void};
 use core::mem::transmute;
 use core::num::NonZero;
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// Keeps OpenBLAS at one thread. Dropping the last of several restores the previous number.
+/// Keeps OpenBLAS at one thread. When the last value is dropped, OpenBLAS gets its previous number of threads.
 #[derive(Debug)]
 pub struct Held {
     callers: usize,
@@ -203,7 +203,7 @@ mod tests {
 
     use super::*;
 
-    /// All small numbers. Other callers take all their buffers at one moment, and return them at the next or never.
+    /// Tests all combinations of small numbers. At one moment, all other callers take a buffer; they return it at the next moment or never.
     #[test]
     fn no_buffer_is_asked_for_without_room() {
         for k in 0..4_usize.pow(5) {
@@ -234,7 +234,7 @@ mod tests {
             // Another BLAS has no limit.
             return assert_eq!([hold(1), hold(2)].map(|held| held.expect("no limit").callers), [1, 2]);
         };
-        // On a machine with one core there would be nothing to restore.
+        // With one core the previous number is 1 already, so the test sets another one.
         set(before, 3);
         let (first, second) = (hold(1), hold(2));
         assert_eq!(second.as_ref().map(Held::callers), Some(2));

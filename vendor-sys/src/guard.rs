@@ -106,7 +106,7 @@ unsafe fn allocated(own: &LibraryFunction, count: usize, size: usize, common: *m
     }
 }
 
-/// Whether an earlier allocation failed; then CHOLMOD's status is set again.
+/// Whether an earlier allocation failed, or tests inject a failure. Then CHOLMOD's status is set again.
 ///
 /// # Safety
 /// `common` points to our `cholmod_common`.

@@ -22,8 +22,8 @@ use crate::cholmod_common;
 
 /// The parameters of one call and its failure. Drop it after everything that was allocated with it.
 ///
-/// The struct that CHOLMOD knows owns memory by raw pointers, which the drop frees. So safe code gets no reference to it: it sets
-/// [`Common::set_task_tree`], and reads single numbers.
+/// The struct that CHOLMOD knows owns memory by raw pointers, which the drop frees. So safe code gets no reference to it. Safe code
+/// calls [`Common::set_task_tree`] and reads single numbers.
 ///
 /// ```compile_fail
 /// let mut common = spqr_sys::memory::Common::start().expect("memory");

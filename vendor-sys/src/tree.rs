@@ -1,4 +1,5 @@
-//! SuiteSparseQR's task tree on oneTBB (`cpp/tree.cpp`). It needs the feature `tbb` and SuiteSparseQR 2.1; otherwise these functions do nothing.
+//! SuiteSparseQR's task tree on oneTBB (`cpp/tree.cpp`). It needs the feature `tbb` and SuiteSparseQR 2.1. Without them there are no task
+//! trees, and [`with_threads`] only runs its work.
 //!
 //! This module exports functions with the names of the library's kernel and of its copy of R (`cpp/result.cpp`). The library calls them
 //! through the dynamic linker, so ours replace them in the whole process. For callers that did not request threads, they call the

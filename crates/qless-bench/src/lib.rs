@@ -2,7 +2,7 @@
 //!
 //! Every method runs on every system, in turns in one process; times are medians. The rank is known by construction. A method
 //! that was stopped on a smaller system of its family does not run on a larger one. A slow method runs in a process of its own,
-//! which is stopped at the limit, and so do other libraries (feature `peers`). These do not run at all if they would be slow.
+//! which is stopped at the limit. Other libraries (feature `peers`) always do so, and do not run if they are predicted to be slow.
 
 mod advice;
 mod args;
@@ -91,7 +91,7 @@ pub fn run<E: From<BenchError>>(
     Ok(())
 }
 
-/// Figure 15 has methods of its own, so it is omitted if methods are named.
+/// Measures the families. Figure 15 has methods of its own, so it is omitted if methods are named.
 fn find(
     methods: Vec<methods::BenchMethod>,
     families: &[systems::Family],

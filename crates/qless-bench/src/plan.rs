@@ -24,8 +24,8 @@ pub fn limit(method: &BenchMethod, args: &BenchArgs) -> f64 {
     args.peer_limit.filter(|_| method.is_peer()).unwrap_or(args.limit)
 }
 
-/// Assumes that time grows with the square of the number of equations, which is too much for sparse methods and too little for dense ones.
-/// If the prediction exceeds the limit, methods of qless still run, but in a process that can be stopped.
+/// Predicts the time as if it grew with the square of the number of equations: too much for sparse methods, too little for dense ones.
+/// If the prediction exceeds the limit, methods of qless run in a process that can be stopped, and other libraries do not run.
 pub fn plan(method: &BenchMethod, past: Option<Past>, equations: usize, limit: f64) -> MeasurementPlan {
     let square = |before: usize| (equations as f64 / before as f64).powi(2);
     match past {

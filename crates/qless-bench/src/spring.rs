@@ -32,7 +32,7 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// `None` if qless finds a wrong rank, or if conjugate gradients do not converge.
+    /// `None` if qless finds a wrong rank, or if u* cannot be computed, for example because conjugate gradients do not converge.
     pub fn new(system: &ConstraintSystem, rank: usize) -> Option<Self> {
         Self::solved(system, rank, system.dofs() <= MOST_DOFS)
     }
@@ -54,7 +54,7 @@ impl Springs {
         Some(Self { f, solution, prescribed })
     }
 
-    /// `max |u - u*| / max |u*|` with u from T, G and g ([`with_masters`]); `None` if T has too many entries.
+    /// `max |u - u*| / max |u*|` with u from T, G and g ([`with_masters`]); `None` if T has too many entries, or if there is no T or no u.
     pub fn error(&self, done: &Done) -> Option<f64> {
         let reduction = done.reduction.as_ref()?;
         if reduction.t().nnz() > MOST_ENTRIES {

@@ -27,8 +27,13 @@ pub(crate) fn of(handle: *const qless_options) -> Result<Options, CallFailure> {
 /// `options` is null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_options_create(options: *mut *mut qless_options) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { set("options", options, insert(HeldOptions::default())) }.map(|()| OK))
+    guard(|| {
+        let handle = insert(HeldOptions::default());
+        // SAFETY: the caller upholds the contract.
+        let written = unsafe { set("options", options, handle) };
+        written.inspect_err(|_| _ = remove::<_, HeldOptions>(handle))?;
+        Ok(OK)
+    })
 }
 
 /// Frees options; null is allowed.

@@ -143,7 +143,7 @@ impl Diagnosis<'_> {
 
     /// Adds the near-dependence, if the rank is ambiguous and memory allows it.
     pub fn add_near_dependence(&mut self) {
-        // A quick result is not checked, so nothing is said of what is nearly dependent either.
+        // A quick result is not checked, so the report does not name near-dependences either.
         if self.analysis.confidence().ambiguous && self.options.effort != Effort::Quick {
             self.near_dependence = self.analysis.near_dependence().unwrap_or_default();
         }

@@ -1,7 +1,7 @@
 //! `qless diff`: compares the solutions of two sets of equations, and lists the equations in which the sets differ.
 //!
 //! Every equation and prescribed value of one set is evaluated at solutions of the other: at its particular solution and at random ones. An
-//! equation that follows from the others holds at all of them to rounding; another one fails at a random solution with probability 1.
+//! equation that follows from the other set holds at all of them to rounding; any other equation fails at a random one with probability 1.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -93,7 +93,7 @@ fn solvable(diagnosis: &Diagnosis) -> Result<Option<Solutions>, CliFailure> {
     Ok(Some(Solutions { columns, samples }))
 }
 
-/// A heading and the equations and prescribed values of a set that solutions of the other do not satisfy.
+/// Lists the equations and prescribed values of a set that the solutions of the other set do not satisfy, below a heading.
 fn beyond(of: &Diagnosis, solutions: &Solutions) -> Vec<String> {
     let system = &of.system;
     let mut found: Vec<String> = (0..system.equations())

@@ -7,7 +7,8 @@
 //! | value `c_i`, Jacobian rows `G_i` | [`Nonlinear::value_and_jacobian`] |
 //! | effective Hessian `sum_r w_r H_r` | [`Nonlinear::hessian`]; not needed by linear types |
 //!
-//! These are the four functions of a type in the library of dockSIM. A new type needs one file that implements the two traits.
+//! A type in the library of dockSIM has the same four functions. A new type needs one file. It implements [`Constraint`] and, if it has
+//! nonlinear equations, [`Nonlinear`].
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -175,8 +176,8 @@ impl EquationSink {
 
     /// States that a DOF is added to a reference coordinate: `x = at + u`, so that x is known to its last place at best.
     ///
-    /// [`crate::ConstraintSet::rounding`] needs this from types that keep differences of coordinates only. A DOF has one coordinate: another
-    /// one, of this or of another constraint, is refused.
+    /// A type whose parameters hold only differences of coordinates must state them for [`crate::ConstraintSet::rounding`]. A DOF has one
+    /// coordinate: a different one, from this or from another constraint, is refused.
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.place(&[dof], &[at], true);
     }
@@ -212,7 +213,7 @@ impl EquationSink {
         self.state(DofStatement::Rotation(dofs));
     }
 
-    /// The DOFs, checked; unused entries are [`NO_DOF`].
+    /// Checks the DOFs, and fills unused entries of the result with [`NO_DOF`].
     fn listed<const N: usize>(&mut self, dofs: &[usize]) -> [u32; N] {
         dofs.iter().for_each(|&dof| self.check_dof(dof));
         std::array::from_fn(|k| dofs.get(k).map_or(NO_DOF, |&dof| dof as u32))
@@ -220,7 +221,7 @@ impl EquationSink {
 
     fn state(&mut self, statement: DofStatement) {
         let all = &mut self.contents.statements;
-        // A joint states the same of its bodies for each of its equations.
+        // A joint repeats the statements about its bodies for each of its equations.
         let known = all.iter().rev().take(FEW).any(|other| *other == statement);
         if self.fault.is_none() && !known {
             all.push(statement);
@@ -316,7 +317,7 @@ pub enum EquationError {
         /// The DOF.
         dof: usize,
     },
-    /// A node or body has another place than in another constraint.
+    /// Two constraints give a node or body different coordinates.
     #[error(
         "it says that DOF {dof} displaces the coordinate {here}, but {other:?} says {there}; give each body one place, or its own DOFs"
     )]
@@ -330,7 +331,7 @@ pub enum EquationError {
         /// The coordinate there.
         there: f64,
     },
-    /// A DOF belongs to two rotations: other DOFs, another order of them, or another parametrisation.
+    /// Two constraints state different rotations with one DOF: they differ in a DOF, in the order of DOFs, or in the parametrisation.
     #[error("DOF {dof} belongs to another rotation in {other:?}; name the rotation DOFs of a body in one way")]
     TwoRotations {
         /// The DOF.
@@ -348,7 +349,7 @@ pub enum EquationError {
         /// Label of the other constraint.
         other: String,
     },
-    /// A nonlinear equation has another number of DOFs than its type requires.
+    /// A nonlinear equation has another number of DOFs than its type requires, or a rotation has neither three nor four DOFs.
     #[error("it names {found} DOFs, but its type has {expected}")]
     DofCount {
         /// Number of DOFs given.

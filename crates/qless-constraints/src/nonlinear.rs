@@ -27,7 +27,8 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// [`crate::ConstraintSet::set_time`].
     ///
     /// # Errors
-    /// The value of a function of time that is not finite. The set then keeps its time, and calls this function again with it.
+    /// The value of a function of time that is not finite. If the constraint is active, the set then keeps its old time, and calls this
+    /// function again with that time.
     fn at_time(&mut self, _time: f64) -> Result<(), f64> {
         Ok(())
     }
@@ -89,7 +90,7 @@ pub fn jacobian<Q: Nonlinear, S: Scalar>(q: &Q, u: &[S], c: &mut [S], g: &mut [S
     });
 }
 
-/// `sum_r w_r d^2 c_r / du_j du_k` for each pair, by a slope of a slope.
+/// `sum_r w_r d^2 c_r / du_j du_k` for each pair, with dual numbers whose components are dual numbers.
 pub fn hessian<Q: Nonlinear>(q: &Q, u: &[f64], w: &[f64], h: &mut [f64]) {
     with_scratch(Dual::<1, Dual<1>>::from(0.0), u.len(), w.len(), |x, value| {
         (0..u.len()).for_each(|j| x[j] = Dual::from(u[j]));

@@ -51,7 +51,7 @@ impl CaseFiles {
         Ok(files.with(rhs, prescribed))
     }
 
-    /// Replaces the files that are given here.
+    /// Replaces the files of the right-hand side and of the prescribed DOFs by those that are given.
     pub(crate) fn with(mut self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Self {
         self.rhs = rhs.map(Path::to_path_buf).or(self.rhs);
         self.prescribed = prescribed.map(Path::to_path_buf).or(self.prescribed);
@@ -66,7 +66,7 @@ impl CaseFiles {
         };
         let [matrix, rhs, prescribed, rows, columns] = PARTS.map(part);
         let matrix = matrix.ok_or_else(|| ReadError::NoMatrix { path: folder.to_path_buf() })?;
-        // Only an incomplete set is refused: files edited by hand still form a case, and so does a folder with a foreign file of this name.
+        // Only a manifest of an incomplete set is refused. Files edited by hand still form a case, and a foreign qless.json does no harm.
         if Manifest::read(folder).is_ok_and(|manifest| manifest.is_some_and(|manifest| !manifest.complete)) {
             return Err(ReadError::Interrupted { path: folder.join(Manifest::NAME) });
         }

@@ -139,7 +139,7 @@ impl FileChunk {
         last
     }
 
-    /// The lines, which follow `number` others of the file.
+    /// The lines of the chunk. `number` lines of the file come before it.
     pub(crate) fn after(&self, number: usize) -> TextLines<'_> {
         if self.is_first {
             TextLines::new(&self.path, &self.bytes)

@@ -43,9 +43,9 @@ pub struct Manifest {
 pub struct FileRecord {
     /// Its name in the folder.
     pub name: String,
-    /// Its bytes.
+    /// Number of its bytes.
     pub size: u64,
-    /// Their CRC-32, as `zlib.crc32` of Python computes it.
+    /// CRC-32 of its bytes, as `zlib.crc32` of Python computes it.
     pub crc32: u32,
 }
 

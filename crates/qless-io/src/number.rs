@@ -29,8 +29,9 @@ pub(crate) fn short(word: &[u8]) -> Option<f64> {
     leading(word).filter(|&(_, length)| length == word.len()).map(|(value, _)| value)
 }
 
-/// Parses the number at the start of a text; returns it with its length. Covers whole numbers up to 2^53 times or over
-/// a power of ten up to 10^22: both are exact, so that the result is the nearest float. `None` for other numbers.
+/// Parses the number at the start of a text; returns it with its length. Covers whole numbers up to 2^53 that are
+/// multiplied or divided by a power of ten up to 10^22. Floats hold both factors exactly, so that the result is the
+/// nearest float. `None` for other numbers.
 pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
     const TENS: [f64; 23] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19,

@@ -101,7 +101,7 @@ impl Opened {
 /// Text may be packed by gzip, or be UTF-16 with a byte order mark.
 ///
 /// `rhs` and `prescribed` name additional files for a `.mtx` file; for a folder they replace its own. Without a
-/// right-hand side, b is zero. An empty label is replaced by the number.
+/// right-hand side, b is zero. An empty label becomes `row 5` or `DOF 5`.
 ///
 /// # Errors
 /// [`ReadError`]: the path is not a case, or one of its files is malformed.

@@ -105,7 +105,7 @@ impl ChunkedRhs {
         Ok(numbers)
     }
 
-    /// Checks that the whole file has one number for each row; `found` is their number.
+    /// Checks that the whole file has one number for each row; `found` numbers were read.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] if not.

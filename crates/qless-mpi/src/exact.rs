@@ -12,13 +12,13 @@ const BITS: usize = 32;
 const DIGITS: usize = 69;
 /// Additions after which carries are propagated. Each adds less than 2^32 to a digit, so a digit could hold 2^31 of them.
 const PATIENCE: u32 = 1 << 16;
-/// Added to the highest digit, which is a small signed carry, so that it is positive while the ranks are summed.
+/// Added to the highest digit, a small signed carry, so that the word of this digit is positive while the ranks are summed.
 const LIFT: u64 = 1 << 40;
 
 /// The sum of the numbers of all ranks, rounded to the nearest double. Its bits are the same on all ranks, for any distribution and
 /// order of the numbers. Collective: one [`Ranks::sum`] of 576 bytes.
 ///
-/// Applied to products it gives a dot product whose bits do not depend on the ranks. Infinite numbers and NaN have the effect of `+`.
+/// Applied to products it gives a dot product whose bits do not depend on the ranks. Infinite numbers and NaN give the same as with `+`.
 ///
 /// ```
 /// use qless_mpi::{Alone, exact_sum, on_threads};
@@ -39,7 +39,7 @@ struct ExactSum {
     digits: [i64; DIGITS],
     /// Additions since carries were last propagated.
     added: u32,
-    /// Numbers of infinities, negative infinities and NaNs.
+    /// Counts of positive infinities, negative infinities and NaNs.
     others: [u64; 3],
 }
 
@@ -57,7 +57,7 @@ impl ExactSum {
         }
         let bits = number.to_bits();
         let (exponent, fraction) = ((bits >> 52 & 0x7ff) as usize, bits & ((1 << 52) - 1));
-        // Below the smallest normal number the exponent is 0, but means 1, without the leading bit.
+        // A subnormal number has the exponent bits 0, which mean the exponent 1, and no implicit leading bit.
         let (mantissa, shift) = if exponent == 0 { (fraction, 0) } else { (fraction | 1 << 52, exponent - 1) };
         let mut rest = u128::from(mantissa) << (shift % BITS);
         for digit in &mut self.digits[shift / BITS..][..3] {
@@ -71,7 +71,7 @@ impl ExactSum {
         }
     }
 
-    /// Propagates the carries: all digits but the highest, which has the sign, get into 0 to 2^32 (excluded).
+    /// Propagates the carries. Then all digits are at least 0 and below 2^32, except the highest, which holds the sign.
     fn carry(&mut self) {
         let mut carry = 0;
         for digit in &mut self.digits[..DIGITS - 1] {

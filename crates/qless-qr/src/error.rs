@@ -42,7 +42,7 @@ pub enum Error {
         /// Required length; for right-hand sides, the length must be a multiple of this.
         expected: usize,
     },
-    /// More rows, columns or entries than signed 32-bit indices can count.
+    /// More rows, columns or entries than a third of the range of signed 32-bit indices.
     #[error("a {rows} x {cols} matrix with {entries} entries is larger than its indices can count")]
     TooLarge {
         /// Rows.

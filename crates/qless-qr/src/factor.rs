@@ -205,8 +205,8 @@ impl Factor {
     /// With full column rank, R1 has the singular values of A.
     ///
     /// The norm of the inverse comes from Hager's ascent over the corners of the unit ball with Higham's last guess (Hager
-    /// 1984; Higham 1988, Algorithm 4.1). It is seldom below a third of the true norm. Cost: about four substitutions with
-    /// R1 for each step.
+    /// 1984; Higham 1988, Algorithm 4.1). It is seldom below a third of the true norm. Cost: two substitutions with R1 for
+    /// each step, and one for the last guess.
     ///
     /// ```
     /// use qless_qr::{Options, Symbolic};

@@ -5,7 +5,7 @@ use crate::Error;
 /// Marks the absence of a front, row or column.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Largest count of rows, columns or entries. The column ordering uses signed 32-bit indices.
+/// Largest count of rows, columns or entries. COLAMD has signed 32-bit indices, and a work array with over twice the entries.
 const MOST: usize = i32::MAX as usize / 3;
 
 /// Lists of indices in one array: list i is `index[start[i]..start[i + 1]]`.
@@ -49,7 +49,7 @@ impl Lists {
     }
 }
 
-/// An error if 32-bit indices cannot count the rows, columns or entries.
+/// An error if there are more than [`MOST`] rows, columns or entries.
 pub(crate) fn countable(rows: usize, cols: usize, entries: usize) -> Result<(), Error> {
     if rows.max(cols).max(entries) > MOST { Err(Error::TooLarge { rows, cols, entries }) } else { Ok(()) }
 }

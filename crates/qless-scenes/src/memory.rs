@@ -1,7 +1,7 @@
 //! Keeps freed memory in the process between the rounds of a benchmark.
 //!
 //! By default glibc returns large arrays to the kernel, and the kernel must zero every page of the next one. Small arrays are kept, so
-//! only large systems pay for this. `-- --fresh` keeps glibc's default.
+//! only large systems pay for this. The argument `--fresh` keeps glibc's default.
 
 use std::process::{Command, ExitCode};
 

@@ -9,7 +9,7 @@ use crate::input::reading::Reading;
 ///
 /// In words: an equation is a combination of others if at most the fraction `tolerance` remains after the others are subtracted. Presolve
 /// measures each coefficient relative to its largest term; a backend measures the 2-norm of the equation in balanced units. A dependent
-/// equation conflicts if its right-hand sides disagree by more than `tolerance` of the largest term.
+/// equation conflicts if its right-hand side differs from the same combination of the others by more than `tolerance` of the largest term.
 ///
 /// As a formula: row k is dependent if there is a y with `|c_kj - sum_i y_i c_ij| <= tolerance max_i |y_i c_ij|` for all free DOFs j. It
 /// then conflicts if `|b_k - sum_i y_i b_i| > tolerance max(|b_k|, max_i |y_i b_i|)`. Prescribed DOFs are moved into b.

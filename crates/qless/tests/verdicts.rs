@@ -75,16 +75,18 @@ fn gear_trains() {
     }
 }
 
-/// `u1 + u2 = B + 1e-3; u2 = B; u1 = 1e-3`: the sum has lost digits, so the others are kept.
+/// `u1 + u2 = B + 1e-3; u2 = B; u1 = 1e-3` in any order: the sum has lost digits, so the others are kept.
 #[test]
 fn every_consistent_equation_holds() {
-    for size in [1e6, 1e9, 1e12] {
-        let wide: Equations = &[(&[(0, 1.0), (1, 1.0)], size + 1e-3), (&[(1, 1.0)], size), (&[(0, 1.0)], 1e-3)];
-        each(&system(2, wide, &[]), |analysis, name| {
+    let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    for (size, order) in [1e6, 1e9, 1e12].into_iter().flat_map(|size| orders.map(|order| (size, order))) {
+        let wide: [(&[(usize, f64)], f64); 3] =
+            [(&[(0, 1.0), (1, 1.0)], size + 1e-3), (&[(1, 1.0)], size), (&[(0, 1.0)], 1e-3)];
+        each(&system(2, &order.map(|i| wide[i]), &[]), |analysis, name| {
             assert_eq!(analysis.rank(), 2, "{name}");
             let reduction = analysis.reduction().expect("small");
             let u = reduction.expand(&[], &[]).expect("no masters");
-            assert!((u[0] - 1e-3).abs() <= 1e-13, "{name}, {size:e}: {u:?}");
+            assert!((u[0] - 1e-3).abs() <= 1e-13, "{name}, {size:e}, {order:?}: {u:?}");
         });
     }
 }
@@ -488,4 +490,17 @@ fn refinement_stays_within_its_component() {
             assert_eq!(together[k], [first[k].as_slice(), &second[k]].concat(), "{seed}: {both:?} {b:?} {next:?}");
         }
     }
+}
+
+/// An equation below the limit as a whole may have coefficients below its own limit too.
+#[test]
+fn noise_is_listed_once_and_in_order() {
+    let mut builder = SystemBuilder::new(3);
+    builder.equation([(0, 1.0), (1, 1e-16), (2, 1.0)], 0.0);
+    builder.equation([(0, 1e-14), (1, -1e-30)], 0.0);
+    builder.equation([(0, 1.0), (2, -1e-15)], 0.0);
+    let options = Options { noise: Noise::Relative(1e-12), ..Options::default() };
+    let analysis = analyse(&builder.build().expect("valid"), &options).expect("small");
+    let found: Vec<(usize, usize)> = analysis.noise().iter().map(|term| (term.row, term.dof)).collect();
+    assert_eq!(found, [(0, 1), (1, 0), (1, 1), (2, 2)]);
 }

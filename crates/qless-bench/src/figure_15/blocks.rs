@@ -53,7 +53,7 @@ fn parts(c: &Csr) -> Vec<Vec<usize>> {
     parts
 }
 
-/// `place` is a work array.
+/// The block of the equations `rows`; `place` is a work array with one number for each DOF.
 fn block(c: &Csr, rhs: &[f64], rows: &[usize], place: &mut [usize]) -> FigureBlock {
     let mut dofs: Vec<usize> = rows.iter().flat_map(|&i| c.row(i).map(|(j, _)| j)).collect();
     dofs.sort_unstable();

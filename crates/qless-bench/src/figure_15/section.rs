@@ -65,7 +65,7 @@ fn times(text: &mut String, levels: &[FigureLevel], family: &str) {
     }
 }
 
-/// Milliseconds, and the difference of a wrong rank.
+/// Milliseconds, and for a wrong rank its difference from the true one.
 fn cell(way: &Way, rank: usize) -> String {
     match &way.result {
         Err(reason) => format!("given up: {reason}"),

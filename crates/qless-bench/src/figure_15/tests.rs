@@ -4,7 +4,7 @@ use super::crossing::{Pair, crossings, papers_pairs, sentence};
 use super::plot::{LETTERS, below, lines, marks, plots};
 use super::{FigureLevel, FigureSide, GAUSS, Way, csv, markdown, section};
 
-/// Gauss over QR, on 100, 200, 400 equations and so on.
+/// Pairs with these ratios of the times of Gauss and QR, on 100, 200, 400 equations and so on.
 fn pairs(ratios: &[f64]) -> Vec<Pair> {
     let pair = |(k, &ratio): (usize, &f64)| Pair {
         size: format!("level {k}"),
@@ -121,7 +121,7 @@ fn the_plot_names_every_line_once_and_no_two_labels_meet() {
 #[test]
 fn crosses_stand_where_the_lines_cross() {
     let all = levels(2.0);
-    // C and its transpose, and on the tie the paper's own.
+    // One mark for C and one for its transpose; the tie has a third one, for the paper's times.
     assert_eq!((marks(&all, "mortar").len(), marks(&all, "tie").len()), (2, 3));
     let (equations, ms) = marks(&all, "mortar")[0];
     assert!((equations - 2000.0).abs() < 1e-6 && (ms - 1.0).abs() < 1e-9, "{equations} {ms}");

@@ -126,7 +126,7 @@ pub fn eigen(columns: &Csr, rhs: &mut [f64], threshold: Option<f64>) -> Result<S
     }
 }
 
-/// Copies the arrays of C.
+/// Copies the arrays that the shim returned.
 fn read(out: &RawFactor, n: usize) -> SparseFactor {
     let (rank, entries) = (out.rank as usize, out.entries as usize);
     // SAFETY: after QLESS_DONE the arrays have these lengths and live until `out` is dropped.

@@ -46,7 +46,7 @@ impl Backend for Eigen {
     }
 }
 
-/// A without its empty rows, which Eigen refuses, and the numbers of the others.
+/// A without its empty rows, because Eigen refuses them, and the numbers of the rows that remain.
 struct EigenMatrix {
     columns: Csr,
     full: Vec<usize>,

@@ -1,5 +1,6 @@
 //! The paper's elimination by one factorization `C_f P = Q [R1 R2; 0 0]` (Eq. 21-26), which any QR library can do:
-//! `T = -R1^-1 R2`, `G = -R1^-1 Q^T C_p`, `g = R1^-1 Q^T b`. No scaling, no presolve, no check of the rank.
+//! `T = -R1^-1 R2`, `G = -R1^-1 Q^T C_p`, `g = R1^-1 Q^T b`. C_f and C_p are the columns of C for free and prescribed
+//! DOFs. No scaling, no presolve, no check of the rank.
 
 use qless::backend::{Backend, BackendError, Factor};
 use qless::{ConstraintSystem, Csr, Reduction};

@@ -18,12 +18,12 @@ pub struct CaseAnalysis {
 
 /// The results of a load case that the report needs.
 pub struct CaseResult {
-    /// Ignores constraints that were left out of the deck.
+    /// The status of the equations that were read; constraints that were left out do not count.
     pub status: Status,
     pub rank: usize,
     pub is_ambiguous: bool,
     pub counts: Counts,
-    /// With certificates, if a report shows them.
+    /// The dependent equations, with certificates if a report shows them.
     pub dependent: Vec<DependentEquation>,
     pub claims: Claims,
     /// The times for which the result holds; `None` if it holds at all times.

@@ -10,9 +10,9 @@ use serde::Serialize;
 pub struct Claims {
     /// The solver stops.
     pub refused: Vec<String>,
-    /// The solver drops one of the two claims, which follows from what it keeps.
+    /// The solver drops one of the two claims; what it keeps implies the dropped claim.
     pub implied: Vec<DroppedClaim>,
-    /// The solver drops one of the two claims, which does not follow from what it keeps.
+    /// The solver drops one of the two claims; what it keeps does not imply the dropped claim.
     pub lost: Vec<DroppedClaim>,
     /// A DOF for each motion that comes free with the lost claims.
     pub freed: Vec<String>,

@@ -121,7 +121,7 @@ impl<'a> NameIndex<'a> {
     }
 }
 
-/// The equations or DOFs on a line of the deck; the error is the nearest line with a constraint.
+/// The equations or DOFs on a line of the deck. If the line has none, the error is the nearest line with an equation.
 fn at_line(model: &Model, case: &LoadCase, line: &ListedDeckLine, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
     let is_on_line = |origin: Origin| line.is_in(model, origin);
     let equations = rows(model, case).filter(|(_, origin, _)| is_on_line(*origin));
@@ -136,7 +136,7 @@ fn at_line(model: &Model, case: &LoadCase, line: &ListedDeckLine, wanted: Wanted
             of_equations.chain(columns).map(|j| j as usize).collect()
         }
     };
-    // Equations that are not in force in this load case are known too.
+    // A line whose equations are not in force in this load case is no error.
     let is_known =
         !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| is_on_line(e.origin));
     if is_known { Ok(found) } else { Err(nearest_line(model, line)) }

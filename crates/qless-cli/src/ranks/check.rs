@@ -51,7 +51,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     };
     all(ranks, written)?;
     let counts = analysis.counts();
-    // A folder has no solver and no cards, so that nothing else can be found.
+    // A matrix or a case has no cards and no solver, so that the other findings cannot occur.
     let denied = model.deny.iter().any(|deny| match deny {
         Deny::Redundant => counts.redundant > 0,
         Deny::Ambiguous => analysis.confidence().ambiguous,

@@ -58,7 +58,7 @@ impl Joined {
         document
     }
 
-    /// `3 inputs: exit code 1 of a.inp, 2 of b.inp`; none if all are 0.
+    /// `3 inputs: exit code 1 of a.inp, 2 of b.inp`, or `3 inputs: nothing to mend`.
     pub fn summary<'a>(inputs: impl Iterator<Item = &'a PathBuf>, codes: &[u8]) -> String {
         let worse = inputs.zip(codes).filter(|(_, code)| **code != 0);
         let named: Vec<String> = worse.map(|(input, code)| format!("{code} of {}", input.display())).collect();

@@ -52,7 +52,7 @@ fn attribute(text: &str) -> String {
     format!("\"{}\"", escaped(text).replace('\n', "&#10;"))
 }
 
-/// Text for XML, which has no control characters but tabs and line ends.
+/// Escapes text for XML, which permits no control characters other than tabs and line ends.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

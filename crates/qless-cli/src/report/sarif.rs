@@ -75,7 +75,7 @@ fn location(files: &[&Path], label: &str) -> Value {
     location
 }
 
-/// The first `line 41` of a label, which is in the main file, or `part.inc:41`.
+/// The file and line that a label names: `part.inc:41`, or else `line 41` of the main file.
 fn place<'a>(files: &[&'a Path], label: &str) -> (&'a Path, Option<usize>) {
     let number = |text: &str| {
         let digits = text.bytes().take_while(u8::is_ascii_digit).count();

@@ -69,7 +69,7 @@ fn counts(
     Ok(counts)
 }
 
-/// <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>
+/// The file as XML: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>
 fn grid(shown: &[(u32, [f64; 3], VtuCounts)]) -> String {
     let n = shown.len();
     let counts: String =

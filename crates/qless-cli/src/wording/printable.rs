@@ -4,7 +4,8 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Whether a character is safe to show: no control character but a line break or tab, and none that changes the direction of text.
+/// Whether a character is safe to show. Unsafe are control characters except line break and tab, line and paragraph separators, and
+/// characters that change the direction of text.
 fn is_plain(c: char) -> bool {
     let turns = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let breaks = matches!(c, '\u{2028}' | '\u{2029}');

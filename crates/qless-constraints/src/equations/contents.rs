@@ -14,7 +14,7 @@ pub struct ConstraintContents {
     /// The DOFs of all nonlinear pieces.
     pub dofs: Vec<u32>,
     pub statements: Vec<DofStatement>,
-    /// The value of a function of time that is not finite at the time of the set; only of inactive constraints.
+    /// Of an inactive constraint: the value of a function of time, if it is not finite at the time of the set.
     pub not_finite: Option<f64>,
 }
 

@@ -16,8 +16,8 @@ pub const NO_DOF: u32 = u32::MAX;
 /// What a constraint says of some DOFs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DofStatement {
-    /// The displacements of a node or body, whose place is `at`. If `measured`, the parameters of the equations hold differences of
-    /// coordinates only, so that the coordinates count as sizes of the DOFs.
+    /// The DOFs displace a node or body from `at`. If `measured`, the parameters of the equations hold only differences of coordinates;
+    /// the rounding errors of the coordinates then count as errors of the DOFs.
     Place { dofs: [u32; 3], at: [f64; 3], measured: bool },
     /// A rotation vector, followed by [`NO_DOF`], or four Euler parameters.
     Rotation([u32; 4]),
@@ -26,7 +26,7 @@ pub enum DofStatement {
 /// What one DOF is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum DofUse {
-    /// A displacement from the coordinate `at` of a node, the largest coordinate of which is `node`.
+    /// The DOF displaces the coordinate `at` of a node. `node` is the largest magnitude of the node's coordinates.
     Displacement {
         at: f64,
         node: f64,
@@ -35,7 +35,7 @@ enum DofUse {
 }
 
 impl DofStatement {
-    /// Each DOF with its use, and whether its coordinate is its size.
+    /// Each DOF, its use, and whether the statement is `measured`; rotations always are.
     fn uses(&self) -> impl Iterator<Item = (u32, DofUse, bool)> {
         let (dofs, at, measured) = match *self {
             Self::Place { dofs: [x, y, z], at, measured } => ([x, y, z, NO_DOF], Some(at), measured),
@@ -47,12 +47,12 @@ impl DofStatement {
     }
 }
 
-/// The use of a DOF, and how many statements say so.
+/// The use of a DOF, and the number of statements about it.
 #[derive(Clone, Copy)]
 struct DofRecord {
     used: DofUse,
     statements: u32,
-    /// Statements of active constraints whose coordinates are sizes.
+    /// Number of `measured` statements of active constraints.
     measured: u32,
 }
 
@@ -111,7 +111,7 @@ impl DofUses {
         }
     }
 
-    /// Removes and returns the statements of a constraint. Only the coordinates of an active constraint count as sizes.
+    /// Removes and returns the statements of a constraint. `measured` statements are counted only while it is active.
     pub fn take(&mut self, constraint: u32, active: bool) -> Vec<DofStatement> {
         let list = self.statements.get_mut(constraint as usize).map(std::mem::take).unwrap_or_default();
         let uses = list.iter().flat_map(DofStatement::uses);
@@ -119,7 +119,7 @@ impl DofUses {
         list.into_vec()
     }
 
-    /// Lets the coordinates of a constraint count as sizes, or no longer.
+    /// Counts the `measured` statements of a constraint that becomes active, or discounts them if it becomes inactive.
     pub fn activate(&mut self, constraint: u32, active: bool) {
         let Self { statements, records } = self;
         let list = statements.get(constraint as usize).map_or(&[][..], |list| list);
@@ -166,7 +166,7 @@ impl DofUses {
     }
 }
 
-/// Coordinates may differ by rounding of the largest one.
+/// Compares two uses of a DOF. Coordinates may differ by the rounding of the node's largest coordinate.
 fn compare(known: DofUse, new: DofUse) -> Result<(), DofClash> {
     match (known, new) {
         (DofUse::Displacement { at: there, node: a }, DofUse::Displacement { at: here, node: b }) => {

@@ -1,4 +1,5 @@
-//! `H = sum_r w_r H_r`: the pattern of H, and for each entry the Hessian numbers of the items that it is the sum of.
+//! `H = sum_r w_r H_r`: the pattern of H, and for each entry the Hessian numbers that sum to it. [`crate::Nonlinear::hessian`] computes
+//! these numbers for each item.
 //!
 //! All items write their numbers into one list, in parallel; then each entry sums its numbers, in the order of the items. No two tasks write
 //! the same entry, and the sum does not depend on the number of threads.
@@ -20,9 +21,9 @@ pub struct HessianPlan {
     col: Vec<u32>,
     /// Start of each entry's terms, and at the end their number.
     first: Vec<u32>,
-    /// Places of Hessian numbers.
+    /// Index of each term in the list of Hessian numbers.
     terms: Vec<u32>,
-    /// Hessian numbers of all batches.
+    /// Length of the list of Hessian numbers of all batches.
     pub numbers: usize,
 }
 

@@ -19,7 +19,7 @@ pub fn run_tasks(tasks: Vec<EvaluationTask>) {
     tasks.into_par_iter().for_each(|task| task());
 }
 
-/// The ranges of up to [`AT_ONCE`] of `count`.
+/// Cuts `0..count` into ranges of at most [`AT_ONCE`].
 fn ranges(count: usize) -> impl Iterator<Item = Range<usize>> {
     (0..count).step_by(AT_ONCE).map(move |first| first..count.min(first + AT_ONCE))
 }

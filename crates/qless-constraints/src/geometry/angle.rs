@@ -28,7 +28,7 @@ pub fn value<S: Scalar, const K: usize>(x: [S; 4]) -> [S; K] {
     v.map(|v| f * v)
 }
 
-/// f.
+/// `f(m, y) = atan2(sqrt y, m) / sqrt y`.
 fn factor<S: Scalar>(m: S, y: S) -> S {
     let z = y / (m * m);
     if m.real() > 0.0 && z.real() < SMALL {
@@ -43,7 +43,7 @@ fn terms(z: f64) -> i32 {
     TERMS[usize::from(z < 1e-3)]
 }
 
-/// Whether v points nearly opposite to m.
+/// Whether the angle of `(m, |v|)` is within [`TURNED_OVER`] of pi.
 fn turned_over<const K: usize>(m: f64, v: [f64; K]) -> bool {
     m < 0.0 && v.iter().fold(0.0, |sum: f64, v| sum.hypot(*v)) <= -TURNED_OVER * m
 }

@@ -4,8 +4,8 @@ use super::shape::Shape;
 
 /// Lower and upper corner of a box that contains an element, also if a curved one bulges beyond its nodes.
 ///
-/// It is the box of the Bernstein control points of all edges and faces: their convex hull contains these. A solid
-/// that is not folded lies within its faces.
+/// It is the bounding box of the Bernstein control points, whose convex hull contains all edges and faces. A solid that
+/// is not folded lies within its faces.
 pub(crate) fn bounds<const D: usize>(shape: Shape, places: &[[f64; D]]) -> [[f64; D]; 2] {
     let mut control = Vec::new();
     add_control_points(shape, places, &mut control);

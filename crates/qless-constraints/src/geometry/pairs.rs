@@ -41,7 +41,7 @@ pub enum PairError {
     },
 }
 
-/// Pairs each node with its image on the opposite side, at the distance `step`, for
+/// Pairs each node with its image on the opposite side, the node at `X + step`, for
 /// [`Periodic`](crate::types::Periodic) and [`Cyclic`](crate::types::Cyclic). The pairs are in the order of the first
 /// side; the order of the other side does not matter.
 ///

@@ -18,7 +18,8 @@ pub enum Polynomials {
     Serendipity(usize),
 }
 
-/// Nodes do not determine a polynomial if the ratio of the least to the largest singular value is below this.
+/// Nodes do not determine a polynomial if the matrix of the values of all `P_i P_j` at the nodes is nearly singular: the ratio
+/// of its least to its largest singular value is below this.
 const LEAST: f64 = 1e-10;
 
 impl Polynomials {

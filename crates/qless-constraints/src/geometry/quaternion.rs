@@ -74,7 +74,7 @@ impl BodyQuaternion {
         Self { kind, theta, q: [1.0 - quarter * b[0], x, y, z], a }
     }
 
-    /// Gradient of `r . q`: `A r_v + (2 A' r_v.theta - A r_0 / 2) theta`.
+    /// Gradient of `r . q` with `r = (r_0, r_v)`: `A r_v + (2 A' r_v.theta - A r_0 / 2) theta`.
     #[inline]
     pub fn gradient(&self, r: Quaternion<f64>, out: &mut [f64]) {
         match self.kind {

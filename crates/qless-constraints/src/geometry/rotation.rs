@@ -38,8 +38,8 @@ impl RotationKind {
 /// `R(theta) s = s + (sin t / t) theta x s + ((1 - cos t) / t^2) ((theta.s) theta - t^2 s)` with `t = |theta|`
 /// (Rodrigues).
 ///
-/// Both factors are smooth functions of `t^2`. Their series near zero make derivatives at rest exact. The terms are
-/// those of [`super::rotation_derivatives`], so that one bound holds for the rounding of both.
+/// Both factors are smooth functions of `t^2`. Their series near zero make derivatives at rest exact. The sum has the
+/// same terms as in [`super::rotation_derivatives`], so one rounding bound holds for both modules.
 pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
     let (square, s) = (dot(theta, theta), lift(s));
     let (sine, versine) = factors(square);

@@ -113,7 +113,8 @@ impl Phi {
         add(add(scale(self.a[0], self.n), scale(self.b[0], self.slope_beta)), scale(along, self.theta))
     }
 
-    /// The derivative of the gradient: `q theta^T + theta q^T + b (m s^T + s m^T) + d I`.
+    /// The derivative of the gradient: `q theta^T + theta q^T + b (m s^T + s m^T) + d I` with `d = 2 (a' alpha + b' beta - b m.s)`
+    /// and `q = 2 a' n + 2 b' grad beta + 2 (a'' alpha + b'' beta) theta`.
     fn hessian(&self) -> [f64; 6] {
         let (t, s, [a, b]) = (self.theta, self.s, [self.a, self.b]);
         let twice = 2.0 * (a[2] * self.alpha + b[2] * self.beta);

@@ -1,7 +1,7 @@
 //! `argmin_f |x_f(xi) - p|`: the face of a surface, or the solid of a mesh, nearest to a point.
 //!
-//! An R*-tree of bounding boxes yields the faces in order of distance. Each is projected on, until a box is farther
-//! away than the nearest face so far. Cost for n faces and m points near them: O((n + m) log n).
+//! An R*-tree yields the faces in the order of the distances of their bounding boxes. The point is projected on each
+//! face, until a box is farther away than the nearest face so far. Cost for n faces and m points near them: O((n + m) log n).
 
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};

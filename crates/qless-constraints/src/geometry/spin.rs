@@ -71,7 +71,8 @@ mod tests {
     use super::*;
     use crate::scalar::vector::norm;
 
-    /// `m . (w x r)` with `w = L du` is the power of m by the rates of rotated vectors, for both parametrisations; and back.
+    /// `L^T m` has the power `m . w` for both parametrisations; differences of rotated vectors give the angular velocity w. [`moment`]
+    /// returns m from `L^T m`, and [`stiffness`] agrees with differences.
     #[test]
     fn generalised_forces_have_the_power_of_the_moment() {
         let (m, du, step) = ([0.4, -1.3, 0.7], [0.3, 0.5, -0.2, 0.1], 1e-6);

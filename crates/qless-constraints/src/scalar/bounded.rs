@@ -42,7 +42,8 @@ impl Bounded {
         Self { real, error: passed_on + UNIT * real.abs() }
     }
 
-    /// The same for products, quotients and roots, which lose more below the range of normal numbers.
+    /// Like [`Bounded::rounded`], for products, quotients and roots: a result below the normal range may lose up to one smallest positive
+    /// number more. `exact_zero` tells that a zero is exact.
     fn scaled(real: f64, passed_on: f64, exact_zero: bool) -> Self {
         let lost = if real.abs() < f64::MIN_POSITIVE && !exact_zero { f64::from_bits(1) } else { 0.0 };
         Self::rounded(real, passed_on + lost)

@@ -15,7 +15,8 @@ use qless::{ArgumentError, ChangingSystem, Kind, Options};
 use crate::set::ConstraintSet;
 use crate::set::evaluation::Evaluation;
 
-/// Identifies a row while others come and go: its constraint, its type, and its index among the equations of both.
+/// Identifies a row while other rows come and go: its constraint, its type (0 for linear equations), and its index among the equations of
+/// this constraint and type.
 type RowKey = (u32, u32, u32);
 
 /// A row as it was passed to the system.
@@ -87,7 +88,8 @@ impl ActiveSystem {
     /// Takes over the changes of the set and its evaluation, and analyses the affected blocks. Returns their number.
     ///
     /// # Errors
-    /// [`ActiveError`]. If a block cannot be analysed, the changes are taken over and the results stay the old ones; otherwise nothing changes.
+    /// [`ActiveError::Argument`] and [`ActiveError::NotFinite`]: nothing changes then. [`ActiveError::Change`]: if a block cannot be
+    /// analysed or reduced, the system has taken over the changes but keeps its old results.
     pub fn update(&mut self, set: &ConstraintSet, evaluation: &Evaluation) -> Result<usize, ActiveError> {
         set.own("the set of the system", self.set)?;
         set.current(evaluation)?;

@@ -122,7 +122,8 @@ impl ConstraintSet {
         Ok(ids)
     }
 
-    /// The first constraint that exceeds the limits of the set, before any constraint is made.
+    /// Checks the limits of the set before any of `count` constraints is made. Returns the index of the first constraint that exceeds a
+    /// limit, and the fault.
     fn too_many(&self, count: usize) -> Option<(usize, EquationError)> {
         let last = count.checked_sub(1)?;
         let room = (u32::MAX as usize - 1).saturating_sub(self.register.ever());
@@ -130,7 +131,7 @@ impl ConstraintSet {
         self.too_large(i + 1, 0).map(|fault| (i, fault))
     }
 
-    /// The limit that this many constraints and equations more exceed, if any. The index `u32::MAX` is reserved.
+    /// The limit that the set would exceed with this many more constraints and equations, if any. The index `u32::MAX` is reserved.
     pub(super) fn too_large(&self, constraints: usize, rows: usize) -> Option<EquationError> {
         let (rows, constraints) = (self.equations() + rows, self.register.ever() + constraints);
         [("DOFs", self.dofs), ("equations", rows), ("constraints", constraints)]

@@ -7,7 +7,8 @@
 //! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers that are replaced |
 //! | the next evaluation | new patterns of G, and of H if nonlinear equations changed |
 //!
-//! Results have the same bits, in the same rows, as those of a new set of the active constraints that meets their types in the same order.
+//! Results have the same bits, in the same rows, as those of a new set of the active constraints alone. The types must first occur in the
+//! same order in both sets.
 
 use crate::constraint::{Constraint, EquationError, EquationSink};
 use crate::equations::contents::ConstraintContents;
@@ -151,7 +152,7 @@ impl ConstraintSet {
             Err(source) => return Err(AddError::Equation { name: C::NAME, label, source }.into()),
         };
         if let Some(inactive) = self.register.inactive.get_mut(&number) {
-            // In the order of active ones; types that the set does not know yet come last.
+            // Pieces have the order that they have in an active constraint; types that the set does not know yet come last.
             contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear).unwrap_or(usize::MAX));
             *inactive = contents;
         } else if let Err(contents) = self.overwrite(number, contents) {
@@ -188,7 +189,8 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// The checked equations of a constraint, with which the set has `more` constraints than before.
+    /// Emits and checks the equations of a constraint. `more` is the number of constraints that the set does not count yet, including this
+    /// one; 0 for a replacement.
     fn processed<C: Constraint>(
         &mut self,
         constraint: C,
@@ -242,7 +244,7 @@ impl ConstraintSet {
         }
         let pairs = contents.pieces.into_iter().zip(places);
         pairs.for_each(|(piece, place)| piece.overwrite(number, names, place, nonlinear));
-        // The rows of linear equations hold their coefficients.
+        // An evaluation keeps the coefficients of linear equations until the pattern is renewed.
         self.pattern.renew();
         self.version.renew();
         Ok(())

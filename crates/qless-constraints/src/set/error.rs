@@ -17,7 +17,7 @@ pub enum EditError {
         /// Number of constraints added before it.
         place: usize,
     },
-    /// The number of right-hand sides is not that of linear equations.
+    /// The number of right-hand sides differs from the number of linear equations of the constraint.
     #[error("{label} has {expected} linear equations, not {found}; give one right-hand side for each")]
     Count {
         /// The constraint.

@@ -16,9 +16,9 @@ pub struct Evaluation {
     pub(crate) c: Vec<f64>,
     pub(crate) g: Csr,
     pub(super) h: Csr,
-    /// The version of the set whose c and G these are.
+    /// The version of the set at which c and G were evaluated.
     pub(super) evaluated: Identity,
-    /// The states of the set whose patterns G and H have.
+    /// Identities of the patterns that G and H have.
     patterns: [Identity; 2],
 }
 

@@ -1,8 +1,8 @@
 //! Inequalities `c(u) >= 0` by an active set: `c >= 0`, `p >= 0`, `p c = 0`, where `p = -lambda` is the pressure.
 //!
-//! An inequality is a constraint of one equation that is active while it pushes. A step activates those with c < 0, and deactivates those that
-//! pull. If an active set returns, the step changes only the first of these constraints, which ends for every positive definite problem
-//! (Murty 1974). If an active set returns even so, the step is refused: no active set is visited for ever.
+//! An inequality is a constraint of one equation that is active while it pushes. A step activates those with c < 0, and deactivates those
+//! that pull. If an active set returns, each further step changes only the first of these constraints. These steps end for every
+//! positive definite problem (Murty 1974). If an active set returns even so, the step fails: no cycle of active sets goes on for ever.
 
 use std::collections::HashSet;
 
@@ -65,7 +65,7 @@ pub enum InequalityError {
 }
 
 impl Inequalities {
-    /// Adds `c >= 0` to the set, at rest. The constraint must have one equation; its force on the model is `p dc/du`.
+    /// Adds `c >= 0` to the set as an inactive constraint. The constraint must have one equation; its force on the model is `p dc/du`.
     ///
     /// # Errors
     /// [`AddError`]; nothing is added then.
@@ -94,8 +94,8 @@ impl Inequalities {
         &self.ids
     }
 
-    /// Compares an equilibrium with the inequalities, and activates or deactivates those that it violates. Returns whether there were none: the
-    /// equilibrium is the solution.
+    /// Compares an equilibrium with the inequalities, and activates or deactivates those that it violates. Returns true if it violates
+    /// none, so that it is the solution.
     ///
     /// `evaluation` is the set at the equilibrium, `multipliers` those of `f_int + G^T lambda = f_ext`. An open inequality is violated if c is
     /// negative by more than its rounding error.

@@ -1,7 +1,8 @@
 //! `G du = -c`: the set linearised at u, as linear equations for `qless`.
 //!
-//! Rows of G that rounding explains are written without terms: otherwise their noise, once scaled to one, would count as rank. Which rows
-//! these are depends on the configuration, so [`ConstraintSet::vanishing`] reports them for one configuration.
+//! A row of G is written without terms if all of its entries are within their rounding errors: otherwise the noise, once scaled to one,
+//! would count as rank. Which rows these are depends on the configuration, so [`ConstraintSet::vanishing`] reports them for one
+//! configuration.
 
 use std::fmt;
 

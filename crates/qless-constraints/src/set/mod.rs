@@ -71,7 +71,7 @@ pub struct ConstraintSet {
     dofs: usize,
     linear: LinearEquations,
     nonlinear: NonlinearEquations,
-    /// The plan of H, on request; out of date after changes of nonlinear equations.
+    /// The plan of H, made on request; it is dropped when the pattern of H may have changed.
     hessian_plan: OnceLock<HessianPlan>,
     time: f64,
     /// What all constraints say of their DOFs.
@@ -202,7 +202,7 @@ impl ConstraintSet {
 
     /// The plan of H for the current equations.
     fn plan(&self) -> &HessianPlan {
-        // Threads that wait for others may take up a task that also asks for the plan, so that nothing is locked while it is made.
+        // No lock is held while the plan is made: a thread that waits for other tasks may take up one that also asks for the plan.
         if let Some(plan) = self.hessian_plan.get() {
             return plan;
         }

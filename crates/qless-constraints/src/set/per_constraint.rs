@@ -1,6 +1,7 @@
 //! Numbers by constraint: they stay those of their constraints when rows shift.
 //!
-//! Rows are numbered anew when constraints come, go or rest. A multiplier kept by its row then belongs to another constraint.
+//! Rows are numbered anew when constraints are added, removed, activated or deactivated. A multiplier that is stored by row would then
+//! belong to another constraint.
 
 use qless::ArgumentError;
 use qless::common::Identity;

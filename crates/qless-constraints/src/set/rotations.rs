@@ -15,7 +15,7 @@ impl ConstraintSet {
     /// The DOFs of rotation vectors that may be replaced by another vector of the same rotation, ascending. O(nonzeros of G).
     ///
     /// A vector is excluded if one of its DOFs occurs in a linear equation, or in a nonlinear one of a constraint that does not state the
-    /// rotation ([`crate::EquationSink::rotation`]), since their values would change.
+    /// rotation ([`crate::EquationSink::rotation`]): the value of such an equation would change.
     pub fn rotation_vectors(&self) -> Vec<[usize; 3]> {
         let vectors = self.dof_uses.rotations().filter(|dofs| dofs[3] == NO_DOF);
         let mut known: BTreeMap<u32, ([u32; 3], bool)> = BTreeMap::new();

@@ -77,8 +77,8 @@ impl ConstraintSet {
 }
 
 impl ConstraintSet {
-    /// `max(|u_j|, |x_j|)` for each DOF j, n numbers in the unit of that DOF. `x_j` is the largest coordinate that DOF j displaces; components of
-    /// rotation vectors count at least 1 rad.
+    /// `max(|u_j|, |x_j|)` for each DOF j, n numbers in the unit of that DOF. `x_j` is the largest coordinate of the node that DOF j
+    /// displaces. It is 1 for a DOF of a rotation, and 0 if [`ConstraintSet::moves_node`] is false.
     ///
     /// # Errors
     /// [`ArgumentError`] if u does not have length n.
@@ -88,7 +88,8 @@ impl ConstraintSet {
         Ok(u.iter().enumerate().map(size).collect())
     }
 
-    /// Returns true if an active constraint uses a DOF as a displacement or rotation of a node; false for other numbers, and from n on.
+    /// Whether an active constraint states a reference coordinate ([`crate::EquationSink::coordinate`]) or a rotation with this DOF. The
+    /// place of a body does not count. False from n on.
     pub fn moves_node(&self, dof: usize) -> bool {
         self.dof_uses.sizes(dof).is_some()
     }

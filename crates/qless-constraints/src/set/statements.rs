@@ -1,4 +1,5 @@
-//! What constraints say of their DOFs, checked against each other; and the lengths of Euler parameters, which the set adds.
+//! Checks the statements of constraints about their DOFs against each other, and adds the equations that keep Euler parameters at length
+//! one.
 //!
 //! A body with Euler parameters needs `|p| = 1` once, however many joints it has. The equation comes with the first constraint on the body
 //! and goes with the last one.
@@ -17,14 +18,15 @@ impl ConstraintSet {
         self.dof_uses.enter(number, list).map_err(|clash| self.contradiction(clash))
     }
 
-    /// Replaces the statements of a constraint, or leaves them if the new ones contradict others. Returns the Euler parameters of both.
+    /// Replaces the statements of a constraint, or leaves them if the new ones contradict others. Returns the
+    /// Euler parameters of the old and the new statements.
     pub(super) fn state_anew(&mut self, number: u32, list: Vec<DofStatement>) -> Result<Vec<[u32; 4]>, EquationError> {
         let active = !self.register.inactive.contains_key(&number);
         let old = self.dof_uses.take(number, active);
         let found = euler_parameters(&[old.as_slice(), &list].concat());
         let entered = self.state(number, list);
         if entered.is_err() {
-            // They were entered before, and nothing else changed.
+            // This cannot fail: the old statements were entered before, and nothing else changed.
             let _ = self.dof_uses.enter(number, old);
         }
         if !active {
@@ -46,7 +48,7 @@ impl ConstraintSet {
         }
     }
 
-    /// Adds the lengths of Euler parameters that have no equation yet, and removes those that no other constraint uses any more.
+    /// Adds `|p| = 1` for Euler parameters without this equation, and removes it if no other constraint uses them any more.
     pub(super) fn keep_lengths(&mut self, rotations: &[[u32; 4]]) {
         for &dofs in rotations {
             let statements = self.dof_uses.statements_of(dofs[0]);
@@ -56,12 +58,12 @@ impl ConstraintSet {
                     let number = self.register.ever() as u32;
                     let label = format!("length of Euler parameters, DOFs {first} to {last}");
                     self.norms.insert(dofs, number);
-                    // It states what other constraints have stated of these DOFs, so only a full set can refuse it.
+                    // The equation repeats a statement of another constraint about these DOFs, so only a full set can refuse it.
                     if self.add(label, EulerLength(dofs)).is_err() {
                         self.norms.remove(&dofs);
                     }
                 }
-                // Its own statement is left.
+                // Only the statement of the length equation itself is left.
                 Some(number) if statements == 1 => {
                     self.norms.remove(&dofs);
                     self.register.inactive.remove(&number);

@@ -1,7 +1,8 @@
 //! Right-hand sides and parameters that are functions of time: `c(u, t) = 0`.
 //!
-//! Patterns do not depend on time: [`ConstraintSet::set_time`] writes new numbers in place. The functions of inactive
-//! constraints need not be finite; they are refused when their values are asked for, and when they are activated.
+//! Patterns do not depend on time: [`ConstraintSet::set_time`] writes new numbers in place. The functions of an inactive
+//! constraint need not be finite. While one is not, [`ConstraintSet::values_of`] and [`ConstraintSet::activate`] refuse the
+//! constraint.
 
 use crate::set::ConstraintSet;
 use crate::set::error::TimeError;
@@ -27,7 +28,7 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`TimeError`] if the time or a function of it is not finite; the set then keeps its time.
+    /// [`TimeError`] if the time, or a function of time of an active constraint, is not finite; the set then keeps its time.
     pub fn set_time(&mut self, time: f64) -> Result<(), TimeError> {
         if !time.is_finite() {
             return Err(TimeError::Time(time));
@@ -54,7 +55,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// `(row of c, angle in radians)` of the motors at the time of the set. Their equations determine the angle only up to multiples of 2 pi.
+    /// `(row of c, angle in radians)` of each motor at the time of the set. Its equations determine the angle only up to multiples of 2 pi.
     pub fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
         for (first, batch) in self.nonlinear.with_rows() {

@@ -1,6 +1,7 @@
 //! `c = (|x_b - x_a|^2 - L^2) / (2 L)`: two points at a fixed distance, such as the ends of a rod.
 //!
-//! c is a polynomial with a constant Hessian, and a length: near the solution `c = |x_b - x_a| - L` to first order.
+//! c is quadratic in the positions, so its Hessian is constant for nodes. c is a length: near the solution
+//! `c = |x_b - x_a| - L` to first order.
 
 use crate::geometry::node::{Node, moved, separation};
 use crate::scalar::Scalar;

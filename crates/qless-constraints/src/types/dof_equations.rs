@@ -1,4 +1,4 @@
-//! Linear equations that name their DOFs: general (Eq. 2), driven in time, prescribed values, equal DOFs.
+//! Linear equations given by DOFs and coefficients: general (Eq. 2), driven in time, prescribed values, equal DOFs.
 
 use std::sync::Arc;
 
@@ -117,8 +117,8 @@ impl Constraint for Driven {
     }
 }
 
-/// DOFs with prescribed values, `u_j = v_j`; fixed if the value is zero. As equations, they take part in the
-/// diagnosis.
+/// Prescribed values of DOFs, `u_j = v_j`, one equation for each DOF. The diagnosis checks these equations like all
+/// others.
 ///
 #[doc = include_str!("../../docs/pictures/prescribed.svg")]
 ///

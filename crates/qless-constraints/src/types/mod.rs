@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `dof_equations` | linear, driven and prescribed equations, equal DOFs |
 //! | `ties` | nodes on elements and lines, h- and p-refinement, periodic and cyclic cells |
-//! | `mortar` | surfaces tied in the mean |
+//! | `mortar` | meshes of lines or surfaces that do not match, tied by integrals |
 //! | `couplings` | rigid bodies, averages, beams and shells on solids, fluids at walls |
 //! | `joints` | joints and motors of multibody systems |
 //! | `distance`, `on_line`, `on_plane`, `on_sphere`, `volume` | nonlinear conditions on points |
@@ -12,8 +12,8 @@
 //! Lengths are in the unit of the coordinates, angles in radians. The coordinates are those of the reference
 //! configuration, in which all DOFs are zero.
 
-// Each type has a page: a picture drawn in `examples/pictures`, which that example writes to `docs/pictures`, and a
-// text of the same name in `docs/types` with the usual headings. Two lines before `# Example` include both.
+// Each constraint type includes a picture and a text of the same name before its `# Example`. `examples/pictures` writes
+// the picture to `docs/pictures`. The text is in `docs/types`; all texts have the same headings.
 
 mod couplings;
 mod distance;

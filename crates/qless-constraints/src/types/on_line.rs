@@ -2,8 +2,9 @@
 //!
 //! Let D be the direction of the line at u = 0, and `d = (b - a) / |b - a|` its current direction. The shortest
 //! rotation from D to d rotates the initial directions `E_i` across the line to
-//! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, unit vectors perpendicular to d and to each other. It is singular for d =
-//! -D, so that beyond 123 degrees the rotation starts from -D instead. No frame is continuous for all directions.
+//! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, unit vectors perpendicular to d and to each other. This formula is
+//! singular for `d = -D`, so beyond 123 degrees the rotation starts from -D instead, and `e_i` jump. A jump is
+//! unavoidable: no choice of `e_i` is continuous for all directions d.
 
 use crate::geometry::node::{Point, separation};
 use crate::scalar::Scalar;
@@ -11,7 +12,8 @@ use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, 
 use crate::types::joints::attachment::{BodyPoint, PointFunction, on_points};
 use crate::{Constraint, EquationSink};
 
-/// Value of `D.d` below which the rotation starts from -D. Models are unlikely to be built at this angle.
+/// Value of `D.d` below which the rotation starts from -D. It is not a round angle, so models are unlikely to be at the
+/// jump.
 const TURNED: f64 = -0.55;
 /// A line shorter than this share of its initial length has no direction.
 const COLLAPSED: f64 = 1e-12;
@@ -19,7 +21,7 @@ const COLLAPSED: f64 = 1e-12;
 /// The line that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Line<P = Point> {
-    /// A fixed line: linear equations on nodes.
+    /// A fixed line. If the point is a node, the equations are linear.
     Fixed {
         /// A point of it, coordinates.
         through: Vector<f64>,
@@ -30,11 +32,13 @@ pub enum Line<P = Point> {
     Nodes(P, P),
 }
 
-/// A node, or a point of a body ([`BodyPoint`]), on a line: `c_i = e_i . (p - a)`, two lengths: the distances of the point from the line in
-/// two directions across it.
+/// A node, or a point of a body ([`BodyPoint`]), on a line: `c_i = e_i . (p - a)`, two lengths.
 ///
-/// `|c|` is the distance from the line. The directions rotate with a line through nodes. At a rotation of 123 degrees
-/// from u = 0 they are redefined: c jumps, but `|c|` does not.
+/// p is the point and a is a point of the line. `e_1` and `e_2` are unit vectors perpendicular to the line and to each
+/// other.
+///
+/// `|c|` is the distance from the line. If the line goes through nodes, `e_i` rotate with it. When it has rotated by
+/// 123 degrees from u = 0, `e_i` are redefined: c jumps, but `|c|` does not.
 ///
 #[doc = include_str!("../../docs/pictures/on_line.svg")]
 ///
@@ -73,7 +77,7 @@ pub enum OnLineError {
 /// Names of the two equations.
 const SIDES: [&str; 2] = ["side 1", "side 2"];
 
-/// Two directions across a line.
+/// Two unit vectors perpendicular to the line and to each other.
 fn across(along: Vector<f64>) -> Result<[Vector<f64>; 2], OnLineError> {
     unit(along).map(perpendicular).ok_or(OnLineError::Direction)
 }

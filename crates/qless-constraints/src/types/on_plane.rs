@@ -1,5 +1,5 @@
-//! `n . (p - a) = 0`: a node on a plane. If the plane is given by three nodes, `n = (b - a) x (d - a) / |(b - a) x (d
-//! - a)|`.
+//! `n . (p - a) = 0`: a node on a plane. If the plane is given by three nodes a, b and d,
+//! `n = (b - a) x (d - a) / |(b - a) x (d - a)|`.
 
 use crate::geometry::node::{Point, rounding};
 use crate::scalar::Scalar;
@@ -7,13 +7,13 @@ use crate::scalar::vector::{Vector, cross, dot, lift, norm, sub, unit};
 use crate::types::joints::attachment::{BodyPoint, PointFunction, on_points};
 use crate::{Constraint, EquationSink};
 
-/// Nodes are collinear if the sine of their angle is below this.
+/// Nodes a, b, d count as collinear if the sine of the angle between `b - a` and `d - a` is below this.
 const FLAT: f64 = 1e-12;
 
 /// The plane that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Plane<P = Point> {
-    /// A fixed plane: a linear equation on a node.
+    /// A fixed plane. If the point is a node, the equation is linear.
     Fixed {
         /// A point of it, coordinates.
         through: Vector<f64>,
@@ -24,8 +24,10 @@ pub enum Plane<P = Point> {
     Nodes(P, P, P),
 }
 
-/// A node, or a point of a body ([`BodyPoint`]), on a plane: `c = n . (p - a)`, a length: its height above the plane. The normal rotates with
-/// a plane through nodes.
+/// A node, or a point of a body ([`BodyPoint`]), on a plane: `c = n . (p - a)`, the height of the point p above the
+/// plane, a length.
+///
+/// n is the unit normal and a is a point of the plane. If the plane goes through nodes, n rotates with it.
 ///
 #[doc = include_str!("../../docs/pictures/on_plane.svg")]
 ///
@@ -125,7 +127,7 @@ impl PointFunction for FixedPlane {
     }
 }
 
-/// A plane through three points, which come after the point on it.
+/// A plane through three points. In `points`, the point on the plane comes first, then these three.
 struct MovingPlane;
 
 impl PointFunction for MovingPlane {

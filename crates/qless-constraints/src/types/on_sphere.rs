@@ -1,5 +1,5 @@
-//! `c = (|x - m|^2 - R^2) / (2 R)`: a node on a fixed sphere or circle, such as the tip of an arm hinged to the
-//! ground.
+//! `c = (|x - m|^2 - R^2) / (2 R)`: a node on a fixed sphere or circle with centre m and radius R, such as the tip of
+//! an arm hinged to the ground.
 
 use crate::geometry::node::{Node, moved, separation};
 use crate::scalar::Scalar;

@@ -100,7 +100,7 @@ impl Volume {
 
     /// Faces of only one tetrahedron, oriented outwards, in the order of the tetrahedra.
     ///
-    /// A shared face has opposite orientations in its two tetrahedra, so that the remaining faces form a closed
+    /// A face that two tetrahedra share occurs in both orientations and is left out. The remaining faces form a closed
     /// surface.
     fn outer_faces(&self) -> Result<Vec<[usize; 3]>, VolumeError> {
         let faces = |&[a, b, c, d]: &[usize; 4]| [[a, c, b], [a, b, d], [b, c, d], [c, a, d]].map(smallest_first);
@@ -168,7 +168,7 @@ pub(super) struct ClosedSurface {
 }
 
 impl ClosedSurface {
-    /// From coordinates relative to a node, triangles, and `V_0`.
+    /// `at` are coordinates relative to one node of the patch; `volume` is `V_0`.
     pub fn new(at: Vec<Vector<f64>>, triangles: Vec<[u32; 3]>, volume: f64) -> Self {
         let edges = edges(&triangles);
         Self { at, triangles, edges, volume, scale: volume.powf(-2.0 / 3.0) }
@@ -194,7 +194,7 @@ impl Nonlinear for ClosedSurface {
         c[0] = (six / S::from(6.0) - S::from(self.volume)) * S::from(self.scale);
     }
 
-    /// Different components of nodes joined by an edge.
+    /// H couples different coordinates of two nodes that an edge joins.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
         for &(j, k) in &self.edges {
             for row in 0..3 {

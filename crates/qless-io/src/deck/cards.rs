@@ -105,7 +105,7 @@ pub struct Card {
     pub file: u32,
     /// First line, from 1.
     pub line: u32,
-    /// Whether equations cannot replace the card, because the solver adds DOFs of its own to it.
+    /// Whether equations cannot replace the card, for example because the solver adds DOFs of its own to it.
     pub is_fixed: bool,
 }
 
@@ -213,12 +213,12 @@ impl Cards {
         self.divisible.insert(i);
     }
 
-    /// Records that no card is divisible.
+    /// Forgets which cards were marked as divisible.
     pub(super) fn keep_whole(&mut self) {
         self.divisible.clear();
     }
 
-    /// Whether the writer can leave out nodes of card `i` one by one: the slave nodes of its equations.
+    /// Whether the writer can leave out slave nodes of card `i` one by one, with their equations.
     pub(super) fn is_divisible(&self, i: u32) -> bool {
         self.divisible.contains(&i) || self.nth(i).name.is_numbered("RBE2")
     }

@@ -1,6 +1,6 @@
-//! Cleans a deck: makes its equations independent, with each slave once and never prescribed.
+//! Cleans a deck: makes its equations independent. No DOF is then the slave of two equations, and no slave is prescribed.
 //!
-//! Equations are treated by connected component ("part"); equations that share free DOFs or text belong together. A
+//! Equations are treated by connected component ("part"). Equations that share free DOFs or lines of text are connected. A
 //! part without faults stays byte for byte. If its dependent equations can be removed with their cards, they are. Otherwise
 //! the whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
 //! has no faults, so that cleaning it again changes nothing.
@@ -23,7 +23,7 @@ pub use super::solver::{Finding, Loss, findings, loss};
 /// Plans the changes of a deck and carries them out. If edits of cards cannot be carried out or proved, equations are rewritten instead.
 ///
 /// # Errors
-/// As [`plan`] and [`write`].
+/// As [`plan`] and [`write()`].
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;

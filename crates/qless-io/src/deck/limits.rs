@@ -1,7 +1,7 @@
 //! Limits on the time and memory that a few bytes of a deck can demand. A deck that exceeds one is refused as
 //! [`Problem::Limit`](super::Problem).
 //!
-//! | multiplied by | limit | bounds |
+//! | what multiplies the text | limit | bounds |
 //! | --- | --- | --- |
 //! | includes | [`INCLUDE_DEPTH`], [`INCLUDES`] | time |
 //! | copies of Nastran cards | [`COPIES`], of all lines together | memory: about 120 bytes each |
@@ -11,7 +11,7 @@
 //! | arrays of ANSYS | [`ELEMENTS`] | memory: 8 bytes each |
 //! | ranges of nodes of ANSYS | [`VALUES`] of a command, [`HELD`] in all load steps | time, memory |
 //!
-//! Limits on memory allow about 100 MB to 200 MB, about the size of the same deck written out.
+//! [`HELD`] allows the most memory, up to 32 bytes for each value; the other limits allow about 30 MB to 160 MB.
 
 /// Deepest nesting of includes.
 pub const INCLUDE_DEPTH: usize = 20;
@@ -25,7 +25,7 @@ pub const POINTS: usize = 20_000_000;
 pub const MEMBERS: usize = 40_000_000;
 /// Most bytes that loops of ANSYS read again.
 pub const REREAD: usize = 1 << 24;
-/// Bytes that each iteration counts beside its text: executing a command takes about as long as reading this many bytes.
+/// Bytes that each iteration adds to [`REREAD`] beside its text: a command takes about as long as reading this many bytes.
 pub const ITERATION: usize = 64;
 /// Most elements of all arrays of ANSYS together.
 pub const ELEMENTS: usize = 4_000_000;

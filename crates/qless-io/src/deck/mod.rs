@@ -148,7 +148,7 @@ pub fn parse(solver: impl Into<Solver>, path: &Path, bytes: Vec<u8>, open: Open)
     Ok(Deck { solver: sources.solver(), model, texts: sources.into_texts() })
 }
 
-/// Reads the model of a deck, which has these other DOFs even if no equation names them.
+/// Reads the model of a deck. An ANSYS model also has the DOFs `others`, although no equation may name them.
 fn read_model(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError> {
     match sources.solver().format() {
         Format::Calculix => calculix::read(sources),

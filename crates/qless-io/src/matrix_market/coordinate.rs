@@ -113,7 +113,7 @@ impl ChunkedMatrix {
         self.parse_entries(&mut lines.after(before.lines), before.items).map(|(entries, _)| entries)
     }
 
-    /// The entries of these lines, `before` of which came earlier, and the number of lines.
+    /// Parses the entries of these lines, and counts the lines with an entry. `before` entries of the file come earlier.
     fn parse_entries(&self, lines: &mut TextLines, before: usize) -> Result<(Entries, usize), ReadError> {
         let room = self.entries.saturating_sub(before).min((lines.unread_bytes() + 1) / SHORTEST_ENTRY);
         let mut entries = Vec::with_capacity(room);
@@ -133,7 +133,7 @@ impl ChunkedMatrix {
         Positions::after(before, self.rows, self.header.symmetry)
     }
 
-    /// Checks that the whole file has all promised entries; `found` is their number.
+    /// Checks that the whole file has all promised entries; `found` entries were read.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] if entries are missing.
@@ -149,7 +149,7 @@ impl ChunkedMatrix {
         Ok(())
     }
 
-    /// The entry of a line; `positions` gives row and column of an array's next value.
+    /// Parses the entry of a line. In an array, `positions` gives its row and column.
     fn entry(&self, line: &TextLine, positions: &mut Positions) -> Result<(usize, usize, f64), ReadError> {
         let (row, column, value) = if self.header.is_array {
             let [value] = line.fields().ok_or_else(|| line.malformed(VALUE))?;

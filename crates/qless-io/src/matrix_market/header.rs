@@ -64,7 +64,7 @@ fn read(path: &Path, lines: &mut TextLines, formats: &[&str], symmetries: &[&str
     Ok(Header { is_array: is(format_found, "array"), is_integer: is(field, "integer"), symmetry })
 }
 
-/// Header and sizes of a file. Comments are replaced by blank lines, which keep the line numbers and take no memory.
+/// Header and sizes of a file. A blank line replaces each comment, so that line numbers stay right and memory stays small.
 #[derive(Default)]
 pub(crate) struct FileHead {
     pub text: Vec<u8>,

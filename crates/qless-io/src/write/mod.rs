@@ -1,16 +1,16 @@
 //! Writes output files: Matrix Market matrices, numbers one a line, 1-based indices one a line.
 //!
-//! Numbers have the fewest digits that read back as the same 64-bit float. Missing folders are created.
+//! Numbers have the fewest digits that read back as the same 64-bit float. [`Output`] creates missing folders, [`OneFile`] does not.
 //!
 //! All files of one call are first written to hidden files beside their places, and then renamed. So no file is ever half
-//! written, and no other file or folder is touched. A set of files has a [`Manifest`](crate::Manifest), which says whether all are in
-//! place; [`Manifest::check`](crate::Manifest::check) compares them with it. A new file takes over the mode of the old one, and its
-//! owner and group if permitted.
+//! written. Only two kinds of other files are removed: unchanged ones of an earlier set, and those that the caller names. A set has a
+//! [`Manifest`](crate::Manifest), which says whether all are in place; [`Manifest::check`](crate::Manifest::check) compares
+//! them with it. A new file takes over the mode of the old one, and its owner and group if permitted.
 //!
 //! | the program ends | state of the folder |
 //! | --- | --- |
-//! | while files are written | the old files; by a signal that cannot be caught also hidden files, which the next writer removes |
-//! | while files are renamed, by such a signal or a failure | the manifest says that the set is incomplete; the next writer completes its own set, and removes what is left of the others |
+//! | while files are written | the old files; a signal that cannot be caught also leaves hidden files, which the next writer removes |
+//! | while files are renamed, by such a signal or a failure | an incomplete set, as its manifest says; the next writer replaces it |
 //! | after that | the new files |
 //!
 //! | module | content, lowest layer first |

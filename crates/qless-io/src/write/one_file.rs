@@ -60,7 +60,7 @@ impl OneFile {
     /// Writes the file.
     ///
     /// # Errors
-    /// [`WriteError`]; nothing has then changed.
+    /// [`WriteError`]; a file is then unchanged, but a device or pipe may have received a part.
     pub fn write(self, bytes: &[u8]) -> Result<(), WriteError> {
         self.put(|out| out.write_all(bytes))
     }

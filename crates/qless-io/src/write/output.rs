@@ -134,7 +134,7 @@ impl Output {
         self.file(name, |out| text::indices(out, indices))
     }
 
-    /// Removes a file of this name, which an earlier run may have written.
+    /// Lets [`Output::commit`] remove a file of this name, which an earlier run may have written.
     ///
     /// # Errors
     /// [`WriteError::IsInput`].
@@ -189,7 +189,7 @@ impl Output {
             files: self.files.values().map(|(_, record)| record.clone()).collect(),
             replaces: before.files.into_iter().chain(before.replaces).collect(),
         };
-        // Both manifests are prepared before the lock is taken. From then on, a signal ends the program only when the set is complete.
+        // Both manifests are prepared before the [`WriteLock`] is taken. A signal that is handled ends the program only after its release.
         let incomplete = self.add_manifest(&manifest)?;
         let replaced = std::mem::take(&mut manifest.replaces);
         manifest.complete = true;
@@ -233,7 +233,7 @@ impl Output {
         metadata::keep(&place, file).and_then(|()| fs::rename(file, &place)).map_err(WriteError::io(&place))
     }
 
-    /// Removes the files that shall be absent, and those of earlier sets that have not changed since they were written.
+    /// Removes the files that shall be absent, and files of earlier sets that are not in this one and have not changed.
     fn remove(&self, replaced: &[FileRecord]) -> Result<(), WriteError> {
         let is_ours = |record: &&FileRecord| {
             !self.files.contains_key(&record.name)

@@ -2,7 +2,7 @@
 //!
 //! A writer marks its folder by a file `.qless-XXXXXX`, which it keeps locked. Its new files are `.qless-XXXXXX-1`,
 //! `.qless-XXXXXX-2`, and so on, until they are renamed. If the program is killed, the lock ends with it, and the next writer
-//! removes these files. Nothing else is ever removed.
+//! removes these files. It takes no other file for a temporary one.
 //!
 //! | lock | held | between |
 //! | --- | --- | --- |
@@ -55,14 +55,15 @@ pub fn is_at_work() -> bool {
     AT_WORK.get()
 }
 
-/// Prefix of the names of all temporary files, and the number of letters that `tempfile` adds to that of a mark.
+/// Prefix of the names of all temporary files.
 pub(super) const PREFIX: &str = ".qless-";
+/// Number of random letters after the prefix in the name of a mark.
 const LETTERS: usize = 6;
 /// Content of a mark, which distinguishes it from a file of the user.
 const MARK: &[u8] = b"qless writes files here. The next run removes this file and its numbered neighbours.\n";
 /// Longest wait for the lock of a folder. A writer holds the lock for some renames, each of which takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Most attempts to mark a folder: another writer that fails may remove a folder that it has just created, once for each writer.
+/// Most attempts to mark a folder. A folder may vanish before it is marked, because the writer that created it failed and removed it.
 const TRIES: usize = 100;
 
 /// What [`abandon`] removes: a writer's mark with its files, and folders that it created. Lock order: [`WriteLock`] first.

@@ -27,7 +27,7 @@ pub(super) struct Attempt {
     pub findings: ReturnedResults,
     pub confidence: Confidence,
     pub work: WorkCounts,
-    /// Fragments of components in which no equation should have been peeled.
+    /// For each fragment: true if the attempt showed that no equation of its component should have been peeled.
     pub unsound: Vec<bool>,
 }
 
@@ -91,7 +91,7 @@ impl AttemptInput<'_> {
         Ok(())
     }
 
-    /// The fragments of components whose core was found unsound by the rank that analysed it.
+    /// For each fragment: true if the core of its component was found unsound. A rank judges all cores that it analysed together.
     fn unsound_cores(&self, cores: Option<&LocalAnalysis>, whole: &ConnectedComponents) -> Vec<bool> {
         let mut post = Outbox::default();
         if let Some(solved) = cores.filter(|solved| solved.soundness() == Soundness::Unsound) {
@@ -182,7 +182,7 @@ impl AttemptInput<'_> {
     }
 }
 
-/// Doubts by ascending priority: of several, the last in this list is reported, as in the serial analysis.
+/// Doubts by ascending priority. If ranks have several doubts, the last in this list is reported, as in the serial analysis.
 const DOUBTS: [Doubt; 7] =
     [Doubt::Unproved, Doubt::Exact, Doubt::Mismatch, Doubt::Elimination, Doubt::NoGap, Doubt::Near, Doubt::Noise];
 

@@ -81,7 +81,7 @@ impl Analysis {
         &self.kinds
     }
 
-    /// The redundant and conflicting equations of this rank, in that order.
+    /// The redundant and conflicting equations of this rank, in the order of its share.
     pub fn dependent(&self) -> &[DistributedDependent] {
         &self.dependent
     }

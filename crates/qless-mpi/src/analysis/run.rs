@@ -106,7 +106,7 @@ fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -
     share.check(rank, dofs).map_err(Error::from)
 }
 
-/// The fragments in which equations may be peeled: their component crosses ranks and does not mix units.
+/// For each fragment, whether its equations may be peeled: the options allow it, and the component crosses ranks and does not mix units.
 fn peelable(job: &AttemptInput, whole: &ConnectedComponents) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));

@@ -53,7 +53,7 @@ impl ConnectedComponents {
             let hub = of_dof[0].1;
             pairs.extend(of_dof[1..].iter().flat_map(|&(_, other)| [(hub, other), (other, hub)]));
         }
-        // Two fragments usually share many DOFs.
+        // Two fragments usually share many DOFs, so most pairs repeat.
         pairs.sort_unstable();
         pairs.dedup();
         let mut post = Outbox::default();

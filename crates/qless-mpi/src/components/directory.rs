@@ -12,7 +12,7 @@ use crate::share::ShareError;
 /// Flags and prescribed values of the DOFs of a rank's equations, by place.
 pub(crate) struct KnownDofs {
     pub flags: Vec<DofFlags>,
-    /// The values of those that are prescribed, by place.
+    /// Values of the prescribed DOFs, by place.
     pub prescribed: BTreeMap<u32, f64>,
 }
 
@@ -23,20 +23,20 @@ pub(crate) struct DofFlags(u8);
 /// The prescribed values of the DOFs that a rank owns.
 #[derive(Clone, Debug)]
 pub(crate) struct Directory {
-    /// Values of the prescribed ones.
+    /// Values of the prescribed DOFs, by DOF.
     pub prescribed: BTreeMap<u64, f64>,
 }
 
 const SHARED: u8 = 1;
 const PRESCRIBED: u8 = 2;
 const FAINT: u8 = 4;
-/// The flags of a DOF take this many bits below its place in a word.
+/// Number of bits for the flags in a word of an answer; the bits above hold the position of the DOF.
 const BITS: u32 = 3;
 /// Marks a DOF with a faint coefficient in the message to its owner.
 const FAINT_DOF: u64 = 1 << 63;
 
 impl DofFlags {
-    /// Whether equations of other ranks name it too.
+    /// Whether equations of other ranks contain this DOF too.
     pub fn is_shared(self) -> bool {
         self.0 & SHARED != 0
     }
@@ -45,7 +45,7 @@ impl DofFlags {
         self.0 & PRESCRIBED == 0
     }
 
-    /// Whether a coefficient of it may be rounding, on any rank.
+    /// Whether a coefficient of this DOF may be rounding, on any rank.
     pub fn is_faint(self) -> bool {
         self.0 & FAINT != 0
     }
@@ -110,7 +110,7 @@ impl Directory {
     }
 }
 
-/// The values of the prescribed DOFs that this rank owns, as all ranks give them.
+/// The prescribed DOFs that this rank owns, with the values that any rank gave; an error if two values differ. Collective.
 fn prescriptions(
     ranks: &dyn Ranks,
     layout: &Layout,

@@ -1,7 +1,7 @@
 //! Connected components of a graph whose vertices are spread over ranks, by label propagation with pointer jumping.
 //!
 //! ```text
-//! repeat   each root hooks on to the neighbouring root that comes first in this round's random order
+//! repeat   each root hooks on to its first neighbouring root in this round's random order, if that comes before the root itself
 //!          parents become parents of parents, until all are roots      (pointer jumping)
 //! until    no edge joins two roots
 //! ```
@@ -86,7 +86,7 @@ impl LabelsForest<'_> {
         if rank_of(v) == self.ranks.rank() { self.parent[number_of(v)] } else { others[&v] }
     }
 
-    /// Each root takes the first of its neighbouring roots as its parent, if that comes before it in the order of the round.
+    /// Each root takes its first neighbouring root in the order of the round as its parent, if that neighbour precedes it.
     fn hook(&mut self, joins: impl Iterator<Item = (u64, u64)>, round: u64) {
         let mut first: BTreeMap<u64, u64> = BTreeMap::new();
         for (root, other) in joins.filter(|&(a, b)| chance(b, round) < chance(a, round)) {

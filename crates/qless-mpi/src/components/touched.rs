@@ -19,9 +19,9 @@ pub(crate) struct TouchedDofs {
 pub(crate) struct ColumnSizes {
     /// Number of coefficients.
     pub count: u32,
-    /// Whether all are small: the DOF may have another unit.
+    /// Whether all coefficients are small; then the DOF may have another unit.
     pub is_small: bool,
-    /// Whether one of them may be rounding of its equation.
+    /// Whether one of the coefficients may be a rounding error.
     pub is_faint: bool,
 }
 

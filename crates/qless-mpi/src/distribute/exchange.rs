@@ -9,7 +9,7 @@ use crate::share::ShareRows;
 /// Equations that a rank analyses, ascending by number.
 pub(crate) struct AssignedEquations {
     pub rows: ShareRows,
-    /// The rank that holds each, and its place there.
+    /// For each equation, the rank that holds it and its index on that rank.
     pub source: Vec<(usize, u64)>,
     /// Prescribed DOFs of these equations, with their values.
     pub prescribed: BTreeMap<u64, f64>,

@@ -1,8 +1,9 @@
 //! Distributes the analysis over the ranks: peels equations that a rank solves alone, assigns components to ranks by predicted work, and
 //! sends the equations.
 //!
-//! A rank keeps the components that it holds alone, up to a quarter more work than the mean. The excess, and every component that
-//! crosses ranks, fills the free capacity of the ranks in their order. Each rank sends 24 bytes to each; no rank decides for all.
+//! A rank keeps components that it holds alone: the first one, and others up to a quarter more work than the mean. All other components
+//! are pooled: the excess, and every component that crosses ranks. The pool fills the free capacity, rank by rank. Each rank sends
+//! 24 bytes to each; no rank decides for all.
 
 mod exchange;
 mod peel;
@@ -46,7 +47,7 @@ pub(crate) fn balance(
     let pooled: u64 = all.iter().step_by(2).sum();
     let mut to = vec![own as u64; known.len()];
     for (k, work) in moved {
-        // The middle of the component's interval of pooled work, scaled to the free capacity of all ranks, decides the rank.
+        // Each pooled component is an interval of the pooled work. The middle of the interval, scaled to the free capacity, gives the rank.
         let middle = u128::from(place) * 2 + u128::from(work);
         let scaled = middle * u128::from(room[ranks.size()]) / (2 * u128::from(pooled.max(1)));
         let rank = room.partition_point(|&start| u128::from(start) <= scaled) - 1;

@@ -1,7 +1,8 @@
-//! Peeling: an equation with a DOF that is in no other equation of the job is solved for this DOF by the rank that holds it.
+//! Peeling: if an equation has a DOF that is in no other equation of the job, the rank that holds the equation solves it for this DOF.
 //!
 //! Such an equation is independent of all others and is in no certificate. It is peeled only if the serial analysis would do the same:
-//! the coefficient of the DOF is the largest of the equation, and the equations of the component do not mix units.
+//! the coefficient of the DOF exceeds those of the equation's other free DOFs, no DOF of the equation has a coefficient that may be
+//! rounding, and the equations of the component do not mix units.
 
 use crate::components::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
@@ -21,11 +22,11 @@ const MODEST: std::ops::Range<f64> = 1e-100..1e100;
 /// Counts of sizes in a fragment. Their sums over the fragments of a component are conservative: they suggest mixed units too often.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sizes {
-    /// Rows with numbers near the ends of the range of doubles.
+    /// Rows whose largest coefficient or nonzero right-hand side is near the ends of the range of doubles.
     pub wild: u64,
-    /// Columns that are small in all rows that this rank holds.
+    /// Columns with several rows in the job whose coefficients are small in all rows of this rank.
     small: u64,
-    /// Columns in two rows or more that no other rank knows.
+    /// Columns with several rows on this rank and none on other ranks.
     shared: u64,
 }
 

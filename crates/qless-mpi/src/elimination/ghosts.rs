@@ -8,7 +8,7 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 /// The masters that this rank shares with other ranks.
 #[derive(Debug)]
 pub(super) struct Ghosts {
-    /// The range of the own masters among the local ones, which ascend.
+    /// The local masters ascend; this range of them belongs to this rank.
     own: Range<usize>,
     /// For each rank that uses masters of this rank: their places among the local ones.
     sent: Vec<(usize, Vec<u32>)>,

@@ -13,7 +13,7 @@ use crate::solve::PRESCRIBED_BIT;
 /// The DOFs that a rank owns or needs, and those in their rows of T and G; ascending.
 pub(super) struct LocalDofs {
     pub dofs: Vec<u64>,
-    /// Values of the prescribed ones.
+    /// Values of the prescribed DOFs among them.
     values: BTreeMap<u64, f64>,
 }
 
@@ -68,7 +68,7 @@ impl LocalDofs {
     }
 }
 
-/// Values of the prescribed DOFs among DOFs of other ranks, from their owners. Collective.
+/// Asks the owners of `dofs` for prescribed values; returns the prescribed DOFs with their values. Collective.
 fn prescribed_values(ranks: &dyn Ranks, analysis: &Analysis, dofs: &[u64]) -> BTreeMap<u64, f64> {
     let mut post = Outbox::default();
     dofs.iter().for_each(|&dof| post.to(analysis.layout.owner(dof)).push(dof));

@@ -20,7 +20,7 @@ use crate::ranks::Ranks;
 use crate::share::Share;
 use ghosts::Ghosts;
 
-/// The constraints of a distributed model, solved for slaves, as one rank uses them in every step.
+/// The constraints of a distributed model in the form `u = L u_q + u_0`, on one rank.
 ///
 /// ```
 /// use qless::Options;
@@ -96,8 +96,8 @@ impl DistributedElimination {
         &self.masters
     }
 
-    /// T, G and g on the local DOFs, numbered by their places in [`DistributedElimination::dofs`]: to condense matrices of this rank
-    /// ([`Elimination::condensed`]), whose unknowns are then [`Elimination::masters`].
+    /// T, G and g on the local DOFs, numbered by their places in [`DistributedElimination::dofs`]. Use it to condense the matrices of this
+    /// rank ([`Elimination::condensed`]). The unknowns are [`Elimination::masters`], and the prescribed DOFs if they are kept.
     pub fn local(&self) -> &Elimination {
         &self.elimination
     }
@@ -181,7 +181,7 @@ impl DistributedElimination {
     pub fn update(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
         let Self { analysis, dofs, elimination, masters, ghosts, inner, outer, constants } =
             Self::new(ranks, share, options)?;
-        // A condensed pattern belongs to its elimination, so keep that unless the equations have changed.
+        // Condensed patterns belong to the old elimination, so keep it unless roles, T or G have changed.
         if self.dofs == dofs && is_same(&self.elimination, &elimination) {
             let set = self.elimination.set(elimination.reduction().g(), elimination.prescribed_values());
             set.expect("lengths and numbers of an elimination");

@@ -41,7 +41,7 @@ pub enum Error {
         terms: u64,
         /// Bytes that their analysis needs.
         bytes: u64,
-        /// Bytes that it may use.
+        /// Bytes that a rank may use.
         limit: u64,
     },
     /// The serial analysis of the equations assigned to a rank failed.
@@ -134,7 +134,7 @@ impl ErrorWords for CodedError {
 /// ```
 ///
 /// # Errors
-/// That of the first rank with one, on all ranks.
+/// The error of the first rank that has one, on all ranks.
 pub fn agree<T, E: ErrorWords>(ranks: &dyn Ranks, own: Result<T, E>) -> Result<T, E> {
     let size = ranks.size() as u64;
     let mut first = [if own.is_err() { size - ranks.rank() as u64 } else { 0 }];

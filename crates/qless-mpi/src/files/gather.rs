@@ -133,7 +133,7 @@ impl Case {
         }
     }
 
-    /// Facts about the `named` equations of the first rank. Collective.
+    /// Gathers facts about the equations in `named` on the first rank, which alone names any. Collective.
     fn facts(&self, ranks: &dyn Ranks, named: &BTreeSet<u64>) -> BTreeMap<u64, Facts> {
         let mut post = Outbox::default();
         named.iter().for_each(|&number| post.to(self.rows.holder(number)).push(number));

@@ -37,7 +37,8 @@ pub trait Ranks {
     /// senders in advance. A message to the own rank is received too.
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message>;
 
-    /// The same for known senders: returns one message from each rank of `from`, which ascends. Calls `work` during the transfer.
+    /// Like [`Ranks::exchange`] for known senders: returns one message from each rank in `from`, ascending. Calls `work` during the
+    /// transfer.
     fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message>;
 
     /// Replaces each number by its sum over all ranks.

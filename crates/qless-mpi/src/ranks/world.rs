@@ -44,7 +44,7 @@ pub struct World {
     piece: usize,
     /// Rounds of `exchange` so far.
     rounds: Cell<u64>,
-    /// Makes the type `!Send`: MPI takes calls from one thread only, but the handles of some libraries are plain numbers.
+    /// Makes the type `!Send`, because MPI takes calls from one thread only. Handles of some MPI libraries are numbers, which are `Send`.
     one_thread: PhantomData<*const ()>,
 }
 

@@ -16,8 +16,8 @@ const HARDLY: f64 = 1e-6;
 /// Largest 2-norm of a sound row of T. The serial analysis rejects rows whose slave exceeds 1e3 for random masters up to 1; this is ten
 /// times less.
 const STEEP: f64 = 100.0;
-/// Largest 2-norm of the coefficients of slaves in a sound row. Rows of `C_S^-1` of these slaves are at most 1e3, and the serial analysis
-/// rejects 3e4 for random right-hand sides.
+/// Largest 2-norm of the coefficients of slaves in a sound row. Rows of `C_S^-1` of these slaves are at most 1e3, so they move the peeled
+/// slave by up to about 5e3. The serial analysis rejects slaves that move more than 3e4 for random right-hand sides.
 const HEAVY: f64 = 5.0;
 
 /// Appends the row of a peeled equation.

@@ -11,7 +11,7 @@ pub(crate) struct Contribution {
     pub lead: Vec<u32>,
     /// Row of A for each row, if Q is kept.
     pub names: Vec<u32>,
-    /// By columns: column c has the rows that begin at or before it; the right-hand sides, behind, have all rows.
+    /// By columns: each column has the rows that begin at or before it. The right-hand sides follow, with all rows.
     pub values: Vec<f64>,
 }
 

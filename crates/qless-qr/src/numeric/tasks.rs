@@ -77,7 +77,8 @@ impl Tasks<'_> {
         })
     }
 
-    /// Walks down while exactly one child is heavy enough for a task, splits into tasks at the bottom, and works upwards.
+    /// Runs a subtree. Follows the path down while exactly one child is heavy enough for a task. Runs the children at its end in parallel
+    /// if several are heavy. Then runs the fronts of the path, from the end up.
     fn subtree(&self, top: u32) -> Result<(), Error> {
         let mut path = vec![top];
         loop {
@@ -118,7 +119,7 @@ impl Tasks<'_> {
         tops.iter().partition(|&&f| self.symbolic.forecast.work[f as usize] >= self.grain)
     }
 
-    /// Batches of light subtrees, each heavy enough for a task.
+    /// Batches of light subtrees. Each batch except the last is heavy enough for a task.
     fn batches(&self, light: Vec<u32>) -> impl Iterator<Item = Vec<Range<u32>>> {
         let (mut batches, mut work) = (vec![Vec::new()], 0.0);
         for f in light {

@@ -1,6 +1,7 @@
 //! Solutions from a [`Factor`]: basic, transposed, complete and seminormal.
 //!
-//! `x = P [R1^{-1} z; 0]`, `x = Q [R1^{-T} c; 0]`; `[R1 R2]^T P2 = Q2 [R3; 0]`; `R1^T R1 y = (P^T A^T r)_1`.
+//! In this order: `x = P [R1^{-1} z; 0]`; `x = Q [R1^{-T} c; 0]`; `[R1 R2]^T P2 = Q2 [R3; 0]`; `R1^T R1 y = (P^T A^T r)_1`
+//! with the residual r.
 
 use rayon::prelude::*;
 

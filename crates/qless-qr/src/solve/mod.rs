@@ -9,8 +9,9 @@
 //! | refined | `[I A; A^T 0] [dr; dx] = [b - r - A x; -A^T r]` | A, b, x | x | 4 k (nnz(R1) + 2 nnz(Q)) each step |
 //!
 //! Basic: an x that minimises `|A x - b|` and has at most r nonzeros. Complete: the shortest x that minimises `|A x - b|`
-//! (Golub, Van Loan, Sec. 5.5.3). Transposed: the shortest x with `A^T x = c`; wide systems are factored as `A^T` and use
-//! it. Source: Björck, Numerical Methods for Least Squares Problems, 1996, Sec. 2.7, 2.9, 6.6.
+//! (Golub, Van Loan, Sec. 5.5.3). Transposed: the shortest x that satisfies the independent equations of
+//! `A^T x = c`. Wide systems are factored as `A^T` and use this stage.
+//! Source: Björck, Numerical Methods for Least Squares Problems, 1996, Sec. 2.7, 2.9, 6.6.
 
 mod by_factor;
 mod refine;

@@ -30,7 +30,7 @@ impl<P: Index, I: Index> Matrix<'_, P, I> {
     }
 }
 
-/// AMD is tried first if `S^T S` has at most this many times the entries of S; then it is faster than COLAMD.
+/// AMD is tried first if the strictly lower part of `S^T S` has at most this many times the entries of S: then AMD is faster than COLAMD.
 const PRODUCT: usize = 5;
 /// COLAMD is tried too if the order of AMD needs more than this many operations for each entry of S.
 const WORTH: f64 = 2e4;

@@ -1,7 +1,7 @@
 //! Forecast of the size, work and memory of each front, before any values are known.
 //!
-//! The forecast runs the numeric phase on the leading columns of the rows alone, for the case that no column is
-//! dependent by its values. Column k of a front has `stair(k)` rows that begin at or before it. If `stair(k) > g`, where g
+//! The forecast simulates the numeric phase with patterns instead of values, for the case that no column is dependent by
+//! its values. Column k of a front has `stair(k)` rows that begin at or before it. If `stair(k) > g`, where g
 //! rows are already eliminated, the column takes one more row and costs `4 (stair(k) - g) (c - k)` operations.
 //!
 //! Memory: `peak(f) = max(peaks of the children one after the other, their contributions + that of f)` plus one front.
@@ -23,7 +23,7 @@ pub(crate) struct FrontShape {
     pub cols: usize,
     /// Rows of R.
     pub rank: usize,
-    /// Entries of these rows of R.
+    /// Entries of the rows of R.
     pub entries: usize,
     /// Rows, columns and entries of the contribution to the parent.
     pub passed_rows: usize,
@@ -155,7 +155,8 @@ impl FrontSimulation {
 }
 
 /// Size, operations and contribution of a front with `begins[k]` rows that begin at column k. The second number of operations counts those
-/// that must run one after the other: a column is reflected with half a panel and with the next panel, while later columns are updated.
+/// that must run one after the other: a reflection is applied to half of its own panel on average, and to the next panel. The columns
+/// behind are updated at the same time on other threads.
 fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (FrontShape, [f64; 2], ContributionPattern) {
     let cols = columns.len();
     let (mut stair, mut g, mut flops, mut serial) = (0, 0, 0.0, 0.0);
@@ -244,7 +245,7 @@ impl Forecast {
         places + kept + result.max(peak(symbolic, shapes, k, false))
     }
 
-    /// Like [`Forecast::bytes`] without dependent columns, for any number of threads.
+    /// Like [`Forecast::bytes`] without dependent columns, for a run on all threads of the current pool.
     pub fn bytes_in_parallel(&self, symbolic: &Symbolic, k: usize) -> usize {
         let parallel = peak(symbolic, &self.shapes, k, true);
         self.bytes(symbolic, k, false) + parallel + INDEX * symbolic.cols * rayon::current_num_threads()

@@ -31,9 +31,9 @@ pub struct Symbolic {
     pub(crate) peeled: usize,
     /// Row of A at each row position: peeled rows, then the others by first column, empty rows last.
     pub(crate) row_order: Vec<u32>,
-    /// Columns of the rows in that order, as ascending positions.
+    /// Columns of each row, in the order of `row_order`; ascending column positions.
     pub(crate) pattern: Lists,
-    /// Index of each of these entries in the values of A.
+    /// For each entry of `pattern`, its index in the values of A.
     pub(crate) entry: Vec<u32>,
     pub(crate) fronts: Fronts,
     /// Front f assembles the rows `row[f]..row[f + 1]` (row positions).

@@ -22,7 +22,7 @@ pub(super) fn colamd(rows: usize, columns: &Lists) -> Result<Vec<u32>, Error> {
     Ok(order)
 }
 
-/// AMD of `S^T S`; `None` if the product has more than `most` entries.
+/// AMD of `S^T S`; `None` if its strictly lower part has more than `most` entries.
 pub(super) fn amd(columns: &Lists, rows: &Lists, most: usize) -> Result<Option<Vec<u32>>, Error> {
     let Some(product) = product(columns, rows, most) else { return Ok(None) };
     let n = columns.len();

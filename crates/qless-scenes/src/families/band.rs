@@ -6,7 +6,7 @@ use super::MOST;
 use crate::error::within;
 use crate::{Rng, Scene, SceneError, Truth};
 
-/// Rows of a window. At most one of its first rows has a changed coefficient, so changed rows are at least 9 rows apart.
+/// Rows of a window. At most one of the first [`FIRST`] rows has a changed coefficient, so changed rows are at least 9 rows apart.
 const WINDOW: usize = 16;
 const FIRST: usize = 8;
 

@@ -15,10 +15,10 @@
 //! | [`spotted_band`] | n x n | n |
 //! | [`typed_twice`] | (n + copies) x 2 n | n + copies, at distance 10^-digits from n |
 //! | [`typed_cosines`] | 10 n x (8 n + 2) | 8 n, at distance 10^-digits from 7 n |
-//! | [`near`] | 3 blocks x 7 blocks | 3 blocks, at distance eps from 2 blocks |
+//! | [`near`] | 3 triples x 7 triples | 3 triples, at distance eps from 2 triples |
 //! | [`Mortar`], [`mortar_short`] | d slave nodes + sums x d (slave + master nodes) | d slave nodes |
 //! | [`MortarSurface`] | 3 slave nodes + sums x 3 (slave + master nodes) | 3 slave nodes |
-//! | [`PeriodicCell`] | 9 per far face's node x 3 surface nodes + 6 | all but 3 (3 n + 2), or unknown |
+//! | [`PeriodicCell`] | 9 nodes of a far face x (3 surface nodes + 6) | all but 3 (3 near + 2), or unknown |
 //! | [`Linkage`] | 5 hinges + 3 balls x 6 bodies | all but 3, 1 or 0 per loop |
 //! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |

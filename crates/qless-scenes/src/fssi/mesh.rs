@@ -35,7 +35,7 @@ impl Mesh {
         self.layers.saturating_mul(12)
     }
 
-    /// The same for mortar rows: 12 x layers on a nested mesh, otherwise 12 x (layers - far layers), at least 0.
+    /// Number of redundant mortar rows: 12 x layers on a nested mesh, otherwise 12 x (layers - far layers), at least 0.
     pub fn redundant_mortar(&self) -> usize {
         let layers = if self.is_nested() { self.layers } else { self.layers.saturating_sub(self.far_layers) };
         layers.saturating_mul(12)
@@ -86,7 +86,7 @@ impl Mesh {
         self.far_columns > 1 && self.columns > 0 && (self.columns - 1).is_multiple_of(self.far_columns - 1)
     }
 
-    /// Checks that the model can be built: the tank stands inside the box, and each mesh has cells.
+    /// Checks that the model can be built: the tank stands on inner cells of the soil's surface, and each mesh has cells.
     ///
     /// # Errors
     /// [`SceneError::Size`] or [`SceneError::NotMultiple`] for the first invalid number.

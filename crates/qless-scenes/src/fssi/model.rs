@@ -61,7 +61,7 @@ impl FssiModel {
         around(self.mesh.columns, face, i) + layer * 4 * (self.mesh.columns - 1)
     }
 
-    /// The same for the far field.
+    /// Far-field side node: column i of a face (0..4), counted around the box, and layer.
     pub(super) fn far(&self, face: usize, i: usize, layer: usize) -> usize {
         around(self.mesh.far_columns, face, i) + layer * 4 * (self.mesh.far_columns - 1)
     }

@@ -21,7 +21,7 @@ pub fn equations_12_to_14(rhs: f64) -> Result<Scene, SceneError> {
     Scene::bare(three_equations(rhs), Truth::rank(3, 2).with_conflict(rhs != 1.0).without_generated(rhs == 1.0))
 }
 
-/// Three equivalent forms of the equations.
+/// Three equivalent forms of the equations of Figure 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FloorInput {
     /// u1 - u2, u1 - u3, u1 - u4: programs that take the first DOF of each equation as its slave fail.

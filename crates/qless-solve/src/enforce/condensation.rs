@@ -9,8 +9,8 @@
 //! R T S, the largest number of each row and column being 1 (Ruiz 2001)        real: above 2^-40
 //! ```
 //!
-//! A factorization leaves entries of relative size `eps` where T has zeros. A master that feels a stiffness through such entries only has no
-//! stiffness: in sizes of terms, these entries count as the numbers whose rounding they are. R and S are needed because the entries of a row
+//! A factorization leaves entries of relative size `eps` where T has zeros. A master that only such entries connect to K has no stiffness.
+//! In sizes of terms, such an entry therefore counts as the number whose rounding it is. R and S are needed because the entries of a row
 //! may have different units. Cost: one pass over T, and a dozen if some entries are small.
 
 use faer::sparse::SymbolicSparseColMat;

@@ -112,8 +112,8 @@ impl ScaledFactor {
     }
 }
 
-/// Shift on the diagonal of unknown j, in its unit, that makes a singular matrix regular. All shifts differ: if the null spaces of A and A^T
-/// are orthogonal, `A + s I` with the same s for all stays almost singular.
+/// Shift on the diagonal of unknown j, in its unit, that makes a singular matrix regular. All shifts differ: if the null spaces of A and
+/// A^T are orthogonal, `A + s I` with the same s for all stays almost singular.
 pub fn uneven(shift: f64, j: usize, unit: f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     shift * (1.0 + (j as f64 * GOLDEN).fract()) / (unit * unit)

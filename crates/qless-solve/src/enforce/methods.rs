@@ -42,9 +42,9 @@ impl Problem<'_> {
     /// # Errors
     /// [`EnforceError::Unsupported`] with the motion that nothing resists; [`EnforceError::PenaltyTooSmall`] with a sufficient factor;
     /// [`EnforceError::NoConvergence`] if rounding keeps augmented equations from the accuracy; [`EnforceError::OutOfBalance`] if rounding
-    /// leaves more than 1e-10 of the terms of a row, or no digit of u; [`EnforceError::Doubtful`] if an equation may be redundant or not and
-    /// u depends on it; [`EnforceError::OutOfRange`] if the solution leaves the range of doubles; [`EnforceError::Argument`] for a list of
-    /// the wrong length; [`EnforceError::Factor`] and [`EnforceError::Accuracy`] for numbers that are not positive.
+    /// leaves more than 1e-10 of the terms of a row, or no digit of u; [`EnforceError::Doubtful`] if an equation may be redundant or not
+    /// and u depends on it; [`EnforceError::OutOfRange`] if the solution leaves the range of doubles; [`EnforceError::Argument`] for a list
+    /// of the wrong length; [`EnforceError::Factor`] and [`EnforceError::Accuracy`] for numbers that are not positive.
     pub fn enforce(&self, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {
         let (found, expected) = (methods.len(), self.system.equations());
         if found != expected {
@@ -79,8 +79,8 @@ impl Problem<'_> {
         self.all(Method::Multiplier, BALANCED)
     }
 
-    /// Replaces independent equations by stiff springs, `lambda = D (C u - b)`. The error falls as 1 / factor. If the factor is so large that
-    /// K loses digits in `K + C^T D C`, the same springs are solved as `[K C^T; C -1/D]`.
+    /// Replaces independent equations by stiff springs, `lambda = D (C u - b)`. The error falls as 1 / factor. If the factor is so large
+    /// that K loses digits in `K + C^T D C`, the same springs are solved as `[K C^T; C -1/D]`.
     ///
     /// # Errors
     /// As [`Problem::enforce`]; u may differ from the exact solution by a fraction of `accuracy`.
@@ -88,8 +88,9 @@ impl Problem<'_> {
         self.all(Method::Penalty { factor }, accuracy)
     }
 
-    /// Penalty with multipliers that take over: `lambda += D (C u - b)`, until the forces are in balance and every equation holds to
-    /// `tolerance`, relative to its terms. Springs that close less than nine tenths of a gap per step are replaced by multipliers at once.
+    /// Penalty with multipliers that take over the forces of the springs: `lambda += D (C u - b)`, until the forces are in balance and
+    /// every equation holds to `tolerance`, relative to its terms. Springs that close less than nine tenths of a gap per step are replaced
+    /// by multipliers at once.
     ///
     /// # Errors
     /// As [`Problem::enforce`].
@@ -143,7 +144,7 @@ impl Problem<'_> {
 pub struct BlockPlan {
     /// The equations, ascending.
     pub rows: Vec<usize>,
-    /// Predicted fill: most entries of `T^T K T` per entry of K on slaves of the block.
+    /// Predicted fill: number of entries of `T^T K T` per entry of K on slaves of the block, at most.
     pub fill: f64,
     /// Whether slaves are eliminated; otherwise each equation gets a multiplier.
     pub eliminate: bool,

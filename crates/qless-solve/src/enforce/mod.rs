@@ -4,31 +4,33 @@
 //! | --- | --- | --- |
 //! | transformation | `T^T K T q = T^T (f - K u_0)` (Eq. 7-9) | rounding |
 //! | Lagrange | `[K C^T; C 0] [u; lambda] = [f; b]` (Eq. 10), scaled by powers of two | rounding |
-//! | penalty | `(K + C^T D C) u = f + C^T D b`, `D` scaled from K (Eq. 11) | `C u - b = lambda / D`, at most the requested accuracy, or an error |
+//! | penalty | `(K + C^T D C) u = f + C^T D b`, `D` scaled from K (Eq. 11) | `C u - b = lambda / D`, at most the accuracy, or an error |
 //! | augmented Lagrange | penalty, and `lambda += D (C u - b)` until C u = b | the requested tolerance |
 //! | mixed | any of these, equation by equation ([`Problem::enforce`]) | that of each method |
 //!
-//! A spring may be so stiff that K loses its digits, or so soft that it cannot be told from no support. Then the connected part is solved
-//! with multipliers instead, and penalties follow from that exact solution by `[K C^T; C -1/D]`. The solution is the same; the cost is one
-//! more factorization.
+//! A spring may be so stiff that K loses its digits, or so soft that it cannot be told from no support. Then its connected part is solved
+//! with multipliers instead, and the exact solution is corrected for penalties by `[K C^T; C -1/D]`. The result is the same as with
+//! springs; the cost is one more factorization.
 //!
-//! Connected parts of K and C are solved one by one, each in its own scale. The result of a part does not depend on other parts, to the last
-//! bit.
+//! Connected parts of K and C are solved one by one, each in its own scale. The result of a part does not depend on other parts, to the
+//! last bit.
 //!
-//! Only independent equations are enforced: a redundant equation would make Lagrange's matrix singular and would have no slave. K need not be
-//! symmetric or definite, and may be singular without the constraints. Prescribed DOFs keep their values.
+//! Only independent equations are enforced: a redundant equation would make Lagrange's matrix singular and would have no slave. K need not
+//! be symmetric or definite, and may be singular without the constraints. Prescribed DOFs keep their values.
 //!
 //! # What is checked
 //!
-//! After every solve the residuals of both equations are compared with the sizes of their terms, row by row, and refined.
-//! `|K u + C^T lambda - f|_i` is at most 1e-10 of the terms of row i; otherwise the solution is refused ([`EnforceError::OutOfBalance`]). If
-//! the terms of a row are far smaller than those of its connected part, a thousandth of the largest counts, in units in which all unknowns
-//! are square roots of energy. Equations are measured by their own terms, unless these are rounding of the largest ones; penalties are
-//! exempt. If multipliers do not satisfy an equation to this tolerance, elimination is tried before the solution is refused.
+//! After every solve the residuals of `K u + C^T lambda = f` and `C u = b` are compared with the sizes of their terms, row by row, and the
+//! solution is refined. `|K u + C^T lambda - f|_i` is at most 1e-10 of the terms of row i; otherwise the solution is refused
+//! ([`EnforceError::OutOfBalance`]). If the terms of a row are far smaller than those of its connected part, a thousandth of the largest
+//! counts, in units in which all unknowns are square roots of energy. For equations without a penalty, this floor is rounding of the
+//! largest terms instead of a thousandth. If multipliers do not satisfy an equation to this tolerance, elimination is tried before the
+//! solution is refused.
 //!
 //! Rounding of K changes u by a fraction of about `eps g`, where g is the condition number of Skeel and Bauer, estimated in every solve.
 //! [`Solution::accuracy`] states this fraction, or the effect of rounding on this particular solution if that is larger. If only rounding
-//! resists a motion, as with a stiffness of `0.1 + 0.2 - 0.3`, the model is refused and the motion is named ([`EnforceError::Unsupported`]).
+//! resists a motion, as with a stiffness of `0.1 + 0.2 - 0.3`, the model is refused and the motion is named
+//! ([`EnforceError::Unsupported`]).
 //!
 //! Redundant equations are left out. If the analysis is not sure that an equation is redundant, u must satisfy it as well, to 1e-9 of its
 //! terms and those of the equations that it depends on ([`EnforceError::Doubtful`]).

@@ -1,7 +1,7 @@
 //! One connected part of K and C: its free DOFs and its equations, scaled by powers of two.
 //!
 //! ```text
-//! K' = K / 4^k    C_r' = C_r / 2^r    u' = u / 2^t    lambda_r' = lambda_r 2^r / (4^k 2^t)
+//! K' = K / 4^k    C_r' = C_r / 2^e_r    u' = u / 2^t    lambda_r' = lambda_r 2^e_r / (4^k 2^t)    whole numbers k, e_r, t
 //! ```
 //!
 //! Prescribed DOFs are moved to the right-hand side, `f - K u_p` and `b - C u_p`. The powers of two bring the numbers of the part near one,
@@ -44,8 +44,8 @@ impl EnforcedPart<'_> {
         }
     }
 
-    /// Writes u, lambda and `-C^T lambda` of the part in the caller's scale. Forces are computed here, since lambda alone may leave the range
-    /// of doubles.
+    /// Writes u, lambda and `-C^T lambda` of the part in the caller's scale. Forces are computed here, since lambda alone may leave the
+    /// range of doubles.
     pub fn place(&self, x: &[f64], solution: &mut Solution) {
         let (of_dofs, of_rows) = x.split_at(self.dofs.len());
         self.dofs.iter().zip(of_dofs).for_each(|(&j, x)| solution.u[j] = times_power(*x, self.size));

@@ -5,7 +5,7 @@
 //! row_i = sum c_k row_k + e        e u = (C_i u - b_i) - sum c_k (C_k u - b_k)
 //! ```
 //!
-//! If `e u` is zero, it does not matter whether e is.
+//! If u satisfies the kept rows and `e u` is zero, u satisfies the redundant row too, even if e is not zero.
 
 use std::borrow::Cow;
 
@@ -58,11 +58,12 @@ impl std::fmt::Debug for Problem<'_> {
 }
 
 impl<'a> Problem<'a> {
-    /// Validates sizes and analyses the constraints with default settings. K is `&k`, or a [`Stiffness`] that declares which half is stored.
+    /// Validates sizes and analyses the constraints with default settings. K is `&k`, or a [`Stiffness`] that declares which half is
+    /// stored.
     ///
     /// # Errors
-    /// [`EnforceError`] if sizes do not match, a number is not finite, half of K is passed as a full matrix ([`EnforceError::Triangle`]), or
-    /// equations conflict; the error has their labels.
+    /// [`EnforceError`] if sizes do not match, a number is not finite, half of K is passed as a full matrix ([`EnforceError::Triangle`]),
+    /// or equations conflict; the error has their labels.
     pub fn new(k: impl Into<Stiffness<'a>>, f: &'a [f64], system: &'a ConstraintSystem) -> Result<Self, EnforceError> {
         let stiffness = k.into();
         check_arguments(stiffness.matrix(), f, (&[], system.dofs()), system.dofs())?;
@@ -118,7 +119,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Checks that sizes match and all numbers are finite; `with_values` is the number of DOFs that the list of prescribed values implies.
+/// Checks that sizes match and all numbers are finite; `with_values` is the number of DOFs if each prescribed value belongs to one
+/// prescribed DOF.
 pub fn check_arguments(
     k: &SparseMatrix,
     f: &[f64],
@@ -146,14 +148,14 @@ pub struct Solution {
     pub forces: Vec<f64>,
     /// `(DOF, K u + C^T lambda - f)` for each prescribed DOF: the support reaction.
     pub reactions: Vec<(usize, f64)>,
-    /// Estimated relative error of u, in the largest displacement of each connected part: the effect of rounding of K and C, plus the error
-    /// of penalties. If the displacement that the loads would cause on the stiffness of their DOFs is larger, the error is relative to that.
-    /// Translations and rotations are compared in units of energy. If K has no diagonal entry in a part, there is no such unit: each DOF is
-    /// then compared with itself, or with the terms of its equations if it is zero. The estimate is usually too large, and seldom several
-    /// times too small.
+    /// Estimated error of u, relative to the largest displacement of each connected part: the effect of rounding of K and C, plus the error
+    /// of penalties. If the displacement that the loads would cause on the stiffness of their DOFs is larger, the error is relative to
+    /// that. Translations and rotations are compared in units of energy. If K has no diagonal entry in a part, there is no such unit: each
+    /// DOF is then compared with itself, or with the terms of its equations if it is zero. The estimate is usually too large, and seldom
+    /// several times too small.
     pub accuracy: f64,
-    /// Largest residual of the equations that were solved, relative to the terms of its row: `K u + C^T lambda = f`, and `C u = b` for
-    /// equations with multipliers. The residual of a penalty, `C u - b = lambda / D`, does not count here: it is part of `accuracy`.
+    /// Residual of `K u + C^T lambda = f` and `C u = b`, relative to the terms of its row, in the row that is closest to its limit. The
+    /// equation of a penalty is `C u - lambda / D = b`; the error `lambda / D` is part of `accuracy` instead.
     pub imbalance: f64,
 }
 
@@ -164,8 +166,8 @@ pub enum Method {
     Elimination,
     /// Solve for lambda as an unknown (Eq. 10).
     Multiplier,
-    /// A spring of stiffness `D = factor k / |C_i|^2` pulls towards the equation (Eq. 11) and leaves `C_i u - b_i = lambda_i / D`. In a part
-    /// without any stiffness k, the factor has no meaning and the equation is satisfied exactly.
+    /// A spring of stiffness `D = factor k / |C_i|^2` pulls towards the equation (Eq. 11) and leaves `C_i u - b_i = lambda_i / D`. In a
+    /// part without any stiffness k, the factor has no meaning and the equation is satisfied exactly.
     Penalty {
         /// Stiffness of the spring relative to that of its DOFs.
         factor: f64,
@@ -209,11 +211,11 @@ impl Method {
     }
 }
 
-/// The residual of a redundant equation, minus the combination of the residuals of kept equations in its certificate, counts as zero up to
-/// this, relative to the sum of the absolute terms.
+/// Largest difference between the residual of a redundant equation and the combination of residuals in its certificate that counts as zero,
+/// relative to the sum of the absolute terms.
 const NOTHING: f64 = 1e-9;
 
-/// If the rank is ambiguous: fails if a redundant equation is not satisfied as well as the equations that it depends on.
+/// Fails if the rank is ambiguous and the residual of a redundant equation is not the combination of residuals in its certificate.
 pub fn check_redundant(analysis: &Analysis, kinds: &[Kind], rhs: &[f64], u: &[f64]) -> Result<(), EnforceError> {
     if !analysis.confidence().ambiguous {
         return Ok(());

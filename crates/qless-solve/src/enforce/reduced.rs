@@ -1,7 +1,7 @@
 //! Transformation with a given reduction T, G, g: `T^T K T q = T^T (f - K u_0)`, `u = T q + u_0` (Eq. 6-9).
 //!
-//! Slaves of factored components stay unknowns, with `C_S du_s + C_M du_q = 0` by multipliers; `C_S` is the product of the factors. Residuals
-//! are compared with the terms of K, T and f, since K_q does not show the terms that it was summed from.
+//! Slaves of factored components stay unknowns, with `C_S du_s + C_M du_q = 0` by multipliers; `C_S` is the product of the factors.
+//! Residuals are compared with the terms of K, T and f, since K_q does not show the terms that it was summed from.
 
 use faer::sparse::SparseColMat;
 use qless::{Csr, Reduction, ReductionError};
@@ -37,8 +37,8 @@ use crate::common::{SparseMatrix, times};
 /// ```
 ///
 /// # Errors
-/// [`EnforceError::Size`] if K, f or the values do not match the reduction, [`EnforceError::NotFinite`], [`EnforceError::Unsupported`] if the
-/// model is not supported, [`EnforceError::OutOfBalance`] if a residual is larger than 1e-10 of its terms.
+/// [`EnforceError::Size`] if K, f or the values do not match the reduction, [`EnforceError::NotFinite`], [`EnforceError::Unsupported`] if
+/// the model is not supported, [`EnforceError::OutOfBalance`] if a residual is larger than 1e-10 of its terms.
 pub fn reduced(
     k: &SparseColMat<usize, f64>,
     f: &[f64],

@@ -2,8 +2,8 @@
 //!
 //! If all terms of a row are rounding of larger unknowns elsewhere, the row cannot satisfy this measure. Its terms therefore count as at
 //! least [`FLOOR`] times what they would be if every unknown of its connected part were as large as the largest one, in the dimensionless
-//! units of [`super::units`]. An unknown without a known unit ([`super::units::UnitGroups`]) counts as the size that would make up a row of
-//! its own, `max_i (|A| |x| + |b|)_i / |A_ij|`. Cost of one residual: three passes over the entries.
+//! units of [`super::units`]. An unknown without a known unit ([`super::units::UnitGroups`]) counts as the largest size at which its term
+//! alone equals the terms of a row, `max_i (|A| |x| + |b|)_i / |A_ij|`. Cost of one residual: three passes over the entries.
 
 use super::EnforceError;
 
@@ -27,7 +27,7 @@ pub trait MeasuredEquations {
     fn units(&self) -> &[f64];
     /// The connected part of each unknown, given by one of its members.
     fn parts(&self) -> &[usize];
-    /// The size that each unknown counts as in rows of small terms; `size` are the terms of each row.
+    /// The size of each unknown in the floor for the terms of a row; `size` holds the sizes of the terms of each row.
     fn levels(&self, x: &[f64], _size: &[f64]) -> Vec<f64>
     where
         Self: Sized,
@@ -42,7 +42,7 @@ pub struct RefinementGoal<'a> {
     pub floor: &'a dyn Fn(usize) -> f64,
     /// The largest relative residual allowed in each row.
     pub limit: &'a dyn Fn(usize) -> f64,
-    /// Rows whose residual is larger than rounding by intention.
+    /// Rows whose residual may be larger than rounding; [`Refined::rounding`] ignores them.
     pub lax: &'a dyn Fn(usize) -> bool,
     /// Refinement stops at this fraction of the limit.
     pub enough: f64,
@@ -59,7 +59,7 @@ impl RefinementGoal<'static> {
     }
 }
 
-/// x, and the row with the largest residual.
+/// x, and the row with the largest residual relative to its limit.
 #[derive(Clone, Debug)]
 pub struct Refined {
     pub x: Vec<f64>,

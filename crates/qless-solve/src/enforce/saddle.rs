@@ -159,7 +159,7 @@ pub struct SaddleInverse<'a> {
 }
 
 impl<'a> SaddleInverse<'a> {
-    /// `shift` is added to the diagonal of the unknown DOFs, in units of [`super::units`], if the matrix is singular.
+    /// `shift` is added to the diagonal of the unknown DOFs, in units of [`super::units`]; a positive one makes a singular matrix regular.
     pub fn new(
         part: &'a EnforcedPart<'a>,
         methods: &[Method],
@@ -286,9 +286,9 @@ fn over_unknowns(
     from_triplets(rows.len(), unknowns, triplets)
 }
 
-/// `D_i = factor k_i / |C_i|^2` of each equation with a spring, zero for others. `k_i` is the largest diagonal entry of K on the free DOFs of
-/// the equation, or the largest entry of the part if these have none. D has the units of the equation; the factor is dimensionless. If the
-/// part has no stiffness at all, D is zero and the equation is satisfied exactly.
+/// `D_i = factor k_i / |C_i|^2` of each equation with a spring, zero for others. `k_i` is the largest diagonal entry of K on the free DOFs
+/// of the equation, or the largest entry of the part if these have none. D has the units of the equation; the factor is dimensionless. If
+/// the part has no stiffness at all, D is zero and the equation is satisfied exactly.
 pub fn spring_stiffness(part: &EnforcedPart, methods: &[Method]) -> Result<Vec<f64>, EnforceError> {
     let mut diagonal = vec![0.0_f64; part.dofs.len()];
     entries(&part.k).filter(|&(i, j, _)| i == j).for_each(|(i, _, v)| diagonal[i] += v.abs());

@@ -20,7 +20,7 @@ use crate::common::RandomForces;
 
 /// Shifts that make a singular matrix regular, dimensionless: far above rounding, far below any support.
 pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
-/// Power iterations; the first one depends on the start vector.
+/// Power iterations; the growth in the first one depends on the start vector and does not count.
 const STEPS: usize = 3;
 /// Most refinements of a null vector.
 const SHARPENINGS: usize = 6;
@@ -149,8 +149,8 @@ fn refined_null_vector(equations: &impl MeasuredEquations, solve: &mut Solve<'_>
     best
 }
 
-/// Restricts v to the connected parts without support, and returns the largest `|A v|_i / (|A| |v'|)_i` there, where every entry of v' is as
-/// large as the largest of its part. If all parts are supported, restricts v to the part with the weakest support.
+/// Restricts v to the connected parts without support, and returns the largest `|A v|_i / (|A| |v'|)_i` there, where every entry of v' is
+/// as large as the largest of its part. If all parts are supported, restricts v to the part with the weakest support.
 pub fn unsupported_part(equations: &impl MeasuredEquations, v: &[f64]) -> (Vec<f64>, f64) {
     let (residual, size) = (equations.apply(v), equations.size(&levelled(equations, v)));
     let parts = equations.parts();

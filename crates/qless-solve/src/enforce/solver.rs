@@ -1,6 +1,6 @@
 //! Factorizations of the condensed matrix: the trait [`Solver`] for the caller's own, and Cholesky, `L D L^T` and LU of faer.
 //!
-//! faer's run on one thread, so that results do not depend on the number of threads.
+//! The factorizations of faer run on one thread, so that results do not depend on the number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -88,8 +88,8 @@ pub struct Llt(Cholesky);
 
 /// faer's `L D L^T` without pivoting, for symmetric matrices.
 ///
-/// An indefinite matrix may have no such factors, or factors with large entries: [`super::Steps`] measures the error, and refines or refuses
-/// the solution. For a saddle matrix use [`Lu`].
+/// An indefinite matrix may have no such factors, or factors with large entries: [`super::Steps`] measures the error, and refines or
+/// refuses the solution. For a saddle matrix use [`Lu`].
 #[derive(Debug, Default)]
 pub struct Ldlt(Cholesky);
 

@@ -9,7 +9,7 @@ use super::EnforceError;
 use super::matrix::{compressed, entries, from_triplets};
 use crate::common::SparseMatrix;
 
-/// Entries `K_ij` and `K_ji` are equal if they differ by less than this, relative to the diagonal.
+/// Entries `K_ij` and `K_ji` are equal if they differ by less than this, relative to the larger of the entry and the diagonal.
 const SAME: f64 = 64.0 * f64::EPSILON;
 
 /// A stiffness matrix, and which entries are stored. `&k` alone is [`Stiffness::full`].

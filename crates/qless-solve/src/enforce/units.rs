@@ -17,8 +17,8 @@
 //! s_i K_ij s_j = 1        u_j / s_j has no unit
 //! ```
 //!
-//! A diagonal entry determines the unit of its DOF and of all DOFs in the same connected part of K. A part without diagonal entries, such as
-//! `[0 K_01; K_10 0]`, does not: the unit of one DOF is arbitrary if the other has the inverse. Each of these DOFs is a group of its own
+//! A diagonal entry determines the unit of its DOF and of all DOFs in the same connected part of K. A part without diagonal entries may
+//! leave units open: in `[0 K_01; K_10 0]`, any s_0 fits with `s_1 = 1 / (|K_01| s_0)`. Each DOF of such a part is a group of its own
 //! ([`UnitGroups`]).
 
 use qless::common::DisjointSets;
@@ -128,7 +128,7 @@ impl UnitGroups {
         let n = k.ncols();
         let real = || entries(k).filter(|&(_, _, v)| v != 0.0);
         let part = parts(n, real().map(|(i, j, _)| (i, j)));
-        // Without any stiffness, the equations alone decide which units are comparable.
+        // Without any stiffness, the equations connect all DOFs, and all units count as known.
         let (mut known, mut is_stiff) = (vec![false; n], false);
         real().for_each(|(i, j, _)| (known[part[j]], is_stiff) = (known[part[j]] || i == j, true));
         let mut known: Vec<bool> = (0..n).map(|j| !is_stiff || known[part[j]]).collect();

@@ -1,10 +1,10 @@
-//! Checks that a load step stays on its branch. DOFs that constraints and prescribed DOFs determine move along a curve, independently of the
-//! loads.
+//! Checks that a load step stays on its branch. DOFs that constraints and prescribed DOFs determine move along a curve, independently of
+//! the loads.
 //!
 //! Let G be the Jacobian at the start of a step, G' elsewhere, and x a vector on the determined DOFs. `P x = dx` is defined by
-//! `G dx = (G - G') x`. If `(1 - t) G x + t G' x = 0`, then `x = t P x`. While the spectral radius of P is below one, no matrix between G and
-//! G' is singular, as it would be where branches meet. If a linkage jumps to its mirror image, P has an eigenvalue above one, even if all
-//! constraints hold. A change of units is a similarity of P and does not change its eigenvalues. Each part has its own P.
+//! `G dx = (G - G') x`. If `(1 - t) G x + t G' x = 0`, then `x = t P x`. While the spectral radius of P is below one, no matrix between G
+//! and G' is singular, as it would be where branches meet. If a linkage jumps to its mirror image, P has an eigenvalue above one, even if
+//! all constraints hold. A change of units is a similarity of P and does not change its eigenvalues. Each part has its own P.
 //!
 //! With functions of time, the end points of a step cannot reveal a full turn between them: [`check_jumps`] looks at times in between. One
 //! evaluation at each time serves all parts.
@@ -28,10 +28,11 @@ const MOST: f64 = 0.5;
 const AIM: f64 = 0.35;
 /// Applications of P; the second half estimates the radius.
 const POWERS: usize = 8;
-/// Branches have met if G changes by less than this fraction of its entries.
+/// A step in which G changes by less than this fraction of its entries is accepted. If its spectral radius exceeds [`MOST`], branches have
+/// met.
 const MET: f64 = 0.005;
-/// An end of the step counts as a meeting point of branches if it is closer to one than the other end by this factor. P then has the
-/// eigenvalue 1 if G' is singular, and a very large one if G is.
+/// Branches meet at an end of the step if its distance to the meeting point is at most this fraction of the distance of the other end. P
+/// then has the eigenvalue 1 if G' is singular, and a very large one if G is.
 const NEARER: f64 = 1e-3;
 /// A DOF is determined if it moves by less than this fraction of its unit while the others move by theirs.
 const STILL: f64 = 1e-6;
@@ -155,7 +156,7 @@ const BETWEEN: [f64; 8] =
     [0.414_213_6, 0.732_050_8, 0.236_068, 0.645_751_3, 0.316_624_8, 0.605_551_3, 0.123_105_6, 0.358_898_9];
 /// If the path differs from a straight one by less than this fraction of its length, its end is representative.
 const STRAIGHT: f64 = 0.1;
-/// If it differs by more than this fraction, it returns, as after a full turn, and its end is not representative.
+/// If the path differs from a straight one by more than this fraction, it returns, as after a full turn, and its end is not representative.
 const BACK: f64 = 0.5;
 /// Takes the place of [`MOST`] at an intermediate time at which the path returns (see [`BACK`]).
 const MOST_BACK: f64 = 0.1;
@@ -227,8 +228,8 @@ fn pass(
 }
 
 impl Branch {
-    /// `dx` is the displacement after the fraction `part` of a step, and `straight` that of the whole step along a straight path. None if dx is
-    /// near `part * straight`.
+    /// `dx` is the displacement after the fraction `part` of a step, and `straight` that of the whole step along a straight path. None if
+    /// dx is near `part * straight`.
     fn bent(&self, dx: Vec<f64>, straight: &[f64], part: f64) -> Option<CurvedWay<'_>> {
         let off: Vec<f64> = dx.iter().zip(straight).map(|(x, whole)| x - part * whole).collect();
         let off = self.size(&off) / self.size(straight);

@@ -1,20 +1,22 @@
 //! Compares the stiffness of a model with differences of its forces: `K d = (f(u + t d) - f(u)) / t`.
 //!
-//! One direction d moves all DOFs by random fractions of their sizes, so that a wrong entry shows in its row after a few evaluations. Halving
-//! the moved DOFs then finds its column.
+//! One direction d moves all DOFs by random fractions of their sizes, so that a wrong entry shows in its row after a few evaluations.
+//! Halving the moved DOFs then finds its column.
 
 use super::model::{Assembly, Model};
 use super::state::fault;
 use super::{EquilibriumError, StepFailure};
 use crate::common::random;
 
-/// Largest lengths t of differences, the best first: the bending `t` and the rounding `eps / t` of a difference are equal at the root of eps, for
-/// DOFs of their expected size. The others serve DOFs that are far from it, and models that refuse a configuration.
+/// Lengths t of differences, the best first. The error of a difference is about `t` from curvature and `eps / t` from rounding; these are
+/// equal at the square root of eps if DOFs have their expected sizes. The other lengths serve DOFs of other sizes, and models that refuse a
+/// configuration.
 const LENGTHS: [f64; 4] = [1e-7, 1e-10, 1e-5, 1e-13];
-/// A row is wrong from this share of its terms on. Iterations with a tangent that is off by a share e converge like `e^k`: 25 of them, the
-/// default, reach 1e-10 for e below 0.4, so that one per cent explains no failure.
+/// A row is wrong if it is off by more than this share of its terms. A smaller error explains no failure: with a tangent that is off by a
+/// share e, iterations converge like `e^k`, and the default of 25 iterations reaches 1e-10 for e below 0.4.
 const SHARE: f64 = 0.01;
-/// A difference is trusted if it exceeds the spread of the slopes by this factor: slopes that bend one way lie within twice the spread.
+/// K is wrong only if it differs from the slope by more than this factor times the error bound of the slopes. If the slopes change
+/// monotonically with the length of the difference, their limit lies within twice their spread.
 const TRUSTED: f64 = 4.0;
 /// Roundings of a sum of forces.
 const ULPS: f64 = 8.0 * f64::EPSILON;
@@ -30,7 +32,8 @@ pub struct WrongEntry {
 
 /// Compares K of a model at u with differences of its forces.
 ///
-/// [`super::solve`] does so by itself when it finds no equilibrium. Cost: some evaluations, and about twelve for each halving of the DOFs if an entry is wrong.
+/// [`super::solve`] does so by itself when it finds no equilibrium. Cost: some evaluations, and about twelve for each halving of the DOFs
+/// if an entry is wrong.
 ///
 /// ```
 /// use qless_solve::equilibrium::{Assembly, EquilibriumError, Model, check_tangent};
@@ -57,7 +60,8 @@ pub struct WrongEntry {
 /// ```
 ///
 /// # Errors
-/// [`EquilibriumError::Tangent`] names an entry that is wrong by more than a hundredth of its row; others if the model refuses u.
+/// [`EquilibriumError::Tangent`] names an entry that is wrong by more than a hundredth of the terms of its row. Another error is returned
+/// if the model refuses u.
 pub fn check_tangent(model: &mut impl Model, u: &[f64]) -> Result<(), EquilibriumError> {
     let (found, expected) = (u.len(), model.dofs());
     if found != expected {

@@ -27,9 +27,9 @@ impl Start {
 /// Target of a load path, at load factor 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target<'a> {
-    /// `f_ext`, one number per DOF. At the rotation of a body, these are the components of a moment in space: three for a rotation vector; for
-    /// Euler parameters zero, and the three components. Such a moment keeps its axis in space while the body turns; it
-    /// has no energy, so that the tangent is not symmetric ([`super::Stability::NotSymmetric`]).
+    /// `f_ext`, one number per DOF. At the rotation of a body, these are the components of a moment in space: three for a rotation vector;
+    /// for Euler parameters, a zero and then the three components. Such a moment keeps its axis in space while the body turns; it has no
+    /// energy, so that the tangent is not symmetric ([`super::Stability::NotSymmetric`]).
     pub loads: &'a [f64],
     /// DOFs and their values.
     pub prescribed: &'a [(usize, f64)],

@@ -4,28 +4,28 @@
 //! | --- | --- | --- |
 //! | evaluation | `f_int, K` by the [`Model`]; `c, G, H = sum_r lambda_r d^2 c_r / du^2` by the set | one pass each |
 //! | rows | redundant equations are ignored, their multipliers are zero | one analysis per load step |
-//! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one numeric sparse LU of each part; its symbolic part once |
-//! | length | the natural test of affine invariance | one evaluation and solution per trial |
-//! | branch | spectral radius of `G^-1 (G - G')` on the DOFs that the constraints determine, over a load step | one sparse LU per step that moves prescribed DOFs or time |
+//! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one numeric LU of each part, one symbolic LU |
+//! | length | the natural monotonicity test, which is affine invariant | one evaluation and solution per trial |
+//! | branch | spectral radius of `G^-1 (G - G')` on the DOFs that constraints determine | one LU per step of prescribed DOFs or time |
 //! | load steps | shorter after a failure, longer after an easy step | |
 //!
-//! Residuals are independent of units. Forces are compared with the sizes of their terms and with the effect of one unit in the last place of
-//! u. Constraints are compared with the rounding of their own terms ([`ConstraintSet::rounding`]). The terms of a support `u_0 = 0` vanish
-//! with u; its residual is negligible if the motion that it demands changes forces by less than their rounding.
+//! Residuals are independent of units. Forces are compared with the sizes of their terms and with the effect of one unit in the last place
+//! of u. Constraints are compared with the rounding of their own terms ([`ConstraintSet::rounding`]). The terms of a support `u_0 = 0`
+//! vanish with u; its residual is negligible if the motion that it demands changes forces by less than their rounding.
 //!
 //! Connected parts are joined by K and by equations, but not by prescribed DOFs. All parts are iterated together; each has its own scales,
 //! factors, step lengths, redundant equations, convergence, branch and stability. The result of a part equals that of a separate solve, to
 //! the last bit, if the load steps are the same. Load steps are common to all parts, since time and history belong to the whole model: the
-//! part with the hardest step determines their length. If several parts fail, the error is that of the first one, ordered by the lowest DOFs;
-//! parts without free DOFs come last. If the [`Model`] rejects a configuration, evaluations without some of the parts find those that it
-//! rejects.
+//! part with the hardest step determines their length. If several parts fail, the error is that of the first one, ordered by the lowest
+//! DOFs; parts without free DOFs come last. If the [`Model`] rejects a configuration, evaluations without some of the parts find those that
+//! it rejects.
 //!
-//! Loads and reactions at the rotations of bodies are moments in space ([`ConstraintSet::generalised_forces`]), and multipliers belong to their
-//! constraints ([`qless_constraints::PerConstraint`]). If no equilibrium is found, the tangent of the model is compared with differences of its
-//! forces ([`check_tangent`]), since a wrong tangent looks like a load that is too large.
+//! Loads and reactions at the rotations of bodies are moments in space ([`ConstraintSet::generalised_forces`]), and multipliers belong to
+//! their constraints ([`qless_constraints::PerConstraint`]). If no equilibrium is found, the tangent of the model is compared with
+//! differences of its forces ([`check_tangent`]), since a wrong tangent looks like a load that is too large.
 //!
-//! A returned equilibrium satisfies these tolerances, and its tangent is not singular. It may be unstable; [`EquilibriumOptions::stability`]
-//! asks for a check.
+//! A returned equilibrium satisfies these tolerances, and its tangent is not singular. It may be unstable;
+//! [`EquilibriumOptions::stability`] asks for a check.
 
 mod branch;
 mod check_tangent;
@@ -60,8 +60,8 @@ use time_path::TimePath;
 ///
 /// DOFs that constraints and prescribed DOFs determine, such as a linkage with a prescribed crank, stay on the branch of the start. A load
 /// step is shortened if G changes by more than half of what would make it singular. Newton's method chooses the branch only if two branches
-/// meet, or if G changes by less than 1/200 of its entries; [`LoadStep::branches_meet`] then says so. Equilibria that depend on stiffness are
-/// those that Newton's method finds.
+/// meet, or if a change of G by less than 1/200 of its entries may lead to the other one; [`LoadStep::branches_meet`] then says so.
+/// Equilibria that depend on stiffness are those that Newton's method finds.
 ///
 /// ```
 /// use qless_solve::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, solve};
@@ -110,13 +110,13 @@ pub fn solve(
 /// As [`solve`], while the set advances to `time`: motors and other functions of time move with the loads, `t = t_0 + s (t_1 - t_0)` at the
 /// load factor s.
 ///
-/// The multiplier of a motor is its force: `dE = -lambda . db` along the path, where b is the prescribed motion (`phi`, `d`) and E the energy
-/// of model and loads. Angles may advance by any number of turns; no load step turns a motor by more than a sixteenth of a turn. Afterwards
-/// the set is at `time`; after an error, at its old time.
+/// The multiplier of a motor is its force: `dE = -lambda . db` along the path, where b is the prescribed motion (`phi`, `d`) and E the
+/// energy of model and loads. Angles may advance by any number of turns; no load step turns a motor by more than a sixteenth of a turn.
+/// Afterwards the set is at `time`; after an error, at its old time.
 ///
-/// As in [`solve`], determined DOFs stay on the branch of the start, also between the ends of load steps: a linkage that cannot close on the
-/// way is rejected, even if it closes at the end. If a load step starts exactly where a linkage stops closing, it may end where the linkage
-/// closes again. Branches meet there, and [`LoadStep::branches_meet`] says so.
+/// As in [`solve`], determined DOFs stay on the branch of the start, also between the ends of load steps: a linkage that cannot close on
+/// the way is rejected, even if it closes at the end. If a load step starts exactly where a linkage stops closing, it may end where the
+/// linkage closes again. Branches meet there, and [`LoadStep::branches_meet`] says so.
 ///
 /// ```
 /// use qless_solve::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, drive};

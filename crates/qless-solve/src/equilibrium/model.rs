@@ -49,13 +49,13 @@ pub trait Model {
         0.0
     }
 
-    /// Called when an equilibrium was found and the next load step starts from it; history variables should be updated here.
+    /// Called with the equilibrium of each successful load step, including the last one; history variables should be updated here.
     fn accept(&mut self, u: &[f64]) {
         let _ = u;
     }
 }
 
-/// An entry outside of the pattern.
+/// A force on a DOF out of range, or an entry of K outside of the pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AssemblyFault {
     Force(usize),

@@ -1,7 +1,7 @@
 //! Connected parts of a model: DOFs that are connected by entries of K, equations or rotations. Prescribed DOFs do not connect parts.
 //!
-//! Results of a part depend on that part alone. Parts are ordered by their lowest DOFs; those whose equations have prescribed DOFs only come
-//! last, ordered by their rows.
+//! Results of a part depend on that part alone. Parts are ordered by their lowest DOFs. An equation that has only prescribed DOFs is a part
+//! of its own; such parts come last, ordered by their rows.
 
 use qless::common::DisjointSets;
 use qless_constraints::{ConstraintSet, Evaluation};

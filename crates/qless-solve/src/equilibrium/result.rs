@@ -9,11 +9,11 @@ use super::Stability;
 pub struct EquilibriumIterate {
     /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms or to what rounding allows.
     pub force: f64,
-    /// `max_r eps |c_r| / rounding_r` over the kept rows, relative to the sizes of the terms of c. If c no longer falls, the largest terms of
-    /// its part count, or less if the motion that makes up for c changes forces by less than their rounding.
+    /// `max_r eps |c_r| / rounding_r` over the kept rows, relative to the sizes of the terms of c. If c no longer falls, it may be relative
+    /// to the largest terms of its part, or to the rounding of forces: the effect on forces of a motion that removes c_r then counts.
     pub constraint: f64,
-    /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. The smallest of the connected parts that
-    /// moved; the other fields are the largest of all parts.
+    /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. This is the smallest of the connected
+    /// parts that moved; the other fields are the largest of all parts.
     pub length: f64,
     /// Whether the tangent of the last correction was singular and was regularised.
     pub regularised: bool,
@@ -39,14 +39,14 @@ pub struct LoadStep {
 pub struct Equilibrium {
     /// DOFs.
     pub u: Vec<f64>,
-    /// One per equation, in units of force times displacement per unit of c; 0 for redundant equations. They belong to their constraints, and
-    /// stay theirs when constraints come and go.
+    /// One per equation, in units of force times displacement per unit of c; 0 for redundant equations. Each multiplier belongs to its
+    /// constraint, also after other constraints are added or removed.
     pub multipliers: PerConstraint,
     /// `f_int + G^T lambda - f_ext` at prescribed DOFs, the support forces; one per DOF, zero elsewhere. At rotations of bodies, moments in
     /// space, as in [`super::Target::loads`].
     pub reactions: Vec<f64>,
-    /// `-G^T lambda`: force of the constraints on the model, one per DOF; moments in space at rotations of bodies. Those of a single constraint
-    /// are [`qless_constraints::ConstraintSet::forces_of`].
+    /// `-G^T lambda`: force of the constraints on the model, one per DOF; moments in space at rotations of bodies. Those of a single
+    /// constraint are [`qless_constraints::ConstraintSet::forces_of`].
     pub constraint_forces: Vec<f64>,
     /// Redundant equations, which have no multiplier.
     pub redundant: Vec<usize>,

@@ -20,7 +20,7 @@ pub struct RowChoice {
     units: Vec<f64>,
     /// Which equations are independent.
     kept: Vec<bool>,
-    /// Knows the certificates of redundant rows.
+    /// The analysis, which has the certificates of redundant rows.
     analysis: Analysis,
 }
 
@@ -39,7 +39,7 @@ impl RowChoice {
         let mut settings: Options = options.analysis.clone();
         before.sort_unstable();
         settings.preferences.equations = before;
-        // The set has left out what is rounding of its own coefficients.
+        // The set has already left out coefficients that are rounding.
         settings.noise = Noise::None;
         let units = units(set, evaluation, &parts.of_equations.columns)?;
         let analysis = analyse(&set.linearised_in(&units, &still, &held)?, &settings)?;

@@ -1,8 +1,9 @@
-//! The saddle system `[K + H, G^T; G, 0] [du; dlambda] = [a; b]` on free DOFs and kept rows, scaled from both sides and solved by sparse LU.
+//! The saddle system `[K + H, G^T; G, 0] [du; dlambda] = [a; b]` on free DOFs and kept rows, scaled from both sides and solved by sparse
+//! LU.
 //!
 //! `A = D (saddle) D` has entries of size one. D of a DOF is a displacement per square root of energy, so that all entries of a scaled
-//! correction `D^-1 x` have the same unit, as have those of a scaled residual `D r`. The pattern and the symbolic factors stay the same while
-//! the same rows are kept ([`SaddlePattern`]).
+//! correction `D^-1 x` have the same unit, as have those of a scaled residual `D r`. The pattern and the symbolic factors stay the same
+//! while the same rows are kept ([`SaddlePattern`]).
 
 use faer::Mat;
 use faer::prelude::Solve;
@@ -63,7 +64,8 @@ impl Saddle {
         x.iter().zip(&self.scale).fold(0.0, |sum: f64, (x, d)| sum.hypot(x / d))
     }
 
-    /// The scaled null vector of A up to rounding, if there is one; by inverse iteration.
+    /// The scaled null vector of A up to rounding, by inverse iteration: none if A is not singular, empty if A is singular but the
+    /// iteration fails.
     pub fn null_vector(&self, pattern: &SaddlePattern) -> Option<Vec<f64>> {
         match inverse_iteration(&self.lu, self.scale.len()) {
             Some((_, size)) if size >= SINGULAR => None,
@@ -104,7 +106,7 @@ fn inverse(lu: &Lu<usize, f64>, b: &[f64]) -> Vec<f64> {
     (0..b.len()).map(|i| x[(i, 0)]).collect()
 }
 
-/// The unit vector with the smallest image, and the length of that; none if a pivot is zero.
+/// The unit vector y with the smallest `|A y|`, and this length; none if a pivot is zero.
 fn inverse_iteration(lu: &Lu<usize, f64>, n: usize) -> Option<(Vec<f64>, f64)> {
     let mut y = unit(&(0..n as u64).map(random).collect::<Vec<_>>());
     let mut size = f64::INFINITY;
@@ -190,7 +192,7 @@ fn unit(x: &[f64]) -> Vec<f64> {
     x.iter().map(|x| x / size).collect()
 }
 
-/// Made for the first matrix, and again if the positions of entries change.
+/// Pattern and symbolic factors. They are made for the first matrix, and again if the positions of entries change.
 #[derive(Default)]
 pub struct SaddlePattern(Option<KnownPattern>);
 

@@ -1,9 +1,9 @@
 //! Stability of an equilibrium: the number of negative eigenvalues of `Z^T (K + H) Z`, where Z is a basis of `G Z = 0`.
 //!
 //! Let `M = [K + H, G^T; G, -s I]` with m rows of G; then `inertia M = inertia (K + H + G^T G / s) + (0, m)`. For `A = M + s [0, 0; 0, I]`,
-//! `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both have the same inertia if no `M - t (M - A)`, `0 <= t <= 1`, is singular,
-//! that is, if the powers of `M^-1 (M - A) = I - M^-1 A` decay. This is checked with the computed factors `L D L^T`, including their
-//! rounding. If they do not prove the inertia, the result is undecided.
+//! `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both have the same inertia if no `M - t (M - A)`, `0 <= t <= 1`, is
+//! singular, that is, if the powers of `M^-1 (M - A) = I - M^-1 A` decay. This is checked with the computed factors `L D L^T`, including
+//! their rounding. If they do not prove the inertia, the result is undecided.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -18,10 +18,9 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use super::saddle::norm;
 use crate::common::{SparseMatrix, random, times};
 
-/// Values of s to try, for entries of size one: with a large s, M differs from the constraints; with a small s, the stiffness is lost to
-/// rounding.
+/// Values of s to try, for entries of size one: with a large s, M differs much from A; with a small s, the stiffness is lost to rounding.
 const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];
-/// Most terms of `G^T G` per entry of A; a row with all DOFs would fill it.
+/// Most terms of `G^T G` per entry of A; an equation with all DOFs would make it a full matrix.
 const FILL: usize = 100;
 /// Number of powers of `M^-1 (M - A)`, and the largest remaining fraction of a vector.
 const POWERS: usize = 6;

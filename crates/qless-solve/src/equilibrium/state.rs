@@ -32,7 +32,8 @@ pub struct EquilibriumState {
     rounding: Vec<f64>,
     /// `-d f_i / du_j` of moments in space, `(i, j, value)`, by rows.
     moments: Vec<(usize, usize, f64)>,
-    /// `|c_r|` in roundings of its own terms; if it no longer falls, of the largest in its part or of the forces.
+    /// `|c_r|` in roundings of its own terms. If c no longer falls, the rounding of the largest terms in its part or of the forces may
+    /// count instead.
     pub constraints: Vec<f64>,
     /// Bounds on the rounding of c and G.
     of_constraints: Option<Rounding>,
@@ -94,7 +95,7 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// For parts whose c no longer falls: the rest may be rounding of other rows or of forces.
+    /// Measures c anew in parts where it no longer falls: what is left of c may be rounding of other rows or of forces.
     pub fn settle<'a>(
         &mut self,
         (set, parts): (&ConstraintSet, &EquilibriumParts),
@@ -115,8 +116,8 @@ impl EquilibriumState {
     }
 
     /// For each row, the force change of the cheapest motion that removes c_r, `min_j |c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2`, in
-    /// units in the last place. If it is small, c_r is negligible, however small its own terms are; those of a support `u_0 = 0` vanish with
-    /// u_0.
+    /// units in the last place. If it is small, c_r is negligible, however small its own terms are; those of a support `u_0 = 0` vanish
+    /// with u_0.
     fn in_forces(&self, part: &EquilibriumPart) -> Vec<f64> {
         let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
         let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);
@@ -160,7 +161,7 @@ impl EquilibriumState {
         finite("the constraint value", part.rows.iter().map(|&r| (r, self.evaluation.c()[r])))
     }
 
-    /// Fails if its stiffness is not finite.
+    /// Fails if the stiffness of the part is not finite.
     pub fn finite_stiffness(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
         let rows = part.free.iter().chain(&part.prescribed);
         finite("the stiffness", rows.flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
@@ -188,8 +189,8 @@ impl EquilibriumState {
         free.iter().map(relative).fold(0.0, f64::max)
     }
 
-    /// Whether `c_r - sum y_k c_k` is rounding of its terms, if row r is `sum y_k row_k`; `roundings` of its own are allowed, and [`OTHERS`]
-    /// of each other.
+    /// Whether `c_r - sum y_k c_k` is rounding, for a redundant row r with the certificate `row_r = sum y_k row_k`. The limit is
+    /// `roundings` times the rounding of c_r plus [`OTHERS`] times that of each `y_k c_k`.
     pub fn follows(&self, row: usize, because: impl Iterator<Item = (f64, usize)>, roundings: f64) -> bool {
         let Some(rounding) = &self.of_constraints else { return false };
         let (c, bounds) = (self.evaluation.c(), rounding.c());

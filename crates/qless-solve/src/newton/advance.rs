@@ -34,7 +34,8 @@ impl NewtonState<'_> {
         }
     }
 
-    /// Moves each part by its step length. A part that has no direction or no length fails, and stays.
+    /// Moves each part by its step length. A part fails and stays if its equations conflict. It also fails if no length is found while it
+    /// is settled or in a singular configuration.
     pub fn advance(&mut self, found: &Linearisation, step: usize) -> Result<(), NewtonError> {
         let analysis = &found.analysis;
         let (du, conflicts) = self.directions(found, step)?;
@@ -50,7 +51,7 @@ impl NewtonState<'_> {
         self.move_to(target, step)
     }
 
-    /// The direction du of each part, and the parts that have proof of a conflict.
+    /// The direction du of each part, and whether a conflict is proven in it.
     fn directions(&mut self, found: &Linearisation, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
         let down = self.downhill(found, step)?;
         let (out, exists) = if self.contradicted.is_empty() {

@@ -1,11 +1,12 @@
 //! A configuration with its residuals, which are measured independently of units.
 //!
-//! - Residual of a row: `r_i = eps |c_i| / rounding_i`. The rounding of c_i is a multiple of the size of its terms, so that units of length,
-//!   angle and force cancel.
-//! - Weights D that make equations comparable: the geometric mean of `D_r |G_rj| E_j` over each row and column is one (Curtis and Reid 1972).
+//! - Residual of a row: `r_i = eps |c_i| / rounding_i`. The rounding of c_i is a multiple of the size of its terms, so that units of
+//!   length, angle and force cancel.
+//! - Weights D that make equations comparable: with suitable weights E of the columns, the geometric mean of `D_r |G_rj| E_j` over each row
+//!   and column is one (Curtis and Reid 1972).
 //!
-//! Other units change `D_r c_r` by one common factor only. Sizes of terms would not serve as weights: those of `u_0 + |u|^2 / 2` vanish with
-//! u, and so does c.
+//! Other units change `D_r c_r` by one common factor only. Sizes of terms would not serve as weights: those of `u_0 + |u|^2 / 2` vanish
+//! with u, and so does c.
 
 use qless::{ArgumentError, Csr};
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
@@ -63,8 +64,8 @@ pub fn in_roundings(c: &[f64], rounding: &[f64]) -> Vec<f64> {
     c.iter().zip(rounding).map(measure).collect()
 }
 
-/// How far each DOF can move until a nonlinear equation changes by the size of its terms: `1 / max_r (|G_rj| / size_r)`, or less if the
-/// curvature `|H_jj|` limits it. A length for a position, an angle for a rotation, in any unit; 0 for DOFs without equations.
+/// How far each DOF can move until an equation changes by the size of its terms: `1 / max_r (|G_rj| / size_r)`, or less if the curvature
+/// `|H_jj|` limits it. A length for a position, an angle for a rotation, in any unit; 0 for DOFs without equations.
 pub fn sizes_of_dofs(set: &ConstraintSet, u: &[f64], evaluation: &mut Evaluation) -> Result<Vec<f64>, ArgumentError> {
     let weights: Vec<f64> = set.rounding(u)?.c().iter().map(|&bound| inverse(bound / f64::EPSILON)).collect();
     set.effective_hessian(u, &weights, evaluation)?;
@@ -119,9 +120,9 @@ pub fn weights(g: &Csr, rounding: &[f64], columns: &PartColumns) -> Vec<f64> {
 /// Motions below this fraction of a DOF's size are negligible.
 const NEGLIGIBLE: f64 = 1e-11;
 
-/// `|c_r|` in roundings once c no longer falls: of its own terms or, if smaller, of the largest terms in its part,
-/// `D_r |c_r| / max_s D_s rounding_s`. The latter requires that the row demands a negligible motion only, `|c_r| <= 1e-11 sum_j |G_rj| s_j`
-/// with the extents s.
+/// `|c_r|` in roundings, for parts whose c no longer falls. If the row demands a negligible motion only, `|c_r| <= 1e-11 sum_j |G_rj| s_j`
+/// with the extents s, it is also measured by the largest rounding in its part, `D_r |c_r| / max_k D_k rounding_k`, and the smaller result
+/// counts.
 ///
 /// If the own terms of a row vanish, it still contains rounding of other rows, and further steps among nearly dependent rows do harm. The
 /// condition on the motion is needed since weights of rows with small entries are very large.

@@ -44,7 +44,8 @@ pub enum NewtonError {
         "the tolerance is {0}; it is a multiple of the rounding error of each equation's value, finite and at least 1, such as 4"
     )]
     Tolerance(f64),
-    /// Equations that contradict those that they depend on: no motion that the others allow reduces their residual, to first or second order.
+    /// Equations that contradict those that they depend on: no motion that the others allow reduces their residual, to first or second
+    /// order.
     #[error(
         "{} cannot be satisfied together with {}: the residual is {amount:e}, and no motion that the latter allow reduces it; \
          change one of them, or the prescribed values", .labels.join(" and "), list(.others)

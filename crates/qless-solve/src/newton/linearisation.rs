@@ -1,12 +1,13 @@
 //! The analysis of `G du = -c`, and the Newton step `du_s = T du_q + g` with `du_q = 0`. If G is constant, a new c needs no new analysis.
 //!
-//! T is not needed for a step and would grow with the square of the length of a chain of bodies, so that connected components stay factors.
+//! T is not needed for a step and would grow with the square of the length of a chain of bodies, so that it stays in factored form.
 //! Prescribed DOFs already have their values; their increments are zero.
 //!
 //! Columns of G are scaled by units, `du_j = s_j y_j`, which make lengths and angles comparable before the rank of `G S` is determined.
 //!
-//! With lengths of 1e-6 beside angles in radians, two rows may differ only in columns that are a million times smaller than others. The units
-//! follow from the sizes of the terms of c, and so from the unit of length. They are powers of two, which cause no rounding.
+//! With lengths of 1e-6 beside angles in radians, two rows may differ only in columns that are a million times smaller than others. The
+//! units are computed from the sizes of the terms of c, so that they adapt to the unit of length. They are powers of two, which cause no
+//! rounding.
 
 use qless::{Analysis, ArgumentError, Form, Noise, Options, Tolerance, analyse};
 use qless_constraints::{ConstraintSet, Evaluation};
@@ -19,8 +20,8 @@ use super::solution::NewtonOptions;
 /// Bound on the entries of T. It can be large: masters do not move, so that T does not affect a step.
 const GROWTH: f64 = 1e6;
 
-/// Smaller changes of coefficients decide nothing on the way to a solution: half of the digits of a double. Where c is off by as much, G
-/// changes by more, and the next step ends at rounding.
+/// Smallest relative tolerance of the rank on the way to a solution: half of the digits of a double. Rows that smaller changes make
+/// independent are not needed: so close to the solution, the next step ends at rounding.
 const CHANGE: f64 = 1e-8;
 
 /// The linearised equations at one iterate.
@@ -48,7 +49,8 @@ impl Linearisation {
         let system = set
             .linearised_in(&units, evaluation, &increments)
             .map_err(|source| NewtonError::System { step, source })?;
-        // If the first hinge of a chain turns, its end moves by the length of the chain. Smaller entries of T would require slaves far away.
+        // If the first hinge of a chain turns, the end of the chain moves by the length of the chain, which is an entry of T. A smaller
+        // bound would require other slaves, far along the chain.
         let growth = options.analysis.growth.max(GROWTH);
         let tolerance = match options.analysis.tolerance {
             Tolerance::Relative(least) => Tolerance::Relative(least.max(CHANGE)),
@@ -96,9 +98,10 @@ pub fn units(set: &ConstraintSet, evaluation: &Evaluation, columns: &PartColumns
 
 /// Reach of each column: how far a DOF moves until a nonlinear c changes by the size of its terms, `1 / max_r (|G_rj| / size_r)`.
 ///
-/// An entry counts as the size of its terms, known from its rounding, even if they cancel. All motions of nodes in a row count as its largest
-/// one: otherwise a rod along an axis would give the DOFs across it a longer reach. Terms of linear rows vanish with u, so that only the
-/// ratios of their entries count: a DOF without nonlinear rows gets the reach of its neighbours, or 0 if these have none.
+/// An entry counts as the size of its terms, known from its rounding, even if they cancel. In each row, the entries of all DOFs that move
+/// nodes count as the largest of them: otherwise a rod along an axis would give the DOFs across it a longer reach. Terms of linear rows
+/// vanish with u, so that only the ratios of their entries count: a DOF without nonlinear rows gets the reach of its neighbours, or 0 if
+/// these have none.
 fn reaches(set: &ConstraintSet, evaluation: &Evaluation, columns: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
     let (g, rounding) = (evaluation.g(), set.rounding(evaluation.u())?);
     let linear = set.linear_rows();

@@ -1,14 +1,15 @@
 //! Newton's method for constraints `c(u) = 0`. Each iterate solves `G du = -c` by elimination, `du_s = T du_q + g` (Eq. 23-26).
 //!
 //! The analysis finds redundant equations at every iterate; the step ignores them. At a distance d from the solution, rows of G that are
-//! redundant there may be independent by an amount of order d. Their values differ by an amount of order d^2, so that a step that satisfies
-//! them is still of order d, and convergence stays quadratic.
+//! redundant there may be independent by an amount of order d. Their values differ from those that the other rows imply by an amount of
+//! order d^2 only. A step that satisfies them is therefore still of order d, and convergence stays quadratic.
 //!
 //! - Convergence is measured in roundings of c, so that the result has all digits that the model allows, in any unit.
 //! - A step is at most as long as a second-order model of c is valid along it.
 //! - Connected parts are iterated together, each with its own step lengths, tolerance and termination. The result of a part does not depend
 //!   on other parts, to the last bit. Prescribed DOFs do not connect parts.
-//! - If G loses rank while c is nonzero (a dead centre), no first-order step exists. A second-order step may; see [`NewtonError::Conflict`].
+//! - If G loses rank while c is nonzero (a dead centre), no first-order step exists. A second-order step may; see
+//!   [`NewtonError::Conflict`].
 
 mod advance;
 mod configuration;
@@ -32,13 +33,14 @@ pub use redundancy::{Redundancy, redundancies};
 pub use solution::{NewtonIterate, NewtonOptions, NewtonSolution};
 use state::NewtonState;
 
-/// Finds `c(u) = 0`, starting from `u`. Prescribed DOFs `(DOF, value)` take their values; among the others, only slaves move in a step.
+/// Finds `c(u) = 0`, starting from `u`. Prescribed DOFs `(DOF, value)` take their values; among the others, only slaves move in a
+/// first-order step.
 ///
-/// Near a solution the residual falls as `r_(k+1) <= C r_k^2`, also with redundant constraints. If two motions lead away from a dead centre,
-/// the one is taken in which the DOF that moves most, relative to its size, increases.
+/// Near a solution the residual falls as `r_(k+1) <= C r_k^2`, also with redundant constraints. If two motions lead away from a dead
+/// centre, the one is taken in which the DOF that moves most, relative to its size, increases.
 ///
-/// Rotation vectors longer than half a turn are replaced by shorter ones of the same rotation ([`ConstraintSet::shorten_rotations`]), unless
-/// one of their DOFs is prescribed.
+/// Rotation vectors longer than half a turn are replaced by shorter ones of the same rotation ([`ConstraintSet::shorten_rotations`]),
+/// unless one of their DOFs is prescribed.
 ///
 /// ```
 /// use qless_solve::newton::{NewtonOptions, solve};

@@ -84,7 +84,7 @@ struct RedundancyAnalysis {
 
 /// A second configuration.
 enum Nearby {
-    /// G is the same in all configurations.
+    /// G is the same in all configurations, or there is no other configuration.
     Same,
     At(Vec<f64>),
     None,
@@ -101,7 +101,7 @@ impl RedundancyAnalysis {
         let units = units(set, &evaluation, &PartColumns::plain(evaluation.g())).map_err(argument)?;
         let system =
             set.linearised_in(&units, &evaluation, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
-        // The set has left out what is rounding of its own coefficients.
+        // The set has already left out coefficients that are rounding.
         let options = Options { noise: Noise::None, ..options.clone() };
         let analysis = analyse(&system, &options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
         let reduction = analysis.reduction_in(Form::Factored);

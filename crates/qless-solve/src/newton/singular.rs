@@ -1,10 +1,10 @@
 //! Directions out of a singular configuration, to second order: `c_k + z^T Z^T H_k Z z / 2 = 0`.
 //!
-//! In a singular configuration a redundant row is a combination of the others, `y_k^T G = 0`, but its value may not be: `y_k^T c != 0`. No du
-//! changes that to first order. Motions `du = Z z` that the kept rows allow change it by `z^T Z^T (sum_r y_kr H_r) Z z / 2`: the effective
-//! Hessian with the certificate as weights. Let all contradicted rows be combined with the weights `f_k = c_k / rounding_k^2`. A solution
-//! nearby then requires `sum_k f_k c_k + z^T A z / 2 = 0`, that is, a negative eigenvalue of A. Its eigenvector is the direction; without one
-//! there is no solution nearby.
+//! In a singular configuration a redundant row is a combination of the others, `y_k^T G = 0`, but its value may not be: `y_k^T c != 0`. No
+//! du changes that to first order. Motions `du = Z z` that the kept rows allow change it by `z^T Z^T (sum_r y_kr H_r) Z z / 2`: the
+//! effective Hessian with the certificate as weights. Let all contradicted rows be combined with the weights `f_k = c_k / rounding_k^2`,
+//! and their effective Hessians H_k to `A = sum_k f_k Z^T H_k Z`. A solution nearby then requires `sum_k f_k c_k + z^T A z / 2 = 0`. Since
+//! the sum is positive, A must have a negative eigenvalue. Its eigenvector is the direction; if there is none, there is no solution nearby.
 
 use qless::{Analysis, ArgumentError, Form, Reduction};
 use qless_constraints::Evaluation;

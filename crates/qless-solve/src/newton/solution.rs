@@ -8,9 +8,9 @@ pub struct NewtonOptions {
     /// Largest `|c_r|` of a solution, in multiples of the bound on its rounding
     /// ([`ConstraintSet::rounding`](qless_constraints::ConstraintSet::rounding)). Default 4, at least 1.
     ///
-    /// If c no longer falls, the rounding of the largest terms of its connected part counts, with the weights of [`NewtonIterate::residual`].
-    /// This holds for rows that demand a negligible motion only: `|c_r| <= 1e-11 sum_j |G_rj| s_j`, where `s_j` is the coordinate that DOF j
-    /// adds to, or `|u_j|`, or one radian.
+    /// If c no longer falls, the rounding of the largest terms of its connected part counts, with the weights of
+    /// [`NewtonIterate::residual`]. This holds for rows that demand a negligible motion only: `|c_r| <= 1e-11 sum_j |G_rj| s_j`, where
+    /// `s_j` is the largest of `|u_j|`, the coordinates that DOF j displaces and, in rotation vectors, one radian.
     pub tolerance: f64,
     /// Most steps of any part. Default 50.
     pub steps: usize,
@@ -27,8 +27,8 @@ impl Default for NewtonOptions {
 /// One iterate, before its step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewtonIterate {
-    /// `max_r D_r |c_r| / max_r D_r size_r`, where size_r is that of the terms of c_r and the weights D make equations comparable. It is the
-    /// same in all units; the largest of all connected parts counts.
+    /// `max_r D_r |c_r| / max_r D_r size_r`, where size_r is that of the terms of c_r and the weights D make equations comparable. It is
+    /// the same in all units; the largest of all connected parts counts.
     pub residual: f64,
     /// Rank of G.
     pub rank: usize,

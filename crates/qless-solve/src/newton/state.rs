@@ -57,7 +57,7 @@ impl<'a> NewtonState<'a> {
         }
         let mut u = u.to_vec();
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));
-        // Includes DOFs without equations.
+        // This check includes DOFs that no equation uses.
         if let Some(place) = u.iter().position(|u| !u.is_finite()) {
             let source = ArgumentError::NotFinite { what: "u", place, value: u[place] };
             return Err(NewtonError::Argument { step: 0, source });

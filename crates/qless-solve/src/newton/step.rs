@@ -1,9 +1,9 @@
 //! Step length along du: as far as a second-order model describes c and c gets smaller, for each part separately.
 //!
-//! At a trial point `u + t du` both c and G are known, so that the curvature along du needs no Hessian. With `g = G du` at the start and `g'`
-//! at the trial point, second order predicts `c' = c + t (g + g') / 2`; the difference to the actual c' is of third order. If it is not small
-//! compared with the second order, t is too long. This detects a crank that would turn by a million radians: g' grows with du, but c' does
-//! not.
+//! At a trial point `u + t du` both c and G are known, so that the curvature along du needs no Hessian. With `g = G du` at the start and
+//! `g'` at the trial point, second order predicts `c' = c + t (g + g') / 2`; the difference to the actual c' is of third order. If it is
+//! not small compared with the second order, t is too long. This detects a crank that would turn by a million radians: g' grows with du,
+//! but c' does not.
 //!
 //! All parts try their lengths together, so that one evaluation serves all. Parts that have found their length keep it.
 
@@ -17,13 +17,14 @@ use super::parts::EquationParts;
 const THIRD: f64 = 0.25;
 /// Smallest decrease of the merit function, relative to the first-order prediction.
 const DECREASE: f64 = 1e-4;
-/// Most trials. At a distance of 1e-150 from a dead centre, du is longer by that factor, so that t may be as small as `4^-250`.
+/// Most trials. At a distance of 1e-150 from a dead centre, du is too long by a factor of about 1e150, so that t may be as small as
+/// `4^-250`.
 const TRIES: usize = 250;
 
 /// The goal of a part's step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepGoal {
-    /// Nothing: all of its equations hold.
+    /// No step: all equations of the part hold, or the part has failed.
     Done,
     /// Smaller residuals of the kept equations, or residuals within the tolerance.
     Downhill,

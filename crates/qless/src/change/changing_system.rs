@@ -109,7 +109,8 @@ impl ChangingSystem {
     /// Analyses and reduces the blocks that changed since the last update; returns their number.
     ///
     /// # Errors
-    /// [`ChangeError::System`], [`ChangeError::Analysis`]. Then the results are unchanged, and the next update tries again.
+    /// [`ChangeError::System`], [`ChangeError::Analysis`], [`ChangeError::Reduction`]. Then the results are unchanged, and the next update
+    /// tries again.
     pub fn update(&mut self) -> Result<usize, ChangeError> {
         let region = self.network.region(&|place| self.blocks[place as usize].as_ref().map(SolvedBlock::equations));
         let parts = self.network.parts(&region.equations);
@@ -174,10 +175,11 @@ impl ChangingSystem {
         self.network.equations()
     }
 
-    /// Sets slaves and prescribed DOFs of all blocks in `u`, which holds the masters.
+    /// Sets all prescribed DOFs and the slaves of all blocks in `u`, which holds the values of the masters.
     ///
     /// # Errors
-    /// [`ArgumentError`](crate::ArgumentError) if `u` has a wrong length or a number that is not finite; some slaves may then be set already.
+    /// [`ArgumentError`](crate::ArgumentError) if `u` has a wrong length or a number that is not finite. Some entries of `u` may then be
+    /// set already.
     pub fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
         long("u", u.len(), self.network.dofs())?;
         self.network.prescribed_dofs().for_each(|(dof, value)| u[dof] = value);

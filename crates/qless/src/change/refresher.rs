@@ -27,7 +27,7 @@ const NOISE: f64 = 1e-14;
 
 /// Computes g and the kinds of the equations for new right-hand sides.
 ///
-/// It owns or shares its analysis, so it can be stored beside it and sent to other threads.
+/// It shares ownership of its analysis and borrows nothing, so a program can store it or send it to other threads.
 pub struct Refresher {
     analysis: Arc<Analysis>,
     /// The coefficient of the slave in each peeled equation.
@@ -43,7 +43,7 @@ impl std::fmt::Debug for Refresher {
     }
 }
 
-/// The results that depend on the right-hand side, except g.
+/// The results of a refresh except g, which is written into the reduction.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Refreshed {
@@ -135,7 +135,7 @@ impl Refresher {
         let local = self.analysis.numbering.view(self.system(), rhs);
         let rule = MismatchRule::new(local, &self.analysis.scaling, &self.analysis.options);
         let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay, &rule)).collect();
-        // As in the analysis: an equation that was dropped for a preferred one and conflicts with it must not change g.
+        // As in the analysis: if an equation was dropped in favour of preferred equations and conflicts with them, it must not change g.
         let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
         let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
         let excess: Vec<_> = overruled.map(|(d, _)| (d.row, d.mismatch)).collect();

@@ -1,4 +1,4 @@
-//! Repeats the elimination on new right-hand sides: `b_k <- b_k - factor b_p`, in the order of the steps.
+//! Repeats the elimination on new right-hand sides, step by step: `b_k <- b_k - factor b_p`, where p is the pivot row of the step.
 
 use crate::Analysis;
 use crate::factor::backend::BackendError;
@@ -59,7 +59,7 @@ impl<'a> Replay<'a> {
         replay
     }
 
-    /// Row `i` of the rows that presolve eliminated from, after all steps, scaled.
+    /// The scaled right-hand sides of row `i` after all steps; i counts the rows that presolve eliminated from.
     pub fn row(&self, i: u32) -> RowRhs {
         let history = &self.analysis.history;
         let user = history.rows[i as usize] as usize;
@@ -107,7 +107,7 @@ impl BlockSolver {
         Ok(Self { exponents, solver: SlaveSolver::new(&matrix, lu), slaves })
     }
 
-    /// Sets the slaves in u (local) for the right-hand sides b of the kept rows; the other DOFs of the block are zero.
+    /// Sets the slaves in u (local numbers) for the right-hand sides b of the kept rows, as if the other DOFs of the block were zero.
     pub fn solve(&self, mut b: Vec<f64>, u: &mut [f64]) {
         b.iter_mut().zip(&self.exponents).for_each(|(b, &shift)| *b = ldexp(*b, shift));
         let x = self.solver.solve_dense(&b);

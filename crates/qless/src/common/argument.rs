@@ -1,4 +1,4 @@
-//! Errors of arguments: lengths, indices and values that a caller passes to a result.
+//! Errors of arguments: wrong lengths, indices and values that a caller passes to a method.
 
 /// An invalid argument. Indices count from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

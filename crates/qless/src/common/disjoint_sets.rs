@@ -15,7 +15,7 @@
 pub struct DisjointSets(Vec<u32>);
 
 impl DisjointSets {
-    /// Each of the numbers `0..n` is its own set; n is at most 2^32.
+    /// Each of the numbers `0..n` is its own set; n is below 2^32.
     pub fn new(n: usize) -> Self {
         Self((0..n as u32).collect())
     }

@@ -4,9 +4,8 @@
 //! Numbering -> Scaling -> Pipeline::run_verified -> keep_preferred -> generated -> Analysis
 //!
 //! run_verified   run_stages, probe the kept rows
-//!                doubtful components near dependence?  run_stages again; these components go to the backend instead of presolve, or the
-//!                other way round
-//!                presolve keeps more rows?  its rank is used
+//!                doubtful components?  run_stages again; these components go to the backend instead of presolve, or the other way round
+//!                presolve keeps more rows of a component than the backend?  its rank is used
 //!
 //! run_stages     peel -> gather -> eliminate -> Block::gather -> diagnose -> classify
 //! ```
@@ -145,16 +144,17 @@ struct VerifiedPass {
 impl Pipeline<'_> {
     /// Runs the stages until presolve's decisions are verified: once, twice or three times.
     ///
-    /// The second run sends the components on which presolve should not decide to the backend or, without presolve, those with dependent
-    /// equations to presolve. If presolve finds fewer dependent equations, its rank is used: no pivot of presolve has lost more than three
-    /// digits, so the equations that it keeps are independent.
+    /// With presolve, the second run sends the components in which presolve is doubtful to the backend. Without presolve, it sends the
+    /// components with dependent equations to presolve. If presolve finds fewer dependent equations in a component, its rank is used: no
+    /// pivot of presolve has lost more than three digits, so the equations that it keeps are independent.
     fn run_verified(&self, presolve: bool) -> Result<VerifiedPass, AnalysisError> {
         let held_back = vec![!presolve; self.local.equations()];
         let first = self.run_and_probe(&held_back)?;
         let (mut known, mut labels) = (None, None);
         let doubtful: Vec<usize> = match presolve {
             _ if !self.context.check => Vec::new(),
-            // While digits are left, steep multipliers are only a sign; the distance of the kept rows from dependence can be computed.
+            // A steep row that still has digits is only a hint: its component is doubtful if the distance from dependence is small. Lost
+            // and far rows have too few digits for this, so they are always doubtful.
             true if !first.probe.doubtful.is_empty() => {
                 let distances = known.insert(self.distances(&first));
                 let labels = labels.insert(Labels::of(self.local));
@@ -197,7 +197,8 @@ impl Pipeline<'_> {
         Ok(self.with_confidence(pass, decided, (dropped, false), None))
     }
 
-    /// Runs without the equations in `gone`, except in components where that is worse. Returns the result and the equations left out.
+    /// Runs without the equations in `gone`. Keeps them in components where one of them is then not redundant, or where the number of
+    /// dependent or conflicting equations changes. Returns the result and the equations left out.
     fn without(
         &self,
         mut gone: BTreeSet<usize>,
@@ -224,7 +225,8 @@ impl Pipeline<'_> {
         Ok((first, gone))
     }
 
-    /// Runs the stages and probes the kept rows; probes them more sharply if the first estimate is not harmless.
+    /// Runs the stages and probes the kept rows. If that probe is not harmless, a second one uses random numbers that depend on the
+    /// component alone, and a sample of the inverse instead of a bound.
     fn run_and_probe(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
         let mut pass = self.run_stages(held_back)?;
         let probe_with = |pass: &PassResult, inverse| {
@@ -248,8 +250,8 @@ impl Pipeline<'_> {
         if self.context.check { kept.distances() } else { Vec::new() }
     }
 
-    /// Adds the confidence, with the size of what a second elimination dropped, and a doubt if that was too large. `known` are the
-    /// distances, if they are computed already.
+    /// Adds the confidence. `dropped` is the largest remainder that presolve dropped in components that were run twice. `is_unverified` is
+    /// true if memory did not suffice to verify presolve. `known` are the distances, if they are computed already.
     fn with_confidence(
         &self,
         mut pass: PassResult,
@@ -273,8 +275,8 @@ impl Pipeline<'_> {
         VerifiedPass { pass, held_back, confidence }
     }
 
-    /// What is left of a dependent equation beyond rounding; 0 if the stated errors of its coefficients, or of those of the equations that
-    /// it is a combination of, explain it.
+    /// Remainder of a dependent equation beyond rounding; 0 if it is within the stated errors of the coefficients of this equation or of
+    /// the equations of its certificate.
     fn beyond_floors(&self, d: &Dependent, history: &History) -> f64 {
         let Some(floors) = self.floors.filter(|_| d.dropped > 0.0) else { return d.dropped };
         let members = d.source.explain(history).into_iter().map(|term| term.row).chain([d.row]);
@@ -290,7 +292,7 @@ impl Pipeline<'_> {
         let terms = d.source.explain(history);
         let members = terms.iter().map(|term| term.row).chain([d.row]);
         let precision = typed_precision(members.map(|row| self.local.row(row).map(|(_, value)| value)));
-        // The elimination may have added large right-hand sides and subtracted them again: those of the certificate count.
+        // Only right-hand sides of the certificate count: the elimination may have added larger ones and subtracted them again.
         let sides = terms.iter().map(|term| (term.coefficient * side(self.local, term.row).size).abs());
         let size = sides.fold(side(self.local, d.row).size, f64::max);
         d.mismatch.abs() < precision * size

@@ -5,7 +5,8 @@
 //! e_s   = sum_i c_i row_i             of a DOF s that the equations fix
 //!
 //! error = max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)
-//! refinement: the remainder row_k - sum c_i row_i is itself expressed by the kept equations and added to c; not with large blocks
+//! refinement: the remainder row_k - sum c_i row_i is expressed by the kept equations, and its coefficients are added to c;
+//!             skipped if a block is large
 //! ```
 
 use std::collections::BTreeMap;
@@ -19,14 +20,15 @@ use crate::common::argument::{ArgumentError, within};
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::scale::ldexp;
 
-/// Refinement factors a block again. For a block with more entries (2 MiB) that would cost more time and memory than a report should.
+/// No refinement if a block has more entries than this (2 MiB): refinement factors the block again, which costs too much for a report.
 const SMALL: usize = 1 << 18;
 
 /// Largest number of refinements; each gains as many digits as the condition of the kept equations allows.
 const REFINEMENTS: usize = 3;
 
 impl Analysis {
-    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row; empty for an independent one.
+    /// Why an equation is dependent: the terms of `row_k = sum c_i row_i` over the free DOFs, ascending by row; empty for an independent
+    /// equation.
     ///
     /// The coefficients are checked and, if their error is above the tolerance and no block is large, refined:
     /// [`Analysis::because_error`] is the remaining error.
@@ -62,7 +64,7 @@ impl Analysis {
         Ok(if error > self.options.tolerance.value() { error } else { 0.0 })
     }
 
-    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
+    /// Why a DOF s of [`Analysis::generated`] is fixed: its unit vector `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
     ///
     /// # Errors
     /// [`BackendError`] if the block of the DOF cannot be factored again.
@@ -124,7 +126,8 @@ impl Analysis {
     }
 
     /// The remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms, by local DOF in ascending order.
-    /// The sum has twice the digits, so that a refinement uses the true remainder. Untouched pages of the sums cost nothing.
+    /// The remainder is summed in twice the precision, so that a refinement uses its true value. `sums` has an entry for each DOF of the
+    /// system, but memory pages that are not touched cost nothing.
     pub(super) fn parts(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
@@ -196,7 +199,7 @@ impl Analysis {
         explainer.because(vector).map(|terms| self.over_kept(terms))
     }
 
-    /// Replaces equations that were exchanged for others by their certificates.
+    /// Replaces each equation that was exchanged for another one, and so is no longer kept, by its certificate.
     fn over_kept(&self, terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
         let given = |row: usize| match &self.dependent_of(row)?.source {
             Source::Given(because) => Some(because),

@@ -64,8 +64,8 @@ impl History {
         self.expand(rows, steps, self.exponents[self.rows[k as usize] as usize])
     }
 
-    /// The combination of the user's equations that equals the given multiples of steps and of rows of a block; `exponent` is the
-    /// row scaling of the result.
+    /// The combination of the user's equations that equals a sum of steps and of rows of a block with the given factors; `exponent` is
+    /// the row scaling of the result.
     pub fn combination(&self, steps: &[(u32, f64)], block: &[(u32, f64)], exponent: i32) -> Vec<CertificateTerm> {
         let mut rows: BTreeMap<u32, CertificateSum> = BTreeMap::new();
         let mut sums: BTreeMap<u32, CertificateSum> = BTreeMap::new();

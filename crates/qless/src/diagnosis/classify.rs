@@ -80,8 +80,8 @@ impl<'a> MismatchRule<'a> {
 /// The origin of the certificate of a dependent equation.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
-    /// Index of the row among those that went through elimination, its certificate over rows of its block, and the error bound of each
-    /// coefficient: this many units in the last place of the largest one, for each term.
+    /// Index of the row among those that went through elimination, its certificate over rows of its block, and an error bound: each
+    /// coefficient is wrong by at most this many units in the last place of the largest one, times the number of terms.
     Traced(u32, BlockCertificate, f64),
     /// The certificate itself.
     Given(Vec<CertificateTerm>),

@@ -19,7 +19,7 @@ const SMALL_MISMATCH: f64 = 1e-6;
 pub enum Doubt {
     /// Kept equations become dependent if coefficients change in their 8th digit or later, or in the last digit with which they were typed.
     Near,
-    /// Dropped equations leave more than rounding, so they are no exact combinations of the kept ones.
+    /// Dropped equations have remainders above rounding, so they are no exact combinations of the kept ones.
     NoGap,
     /// Right-hand sides of dependent equations differ by so little that they may be meant as equal.
     Mismatch,
@@ -49,7 +49,7 @@ pub struct Confidence {
     pub distance: f64,
     /// e, beyond rounding; 0 if there is none.
     pub error: f64,
-    /// True if another tolerance might give another rank or another verdict.
+    /// True if there is a doubt: the rank or a verdict may be wrong.
     pub ambiguous: bool,
     /// The reason, if the verdict is ambiguous.
     pub doubt: Option<Doubt>,
@@ -69,7 +69,7 @@ impl serde::Serialize for Confidence {
 }
 
 impl Confidence {
-    /// From the two measures; `other` is a doubt from another check.
+    /// Makes a confidence from both measures; `other` is a doubt from another check, used if these measures raise none.
     ///
     /// ```
     /// use qless::Confidence;
@@ -82,7 +82,7 @@ impl Confidence {
         Self { distance, error, ambiguous: doubt.is_some(), doubt }
     }
 
-    /// The same with another doubt, if there is none yet.
+    /// Adds a doubt, unless there is one already.
     pub(crate) fn or(self, other: Doubt) -> Self {
         Self::of(self.distance, self.error, self.doubt.or(Some(other)))
     }

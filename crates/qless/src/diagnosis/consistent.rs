@@ -1,11 +1,12 @@
 //! Chooses kept equations from which all consistent equations follow to the last digits.
 //!
 //! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but u1 from the first two lacks the digits that `1e12 + 1e-3` has lost.
-//! A dropped equation does not hold if a solution of the kept ones leaves a residual above the tolerance of its own terms. If this
-//! residual is within the rounding of its certificate, the equation with the largest term of the certificate is given up instead. Its
-//! term must exceed those of the dropped equation. Its coefficient must be at least half of the largest one, so that the kept equations
-//! come no nearer to dependence than by that factor. The exchange is undone in components where an equation that was given up is then not
-//! redundant, or where another number of equations is dependent or conflicting.
+//! A dropped equation k may not hold if a solution of the kept ones leaves a residual above the tolerance of the terms of k, or if a rounding of
+//! the largest term of its certificate is above it. If this
+//! residual is within the rounding of the certificate of k, a kept equation i of this certificate is given up so that k can be kept. The
+//! coefficient of i must be at least half of the largest one, so that the kept equations come nearer to dependence by at most that factor.
+//! Among these equations, i has the largest right-hand side term, which must exceed the terms of k. The exchange is undone in components
+//! where an equation that was given up is then not redundant, or where the number of dependent or conflicting equations changes.
 
 use std::collections::BTreeSet;
 
@@ -32,7 +33,9 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
         let (left, size) = left_of(system, d.row, &u);
         // An equation whose terms are only rounding is not examined.
         let has_parts = side(system, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
-        if has_parts && left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
+        // The residual of one solution may be small by chance: that of another differs by a rounding of the largest term.
+        let most_left = left.max(f64::EPSILON * d.rest.size);
+        if has_parts && most_left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
             let part = |term: &CertificateTerm| (term.coefficient * side(system, term.row).size).abs();
             let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
             let terms = d.source.explain(history);

@@ -1,7 +1,7 @@
 //! The cores of the kept equations, which remain after triangular parts are removed: elimination can cancel only there.
 //!
-//! A DOF in one of the equations, or an equation with one DOF, is an irreducible block of one row: `rho = 1`, whatever its numbers
-//! are. Such rows and columns are removed until none is left. O(nnz).
+//! An equation is triangular if it has a single DOF, or a DOF that occurs in no other equation. Its coefficients do not affect the distance
+//! from dependence. Triangular equations, and DOFs that a single equation fixes, are removed until none is left. O(nnz).
 
 use crate::common::DisjointSets;
 use crate::input::numbering::LocalSystem;
@@ -93,7 +93,7 @@ impl Peeling<'_> {
         }
     }
 
-    /// Removes a DOF that one equation fixes from the others.
+    /// Removes a DOF, which one equation fixes, from the other equations.
     fn leave(&mut self, j: u32) {
         self.is_left[j as usize] = false;
         for &at in self.holders[j as usize].iter().filter(|&&at| self.stays[at as usize]) {

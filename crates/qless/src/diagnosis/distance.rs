@@ -1,4 +1,5 @@
-//! Distance of the kept equations from dependence: the smallest d such that some E with `|E_ij| <= d |K_ij|` makes K + E rank deficient.
+//! Distance of the kept equations K from dependence: the smallest d such that K + E is rank deficient for some E with
+//! `|E_ij| <= d |K_ij|`.
 //!
 //! ```text
 //! d >= 1 / rho(|K| |X|)    for any X with K X = I       (y^T (K + E) = 0  ->  |y|^T <= d |y|^T |K| |X|)

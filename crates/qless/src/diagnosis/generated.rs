@@ -117,7 +117,7 @@ fn solve_again(system: LocalSystem, scaling: &Scaling, is_kept: impl Fn(usize) -
     }
 }
 
-/// The remainder of `e_s` after subtracting equations, by (time at which the DOF became a slave, DOF).
+/// The remainder of a vector after subtracting equations; the keys are (result of [`times`], DOF).
 struct GeneratedRemainder {
     parts: BTreeMap<(u32, u32), f64>,
 }
@@ -128,7 +128,7 @@ impl GeneratedRemainder {
     }
 }
 
-/// Explains fixed DOFs: `e_s = sum_i c_i row_i` over the free DOFs.
+/// Expresses vectors, such as the unit vector `e_s` of a fixed DOF s, by the kept equations: `e_s = sum_i c_i row_i` over the free DOFs.
 pub(crate) struct Explainer<'a> {
     pub system: LocalSystem<'a>,
     pub basis: &'a Basis,

@@ -126,7 +126,7 @@ pub struct Analysis {
     pub(crate) blocks: Vec<Block>,
     pub(crate) history: History,
     pub(crate) scaling: Scaling,
-    /// b as analysed: for equations that were replaced by preferred ones, it is corrected so that it agrees with these.
+    /// b as analysed. If a preferred equation replaced one that contradicts it, the entry of the replaced one is corrected to agree.
     pub(crate) rhs: Vec<f64>,
     pub(crate) numbering: Numbering,
     /// Local numbers of [`Analysis::generated`].
@@ -199,7 +199,8 @@ impl Analysis {
         self.exact.as_ref()
     }
 
-    /// Probability bound that [`Analysis::exact_rank`] is wrong: 0 if certificates prove the same rank, else [`ExactRank::error_chance`].
+    /// Upper bound of the probability that [`Analysis::exact_rank`] is wrong: 0 if certificates prove the same rank, else
+    /// [`ExactRank::error_chance`].
     pub fn exact_error_chance(&self) -> Option<f64> {
         let (exact, proof) = (self.exact.as_ref()?, self.proof.as_ref()?);
         let is_certain = exact.rank == self.rank() && proof.exact == self.dependent.len();

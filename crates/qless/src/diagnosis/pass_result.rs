@@ -29,7 +29,7 @@ pub struct PassResult {
     pub triangles: Vec<Triangle>,
     pub history: History,
     pub dependent: Vec<Dependent>,
-    /// Dependent rows of the elimination that mostly consist of multiples of other rows.
+    /// Rows that elimination found dependent after it had added large multiples of other rows.
     pub far_dependent: Vec<u32>,
     pub keys: RandomKeys,
     /// Estimates for the slaves and their rows of T.
@@ -58,7 +58,7 @@ impl PassResult {
         self.probe.doubtful.iter().map(|&t| self.users_row(t))
     }
 
-    /// Those of them whose slaves have too few digits left.
+    /// The user's rows that presolve kept but whose slaves have too few digits left ([`NullspaceProbe::lost`]).
     pub fn lost_rows(&self) -> impl Iterator<Item = usize> {
         self.probe.lost.iter().map(|&t| self.users_row(t))
     }

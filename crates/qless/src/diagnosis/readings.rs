@@ -99,8 +99,8 @@ pub(crate) fn analysed_parts(kinds: &[Kind], exact: &ExactRank) -> Vec<PartRank>
     parts
 }
 
-/// Analyses the system without equations that are rounding. Then analyses the affected components again, with every suspect number read the
-/// other way.
+/// Analyses the system with `suspects.rows` read as zero: the coefficients of equations that may consist of rounding only. Then analyses
+/// the affected components again with suspect numbers read the other way, if the noise is [`Noise::Auto`] and the effort has checks.
 fn read_twice(system: &ConstraintSystem, options: &Options, suspects: &Suspects) -> Result<Analysis, AnalysisError> {
     let without = |terms: &[NoiseTerm], is_read: &dyn Fn(usize) -> bool| {
         let gone: HashSet<(usize, usize)> = terms.iter().map(|term| (term.row, term.dof)).collect();

@@ -81,7 +81,7 @@ impl Elimination {
 
     /// Checks that both lists have the same number of vectors.
     fn check_many(&self, masters: usize, all: usize) -> Result<(), ArgumentError> {
-        let count = all / self.dofs();
+        let count = all.checked_div(self.dofs()).unwrap_or_default();
         long("the list of vectors over all DOFs", all, count * self.dofs())?;
         long("the list of vectors over masters", masters, count * self.masters().len())
     }

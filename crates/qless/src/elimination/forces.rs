@@ -27,12 +27,12 @@ impl MultiplierFactors {
         // The independent equations never change.
         let equations: Vec<usize> = (0..known.kinds.len()).filter(|&i| known.kinds[i] == Kind::Independent).collect();
         let place = |(j, v): (usize, f64)| slaves.binary_search(&j).ok().map(|k| (k, v));
-        // A system has a DOF, even if there are no slaves.
+        // A system needs at least one DOF, even if there are no slaves.
         let mut square = SystemBuilder::new(slaves.len().max(1));
         equations.iter().for_each(|&i| _ = square.equation(system.matrix().row(i).filter_map(place), 0.0));
         let failed = |message: String| BackendError::Failed { backend: "multipliers", message };
         let square = square.build().map_err(|error| failed(error.to_string()))?;
-        // Balanced in the columns of the slaves: masters have no part in the factorization.
+        // The scaling balances the columns of the slaves only, because the factorization contains no masters.
         let (numbering, ..) = Numbering::new(&square);
         let scaling = balanced_where(numbering.view(&square, square.rhs()), |_| true);
         let mut of_slaves = vec![0; slaves.len()];
@@ -65,7 +65,8 @@ impl Elimination {
     /// ```
     ///
     /// # Errors
-    /// [`EliminationError::Argument`] for a wrong length or a number that is not finite, [`EliminationError::Backend`].
+    /// [`EliminationError::NoEquations`], [`EliminationError::Argument`] for a wrong length or a number that is not finite,
+    /// [`EliminationError::Backend`].
     pub fn multipliers(&self, residual: &[f64]) -> Result<Vec<f64>, EliminationError> {
         numbers("the residual", residual, self.dofs())?;
         let of_slaves: Vec<f64> = self.slaves().iter().map(|&j| residual[j]).collect();
@@ -93,7 +94,7 @@ impl Elimination {
     /// The reactions `C^T lambda - (f - K u)` at the prescribed DOFs, in the order of [`Elimination::prescribed`].
     ///
     /// # Errors
-    /// [`EliminationError::Argument`] for wrong lengths or numbers that are not finite.
+    /// [`EliminationError::NoEquations`], [`EliminationError::Argument`] for wrong lengths or numbers that are not finite.
     pub fn reactions(&self, residual: &[f64], multipliers: &[f64]) -> Result<Vec<f64>, EliminationError> {
         let known = self.equations.as_ref().ok_or(EliminationError::NoEquations)?;
         numbers("the residual", residual, self.dofs())?;
@@ -106,10 +107,10 @@ impl Elimination {
         Ok(self.prescribed().iter().map(|&j| forces[j] - residual[j]).collect())
     }
 
-    /// `(DOF, force)` for forces on generated boundary conditions: the constraints carry them, so they do not change u.
+    /// The nonzero forces on fixed DOFs, as `(DOF, force)`. The constraints carry these forces, so they do not change u.
     ///
     /// # Errors
-    /// [`EliminationError::Argument`] for a wrong length or a number that is not finite.
+    /// [`EliminationError::NoEquations`], [`EliminationError::Argument`] for a wrong length or a number that is not finite.
     pub fn loads_without_effect(&self, forces: &[f64]) -> Result<Vec<(usize, f64)>, EliminationError> {
         let known = self.equations.as_ref().ok_or(EliminationError::NoEquations)?;
         numbers("the list of forces", forces, self.dofs())?;

@@ -197,8 +197,8 @@ impl Elimination {
         matches!(self.roles.of.get(dof), Some(Role::Slave(_)))
     }
 
-    /// The row `u_dof = sum value u_j + g` of a slave: (j, value) for masters and prescribed DOFs, ascending, and g. None for other DOFs
-    /// and for slaves of factored parts; for these see [`Reduction::row`].
+    /// The row `u_dof = sum value u_j + g` of a slave: (j, value) for masters and prescribed DOFs, ascending, and g. None for DOFs that are
+    /// not slaves, and for slaves of factored parts, whose rows [`Reduction::row`] computes.
     ///
     /// ```
     /// # use qless::{Elimination, Options, SystemBuilder};

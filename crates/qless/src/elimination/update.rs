@@ -29,7 +29,8 @@ impl Elimination {
     /// ```
     ///
     /// # Errors
-    /// [`EliminationError::Refresh`], and [`EliminationError::Conflicting`] if equations conflict now; then nothing changes.
+    /// [`EliminationError::NoEquations`], [`EliminationError::Backend`], [`EliminationError::Refresh`], and
+    /// [`EliminationError::Conflicting`] if equations conflict now; then nothing changes.
     pub fn update(&mut self, rhs: &[f64], prescribed: &[f64]) -> Result<(), EliminationError> {
         let Self { reduction, equations, prescribed_values, .. } = self;
         let EliminationSource { analysis, rhs: old, kinds, refresher, .. } =

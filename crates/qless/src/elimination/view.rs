@@ -26,7 +26,7 @@ impl Storage {
         }
     }
 
-    /// The half of the transposed matrix.
+    /// The half that is stored after rows and columns are exchanged.
     pub(super) fn transposed(self) -> Self {
         match self {
             Self::Full => Self::Full,
@@ -131,7 +131,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         }
     }
 
-    /// The other index of entry k.
+    /// The index of entry k in its line, counted from 0: the column if lines are rows, else the row.
     #[inline]
     pub(super) fn index(&self, k: usize) -> usize {
         self.index[k].position() - self.base
@@ -140,7 +140,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// Checks that this is the pattern of an n x n matrix. Indices may be in any order and may repeat; repeated entries are summed.
     ///
     /// # Errors
-    /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::BadIndex`].
+    /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::BadIndex`], [`SystemError::WrongHalf`].
     pub fn checked(self, n: usize) -> Result<Self, SystemError> {
         // The arrays have one start more than lines.
         let Some(lines) = n.checked_sub(self.empty).filter(|lines| self.starts.len().checked_sub(1) == Some(*lines))

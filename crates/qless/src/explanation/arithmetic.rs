@@ -79,7 +79,7 @@ impl Part {
     }
 }
 
-/// `line 41` for a label such as `line 41 *EQUATION 3:1`; for other labels, the label, shortened.
+/// The place in a label: `line 41` of `line 41 *EQUATION 3:1`, and `part.inc:41` of `part.inc:41 *TIE 3:1`. Other labels are shortened.
 pub(super) fn short(label: &str) -> String {
     let words: Vec<&str> = label.split_whitespace().take(2).collect();
     match words[..] {

@@ -20,7 +20,7 @@ pub struct Change {
     pub number: Number,
     /// Its present value.
     pub from: f64,
-    /// The value that cures, rounded to 12 digits.
+    /// The value that cures the conflicts, rounded to 12 digits.
     pub to: f64,
 }
 

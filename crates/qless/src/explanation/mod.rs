@@ -9,9 +9,9 @@
 //! agree with the kept ones, also redundant ones, and are short if that is cheap:
 //!
 //! ```text
-//! circle         equations with one or two DOFs: the shortest circle, by breadth-first search
+//! circle         equations with one or two DOFs: the shortest cycle of their graph, by breadth-first search
 //! neighbourhood  elimination among nearby equations
-//! certificate    if neither finds an explanation
+//! certificate    if neither finds an explanation that agrees with the verdict, or if the certificate has fewer members
 //! ```
 //!
 //! Every explanation is *irreducible*: its members are independent and no factor is zero, so no smaller set of its members explains the
@@ -44,7 +44,7 @@ const MOST_VISITED: usize = 1 << 14;
 /// A sum that cancels to this fraction of its terms is zero.
 const NOISE: f64 = 1e-11;
 
-/// A combination equals a sum if at most this fraction of its terms is left: equations agree to more digits, and certificates lose few.
+/// A combination of equations counts as equal to a sum of DOFs if the remainder is at most this fraction of terms. Rounding leaves less.
 const SAME: f64 = 1e-9;
 
 /// An explanation with more members is compared with the certificate, which may be shorter.
@@ -133,7 +133,7 @@ impl Analysis {
         Ok(self.dependent_of(row).map(|dependent| self.explained(dependent, true).0))
     }
 
-    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum_i c_i row_i + sum_j d_j e_j`; `None` for any other DOF.
+    /// Why a DOF s of [`Analysis::generated`] is fixed: its unit vector `e_s = sum_i c_i row_i + sum_j d_j e_j`; `None` for any other DOF.
     ///
     /// # Errors
     /// [`BackendError`] if the block of the DOF cannot be factored again.

@@ -1,4 +1,4 @@
-//! Mismatches of conflicts, and the changes of numbers that cure all of them: `m_o + sum_w a_ow x_w = 0`.
+//! Mismatches m_o of conflicts, and changes x_w of numbers w that cure all of them: `m_o + sum_w a_ow x_w = 0`, with effects a_ow.
 
 use std::collections::BTreeMap;
 
@@ -109,21 +109,21 @@ impl Observations {
         (0..n).all(is_cured).then_some([x, y])
     }
 
-    /// Chooses one number after the other, always the one that cures most of the remaining mismatches. The right-hand side of a conflict
-    /// cures it alone, so this ends.
+    /// Changes one number after the other, always the one that cures most of the remaining mismatches. Each change lowers the number of
+    /// remaining mismatches, so this ends. The right-hand side of a conflicting equation cures its mismatch, so none is left.
     pub fn greedy(&self) -> Vec<(Number, f64)> {
         let mut left = self.mismatches.clone();
         let mut chosen: BTreeMap<Number, f64> = BTreeMap::new();
         while left.iter().any(|&m| m != 0.0) {
-            let gains = self.effects.iter().filter(|(number, _)| !chosen.contains_key(number));
+            let gains = self.effects.iter();
             let best = gains.filter_map(|(&number, effects)| gain(&left, effects).map(|(gain, x)| (gain, number, x)));
             let Some((_, number, change)) = best.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { break };
             for &(o, effect) in &self.effects[&number] {
                 left[o] = if is_zero(left[o], effect * change) { 0.0 } else { left[o] + effect * change };
             }
-            chosen.insert(number, change);
+            *chosen.entry(number).or_default() += change;
         }
-        chosen.into_iter().collect()
+        chosen.into_iter().filter(|&(_, change)| change != 0.0).collect()
     }
 }
 
@@ -141,4 +141,40 @@ fn gain(left: &[f64], effects: &Effects) -> Option<(usize, f64)> {
 /// Returns true if a mismatch and a change of it cancel.
 fn is_zero(mismatch: f64, change: f64) -> bool {
     (mismatch + change).abs() <= EQUAL * mismatch.abs().max(change.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::common::random::signed;
+
+    /// Random mismatches, some of them equal; each has a right-hand side of its own, and prescribed values affect several.
+    fn observations(seed: u64) -> Observations {
+        let draw = |k: u64, most: f64| ((signed(seed, k).abs() - 0.5) * most) as usize;
+        let count = 3 + draw(0, 6.0);
+        let mismatches = (0..count as u64).map(|o| 1.0 + draw(1 + o, 3.0) as f64).collect();
+        let mut effects: BTreeMap<Number, Effects> =
+            (0..count).map(|o| (Number::RightHandSide(o), vec![(o, -1.0)])).collect();
+        for dof in 0..count {
+            let effect = |&o: &usize| (o, [1.0, -1.0, 2.0][draw((100 * dof + o) as u64 + 50, 3.0)]);
+            let some = (0..count).filter(|o| draw((1_000 * dof + o) as u64 + 5_000, 2.0) == 0);
+            let some: Effects = some.map(|o| effect(&o)).collect();
+            if !some.is_empty() {
+                effects.insert(Number::Prescribed(dof), some);
+            }
+        }
+        Observations { mismatches, effects }
+    }
+
+    #[test]
+    fn greedy_changes_cure_every_mismatch() {
+        for seed in 0..5_000 {
+            let observed = observations(seed);
+            let mut left = observed.mismatches.clone();
+            for (number, change) in observed.greedy() {
+                observed.effects[&number].iter().for_each(|&(o, effect)| left[o] += effect * change);
+            }
+            assert!(left.iter().all(|m| m.abs() < 1e-9), "{seed}: {left:?}");
+        }
+    }
 }

@@ -1,12 +1,13 @@
-//! The smallest change of right-hand sides and prescribed values that cures all conflicts.
+//! Few right-hand sides and prescribed values whose change cures all conflicts.
 //!
 //! ```text
 //! m_k = b_k - sum_i c_ki b_i - sum_j d_kj value_j      mismatch of equation k over kept equations i and prescribed DOFs j
+//! a_kw                                                 change of m_k for a unit change of number w, a right-hand side or prescribed value
 //! changes x of these numbers cure the conflicts if m_k + sum_w a_kw x_w = 0 for conflicting equations, and
 //!                                               sum_w a_kw x_w = 0       for redundant ones
 //! ```
 //!
-//! Random sums represent the redundant equations: a number that does not occur in them occurs in none of these equations, with
+//! A random sum represents the redundant equations: a number that its certificate does not contain is in none of their certificates, with
 //! probability 1. Removing an equation has the same effect as another right-hand side of it. Conflicts without a common number are cured
 //! separately.
 
@@ -23,7 +24,7 @@ use crate::{Analysis, Dependent, Kind};
 
 /// Largest number of conflicts that are examined one by one. More conflicts are replaced by random sums, which show single changes only.
 const MOST_CONFLICTS: usize = 64;
-/// Number of random sums for more conflicts: a change that is wrong agrees with both by chance with probability 0.
+/// Number of random sums for more conflicts: a single change that does not cure the conflicts cures both sums with probability 0.
 const SUMS: usize = 2;
 /// Largest number of conflicts for which pairs of changes are searched completely.
 const HANDFUL: usize = 8;
@@ -56,11 +57,11 @@ pub struct Repair {
 }
 
 impl Analysis {
-    /// How to cure the conflicts: the fewest right-hand sides and prescribed values, with their new values.
+    /// How to cure the conflicts: few right-hand sides and prescribed values, with their new values.
     ///
-    /// Single changes and, for up to 8 conflicts with at most 300 numbers, pairs of changes are searched completely. If more changes are needed, they are chosen
-    /// one by one, always the one that cures most. Redundant equations stay redundant. Of ways with equally many changes, those come
-    /// first that replace a rare number by a common one, or by one with fewer digits.
+    /// Single changes and, for up to 8 conflicts with at most 300 numbers, pairs of changes are searched completely. If more changes are
+    /// needed, they are chosen one by one, always the one that cures most. Redundant equations stay redundant. Of ways with equally many
+    /// changes, those come first that replace a rare number by a common one, or by one with fewer digits.
     ///
     /// ```
     /// use qless::explanation::Number;
@@ -215,7 +216,7 @@ impl Analysis {
             Number::Prescribed(dof) => self.system.prescribed_value(dof).unwrap_or_default(),
         };
         let to = from + change;
-        // The change is rounded; its digits end with those of the larger number.
+        // A sum that is within the rounding of its terms is zero.
         let is_zero = to.abs() <= 1e-11 * from.abs().max(change.abs());
         let rounded = format!("{to:.11e}").parse().unwrap_or(to);
         Change { number, from, to: if is_zero { 0.0 } else { rounded } }

@@ -1,6 +1,7 @@
-//! `C_S x = c` for many sparse c: `C_S = U^T L11^T` by [`super::lu`], with a step of refinement (Skeel 1980).
+//! `C_S x = c` for many sparse c: `C_S = U^T L11^T` by [`super::lu`], with a step of refinement (Skeel 1980). C_S has the columns of the
+//! slaves.
 //!
-//! The cost is that of the nonzeros, which bit sets list in order.
+//! Bit sets list the nonzeros in order, so the cost is about that of the operations on nonzeros.
 
 use rayon::prelude::*;
 
@@ -111,7 +112,7 @@ impl SlaveSolver {
         &self.lu.slaves
     }
 
-    /// Row k of the result is the solution for row k of `right`, which has an entry for each equation.
+    /// Row k of the result is the solution for the right-hand side in row k of `right`. The columns of `right` are the equations.
     pub fn solve(&self, right: &Csr) -> Csr {
         let r = self.lu.order.len();
         let empty = || SparseFactors::new(r);

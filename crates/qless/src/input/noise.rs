@@ -14,7 +14,7 @@ use crate::{ConstraintSystem, OptionError};
 pub(crate) const SUSPECT: i32 = -46;
 /// Numbers with at most this many decimal digits are not the result of rounding.
 const NOT_LEFT_OVER: usize = 8;
-/// Rounding errors of numbers of size 1 are multiples of `2^-60`: one unit in the last place of a number of size `2^-8`.
+/// Sums of numbers between `2^-8` and 1, and their rounding errors, are multiples of `2^-60`: the last place of `2^-8`.
 const QUANTUM: i32 = -60;
 
 /// If units do not mix, data are above `2^-20` of the largest coefficient of their equation: inputs span a factor of a million, and that is
@@ -39,8 +39,8 @@ const ALIKE: f64 = 16.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Noise {
-    /// Suspect equations and mismatches count as zero, and single coefficients as given. If another reading gives another rank or
-    /// verdict, the result is ambiguous, and [`crate::Analysis::other_reading`] returns it.
+    /// Suspect equations and mismatches count as zero; single suspect coefficients keep their value. If another reading gives another rank
+    /// or verdict, the result is ambiguous, and [`crate::Analysis::other_reading`] returns that reading.
     #[default]
     Auto,
     /// No number is suspect.
@@ -49,8 +49,8 @@ pub enum Noise {
     /// equations below this fraction of the largest coefficients of their DOFs, and mismatches below this fraction of the largest
     /// right-hand side and prescribed term.
     Relative(f64),
-    /// The absolute error of each equation's coefficients and right-hand side is known: numbers within it are zero, and a combination of
-    /// equations that holds within it is no doubt.
+    /// The absolute error of each equation's coefficients and right-hand side is known. Coefficients within it are zero. What is left of a
+    /// dependent equation causes no doubt if these errors explain it.
     Floors {
         /// By equation: coefficients up to this size are zero.
         coefficients: Vec<f64>,
@@ -90,7 +90,8 @@ pub struct NoiseTerm {
     pub coefficient: f64,
 }
 
-/// Suspect coefficients, ascending by row and DOF: `rows` for equations with no other coefficients, `single` for the rest.
+/// Coefficients that may be rounding. `rows` count as zero: with [`Noise::Auto`] all coefficients of suspect equations, with the other
+/// options all coefficients below the limit. `single` are the other suspect coefficients, ascending by row and DOF; they keep their value.
 #[derive(Default)]
 pub(crate) struct Suspects {
     pub rows: Vec<NoiseTerm>,
@@ -107,7 +108,7 @@ impl Suspects {
                 if single.is_empty() {
                     return Self::default();
                 }
-                // Rounding errors seldom occur alone; an equation in small units has no suspect coefficients beside it in its component.
+                // Rounding seldom occurs alone. An equation in small units has no other suspect coefficients in its component.
                 let labels = Labels::of(system);
                 let label = |row: usize| labels.of_row[row] as usize;
                 let mut largest = vec![0.0_f64; labels.count];
@@ -123,7 +124,7 @@ impl Suspects {
             &Noise::Relative(part) => {
                 let mut rows = rows_below(system, exponents, part, |_, _, _| true);
                 rows.extend((0..system.equations()).flat_map(|i| below(system, i, part)));
-                Self { rows, single: Vec::new() }
+                Self { rows: ascending(rows), single: Vec::new() }
             }
             Noise::Floors { coefficients, .. } => {
                 let all = (0..system.equations()).flat_map(|i| terms(system, i));
@@ -255,7 +256,7 @@ fn rows_below(
     rows.into_iter().filter(is_rounding).flat_map(|i| terms(system, i)).collect()
 }
 
-/// Returns true if a number can be the rounding error of a sum of numbers up to `most`: a few units in their last place, not typed.
+/// Returns true if a number can be the rounding error of a sum of numbers up to `most`: a multiple of their rounding unit, not typed.
 fn is_left_of(value: f64, most: f64) -> bool {
     let multiple = ldexp(value, -(exponent(most) + QUANTUM));
     multiple.fract() == 0.0 && !is_typed(value)
@@ -297,8 +298,8 @@ fn largest_side(system: LocalSystem, of_row: &[i32]) -> f64 {
     most
 }
 
-/// By equation, the power of two below which a mismatch may be rounding of the largest right-hand side or prescribed term of its component,
-/// in balanced units; NaN for an equation without free DOFs.
+/// By equation, `log2` of the largest mismatch that may be rounding: `2^-46` of the largest right-hand side or prescribed term of its
+/// component. These are compared in balanced units; the result is in the user's units. NaN for an equation without free DOFs.
 pub(crate) fn rounding_of_sides(system: LocalSystem) -> Vec<f64> {
     let units = balanced_rows(system, |_| true);
     let labels = Labels::of(system);

@@ -9,8 +9,9 @@ use crate::input::numbering::Numbering;
 /// Preferences that hold as far as the equations allow. The unmet ones are reported
 /// ([`crate::Analysis::unmet_equations`], [`crate::Reduction::unmet_masters`], [`crate::Reduction::unmet_slaves`]).
 ///
-/// The rank alone decides which sets of DOFs can be slaves. Therefore exchanging a slave for a master, or a kept equation for a dependent
-/// one, meets every preference that can be met; an unmet one cannot be met by any choice.
+/// The rank alone decides which sets of DOFs can be slaves. So it is enough to exchange one slave for one master, or one kept equation for
+/// one dependent equation, at a time. A preference stays unmet only if the equations or other preferences rule it out. A preferred slave
+/// also stays unmet if it would exceed the bound of growth.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Preferences {
     /// DOFs (0-based) that must not be slaves, such as loaded ones or interfaces to other codes. A free DOF is a slave nevertheless if the
@@ -18,7 +19,7 @@ pub struct Preferences {
     pub masters: Vec<usize>,
     /// DOFs (0-based) preferred as slaves, as long as the bound of growth holds.
     pub slaves: Vec<usize>,
-    /// Equations (0-based) to keep if there is a choice of the dependent ones.
+    /// Equations (0-based) to keep if other equations can be dropped instead.
     pub equations: Vec<usize>,
 }
 
@@ -32,7 +33,7 @@ pub enum OptionError {
     /// Noise is a relative size below 1, or absolute sizes.
     #[error("the noise is {0}; it must be a number between 0 and 1, or for floors at least 0")]
     Noise(f64),
-    /// Floors of noise are by equation.
+    /// A list of noise floors must have one number for each equation.
     #[error("a list of noise floors has {found} numbers; the system has {expected} equations")]
     Floors {
         /// Numbers given.

@@ -85,7 +85,7 @@ mod tests {
         assert_eq!(typed(0.0).1, 0);
     }
 
-    /// The digits print as the double, and every prime exceeds them.
+    /// Both readings convert back to the double, and the digits are below 10^17, so below every prime.
     #[test]
     fn both_readings_give_the_double_back() {
         for (k, x) in randoms(3).take(20_000).enumerate() {

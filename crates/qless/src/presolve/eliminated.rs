@@ -24,7 +24,7 @@ pub(crate) struct Step {
 #[derive(Clone, Debug)]
 pub(crate) struct EmptiedRow {
     pub row: u32,
-    /// Largest coefficient that was dropped, relative to the size of the row; 0 if only rounding was dropped.
+    /// As [`WorkingRow::dropped`], coefficients that were left when the row was classified included; 0 if only rounding was dropped.
     pub dropped: f64,
     /// As [`WorkingRow::reach`].
     pub reach: f64,
@@ -65,7 +65,7 @@ impl Mismatch {
 /// The result of the elimination.
 #[derive(Default)]
 pub(crate) struct Eliminated {
-    /// The user's row of each row.
+    /// Index of the user's equation, by row.
     pub names: Vec<u32>,
     pub steps: Vec<Step>,
     /// For each row, the steps subtracted from it and their factors, in the order of the subtractions.
@@ -78,8 +78,8 @@ pub(crate) struct Eliminated {
 }
 
 impl Eliminated {
-    /// Joins the results of groups of rows that share no free DOF. Rows are sorted by the user's number, as if all had been eliminated
-    /// together.
+    /// Joins the results of groups of rows; no two groups share a free DOF. Rows are sorted by the user's number, as if all had been
+    /// eliminated together.
     pub fn join(mut groups: Vec<Self>) -> Self {
         if groups.len() < 2 {
             return groups.pop().unwrap_or_default();

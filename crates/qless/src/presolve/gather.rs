@@ -6,7 +6,7 @@ use crate::input::scale::{Scaling, exponent, ldexp};
 
 /// Rows for elimination.
 pub(crate) struct Gathered {
-    /// The user's row of each row.
+    /// Index of the user's equation, by row.
     pub names: Vec<u32>,
     /// Local DOF of each number used in `rows`.
     pub dofs: Vec<u32>,

@@ -4,10 +4,11 @@
 //! peeled row is independent of all others and occurs in no certificate. Cost O(nnz). The slave must have the largest coefficient of its
 //! row, so that peeling does not increase growth. [`super::eliminate`] has weaker thresholds for the remaining rows.
 //!
-//! Rows with a tiny slave come last. A later factorization might take such a slave for zero, but it proves that its row is independent.
+//! Singletons with a tiny coefficient are the exception, and come last. They prove that their rows are independent, but a factorization
+//! might take their coefficients for zero.
 //!
 //! Rows whose slave is strictly larger than all other coefficients are peeled first. This set does not depend on the order of the
-//! rows. So an MPI rank can peel some of them by its own equations alone, and the result for the others does not change.
+//! rows. So an MPI rank can peel some of these rows with its own equations alone, and the result for all other rows stays the same.
 
 use std::collections::BTreeSet;
 use std::hint::select_unpredictable;
@@ -17,7 +18,7 @@ use crate::input::preferences::SlavePreferences;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::Basis;
 
-/// The peeled rows, in the order of peeling, and the others.
+/// The peeled rows, in the order of peeling, and a flag for each row that remains.
 pub(crate) struct Peeled {
     pub basis: Basis,
     pub remaining: Vec<bool>,
@@ -58,9 +59,9 @@ struct Peeling<'a> {
     out: Peeled,
 }
 
-/// Peels all rows. Rows of `held` are peeled only if their slave is tiny. Rows of `absent` are ignored, although `columns` counts them.
-/// Of several candidates of a row, the first one of the most preferred is the slave. Its coefficient exceeds `least`, which
-/// is an absolute tolerance or 0.
+/// Peels all rows that have a suitable singleton. Rows of `held` are peeled only if their slave is tiny. Rows of `absent` are ignored,
+/// although `columns` counts them. The slave is the singleton with the largest coefficient; among equal ones the most preferred, then the
+/// first. Its coefficient exceeds `least`, which is an absolute tolerance or 0.
 pub(crate) fn peel(
     system: LocalSystem,
     columns: &[Column],
@@ -144,7 +145,7 @@ impl Peeling<'_> {
         self.out.remaining[i] = false;
     }
 
-    /// Position of a singleton with the largest coefficient of the row.
+    /// Position of the singleton that becomes the slave of row i; None if no singleton has the size that `self.slave` requires.
     fn slave(&self, i: usize) -> Option<usize> {
         if self.scaling.col.is_empty() && !self.preferences.any() {
             return self.best(i, |_, v| v.abs(), |_, _| false);
@@ -156,7 +157,7 @@ impl Peeling<'_> {
 
     /// [`Peeling::slave`] for the given sizes; `rather` decides between DOFs with equal coefficients.
     ///
-    /// None if all sizes are zero: scaling underflows for coefficients that are 1e308 times smaller than others. Sizes are compared by
+    /// None also if all sizes are zero: scaling underflows for coefficients that are 1e308 times smaller than others. Sizes are compared by
     /// their bits, which have the same order, because integers can be selected without a branch.
     #[inline]
     fn best(&self, i: usize, size: impl Fn(u32, f64) -> f64, rather: impl Fn(u32, usize) -> bool) -> Option<usize> {

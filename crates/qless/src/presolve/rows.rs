@@ -11,9 +11,9 @@ const LONG: usize = 48;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub dof: u32,
-    /// The bound relative to the size; as a ratio it needs only single precision, in any unit.
+    /// Bound of the rounding error, relative to `size`. The ratio does not depend on units, so single precision has enough range.
     error: f32,
-    /// Largest multiple of a user's coefficient that was added to the value. The remainder is measured relative to it, in any unit.
+    /// The largest term that was added to the value: a multiple of a user's coefficient. [`Entry::left`] is relative to it.
     size: f64,
     pub value: f64,
 }
@@ -30,7 +30,7 @@ impl Entry {
         Self { dof, error: (error / size.max(f64::MIN_POSITIVE)) as f32, size, value }
     }
 
-    /// The same in another unit and under another number.
+    /// The same coefficient, times `2^exponent`, under the number `dof`.
     pub fn renamed(self, dof: u32, exponent: i32) -> Self {
         Self { dof, size: ldexp(self.size, exponent), value: ldexp(self.value, exponent), ..self }
     }
@@ -77,10 +77,10 @@ pub(crate) struct WorkingRow {
     pub effective: f64,
     pub effective_size: f64,
     pub effective_error: f64,
-    /// The largest fraction left of a free DOF's coefficient that was dropped, beyond rounding.
+    /// The largest [`Entry::left`] of the dropped coefficients of free DOFs. One that may be only rounding counts as 0.
     pub dropped: f64,
-    /// Bound of the multiples of the user's equations in this row: the product of the factors. It amplifies rounding errors of those
-    /// equations.
+    /// The largest product of factors by which a user's equation was added to this row, at least 1. It amplifies the rounding errors of
+    /// that equation.
     pub reach: f64,
     table: Option<HashMap<u32, u32, Hasher>>,
 }

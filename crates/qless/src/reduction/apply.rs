@@ -33,14 +33,14 @@ impl Reduction {
         in_range("u", self.combined(masters, &vec![0.0; self.prescribed.len()], |_| 0.0))
     }
 
-    /// All DOFs; `constant` is g by slave.
+    /// The values of all DOFs for these masters and prescribed values; `constant(i)` is added to slave i.
     fn combined(&self, masters: &[f64], prescribed: &[f64], constant: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut u = vec![0.0; self.dofs()];
         self.masters.iter().zip(masters).for_each(|(&j, &v)| u[j] = v);
         self.prescribed.iter().zip(prescribed).for_each(|(&j, &v)| u[j] = v);
         let (t, g) = (self.t.product(masters), self.g_matrix.product(prescribed));
         self.factored.iter().for_each(|block| block.set_slaves(&mut u));
-        // T and G have empty rows for slaves of factored blocks, so the sums do not change these.
+        // T and G have empty rows for slaves of factored blocks, so t and g are zero there.
         self.slaves.iter().enumerate().for_each(|(i, &j)| u[j] += t[i] + g[i] + constant(i));
         u
     }

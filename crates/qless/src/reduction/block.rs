@@ -39,7 +39,8 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
     Ok(solved(block, &tableau.basic, &tableau.free, cleaning.run(&rows_of_x)))
 }
 
-/// The DOFs that may become slaves, so that the slaves are those of [`solve`]: all DOFs if sparse LU chooses the slaves.
+/// The DOFs among which a sparse LU has to search so that it chooses the slaves of [`solve`]: all DOFs of a large block, in which `solve`
+/// uses the same LU, and only these slaves in a small block.
 pub(crate) fn may_be_slaves(block: &Block, kept: &Kept, memory: usize) -> Result<Vec<bool>, BackendError> {
     if kept.rows.len().saturating_mul(block.matrix.cols) > SMALL {
         return Ok(vec![true; block.dofs.len()]);
@@ -58,7 +59,7 @@ fn solved(block: &Block, slaves: &[u32], masters: &[u32], (relation, constant): 
     }
 }
 
-/// The relation of a factor, after refinement.
+/// Expresses the slaves by a QR factorization, exchanges slaves to bound the entries, and refines the result.
 fn relate(block: &Block, kept: &[usize], factor: &Factor) -> Result<Tableau, BackendError> {
     let mut tableau = relation_by_qr(block, factor);
     tableau.limit(GROWTH);
@@ -127,7 +128,7 @@ fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Result<(), Ba
     Ok(())
 }
 
-/// `C_S X - B` by columns, and the largest entry relative to the magnitudes of its terms.
+/// `C_S X - [-C_M -C_p b]` by columns, where X is the tableau, and the largest entry relative to the magnitudes of its terms.
 fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64) {
     let (r, width) = (kept.len(), tableau.width);
     let mut slave = vec![usize::MAX; block.dofs.len()];

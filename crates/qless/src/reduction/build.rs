@@ -18,7 +18,8 @@ use crate::input::scale::Scaling;
 use crate::presolve::basis::{Basis, Solved};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
-/// A part is explicit if its rows of T have at most this many times the nonzeros of its equations, or of its factors, ...
+/// With [`Form::Auto`], a part is explicit if its rows of T have at most this many times the nonzeros of its equations, or of its
+/// factors, ...
 const MULTIPLE: usize = 4;
 /// ... or at most this many.
 const FEW: usize = 1 << 12;

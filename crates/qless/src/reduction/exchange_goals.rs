@@ -16,7 +16,8 @@ const NEARLY: f64 = 0.5;
 /// The smallest bound that is enforced; it exceeds 1 by more than the rounding errors of T.
 pub(super) const LEAST: f64 = 1.0 + 1e-9;
 
-/// Returns the number of exchanges, including the `exchanged` ones before.
+/// Exchanges slaves until the growth is at most `limit`, as far as the preferences allow. Returns the number of exchanges, including the
+/// `exchanged` earlier ones.
 pub(super) fn bound_growth(
     relation: &mut Relation,
     limit: f64,
@@ -53,8 +54,9 @@ fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, prefer
     count
 }
 
-/// The row whose slave is exchanged for `master`. Among the rows with nearly the largest coefficient of the master, which reduces most
-/// entries at once, the shortest row causes the least fill. With a coefficient of 1 two DOFs could be exchanged forever.
+/// The row whose slave is exchanged for `master`. A large coefficient of the master reduces most entries at once, so only rows with nearly
+/// the largest one are considered. The shortest of these rows causes the least fill. The coefficient must exceed 1: otherwise two DOFs
+/// could be exchanged forever.
 fn pivot_row(exchange: &Exchange, master: u32, preferences: &SlavePreferences) -> Option<u32> {
     let mut rows = exchange.holding(master);
     rows.retain(|&(k, _)| preferences.of(master) >= preferences.of(exchange.relation.slave[k as usize]));

@@ -63,7 +63,7 @@ pub enum ReductionError {
 
 /// The reduced form of a constraint system.
 ///
-/// `C u = b` holds for every `u_q`, and for every `u_p` for which the redundant equations are consistent.
+/// `C u = b` holds for every `u_q`, and for every `u_p` with which all dependent equations are consistent.
 /// DOFs are 0-based; `masters` are all free DOFs that are not slaves, including those that occur in no equation.
 #[derive(Clone, Debug, Default)]
 pub struct Reduction {
@@ -162,7 +162,7 @@ impl Reduction {
         self.growth
     }
 
-    /// Number of exchanges of a slave and a master that kept the growth within the bound.
+    /// Number of exchanges of a slave and a master, to meet preferences and to keep the growth within the bound.
     pub fn exchanges(&self) -> usize {
         self.exchanges
     }

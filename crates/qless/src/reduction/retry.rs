@@ -132,7 +132,7 @@ impl PartToSolve {
     }
 }
 
-/// Replaces the rows of T and G, and the entries of g, that were computed and for which `is_wanted` holds: of the matrices, and of g.
+/// Replaces rows that were computed. For each slave, `is_wanted` says whether to replace its rows of T and G, and whether its entry of g.
 pub(super) fn replace(
     reduction: &mut Reduction,
     rows: &[Option<RecomputedRow>],

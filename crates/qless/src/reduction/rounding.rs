@@ -15,7 +15,7 @@ pub(super) fn zero(sigma: f64) -> f64 {
     (ZERO_UNITS * f64::EPSILON / sigma).clamp(NOISE, ZERO_LIMIT)
 }
 
-/// Exponents of the DOFs of a block and powers of its rows in one choice of units: those of `matrix`, or balanced ones.
+/// One choice of units for a block, as exponents of its DOFs and rows: the units of `matrix`, or balanced ones.
 struct Units<'a> {
     block: &'a Block,
     is_balanced: bool,
@@ -36,7 +36,8 @@ impl<'a> Units<'a> {
         if self.is_balanced { self.block.balanced_row(i) } else { 0 }
     }
 
-    /// The size of 1 in each column of the relation: of masters, and of prescribed DOFs by their largest coefficients.
+    /// Factor for each column of the relation that makes entries comparable: the unit of a master, or 1 over the largest coefficient of a
+    /// prescribed DOF.
     fn sizes(&self, masters: &[u32]) -> Vec<f64> {
         let mut prescribed = vec![0.0_f64; self.block.prescribed.len()];
         for i in 0..self.block.fixed.rows() {
@@ -49,8 +50,10 @@ impl<'a> Units<'a> {
 
 /// Drops entries of the relation `u_s = X [u_q; u_p; 1]` that are rounding.
 ///
-/// Entries are small in any units, beside the others of their row; those of masters, of prescribed DOFs and constants apart. A row whose
-/// entries are all small is zero. Entries that an equation needs are kept: its terms in a column must cancel without the dropped ones.
+/// An entry is rounding if it is small in both choices of units. Entries of masters are compared with the largest one of their row, and so
+/// are entries of prescribed DOFs, separately; constants are compared with the smallest nonzero right-hand side. If the largest one is
+/// below `zero`, all of them are dropped. Entries that an equation needs are kept: its terms in a column must cancel without
+/// the dropped ones.
 pub(super) struct Cleaning<'a> {
     pub block: &'a Block,
     /// Kept rows of the block.
@@ -114,9 +117,9 @@ impl Cleaning<'_> {
         }
     }
 
-    /// Marks the entries of the slaves of an equation in the columns in which it does not hold with the entries marked so far. In a large
-    /// block entries decay with the distance from their master: an equation counts relative to the largest motions of its DOFs. In a
-    /// small one each column counts by its own terms.
+    /// If an equation does not hold in a column with the entries marked so far, marks the entries of its slaves in this column. In a large
+    /// block entries decay with the distance from their master, so the residual is relative to the largest motions of the equation's DOFs.
+    /// In a small block, and for the constant, it is relative to the terms in the column.
     fn needed_by_equations(&self, rows: &[Vec<(usize, f64)>], sizes: &ColumnSizes, is_large: &mut Large) {
         let motions = self.motions(rows, sizes);
         let place = self.places();
@@ -237,7 +240,7 @@ impl ColumnSums {
     }
 }
 
-/// Units, and the size of 1 in each column of the relation.
+/// Units, and the factors of `Units::sizes` for each column of the relation, with 1 for the constant.
 struct ColumnSizes<'a> {
     units: Units<'a>,
     of_column: Vec<f64>,

@@ -6,7 +6,7 @@ use super::{Certificate, DependentEquation, GeneratedCondition, Omitted};
 use crate::explanation::Explanation;
 use crate::{Analysis, ConstraintSystem, Dependent, Kind};
 
-/// Explanations that are computed at a time, by all threads.
+/// Number of explanations that all threads compute together before the limit is checked again.
 const TOGETHER: usize = 64;
 
 /// Operations of all searches for short explanations in a report: a second or two. Beyond that, certificates serve as explanations.
@@ -70,14 +70,14 @@ impl<'a> Budget<'a> {
 
     fn condition(&mut self, dof: usize, value: f64) -> GeneratedCondition {
         let (system, analysis) = (self.system, self.analysis);
-        // The cost of a pass over all DOFs and of a factorization of a block; a thousand operations count as one term.
+        // The cost of a pass over all DOFs and of a factorization of the largest block. A thousand operations count as one member.
         let block = analysis.presolve.largest_block;
         let work = system.dofs() / 8 + block.saturating_pow(3) / 1000;
         let certificate = self.certificate(work, || analysis.explain_fixed(dof).ok().flatten());
         GeneratedCondition::new(dof + 1, system.dof_label(dof), value, certificate)
     }
 
-    /// Computes an explanation if members remain, and omits it if it has more than remain.
+    /// Computes an explanation if members remain, and omits it if it has more members than remain. Its members and `work` are then used up.
     fn certificate(&mut self, work: usize, explain: impl FnOnce() -> Option<Explanation>) -> Certificate {
         if self.remaining == 0 {
             return Certificate::left_out(Omitted::NotComputed);

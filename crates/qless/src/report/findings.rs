@@ -87,7 +87,7 @@ pub struct GeneratedCondition {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Certificate {
-    /// The terms, ascending. Also empty for the equation `0 = b`, which is a combination of no equations.
+    /// The terms, ascending. Empty if they are omitted, and for the equation `0 = b`, which is a combination of no equations.
     pub because: Vec<Term>,
     /// The number of omitted terms, if any.
     #[cfg_attr(feature = "serde", serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing"))]
@@ -176,7 +176,7 @@ impl Certificate {
         Self { because, omitted: Omitted::Nothing, error: None }
     }
 
-    /// The same with the labels of a system.
+    /// A complete certificate with the labels of a system.
     pub(super) fn labelled(system: &ConstraintSystem, because: &[CertificateTerm]) -> Self {
         let term = |t: &CertificateTerm| Term::equation(t.row + 1, system.equation_label(t.row), t.coefficient);
         Self::complete(because.iter().map(term).collect())

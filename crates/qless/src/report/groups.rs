@@ -17,7 +17,7 @@ pub struct Group {
     pub kind: Kind,
     /// Their common label.
     pub label: String,
-    /// The common labels of the equations that explain them, as far as explanations are known; their own label is left out.
+    /// The common labels of the members of their explanations, as far as explanations are known, without the group's own label.
     pub by: Vec<String>,
     /// Their rows, from 1; the first is the example.
     pub rows: Vec<usize>,

@@ -32,7 +32,7 @@ pub use near_dependence::{NearDependenceFinding, NearEquation};
 pub use repairs::{ChangeFinding, RepairFinding};
 pub use sizes::{BackendUsed, Counts, FactoredSizes, InputSizes, Milliseconds, ReductionSizes, Unmet};
 
-/// The worst kind of any equation, or that some constraints were not read.
+/// The verdict on a system: the worst kind of any equation, or incomplete if constraints were skipped and no equation conflicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
@@ -91,7 +91,7 @@ pub struct Report {
     pub counts: Counts,
     /// Redundant and conflicting equations, ascending.
     pub dependent: Vec<DependentEquation>,
-    /// The same equations by kind and origin, if their explanations were asked for; the key is absent if there are none.
+    /// The dependent equations by kind and origin, if explanations were requested; the key is absent if there are none.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub groups: Vec<Group>,
     /// Free DOFs that the equations fix, ascending.

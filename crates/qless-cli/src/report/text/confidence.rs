@@ -52,7 +52,7 @@ fn ordinal(digits: f64) -> String {
     format!("{digit}{ending}")
 }
 
-/// For a rank without doubt: dropped equations then leave no more than rounding.
+/// The line about dropped equations for a rank without doubt: each differs from its combination by rounding at most.
 fn dropped(report: &Report) -> Option<String> {
     (!report.dependent.is_empty()).then(|| "What was dropped agrees to rounding.".to_owned())
 }
@@ -104,7 +104,7 @@ fn remainder(list: &EquationList) -> Option<String> {
     (dropped > 0.0).then(|| format!("  {name} is not quite its combination. {advice}"))
 }
 
-/// Both readings of numbers that may be rounding.
+/// The rank and the conflicts in the other reading of numbers that may be rounding, and the option that decides.
 fn other_reading(report: &Report) -> Option<String> {
     let other = report.other_reading.as_ref()?;
     let terms = count(other.coefficients.len(), "coefficient");

@@ -58,7 +58,7 @@ fn alike(list: &EquationList, group: &[&DependentRow]) -> Option<String> {
     Some(rows(&format!("      so {verb} {number} more{what}: row{}", if number == 1 { "" } else { "s" }), others))
 }
 
-/// Up to so many equations are shown one by one.
+/// Up to this many equations are not grouped.
 const SINGLE: usize = 2;
 
 /// Collects equations that are dependent without others into one line for each reason, if there are several; returns the others.
@@ -111,7 +111,7 @@ fn tolerance(tolerance: Tolerance) -> f64 {
     if let Tolerance::Relative(value) = tolerance { value } else { 1e-5 }
 }
 
-/// The given and the consistent right-hand side, for ranks that do not hold the prescribed values.
+/// The given and the consistent right-hand side. Ranks of a job use this, because they do not hold the prescribed values.
 fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: bool) -> String {
     let facts = equations.facts(dependent.row);
     let found = facts.rhs;

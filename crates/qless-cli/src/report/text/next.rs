@@ -67,7 +67,7 @@ fn changed(list: &EquationList, restored: usize) -> String {
     )
 }
 
-/// Most repairs, of conflicts that have nothing in common, that are shown.
+/// Most repairs that are shown, and most changes of each.
 const REPAIRS: usize = 3;
 
 /// The repairs of conflicts, or one line of other advice.
@@ -87,7 +87,7 @@ fn next(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Vec<Str
     lines
 }
 
-/// The most plausible way to cure some conflicts, and the number of the others.
+/// The most plausible way to cure some conflicts, and the number of other ways.
 fn repair_lines(repair: &RepairFinding) -> Vec<String> {
     let way = &repair.ways[0];
     let shown = way.iter().take(REPAIRS).map(change);

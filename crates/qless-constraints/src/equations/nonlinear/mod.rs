@@ -22,7 +22,7 @@ pub trait NonlinearBatch: Send + Sync {
     /// Names of the equations of each item.
     fn equation_names(&self) -> &'static [&'static str];
     fn owner(&self, i: usize) -> EquationOwner;
-    /// The numbers of DOFs of these items, added up; times the equations per item, this is the number of their entries of G.
+    /// Sum of the numbers of DOFs of some items. Times the equations per item, it is the number of their entries in G.
     fn width(&self, items: Range<usize>) -> usize;
     /// Appends the ends and the columns of its rows of G.
     fn write_pattern(&self, start: &mut Vec<usize>, col: &mut Vec<u32>);
@@ -30,7 +30,7 @@ pub trait NonlinearBatch: Send + Sync {
     fn evaluate(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]);
     /// Writes bounds on the rounding errors of c and G of some items.
     fn rounding(&self, items: Range<usize>, known: &UncertainDofs, c: &mut [f64], g: &mut [f64]);
-    /// Length of the Hessians of some items, as a list of numbers.
+    /// How many Hessian numbers some items have.
     fn numbers(&self, items: Range<usize>) -> usize;
     /// Calls `entry(row, column, number)` for each contribution to H, with numbers counted from `first`.
     fn entries(&self, first: usize, entry: &mut dyn FnMut(u32, u32, u32));
@@ -38,9 +38,10 @@ pub trait NonlinearBatch: Send + Sync {
     fn curvatures(&self, items: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64]);
     /// The DOFs of an item.
     fn dofs_of(&self, i: usize) -> &[u32];
-    /// Evaluates parameters that are functions of time. The error is the first row whose value is not finite, and that value.
+    /// Evaluates parameters that are functions of time. The error is `(row, value)`: a value that is not finite, and the
+    /// first row of its item in this batch.
     fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)>;
-    /// Calls `found` with each prescribed angle, and the first row that it occurs in.
+    /// Calls `found(row, angle)` for each prescribed angle; `row` is the first row of its item in this batch.
     fn angles(&self, found: &mut dyn FnMut(usize, f64));
     /// Removes item i, and appends its DOFs to `dofs`.
     fn take(&mut self, i: usize, names: &EquationNames, dofs: &mut Vec<u32>) -> Box<dyn StagedNonlinear>;
@@ -124,7 +125,8 @@ impl NonlinearEquations {
         self.batches.iter().scan(0, move |row, batch| Some((first(row, batch.as_ref()), batch.as_ref())))
     }
 
-    /// Evaluates parameters that are functions of time. The error is a nonlinear row whose value is not finite, and that value.
+    /// Evaluates parameters that are functions of time. The error is `(row, value)`: a value that is not finite, and the
+    /// first nonlinear row of its item.
     pub fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
         let mut first = 0;
         self.batches.iter_mut().try_for_each(|batch| {
@@ -138,12 +140,12 @@ impl NonlinearEquations {
         self.of_type.get(&TypeId::of::<Q>()).copied()
     }
 
-    /// The batch of a type with this number, if it is that of the type.
+    /// The batch with this number; `None` if there is none, or if its items have another type.
     pub fn typed_mut<Q: Nonlinear>(&mut self, batch: usize) -> Option<&mut TypedBatch<Q>> {
         self.batches.get_mut(batch)?.as_any_mut().downcast_mut()
     }
 
-    /// Inserts an item after those of its constraint and of earlier ones.
+    /// Inserts an item after all items of its own and of earlier constraints.
     pub fn insert<Q: Nonlinear>(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
         let next = self.batches.len();
         let kind = *self.of_type.entry(TypeId::of::<Q>()).or_insert(next);
@@ -164,7 +166,7 @@ impl NonlinearEquations {
     /// Removes and returns the items of a constraint, and their DOFs.
     pub fn take(&mut self, constraint: u32, names: &EquationNames) -> (Vec<Box<dyn StagedNonlinear>>, Vec<u32>) {
         let mut dofs = Vec::new();
-        // Backwards, so that the places of the others stay valid.
+        // The last item goes first, so that the indices of the remaining ones stay valid.
         let places = self.items_of(constraint).into_iter().rev();
         let mut pieces: Vec<_> = places.map(|(b, item)| self.batches[b].take(item, names, &mut dofs)).collect();
         pieces.reverse();

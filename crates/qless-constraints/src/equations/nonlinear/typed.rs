@@ -50,7 +50,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         local.extend(self.dofs(i).iter().map(|&j| u[j as usize]));
     }
 
-    /// Inserts an item after those of its constraint and of earlier ones.
+    /// Inserts an item after all items of its own and of earlier constraints.
     pub fn insert(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
         let i = self.owners.partition_point(|other| other.constraint <= owner.constraint);
         let first = self.start[i];
@@ -92,7 +92,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
     }
 }
 
-/// Sorts the entries of each row by column. Most DOFs ascend, so that nothing moves.
+/// Sorts the entries of each row by column. The DOFs of most items ascend already; then nothing moves.
 fn in_columns(dofs: &[u32], g: &mut [f64]) {
     if !dofs.is_sorted() {
         let mut order: Vec<usize> = (0..dofs.len()).collect();

@@ -95,8 +95,8 @@ fn projection<const D: usize>(nodes: &[[f64; D]], weights: Vec<f64>) -> Projecti
     Projection { distance: place.iter().fold(0.0, |sum: f64, x| sum.hypot(*x)), weights }
 }
 
-/// Sets weights below `8 blur` units in the last place of the largest to zero, and adds what is then missing to a sum
-/// of one to the largest.
+/// Sets weights below `8 blur` units in the last place of the largest weight to zero. Then corrects the largest weight
+/// so that the sum is one.
 pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
     let largest = weights.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
     weights.iter_mut().filter(|n| n.abs() < 8.0 * f64::EPSILON * blur * largest).for_each(|n| *n = 0.0);

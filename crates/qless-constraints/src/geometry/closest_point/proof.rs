@@ -48,8 +48,8 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
     is_flat || (straight > 0.0 && distance * nu <= straight * straight)
 }
 
-/// Largest `d2x / dxi_k dxi_l` at the nodes, with parameters scaled by `lengths`, and the largest component along
-/// `normal`; norms over all k and l.
+/// `[kappa, nu]`: bounds on `d2x / dxi_k dxi_l` and on its component along `normal`. They are [`SAFETY`] times the
+/// largest values at the nodes, as norms over all k and l. Parameters are scaled by `lengths`.
 fn second_derivatives<const D: usize>(
     shape: Shape,
     nodes: &[[f64; D]],

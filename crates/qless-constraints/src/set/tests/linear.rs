@@ -4,18 +4,19 @@ use super::every_type::random;
 use crate::ConstraintSet;
 use crate::types::LinearEquation;
 
-/// More DOFs than 16 bits can address, and more equations than one batch holds.
+/// More DOFs than 16 bits can address, and more equations than one task evaluates.
 const DOFS: usize = 200_000;
 const EQUATIONS: usize = 10_000;
 
-/// Equation i has 1 to 12 terms. Its DOFs are near each other in the first batch, distant in the second, and at the end of u in the third.
+/// Equation i has 1 to 12 terms. Its DOFs are near each other for the first 4096 equations, distant for the next 4096, and at the end of u
+/// for the others.
 fn terms(i: usize) -> Vec<(usize, f64)> {
     let dof = |k: usize| match i {
         0..4096 => (7 * i + 3 * k) % 60_000,
         4096..8192 => (7919 * i + 15_485_863 * k) % DOFS,
         _ => DOFS - 1 - (5 * i + 11 * k) % 3000,
     };
-    // Every third coefficient list occurred before.
+    // Every third equation has one of four coefficient lists.
     let value = |k: usize| if i.is_multiple_of(3) { 1.0 + k as f64 } else { random((31 * i + k) as u64) };
     (0..=i % 12).map(|k| (dof(k), value(k))).collect()
 }

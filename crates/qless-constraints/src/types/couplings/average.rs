@@ -19,11 +19,11 @@ use crate::{Constraint, EquationSink};
 /// of them are coupled. The equations add no stiffness. They distribute a load on the reference over the nodes, as forces
 /// with the same resultant.
 ///
-/// Components that the nodes do not determine are refused. Nodes on a line do not determine rotations about it, nor,
-/// for a reference beside the line, all of its translations; two nodes are always a line. Nodes count as on a line if
-/// they deviate by less than about 1e-8 of its length (measured by singular values), or by less than the rounding of
-/// the coordinates. In this case let only the other components follow ([`Node6::only`]), or add nodes with rotations.
-/// Cost: O(nodes) for each component.
+/// Components that the nodes do not determine are refused. Nodes on a line do not determine the rotation about the line.
+/// If the reference is off the line, they do not determine all translations of the reference either. Two nodes are always
+/// on a line. Nodes count as on a line if they deviate by less than about 1e-8 of its length (measured by singular
+/// values), or by less than the rounding of the coordinates. In this case couple only the determined components
+/// ([`Node6::only`]), or add nodes with rotations. Cost: O(nodes) for each component.
 ///
 #[doc = include_str!("../../../docs/pictures/average.svg")]
 ///
@@ -69,7 +69,8 @@ impl Average {
         Ok(())
     }
 
-    /// L, or 1 if all nodes coincide with the reference: then the fit weighs no translation against a rotation.
+    /// L, or 1 if all nodes coincide with the reference. In that case translations and rotations are fitted separately, so
+    /// L has no effect.
     fn mean_arm(&self) -> f64 {
         let length = |(node, _): &(Node6, f64)| hypot(arm(node.at, self.reference.at));
         let mean = self.nodes.iter().map(length).map(|length| length / self.nodes.len() as f64).sum();

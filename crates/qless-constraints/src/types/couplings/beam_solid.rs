@@ -23,7 +23,7 @@ use crate::{Constraint, EquationSink};
 ///   node, at most six. At the minimum, `int (u - u_b - theta x r) dA = 0` and `int r x (u - u_b - theta x r) dA = 0`.
 ///
 /// The integrals use the shape functions of the faces, `u = sum N_i u_i`. So a node has the weight `int N_i dA`, its
-/// tributary area, and the arm `int N_i r dA`. With `Mean` the beam therefore applies the nodal forces of a stress
+/// tributary area, and the first moment `int N_i r dA`. With `Mean` the beam therefore applies the nodal forces of a stress
 /// that is linear over the section, for every mesh: under pure tension and bending the stress in the solid is exact.
 /// For all three choices, forces and moments of the beam equal the resultants on the face, as rigid motions satisfy
 /// every equation.
@@ -54,8 +54,8 @@ pub struct BeamToSolid {
     /// The end node of the beam. With `Mean`, a DOF that is `None` is not coupled: a hinge, possibly about a local
     /// axis ([`Node6::along`]).
     pub beam: Node6,
-    /// The face of the solid. `Plane` needs faces with consistent normals; the others accept any faces, such as the
-    /// wall of a hole.
+    /// The face of the solid. `Plane` needs faces with consistent normals; `Rigid` and `Mean` accept any faces, such as
+    /// the wall of a hole.
     pub face: Surface<3>,
     /// How the section may deform.
     pub section: Section,
@@ -86,7 +86,7 @@ impl BeamToSolid {
         (0..3).map(move |k| (dofs[k], factor * e[k]))
     }
 
-    /// `motion . (u_b, theta)` equals that of the mean rigid motion of the face.
+    /// Adds `motion . (u_b, theta) = motion . q`, where q is the mean rigid motion of the face.
     fn mean(
         &self,
         sink: &mut EquationSink,

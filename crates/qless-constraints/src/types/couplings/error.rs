@@ -127,7 +127,7 @@ pub enum LineFault {
     /// The line does not have two nodes at different places.
     #[error("does not have two nodes at different places; give all nodes through the thickness")]
     TooShort,
-    /// A node does not exist, or is listed twice.
+    /// A node belongs to no face, or is listed twice.
     #[error("names node {node} (from 0), which belongs to no face, or is listed in another line or twice in this one")]
     Node {
         /// The node, from 0, of the surface.

@@ -1,8 +1,8 @@
 //! `min_q sum_k w_k (u_k - d_k . q)^2`: the rigid motion `q = (v, omega)` that fits observed displacements best.
 //!
-//! About the centre of the observations, with rotations scaled to lengths, let `A = diag(sqrt w) D = U S V^T`. Then
-//! `p . q = sum_k a_k u_k` with `a = diag(sqrt w) U S^-1 V^T p`. Motions whose singular value is only rounding are
-//! undetermined.
+//! q is the motion at the centre of the observations, with rotations scaled to lengths. D is the matrix with the rows
+//! `d_k`, and `A = diag(sqrt w) D = U S V^T`. Then a component `p . q` of the best fit is `sum_k a_k u_k` with
+//! `a = diag(sqrt w) U S^-1 V^T p`. Motions whose singular value is only rounding are undetermined.
 
 use std::collections::BTreeMap;
 
@@ -14,8 +14,8 @@ use super::svd::{JacobiSvd, svd};
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, axis, cross, hypot, scale};
 
-/// Singular values below this share of the largest count as zero: nodes that deviate from a line by less than about
-/// 1e-8 of its length.
+/// Singular values below this share of the largest count as zero. So nodes count as on a line if they deviate from it by
+/// less than about 1e-8 of its length.
 const LEAST: f64 = 1e-8;
 /// Relative error of an arm: a few operations on the coordinates.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -87,7 +87,7 @@ impl RigidMotionFit {
         [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]
     }
 
-    /// Error with the undetermined motion of the reference that moves the component most.
+    /// The error names the undetermined motion of the reference that changes `motion . q` most.
     fn undetermined_error(
         &self,
         motion: [f64; 6],
@@ -181,8 +181,8 @@ impl MeanRigidMotion {
     }
 }
 
-/// Adds what is missing to the given sum to the largest entry: far from the origin, the dropped rounding would change
-/// a translation.
+/// Corrects the largest entry so that all entries add up to `sum`. Far from the origin, the entries that `clean` has set
+/// to zero would otherwise change a translation.
 fn complete<'a>(parts: impl Iterator<Item = &'a mut f64>, sum: f64) {
     let parts: Vec<&mut f64> = parts.collect();
     let missing = sum - parts.iter().map(|a| **a).sum::<f64>();

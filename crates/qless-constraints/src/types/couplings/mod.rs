@@ -1,7 +1,8 @@
 //! Couplings of nodes with translations and rotations: rigid bodies (RBE2), weighted averages (RBE3), beams or shells
 //! on solids, fluids at walls.
 //!
-//! Every linear equation has the form `sum_j a_j u_j = d . q`, with the motion `q = (u_r, theta)` of a reference node.
+//! Except for fluids, every linear equation has the form `sum_j a_j u_j = d . q`, with the motion `q = (u_r, theta)` of
+//! a reference node.
 
 mod average;
 mod beam_solid;
@@ -32,7 +33,7 @@ pub enum Section {
     /// The section stays plane, but may contract: its nodes follow the rigid motion out of the plane, and only on
     /// average within the plane.
     Plane,
-    /// The section may warp and contract: the beam or shell follows the mean motion of the face, and a load on it is
+    /// The section may warp and contract. The beam or shell follows the mean motion of the face, and its load is
     /// distributed over the face.
     Mean,
 }

@@ -44,7 +44,8 @@ impl std::fmt::Display for Component {
 
 /// A node in space with translations and rotations. Any of them may be missing.
 ///
-/// A DOF is `None` if the node does not have it or if it is not coupled: this is how component lists are written.
+/// A DOF is `None` if the node does not have it or if it is not coupled. To couple only some components, set the other
+/// DOFs to `None` ([`Node6::only`]).
 /// Rotations are small, or components of one rotation vector, in radians. [`Node6::along`] selects components along
 /// local axes; the DOFs are always along x, y and z.
 ///
@@ -91,7 +92,7 @@ pub(crate) struct CoupledComponent {
 }
 
 impl CoupledComponent {
-    /// The component as a row in the rigid motion of a reference, from which r is the arm to the node.
+    /// The component as a row that acts on the rigid motion `(u_r, theta)` of a reference. r is the arm from there to the node.
     pub fn row(&self, r: Vector<f64>) -> [f64; 6] {
         if self.kind.is_rotation() { about(self.axis) } else { along(self.axis, r) }
     }
@@ -171,7 +172,7 @@ impl Node6 {
         }
     }
 
-    /// The same, with "translation" or "rotation".
+    /// Name of the equation of a component, with "translation" or "rotation".
     pub(crate) fn long_name(&self, component: Component) -> String {
         if self.local.is_some() { format!("local {component}") } else { component.to_string() }
     }
@@ -237,7 +238,8 @@ impl Axes {
     /// `axis`.
     ///
     /// # Errors
-    /// [`AxesError`] if the point lies on the line, up to 1e-8 of its distance from `origin`.
+    /// [`AxesError`] if `axis` is zero, a vector is not finite, or the point lies on the line, up to 1e-8 of its distance
+    /// from `origin`.
     pub fn cylindrical(origin: Vector<f64>, axis: Vector<f64>, at: Vector<f64>) -> Result<Self, AxesError> {
         let arm = sub(at, origin);
         let fault = AxesError::NoPlane { first: axis, second: arm };

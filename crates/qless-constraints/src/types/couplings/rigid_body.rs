@@ -17,9 +17,9 @@ use crate::{Constraint, EquationSink, Nonlinear};
 /// A rigid link (one node) or rigid body (many nodes) for small rotations. Also known as RBE2.
 ///
 /// `u_i = u_r + theta x (X_i - X_r)` and `theta_i = theta`, one equation for each component of a node. Omitted DOFs
-/// (`None`, [`Node6::only`]) stay free, as with a list of components in a deck. In planar models, both sides omit the
-/// other DOFs: a DOF that the reference lacks must have the factor zero. Components may be along local axes of each
-/// node ([`Node6::along`]): `e . u_i = e . (u_r + theta x (X_i - X_r))`.
+/// (`None`, [`Node6::only`]) stay free, as with a list of components in a deck. In planar models, the reference and the
+/// nodes omit the DOFs out of the plane. An equation that needs a missing DOF of the reference is refused. Components may
+/// be along local axes of each node ([`Node6::along`]): `e . u_i = e . (u_r + theta x (X_i - X_r))`.
 ///
 #[doc = include_str!("../../../docs/pictures/small_rigid_body.svg")]
 ///

@@ -1,4 +1,5 @@
-//! Rigid motion of a point: with the arm `r = X - X_r` and `q = (u_r, theta)`, the row of `d . (u_r + theta x r)`.
+//! Rigid motion of a point: the coefficients of `q = (u_r, theta)` in `d . (u_r + theta x r)`, with the arm
+//! `r = X - X_r`.
 
 use crate::scalar::vector::{Vector, cross};
 

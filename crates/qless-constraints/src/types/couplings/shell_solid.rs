@@ -24,8 +24,9 @@ use crate::{Constraint, EquationSink};
 ///
 /// `w_i = int N_i dA` is the tributary area of a node on the side of the solid, and `m_i = int N_i z dA`, where z is
 /// the height along the line above the centre of the `w_i`. So `Mean` applies exactly the nodal forces of a stress
-/// that is linear through the thickness and constant along the edge, also for quadratic faces. The rotation about d
-/// moves no node of a straight line. It is not coupled, and must be held at the shell, as elsewhere in the shell.
+/// that is linear through the thickness and constant along the edge, also for quadratic faces. If the shell node lies on
+/// the line, its rotation about d moves no node of the line. This rotation is not coupled: the shell must restrain it, as
+/// at its other nodes.
 ///
 /// The equations are independent. Cost: O(nodes + faces).
 ///
@@ -89,7 +90,7 @@ impl LineCoupling<'_> {
             (0..6).for_each(|k| motion[k] += a * own[k]);
             sizes = [sizes[0] + a.abs(), sizes[1] + a.abs() * norm(r)];
         }
-        // Weights sum to one and moments to zero: sums that are only rounding give no factor.
+        // The moments sum to zero, so some factors of the motion are only rounding. They are left out.
         let rounding = |k: usize| 64.0 * f64::EPSILON * sizes[k / 3];
         motion.iter_mut().enumerate().filter(|(k, x)| x.abs() <= rounding(*k)).for_each(|(_, x)| *x = 0.0);
         clean(terms.iter_mut().map(|(_, a)| a), 1.0);
@@ -210,7 +211,8 @@ impl LineShares {
         self.moments[place] += share * dot(arm(gauss.at, self.origin), self.direction);
     }
 
-    /// Scales the weights to a mean, and the moments to moments about the centre of the weights.
+    /// Scales the weights to the sum one. Refers the moments to the centre of the weights, and scales them to
+    /// `sum m_i z_i = 1`.
     pub fn normalise(&mut self) -> Result<(), LineFault> {
         let total = sum(self.weights.iter().copied())?;
         self.weights.iter_mut().for_each(|w| *w /= total);
@@ -222,7 +224,7 @@ impl LineShares {
     }
 }
 
-/// A sum. An error if it is only rounding of its terms.
+/// The sum of the terms. An error unless it is positive beyond rounding.
 fn sum(terms: impl Iterator<Item = f64> + Clone) -> Result<f64, LineFault> {
     let (total, size) = (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>());
     if total > NEGLIGIBLE * size { Ok(total) } else { Err(LineFault::NoArea) }

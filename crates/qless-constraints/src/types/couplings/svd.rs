@@ -34,7 +34,7 @@ fn product(rows: &[Row6], i: usize, j: usize) -> f64 {
     rows.iter().map(|row| row[i] * row[j]).sum()
 }
 
-/// Makes two columns orthogonal. Returns whether they were not.
+/// Makes two columns orthogonal. Returns whether they changed.
 fn orthogonalise(scaled: &mut [Row6], v: &mut [Row6; 6], (i, j): (usize, usize)) -> bool {
     let (a, b, both) = (product(scaled, i, i), product(scaled, j, j), product(scaled, i, j));
     // Written so that NaN is left alone.

@@ -75,7 +75,7 @@ impl Body {
         [position, self.rotation_dofs()].concat()
     }
 
-    /// States place and rotation of the body to the sink: every constraint must say the same of one body.
+    /// Tells the sink the place and the rotation DOFs of the body. The set refuses constraints that disagree on them.
     pub(crate) fn state(&self, sink: &mut EquationSink) {
         sink.numbers(self.at);
         if self.kind.positions() > 0 {

@@ -1,4 +1,5 @@
-//! Joints that let a body slide, and pairs of axes: prismatic, cylindrical, planar, parallel and perpendicular. Each is a list of primitives.
+//! Joints that let a body slide (prismatic, cylindrical, planar), and conditions on two axes (parallel, perpendicular).
+//! The former add equations of `height` and `orientation`, the latter only of `orientation`.
 
 use super::attachment::Body;
 use super::height::height;
@@ -150,13 +151,13 @@ impl Constraint for Planar {
     }
 }
 
-/// An axis of each body, kept parallel: `c = beta e`, the rotation vector that rotates `R_a t` to `R_b t`, in the axes
-/// of a, two angles.
+/// Keeps an axis of each body parallel: `c = beta e`, the rotation vector that rotates `R_a t` to `R_b t`, in the axes
+/// of a. It is perpendicular to t, so c has two components, which are angles.
 ///
 /// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e is along `t x R_a^T R_b t`. So the axes point the same way, not
-/// in opposite directions. The positions of the bodies do not matter. Within 1e-8 rad of opposite directions the rank is
-/// one, and c is half a turn about one direction perpendicular to the axis. This lets Newton's method leave the
-/// singularity.
+/// in opposite directions. The positions of the bodies do not matter. Within 1e-8 rad of opposite directions the rank of
+/// the Jacobian is one, and c is half a turn about a fixed direction perpendicular to the axis. So Newton's method can
+/// leave this singular configuration.
 ///
 #[doc = include_str!("../../../docs/pictures/parallel.svg")]
 ///

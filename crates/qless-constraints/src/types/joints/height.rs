@@ -1,7 +1,7 @@
 //! Prescribed height of a point: `(R_a s) . (x_b + R_b s_b - x_a) - s . s_a - h = 0`, a length.
 //!
-//! `s` is a direction of body a. `s_a` and `s_b` are the arms to a point that both bodies share in the reference
-//! configuration. h is the height of that point of body b above that of body a.
+//! `s` is a direction fixed to body a. `s_a` and `s_b` are the arms from the centres of the bodies to one point in the
+//! reference configuration. Both bodies carry this point along; h is the height of b's point above a's, along `R_a s`.
 
 use std::borrow::Cow;
 
@@ -60,7 +60,7 @@ impl Nonlinear for Height {
         c[0] = dot(up, self.reach(a, b)) - S::from(self.arm) - S::from(self.rise);
     }
 
-    /// All pairs but two kinds: two positions; a position with a rotation of body b.
+    /// All pairs, except a position with a position, and a position with a rotation of body b.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let (second, turns) = (self.a.dofs(), self.a.kind.positions()..self.a.dofs());
         let rotates_b = |j: usize| j >= second + self.b.kind.positions();

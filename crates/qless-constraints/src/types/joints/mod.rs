@@ -1,5 +1,5 @@
-//! Joints of multibody systems. Each is a selection of the equations in [`coincident`], [`height`] and
-//! [`orientation`], and holds in the reference configuration.
+//! Joints of multibody systems. Each combines some of the equations in [`coincident`], [`height`] and [`orientation`].
+//! All but the motors are satisfied in the reference configuration.
 
 pub(super) mod attachment;
 pub(super) mod coincident;

@@ -19,7 +19,7 @@ use crate::{Constraint, EquationSink, Nonlinear};
 ///
 /// psi is the angle of `R_a^T R_b` about the axis, once the axes are aligned. `psi - phi` is known only modulo 2 pi,
 /// and c is its value in `[-pi, pi]`. `phi` may cover any number of turns. Between two times the motor takes the
-/// shorter way, so that the time steps must be less than half a turn. The motor does not guide the axis: add it to a
+/// shorter way, so phi must change by less than half a turn in each time step. The motor does not align the axes: add a
 /// [`super::Revolute`] or [`super::Cylindrical`] joint.
 ///
 #[doc = include_str!("../../../docs/pictures/rotation_motor.svg")]
@@ -57,9 +57,8 @@ pub struct RotationMotor {
 /// set ([`set_time`](crate::ConstraintSet::set_time), initially 0).
 ///
 /// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. The motor does not
-/// guide the path: add it to a [`super::Prismatic`] or [`super::Cylindrical`] joint, or to a node ([`Body::node`])
-/// with another guide. Body b may be a node without rotations. Body a carries the axis, so it is the ground or has
-/// rotations.
+/// keep `p_b` on the axis: add a [`super::Prismatic`] or [`super::Cylindrical`] joint, or another guide if body b is a
+/// node without rotations ([`Body::node`]). Body a carries the axis, so it is the ground or has rotations.
 ///
 #[doc = include_str!("../../../docs/pictures/translation_motor.svg")]
 ///
@@ -158,7 +157,7 @@ impl Constraint for TranslationMotor {
     }
 }
 
-/// A [`Height`] that is a function of time.
+/// The equation of a [`Height`] whose prescribed height is a function of time.
 struct Travel {
     height: Height,
     motion: TimeFunction,

@@ -1,4 +1,4 @@
-//! Functions of the relative rotation `q = (q0, v)` of two bodies that joints set to zero. All but the last are
+//! Joints set these functions of the relative rotation q of two bodies, a quaternion, to zero. All but the last are
 //! angles, in radians.
 //!
 //! - [`Aligned`]: `c = log(R_a^T R_b)`, the shortest rotation vector from a to b, `|c| <= pi`;
@@ -6,8 +6,8 @@
 //! - [`Twist`]: the rotation about t that remains after the tilt, minus a prescribed angle, modulo 2 pi, `|c| <= pi`;
 //! - [`PerpendicularAxes`]: `c = (R_a s) . (R_b t)`, the cosine of an angle.
 //!
-//! Each function vanishes exactly if the joint condition holds. The first three are angle vectors
-//! ([`crate::geometry::angle`]) of functions `(m, v)` of q, which are linear, or quadratic for the tilt.
+//! Each function is zero if and only if the joint condition holds. The first three are computed from angle vectors of
+//! `(m, v)` ([`crate::geometry::angle`]). m and v are linear functions of q; for the tilt they are quadratic.
 
 use super::relative::RotationFunction;
 use crate::equations::TimeFunction;
@@ -23,8 +23,8 @@ pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
     if value.is_finite() { Ok(value) } else { Err(value) }
 }
 
-/// m counts as negative only below minus this share of |q|: at exactly half a turn, rounding must not change the sense
-/// of rotation.
+/// m counts as negative only if it is below minus this share of |v|: at exactly half a turn, rounding must not change
+/// the sense of rotation.
 const HALF_TURN: f64 = 1e-8;
 
 /// Whether -q, which is the same rotation, gives the smaller angle.
@@ -48,10 +48,10 @@ impl RotationFunction for Aligned {
     }
 }
 
-/// The rotation that turns the axis of one body to that of the other: the angle vector of `(m, v)`. Zero if the axes are parallel and point the
-/// same way.
+/// The rotation that turns the axis of one body to that of the other: the angle vector of `(m, v)`. Zero if the axes are
+/// parallel and point the same way.
 ///
-/// With the components `q_t, q_1, q_2` along the axis and two directions perpendicular to it:
+/// The vector part of q has the components `q_t` along the axis t, and `q_1, q_2` along two directions perpendicular to t:
 /// `m = t . R t = q0^2 + q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
 pub struct Tilt {
     /// The axis and two perpendicular directions, a right-handed system of unit vectors.
@@ -81,7 +81,7 @@ impl RotationFunction for Tilt {
 }
 
 /// The angle about an axis, minus a prescribed angle phi: `m = q0 cos(phi/2) + q_t sin(phi/2)`,
-/// `v = q_t cos(phi/2) - q0 sin(phi/2)`.
+/// `v = q_t cos(phi/2) - q0 sin(phi/2)`, where `q_t` is the component of the vector part of q along the axis.
 pub struct Twist {
     /// Unit vector.
     axis: Vector<f64>,

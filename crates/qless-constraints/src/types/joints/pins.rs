@@ -1,4 +1,5 @@
-//! Joints that keep a point of both bodies together: fixed, revolute, spherical and universal. Each is a list of primitives.
+//! Joints that keep a point of both bodies together: fixed, revolute, spherical and universal. All add the equations
+//! of `coincident`; all but the spherical joint also add equations of `orientation`.
 
 use super::attachment::Body;
 use super::coincident::coincident;
@@ -13,7 +14,7 @@ use crate::{Constraint, EquationSink};
 ///
 /// The angles are the components of the shortest rotation vector from a to b, in the axes of a. So a joint that is not
 /// yet assembled closes over at most half a turn; at exactly half a turn, the sign of the quaternion decides the sense.
-/// The moment among the multipliers is in the axes of a.
+/// The multipliers of these angles form a moment in the axes of a.
 ///
 #[doc = include_str!("../../../docs/pictures/fixed.svg")]
 ///
@@ -52,9 +53,9 @@ impl Constraint for Fixed {
 
 /// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0` and the tilt of the axis.
 ///
-/// The tilt is the rotation vector that rotates `R_a t` to `R_b t`, in the axes of a, with the angle
-/// `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]). So the axes point the same way after assembly, from any
-/// initial position. The joint may turn any number of times.
+/// t is the direction of the axis in the reference configuration. The tilt is the rotation vector that rotates `R_a t` to
+/// `R_b t`, in the axes of a, with the angle `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]). So the axes point
+/// the same way after assembly, from any initial position. The joint may turn any number of times.
 ///
 #[doc = include_str!("../../../docs/pictures/revolute.svg")]
 ///
@@ -131,8 +132,8 @@ impl Constraint for Spherical {
     }
 }
 
-/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0` and `(R_a s) . (R_b t) = 0`. Shafts at an angle beta rotate
-/// by `tan(psi_b) = tan(psi_a) / cos(beta)`.
+/// A cross of two axes, s on body a and t on body b: `x_a + R_a s_a - x_b - R_b s_b = 0` and `(R_a s) . (R_b t) = 0`.
+/// The rotations `psi_a` and `psi_b` of shafts at an angle beta satisfy `tan(psi_b) = tan(psi_a) / cos(beta)`.
 ///
 #[doc = include_str!("../../../docs/pictures/universal.svg")]
 ///

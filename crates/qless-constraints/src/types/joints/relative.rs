@@ -1,7 +1,7 @@
 //! Equations on the relative rotation `R_a^T R_b` of two bodies: functions c of the quaternion `q = conj(q_a) q_b`.
 //!
 //! With `z = dc/dq` and products of quaternions, `dc/dq_b = q_a z` and `dc/dq_a = q_b conj(z)`. The Hessian has three
-//! terms: the second derivatives of q_a and q_b in these directions, `dq^T (d^2 c / dq^2) dq`, and
+//! terms: the second derivatives of q_a and q_b, multiplied by `dc/dq_a` and `dc/dq_b`; `dq^T (d^2 c / dq^2) dq`; and
 //! `z . (conj(dq_a) dq_b)` between the bodies.
 
 use std::array::from_fn;
@@ -142,7 +142,7 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
     }
 }
 
-/// Number of entries of the lower triangle of a body's rotations.
+/// Number of entries in the lower triangle of a Hessian with respect to the rotations of one body.
 pub fn triangle(kind: RotationKind) -> usize {
     triangle_before(kind.rotations())
 }

@@ -7,7 +7,7 @@ use crate::geometry::search::FaceSearch;
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::Vector;
 
-/// Share of the size of a facet that rounding may lose.
+/// Allowed rounding error of the covered size, relative to the size of the facet or piece.
 const ROUNDING: f64 = 1e-8;
 
 /// The segments of a slave facet, each with the index of its master facet.

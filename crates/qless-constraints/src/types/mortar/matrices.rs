@@ -10,8 +10,8 @@ use super::cover::FacetSegments;
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::Face;
 
-/// Sums below this share of the sum of their absolute terms are rounding of the quadrature or of the inverse in dual
-/// functions.
+/// Entries of D and M below this share of the sum of their absolute terms are left out. They are rounding errors of the
+/// quadrature, or of the inverse matrix in the dual functions.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// A sum and the sum of its absolute terms.
@@ -53,7 +53,7 @@ fn mass(nodes: usize, segments: &FacetSegments) -> Mat<f64> {
     Mat::from_fn(nodes, nodes, |i, j| segments.iter().map(|(_, segment)| segment.own[i * nodes + j]).sum())
 }
 
-/// Adds a slave facet to the rows of its nodes. Returns `None` if the facet has no multipliers.
+/// Adds a slave facet to the rows of its nodes. Returns `None` if the facet has no dual functions.
 pub(super) fn add_facet(
     rows: &mut BTreeMap<usize, MortarRow>,
     kind: Multipliers,
@@ -80,15 +80,15 @@ pub(super) fn add_facet(
     Some(())
 }
 
-/// The share a of an edge function that each of its corners gets.
+/// The share a of a mid-edge function `N_e` that is added to the function of each corner of the edge.
 const SHARE: f64 = 0.2;
 
 /// Functions `Phi_i = sum_j B_ij N_j` of the multipliers on a slave facet with n nodes, and `D_ij = int Phi_i N_j`.
 ///
 /// Dual functions satisfy `int Phi_i M_j = delta_ij int M_j`, with `B = diag(d) (int M M^T)^-1 P`, `M = P N` and
-/// `d_i = int M_i` (Wohlmuth, SIAM J. Numer. Anal., 2000). For linear shapes `P = I`. Corner functions of quadratic
-/// shapes may have no integral, so `M_c = N_c + a sum N_e` over the edges at the corner and `M_e = (1 - 2 a) N_e`, with
-/// `a = 1/5` (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput., 2012).
+/// `d_i = int M_i` (Wohlmuth, SIAM J. Numer. Anal., 2000). For linear shapes `P = I`. The corner functions of quadratic
+/// shapes may have a zero or negative integral. So `M_c = N_c + a sum N_e` over the edges at the corner and
+/// `M_e = (1 - 2 a) N_e`, with `a = 1/5` (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput., 2012).
 pub(super) struct MultiplierFunctions {
     /// B, n x n.
     pub b: Mat<f64>,
@@ -97,7 +97,7 @@ pub(super) struct MultiplierFunctions {
 }
 
 impl MultiplierFunctions {
-    /// From `int N_i N_j` of the facet. Returns `None` if this matrix is not positive definite.
+    /// `mass` is `int N_i N_j` of the facet. Returns `None` for dual functions if this matrix is not positive definite.
     pub fn new(kind: Multipliers, shape: Shape, mass: Mat<f64>) -> Option<Self> {
         match kind {
             Multipliers::Standard => Some(Self { b: Mat::identity(mass.nrows(), mass.ncols()), d: mass }),
@@ -108,14 +108,14 @@ impl MultiplierFunctions {
     fn dual(shape: Shape, mass: &Mat<f64>) -> Option<Self> {
         let p = edge_shares(shape);
         let inverse = (&p * mass * p.transpose()).llt(Side::Lower).ok()?.inverse();
-        // The sum of the functions is one.
+        // `sum_j N_j = 1`, so `int M_i = sum_j int M_i N_j`.
         let d = &p * mass * Mat::<f64>::full(mass.nrows(), 1, 1.0);
         let b = Mat::from_fn(p.nrows(), p.nrows(), |i, j| d[(i, 0)] * inverse[(i, j)]) * &p;
         Some(Self { b, d: slave_matrix(shape, &d) })
     }
 }
 
-/// P.
+/// The matrix P of `M = P N`.
 fn edge_shares(shape: Shape) -> Mat<f64> {
     let mut p = Mat::identity(shape.nodes(), shape.nodes());
     for &[middle, a, b] in shape.edges() {
@@ -125,7 +125,8 @@ fn edge_shares(shape: Shape) -> Mat<f64> {
     p
 }
 
-/// `diag(d) P^-T`. The values for M are those for N at corners, and `(u_e - a (u_1 + u_2)) / (1 - 2 a)` at edges.
+/// `D = diag(d) P^-T`. `P^-T u` are the coefficients of a field in the functions M: `u_c` at corners, and
+/// `(u_e - a (u_1 + u_2)) / (1 - 2 a)` at mid-edge nodes.
 fn slave_matrix(shape: Shape, d: &Mat<f64>) -> Mat<f64> {
     let mut own = Mat::from_fn(d.nrows(), d.nrows(), |i, j| if i == j { d[(i, 0)] } else { 0.0 });
     for &[middle, a, b] in shape.edges() {

@@ -25,14 +25,15 @@ pub enum Multipliers {
     /// with weights that decay with distance.
     #[default]
     Standard,
-    /// Functions biorthogonal to the shape functions, `int Phi_i N_j = 0` for `i != j`. D is diagonal, and a slave
-    /// node depends only on the masters opposite its own facets. On quadratic facets, a mid-edge node also depends on
-    /// the masters opposite the facets of its corners.
+    /// Dual functions. On linear facets they are biorthogonal to the shape functions, `int Phi_i N_j = 0` for `i != j`. Then
+    /// D is diagonal, and a slave node depends only on the masters opposite its own facets. On quadratic facets, the row of
+    /// a mid-edge node also contains the corners of its edge, so this node also depends on the masters opposite the facets
+    /// of those corners.
     Dual,
 }
 
-/// Two meshes of one line or surface, tied in the mean: `sum_j D_ij u_j - sum_k M_ik u_k = 0`, with F fields in D
-/// dimensions.
+/// Ties two meshes of one line or surface weakly, by integrals: `sum_j D_ij u_j - sum_k M_ik u_k = 0`, with F fields in
+/// D dimensions. The nodes need not match.
 ///
 /// `D_ij = int Phi_i N_j` and `M_ik = int Phi_i N_k`, with the functions `N_j` of the slave side, `N_k` of the master
 /// side and `Phi_i` of the multipliers ([`Multipliers`]). Each node i of a slave facet has one equation per field.
@@ -42,8 +43,9 @@ pub enum Multipliers {
 /// segments, so that each row sums to zero. Entries that are only rounding are left out. On a flat interface, linear
 /// fields satisfy the tie for all shapes, and a constant stress is transmitted. The quadrature has degree five on each
 /// piece: it is exact for lines, Tri3, Tri6 with straight edges and Quad4 that are parallelograms. For a Quad4
-/// distorted by a tenth of its size, the error is below 4e-5 of the largest entry; for a fifth, below 1e-3. The error
-/// is equal in D and M, and rotates with the model. Cost for n facets per side: O(n log n).
+/// distorted by a tenth of its size, the error is below 4e-5 of the largest entry; for a fifth, below 1e-3. The errors
+/// of D and M cancel in each row sum, and do not depend on the orientation of the model. Cost for n facets per side:
+/// O(n log n).
 ///
 #[doc = include_str!("../../../docs/pictures/mortar_tie.svg")]
 ///

@@ -1,8 +1,8 @@
 //! `int N_i N_j` and `int N_i N_k` over a segment, the overlap of two facets in space.
 //!
-//! Both facets are projected along the normal of the mean plane of the first, lines perpendicular to its chord. In
-//! this plane their outlines are polygons or intervals. The shape functions at a point of the plane are those of the
-//! facet at the point that projects on it. Quadratic facets are cut into pieces with straight edges.
+//! Both facets are projected on the mean plane of the first (on its chord, if the facets are lines). In this plane their
+//! outlines are polygons or intervals. At a point of the plane, a shape function has the value that it has at the point
+//! of the facet that projects there. Quadratic facets are cut into pieces with straight edges.
 
 use crate::geometry::closest_point::gauss_newton::closest_parameters;
 use crate::geometry::node::relative;
@@ -20,8 +20,8 @@ struct MeanPlane {
 }
 
 impl MeanPlane {
-    /// The plane through the mean of the corners, perpendicular to the sum of the normals at the edges; for two
-    /// corners, their chord. Returns `None` without area or length.
+    /// The plane through the mean of the corners. Its normal is along the sum of `r_i x r_(i+1)`, where `r_i` are the corners
+    /// relative to their mean. For two corners, the chord. Returns `None` if the corners have no area or length.
     fn mean(corners: &[Vector<f64>]) -> Option<Self> {
         let origin = scale(1.0 / corners.len() as f64, corners.iter().fold([0.0; 3], |sum, &x| add(sum, x)));
         if let &[a, b] = corners {
@@ -69,7 +69,7 @@ pub struct MortarSegment {
     pub own: Vec<f64>,
     /// `int N_i N_k` with the functions of the other facet, n x m by rows.
     pub other: Vec<f64>,
-    /// Sums of the absolute terms of `other`.
+    /// For each entry of `other`, the sum of the absolute values of its terms.
     pub terms: Vec<f64>,
     /// Its area or length.
     pub size: f64,
@@ -111,7 +111,7 @@ impl FacetPiece {
     }
 }
 
-/// Returns `None` if the functions of a facet cannot be evaluated.
+/// Integrates over the common outline. Returns `None` if the shape functions cannot be evaluated at a quadrature point.
 fn integrate(view: &FacetView, other: &FacetView, outline: &Outline) -> Option<MortarSegment> {
     let (n, m) = (view.flat.len(), other.flat.len());
     let [own, pairs, terms] = [n * n, n * m, n * m].map(|count| vec![0.0; count]);

@@ -51,7 +51,8 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
 
 /// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations.
 ///
-/// For k = 0, and for half the number of sectors, both parts are independent, and the real part suffices.
+/// If k is 0 or half the number of sectors, `e^(i k alpha)` is real. Then no equation couples the real and imaginary
+/// parts, and the real part suffices.
 ///
 #[doc = include_str!("../../../docs/pictures/cyclic_harmonic.svg")]
 ///
@@ -118,7 +119,7 @@ impl<const D: usize, const F: usize> Cyclic<D, F> {
         }
     }
 
-    /// Terms of `-f (R u)_k`, where u are the values of these DOFs.
+    /// Terms of `-factor (R u)_k`, where u are the values of `dofs`.
     fn turned(&self, k: usize, factor: f64, dofs: &[usize; F]) -> Vec<(usize, f64)> {
         let terms: Vec<_> = match self.fields {
             Turning::Scalars => vec![(dofs[k], -factor)],

@@ -18,8 +18,8 @@ use crate::{Constraint, EquationSink};
 /// same DOFs as a coarser node at the same place, have no equations. Weights that are only rounding are exactly zero,
 /// and their sum is one. Cost: a dense factorization of the size of the coarser side.
 ///
-/// In a hierarchic basis, lower modes are shared, and additional modes of the finer side vanish: `u_m = 0`, a
-/// [`Prescribed`](crate::types::Prescribed).
+/// A hierarchic basis needs no such tie: both sides share the lower modes, and
+/// [`Prescribed`](crate::types::Prescribed) sets the additional modes of the finer side to zero.
 ///
 #[doc = include_str!("../../../docs/pictures/face_order_tie.svg")]
 ///
@@ -42,7 +42,7 @@ use crate::{Constraint, EquationSink};
 pub struct FaceOrderTie<const F: usize> {
     /// The dependent side.
     pub fine: FaceSide<F>,
-    /// The independent side. Its parameters have the same first corner.
+    /// The independent side, with the same parameters `xi, eta` as the finer side: the corners are in the same order.
     pub coarse: FaceSide<F>,
 }
 
@@ -201,7 +201,7 @@ pub enum FaceOrderTieError {
         /// Which side.
         side: TieSide,
     },
-    /// A finer node has a DOF of a coarser node at another place.
+    /// A finer node shares a DOF with a coarser node, but not its place, or not its other DOFs.
     #[error(
         "node {node}, from 1, of the finer side shares DOF {dof} with a coarser node at another place; correct one of them"
     )]

@@ -9,9 +9,9 @@ use crate::{Constraint, EquationSink};
 /// element that was not refined.
 ///
 /// The weights depend only on the parameters, so they are exact: 1/2 and 1/2 in the middle of a linear edge; 3/8, -1/8
-/// and 3/4 at a quarter of a quadratic edge. The field is continuous if the children have the degree of the parent, and
-/// if all their nodes on it hang or belong to it. An edge of the face on which a node hangs would be a second, redundant
-/// parent. Nodes of a parent may hang too.
+/// and 3/4 at a quarter of a quadratic edge. The field is continuous if the refined elements have the degree of the
+/// parent, and if each of their nodes on the parent hangs on it or is one of its nodes. If a node hangs on a face, it must
+/// not also hang on an edge of that face: these equations would be redundant. The nodes of a parent may hang too.
 ///
 /// For p-refinement use [`OrderTie`](crate::types::OrderTie). For nodes with unknown parameters use
 /// [`NodeTie`](crate::types::NodeTie).

@@ -1,4 +1,5 @@
-//! Ties: a node follows other nodes with given weights, `u_p - sum_k N_k u_k = 0`, or its image on an opposite face.
+//! Ties: a node follows a weighted sum of other nodes, `u_p - sum_k N_k u_k = 0`, or it follows its image on the
+//! opposite face of a periodic cell or cyclic sector.
 
 mod cyclic;
 mod face_order_tie;
@@ -35,7 +36,7 @@ fn interpolate<const F: usize>(
 
 /// Whether a finer node is also a coarser node: the same DOFs at the same place.
 ///
-/// The error is a DOF that it shares with a coarser node at another place.
+/// The error is a DOF of the finer node that also belongs to a coarser node, although the nodes are not the same.
 fn is_shared<P: Copy, const F: usize>(
     dofs: &[usize; F],
     coarse: &[(P, [usize; F])],

@@ -12,10 +12,10 @@ use crate::{Constraint, EquationSink};
 /// A node with F fields, tied to a line, to a face, or to a solid that contains it, in D dimensions:
 /// `u_p = sum_k N_k(xi) u_k`.
 ///
-/// xi is the nearest point of the element. In a solid that contains the node, `x(xi) = x_p`, solved by Newton's method
-/// (one step for affine elements). Weights below 8 units in the last place of the largest are exactly zero. Their sum
-/// is one, up to two units of rounding per weight, so that constants are reproduced, and linear fields if the node
-/// lies on the element. Cost: about ten evaluations of N.
+/// xi are the parameters of the point of the element that is nearest to the node. In a solid that contains the node they
+/// solve `x(xi) = x_p`, by Newton's method (one step for affine elements). Weights below 8 units in the last place of the
+/// largest are exactly zero. The sum of all weights is one, up to two units of rounding per weight. So the tie reproduces
+/// constants, and also linear fields if the node lies on the element. Cost: about ten evaluations of N.
 ///
 /// Each field is interpolated separately: over a gap h, a rigid rotation theta leaves an error `theta h`. So the
 /// tolerance should be small compared with the element.

@@ -11,8 +11,8 @@ use crate::{Constraint, EquationSink};
 /// edge: equally spaced, Gauss-Lobatto points, or others. Shared nodes, which have the same DOFs as a coarser node at
 /// the same place, have no equations.
 ///
-/// In a hierarchic basis, lower modes are shared, and modes above q vanish on the edge: `u_m = 0`, a
-/// [`Prescribed`](crate::types::Prescribed).
+/// A hierarchic basis needs no such tie: both sides share the modes up to q, and
+/// [`Prescribed`](crate::types::Prescribed) sets the higher modes on the edge to zero.
 ///
 #[doc = include_str!("../../../docs/pictures/order_tie.svg")]
 ///
@@ -73,7 +73,7 @@ pub enum OrderTieError {
         /// Their position.
         at: f64,
     },
-    /// A finer node has a DOF of a coarser node at another place.
+    /// A finer node shares a DOF with a coarser node, but not its place, or not its other DOFs.
     #[error(
         "node {node}, from 1, of the finer side shares DOF {dof} with a coarser node at another place; correct one of them"
     )]

@@ -3,13 +3,13 @@
 use crate::geometry::node::{Node, field};
 use crate::{Constraint, EquationSink};
 
-/// The macroscopic gradient E of F fields in D dimensions, an F x D matrix: dimensionless for displacements, one over
-/// a length times the unit of the field otherwise.
+/// The macroscopic gradient E of F fields in D dimensions, an F x D matrix. Its unit is that of the field divided by a
+/// length, so it is dimensionless for displacements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MacroStrain<const D: usize, const F: usize = D> {
     /// Prescribed numbers.
     Given([[f64; D]; F]),
-    /// DOFs of their own, 0-based, which are unknown or constrained elsewhere.
+    /// The DOFs of the entries of E, 0-based. They are unknowns, or other constraints determine them.
     Dofs([[usize; D]; F]),
 }
 

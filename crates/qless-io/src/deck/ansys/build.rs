@@ -10,7 +10,7 @@ use super::reader::{AnsysReader, CommandOwner};
 use super::syntax::archive::DofCoefficient;
 use crate::deck::{CardName, Deck, DeckError, Dof, Model, Origin, Problem, Sources};
 
-/// Reads a deck. Its model has these other DOFs even if no equation names them, so that `D,ALL` prescribes them too.
+/// Reads a deck. The model has the DOFs of `others` even if no equation names them, so `D,ALL` prescribes them, too.
 ///
 /// # Errors
 /// [`DeckError`].
@@ -27,7 +27,7 @@ pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
 }
 
-/// The nodes of the components that `CMBLOCK` defines, by name.
+/// The nodes of the components that `CMBLOCK` and `CM` define, by name.
 pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
     let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
     let groups = reader.map(|reader| reader.nodes.groups).unwrap_or_default();

@@ -14,7 +14,7 @@ use super::syntax::label;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
 use crate::deck::{Deck, Dof, Model};
 
-/// The main file after the plan.
+/// The main file with the changes of the plan.
 ///
 /// A comment replaces the commands of a removed equation. If that would change the meaning of other commands, or if a
 /// loop makes the equation, its commands stay and the new text deletes the equation further below.

@@ -1,7 +1,8 @@
 //! CalculiX and Abaqus decks, `.inp`.
 //!
 //! The deck is read twice: first for definitions (nodes, sets, surfaces, elements), then, in order, for constraints.
-//! Equations are homogeneous, their first term is the slave, and every step is a load case.
+//! Equations are homogeneous, except those of some `*MPC` cards, and their first term is the slave. Every step is a load
+//! case.
 //!
 //! | folder | content, lowest layer first |
 //! | --- | --- |

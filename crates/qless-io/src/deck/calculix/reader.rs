@@ -229,7 +229,8 @@ impl CalculixReader {
         }
     }
 
-    /// Reads cyclic symmetry before the first step: each model card with the tie that it names, or with the only tie.
+    /// Reads the cyclic symmetry cards collected so far: each model card with the tie that it names, or else with the
+    /// only tie.
     fn cyclic_symmetry(&mut self) -> Result<(), DeckError> {
         if self.sectors.is_empty() {
             return Ok(());
@@ -269,7 +270,8 @@ impl CalculixReader {
             self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;
         }
-        // Abaqus may tie a node-based surface in another way, and steps may need a node at different times.
+        // No card may lose single nodes: Abaqus may tie a node-based surface in another way, and if steps differ, one
+        // of them may need a node that is redundant in another.
         if self.solver != Solver::Ccx || self.model.cases.windows(2).any(|two| !two[0].constrains_as(&two[1])) {
             self.model.cards.keep_whole();
         }
@@ -293,7 +295,8 @@ impl CalculixReader {
         }
     }
 
-    /// Refuses equations that name an undefined node; the error is at the first of them.
+    /// Refuses equations that name undefined nodes. The error names the lowest such node, at the first equation with
+    /// it.
     fn check_nodes(&self) -> Result<(), DeckError> {
         let defined = self.definitions.node_numbers();
         if defined.is_empty() || self.definitions.generates_nodes {

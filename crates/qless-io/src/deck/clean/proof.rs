@@ -9,7 +9,7 @@
 //! the deck's: an equation in other units must not pass for the rounding of its neighbours.
 //!
 //! Whether the deck has a solution is tested separately, so that rounding of new coefficients cannot decide it. Loads must stay at their
-//! DOFs. Cost: five analyses for each case, and one more for each of several time histories.
+//! DOFs. Cost: five analyses for each case if the first reading proves it, and one more for each of several time histories.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -126,8 +126,8 @@ fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) 
     faults_in(new, case).first().map_or(Ok(()), |fault| Err(fault.describe(new)))
 }
 
-/// Checks the prescribed values of the new load case: those of the old one, and values of DOFs that only the new deck
-/// has.
+/// Checks the prescribed values of the new load case, and returns their DOFs. Allowed are the values of the old load
+/// case, and values of DOFs that only the new deck has.
 fn same_values(
     old: &Model,
     a: &LoadCase,
@@ -144,7 +144,7 @@ fn same_values(
     if let Some((dof, _)) = before.iter().find(|(dof, given)| after.get(dof) != Some(given)) {
         return Err(format!("{dof} is not prescribed as before"));
     }
-    // DOFs that only the new deck has exist for its equations.
+    // A DOF that was not prescribed before counts only if an equation of the new deck names it.
     after.retain(|dof, _| before.contains_key(dof) || new.column(*dof).is_some());
     if let Some(dof) = after.keys().find(|dof| !before.contains_key(dof) && old.column(**dof).is_some()) {
         return Err(format!("{dof} was not prescribed before"));
@@ -215,7 +215,7 @@ impl<'a> SharedColumns<'a> {
         self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
     }
 
-    /// Whether an equation only equates a new DOF with the DOF that it repeats.
+    /// Whether an equation only says `u_a = u_b`, where a and b are two names of one DOF of the original deck.
     fn names_one_dof(&self, new: &Model, i: usize) -> bool {
         let equation = new.nth(i);
         let names: Vec<Dof> = equation.columns.iter().map(|&j| new.dofs[j as usize]).collect();
@@ -247,7 +247,7 @@ mod tests {
     use super::*;
     use crate::deck::{Format, parse};
 
-    /// The proof that a deck with the second equations constrains as one with the first.
+    /// Tries to prove that the equations `new` constrain as the equations `old`.
     fn proof(old: &str, new: &str) -> Result<(), CleanError> {
         let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
         let text = |equations: &str| format!("*EQUATION\n{equations}*BOUNDARY\n9,1\n").into_bytes();

@@ -24,7 +24,7 @@ enum Evidence {
 /// The format of a text. `expected` is the format of the file's ending or of the requested solver.
 ///
 /// # Errors
-/// [`UnrecognizedText`] if no card of any format comes first.
+/// [`UnrecognizedText`] if the text starts like another file type, or if no card decides.
 pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, UnrecognizedText> {
     if let Some(foreign) = UnrecognizedText::foreign(text) {
         return Err(foreign);
@@ -193,7 +193,7 @@ mod tests {
             assert_eq!(format_of(b"*NODE\n1,0.,0.,0.\n", Some(format)), Ok(Format::Calculix));
         }
         assert!(format_of(both, None).is_err());
-        // A keyword unknown here.
+        // A keyword that is in none of the lists.
         assert_eq!(format_of(b"*NOVELTY\n", Some(Format::Calculix)), Ok(Format::Calculix));
         assert!(format_of(b"*NOVELTY\n", None).is_err());
     }

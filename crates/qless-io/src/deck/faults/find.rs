@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{EquationFault, FaultKind, keeps_slaves};
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
-/// A slave's coefficient relative to the largest one: below this, rounding errors grow by the inverse factor.
+/// A slave's coefficient vanishes below this fraction of the largest one. Dividing by it makes rounding errors grow by the inverse.
 const SMALL: f64 = 1e-6;
 
 /// The faults of a deck's equations, each once, in the order of the load cases.
@@ -95,8 +95,8 @@ fn unit_of(dof: Dof) -> u8 {
     }
 }
 
-/// Finds slaves that depend on each other in a circle and are not determined, or that ccx cannot insert. Equations whose masters are no slaves
-/// are removed repeatedly; a circle remains.
+/// Finds slaves that depend on each other in a circle, if the equations do not determine them or ccx cannot insert them. Equations
+/// without masters that are slaves are removed repeatedly; circles and the equations that depend on them remain.
 fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault> {
     let others = |i: usize| {
         let equation = model.nth(i);
@@ -152,7 +152,7 @@ struct CoupledDof {
     is_first: bool,
 }
 
-/// Faults of the first DOFs of coupled sets; the others are slaves and checked as such.
+/// Faults of the first DOFs of coupled sets. All other DOFs of a set are slaves; [`faults_of`] checks them as slaves.
 fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let mut known: FxHashMap<u32, CoupledDof> = FxHashMap::default();
     let mut faults = Vec::new();
@@ -183,7 +183,7 @@ fn coupled_equations<'a>(model: &'a Model, left_out: &'a [bool]) -> impl Iterato
 
 /// Masters that an `*EQUATION` names twice. ccx 2.20 adds up such terms only if the slave is named twice too, or if it
 /// inserts another equation into this one; otherwise it continues with a wrong stiffness, without a message. Each term
-/// at a node with local axes stands for three global DOFs, so that two components of it are the same three DOFs twice.
+/// at a node with local axes stands for three global DOFs, so that two components of the node name these DOFs twice.
 fn repeated_faults(
     model: &Model,
     prescribed: &FxHashMap<u32, Origin>,

@@ -12,9 +12,9 @@ const MOST_INSERTIONS: usize = 200_000;
 /// Terms of an equation, slave first.
 type TermList = Vec<(u32, f64)>;
 
-/// Whether all equations keep their slaves if ccx inserts them into each other: for each master that is the slave of another
-/// equation, until there is none. ccx stops if the slave of an equation cancels. `None` if that takes too many
-/// insertions.
+/// Whether all equations keep their slaves if ccx inserts them into each other. ccx replaces masters that are slaves of
+/// other equations, until no such master is left. It stops if the slave of an equation cancels. `None` if this takes
+/// too many insertions.
 pub fn keeps_slaves(model: &Model, equations: &[usize]) -> Option<bool> {
     let row = |&i: &usize| {
         let equation = model.nth(i);
@@ -68,7 +68,7 @@ fn collected(terms: impl Iterator<Item = (u32, f64)>) -> TermList {
     row
 }
 
-/// A row in which the term at position `at` is replaced by its equation.
+/// Replaces the term at position `at` of a row by means of `equation`, whose slave is the DOF of this term.
 fn inserted(row: &TermList, at: usize, equation: &TermList) -> TermList {
     let factor = -row[at].1 / equation[0].1;
     let instead = equation[1..].iter().map(|&(j, a)| (j, factor * a));

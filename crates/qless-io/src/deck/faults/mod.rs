@@ -65,7 +65,7 @@ pub enum FaultKind {
         /// Why it makes none.
         why: &'static str,
     },
-    /// Slaves depend on each other in a circle, and the equations hardly determine them, or one cancels when the solver
+    /// Slaves depend on each other in a circle. The equations hardly determine them, or a slave cancels when the solver
     /// inserts the equations into each other.
     Circle,
 }

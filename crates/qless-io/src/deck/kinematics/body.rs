@@ -7,7 +7,7 @@
 use super::vector::{Vector, largest, length, minus, plus, scaled};
 use crate::deck::{Dof, Problem};
 
-/// Coefficients of one component: its value is their product with a motion.
+/// Coefficients of one component. Their product with a motion is the value of the component.
 pub type MotionRow = [f64; 6];
 
 /// Position and axes of a grid point, in global coordinates.
@@ -29,7 +29,7 @@ impl Pose {
         [x, y, z, product(&[q, -r], &[z, y]), product(&[r, -p], &[x, z]), product(&[p, -q], &[y, x])]
     }
 
-    /// The pose relative to another point. Its rows about the origin multiply the components of that point.
+    /// The pose in the frame of another point. The rows of the result about the origin are coefficients of that point's components.
     pub fn relative_to(&self, other: &Self) -> Self {
         let arm = minus(self.position, other.position);
         let rounding = 8.0 * f64::EPSILON * (largest(self.position) + largest(other.position));
@@ -61,7 +61,7 @@ impl CouplingEquation {
     }
 }
 
-/// Mean of the positions, and the largest distance from it (1 if it is 0), which converts rotations to lengths.
+/// Mean of the positions, and the largest distance from the mean, or 1 if that is 0. The distance converts rotations to lengths.
 pub fn centre_and_size(positions: impl ExactSizeIterator<Item = Vector> + Clone) -> (Vector, f64) {
     let share = 1.0 / positions.len() as f64;
     let centre = positions.clone().fold([0.0; 3], |sum, position| plus(sum, scaled(position, share)));

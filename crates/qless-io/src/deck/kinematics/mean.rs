@@ -141,8 +141,8 @@ impl MeanElement {
 }
 
 /// The mean over motions in the reference's own components only: `u_r = S^-1 sum w_k a_k^T u_k` with `S = sum w_k a_k^T
-/// a_k`, where a_k has only the columns of these components. Without rotations among them it is the weighted mean,
-/// without lever arms. MYSTRAN's `RBE3` works this way.
+/// a_k`, where a_k has only the columns of these components. If none of them is a rotation, the result is the plain
+/// weighted mean: lever arms have no effect. MYSTRAN's `RBE3` works this way.
 pub fn partial_mean(element: &MeanElement, poses: &impl Poses) -> Result<Vec<CouplingEquation>, Problem> {
     let reference = poses.pose(element.reference)?;
     let own: Vec<u8> = element.components.iter().collect();

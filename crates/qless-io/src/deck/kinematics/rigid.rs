@@ -22,7 +22,7 @@ pub struct RigidElement {
 }
 
 impl RigidElement {
-    /// All components of the dependent nodes in `set` follow one node.
+    /// The components `set` of the dependent nodes follow all components of one node.
     pub fn about(node: u32, dependent: impl IntoIterator<Item = u32>, set: Components) -> Self {
         let dependent = dependent.into_iter().map(|node| (node, set)).collect();
         Self { independent: vec![(node, Components::ALL)], dependent }

@@ -68,7 +68,7 @@ pub struct LoadCase {
     pub name: String,
     /// Prescribed DOFs, ascending, each once.
     pub prescribed: Vec<Prescribed>,
-    /// Other values of DOFs in `prescribed` that contradict them.
+    /// Other values for DOFs of `prescribed`; they contradict the values there.
     pub clashes: Vec<Prescribed>,
     /// Loads.
     pub loads: Vec<Load>,

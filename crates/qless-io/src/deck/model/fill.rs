@@ -44,7 +44,7 @@ impl Model {
         }
     }
 
-    /// Makes the term at a position the slave of an equation.
+    /// Makes term `at` of an equation its slave, by an exchange with the first term.
     pub(crate) fn lead(&mut self, equation: usize, at: usize) {
         let start = if equation == 0 { 0 } else { self.ends[equation - 1] as usize };
         self.terms.columns.swap(start, start + at);

@@ -26,7 +26,7 @@ pub struct Model {
     pub(crate) cases: Vec<LoadCase>,
     pub(crate) warnings: Vec<Warning>,
     pub(crate) refusals: Vec<Warning>,
-    /// Rotations that the solver makes for bodies, by the first of three components of the reference node.
+    /// Rotations of rigid bodies that the solver adds and that a new node can have, each by the first of its three components.
     pub(crate) own_rotations: BTreeSet<Dof>,
     pub(crate) traits: DeckTraits,
     /// Whether load cases are independent, so that none inherits from earlier ones.

@@ -7,7 +7,8 @@
 //! | read | cards |
 //! | --- | --- |
 //! | points and axes | `GRID` `GRDSET` `SPOINT` `EPOINT` `CORD1R/C/S` `CORD2R/C/S` |
-//! | equations | `MPC` `MPCADD` `RBE1` `RBE2` `RBE3` `RBAR` `RBAR1` `RROD` `RJOINT` `RTRPLT` `RTRPLT1`, OptiStruct's `JOINTG` (`BALL`, `RBEAM`) |
+//! | equations | `MPC` `MPCADD` `RBE1` `RBE2` `RBE3` `RBAR` `RBAR1` `RROD` `RJOINT` `RTRPLT` `RTRPLT1` |
+//! | equations of OptiStruct | `JOINTG` (`BALL`, `RBEAM`) |
 //! | sets that exclude slaves | `ASET` `OMIT` `BSET` `CSET` `QSET` `SUPORT` |
 //! | values | `SPC` `SPC1` `SPCADD` `SPCD`, PS of `GRID` |
 //! | loads | `LOAD` `FORCE` `MOMENT` `SLOAD` |
@@ -25,7 +26,8 @@
 //!
 //! Cards that constrain in other ways (such as `RSPLINE`, `CWELD`, superelements) are left out, with a message; the model is then
 //! incomplete. Warnings name sets that no subcase selects, and selected sets that do not exist. A continuation line is found by its
-//! name anywhere in the deck, except for OptiStruct, which takes the next line. Lines that begin with `=` copy the previous card.
+//! name anywhere in the deck; OptiStruct and MYSTRAN look only at the next line. Lines that begin with `=` copy the previous card,
+//! except for MYSTRAN, which ignores them or stops.
 //!
 //! ```
 //! # let place = tempfile::tempdir()?;

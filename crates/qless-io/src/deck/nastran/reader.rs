@@ -63,7 +63,7 @@ impl LineVisitor for NastranReader {
         self.landmarks.includes.push(include);
     }
 
-    /// Files of executive control hold procedures, not constraints.
+    /// Continues without an unreadable file of executive control, because it holds procedures, not constraints.
     fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError> {
         if self.section != DeckSection::Executive || !matches!(error.problem, Problem::Include { .. }) {
             return Err(error);
@@ -202,7 +202,8 @@ impl LineVisitor for FirstLandmark {
 
     fn included(&mut self, _: IncludeLine) {}
 
-    /// A file of executive control is not needed. Its section is still unknown, so the second reading decides.
+    /// Ignores unreadable files. The section of the include is still unknown; the second reading decides whether the file is
+    /// needed.
     fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError> {
         if matches!(error.problem, Problem::Include { .. }) { Ok(()) } else { Err(error) }
     }

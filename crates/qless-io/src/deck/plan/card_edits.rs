@@ -1,12 +1,12 @@
 //! Chooses the edits of cards that make equations independent, so that no equation need be rewritten.
 //!
-//! An edit leaves out a card, or one slave node of a divisible card, such as a grid point of an `RBE2`. The law: an equation is dropped by
-//! an edit of its card if all equations that the edit removes are implied by those that remain.
+//! An edit leaves out a card, or one slave node of a divisible card, such as a grid point of an `RBE2`. An edit is permitted only if the
+//! equations that remain imply all equations that it removes.
 //!
-//! Let `row_k = sum_i c_ki row_i` be the certificates of the dependent equations k, and N the matrix with `N_kk = 1` and `N_ik = -c_ki`: its
-//! columns span all dependencies. Equations D are implied by the others if and only if the rows of D in N are linearly independent. Edits
-//! are tried one by one: first those of equations with faults, then from the end of the deck. They count if they drop as many equations as
-//! are dependent; else the equations are chosen without regard to cards.
+//! Let `row_k = sum_i c_ki row_i` be the certificates of the dependent equations k, and N the matrix with `N_kk = 1` and `N_ik = -c_ki`.
+//! Its columns span all dependencies. Equations D are implied by the others if and only if the rows of D in N are linearly independent.
+//! Edits are tried one by one: first those of equations with faults, then from the end of the deck. Dependencies that share equations form
+//! a group. If the edits drop fewer equations of a group than are dependent, its equations are chosen without regard to cards.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
 /// Key of an edit: a text, and a node of the card if the edit leaves out only this node.
 pub type EditKey = ((u32, u32), u32);
 
-/// The edit that drops an equation; a whole card unless `by_node`.
+/// The edit that drops an equation. It leaves out the whole card, or one node if `by_node` and the card is divisible.
 pub fn edit_of(model: &Model, i: usize, by_node: bool) -> EditKey {
     let origin = model.nth(i).origin;
     let node = if by_node && model.cards.is_divisible(origin.card) { slave_node(model, i) } else { 0 };
@@ -81,8 +81,8 @@ pub fn shortened(model: &Model, removed: &[Removed]) -> BTreeMap<(u32, u32), Sho
     cards
 }
 
-/// For an analysis of these equations, those to keep instead of equations that edits drop. `edit` gives the edit of an equation unless its
-/// card must not change; equations with the largest `gain` are dropped first.
+/// Chooses the equations to keep, as rows of the analysis, so that edits of cards drop the dependent ones. `edit` gives the edit of an
+/// equation, or `None` if its card must not change. Edits of equations with the largest `gain` are tried first.
 pub fn kept_by_edits(
     model: &Model,
     rows: &[usize],
@@ -104,7 +104,7 @@ pub fn kept_by_edits(
     (!kept.is_empty() && echelon.operations < OPERATIONS).then_some(kept)
 }
 
-/// The rows of N that are not zero, by equation of the analysis, in units of the largest coefficients of the equations.
+/// The rows of N that are not zero, by equation of the analysis. Each equation is scaled by its largest coefficient.
 struct Dependencies {
     rows: FxHashMap<usize, Vec<(usize, f64)>>,
     count: usize,
@@ -125,7 +125,7 @@ impl Dependencies {
         (1..=DEPENDENT).contains(&dependent.len()).then_some(Self { rows, count: dependent.len() })
     }
 
-    /// The equations to keep wherever edits drop as many as are dependent. Dependencies with equations in common belong together.
+    /// The equations to keep in the groups in which edits drop as many equations as are dependent.
     fn kept(&self, dropped: &FxHashSet<usize>) -> Vec<usize> {
         let mut sets = DisjointSets::new(self.count);
         self.rows.values().for_each(|row| row.iter().for_each(|(k, _)| sets.join(row[0].0, *k)));

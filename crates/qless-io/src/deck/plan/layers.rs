@@ -4,8 +4,8 @@
 //! Let `U_k` be the DOFs prescribed in any of the cases up to k. The cases are treated from last to first. Layer k
 //! consists of the equations of case k that are independent, without the columns `U_k`, of those kept so far; they
 //! hold up to case k. Kept equations are independent in every case in which they hold, since fewer DOFs are prescribed
-//! there. Ranks show whether they suffice. With constant prescribed DOFs and no removal there is one layer. Cost: one
-//! analysis for each layer and for each case.
+//! there. `steps` compares ranks to see whether they suffice. With constant prescribed DOFs and no removal there is one layer. Cost: one
+//! analysis for each layer, and a second one if edits of cards drop equations.
 
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -109,7 +109,7 @@ impl<'a> KeptEquations<'a> {
         edit_of(self.model, i, self.edits_cards)
     }
 
-    /// How much it helps to drop an equation: most if it alone is the fault, less if it is in a circle, which others can open too.
+    /// How much it helps to drop an equation: 2 for most faults, 1 for a circle, since dropping another equation can open it too.
     fn gains(&self, layer: &Layer, rows: &[usize]) -> FxHashMap<usize, u8> {
         let mut left_out = vec![true; self.model.equations()];
         rows.iter().for_each(|&i| left_out[i] = false);

@@ -2,7 +2,7 @@
 //!
 //! Load case k has the equations `E_k` and the prescribed DOFs `P_k`. In each case, the equations kept or written are
 //! independent without `P_k`, span the same space as `E_k`, and have distinct slaves outside `P_k`. Edits of cards are preferred
-//! (`card_edits`); equations are rewritten where they do not suffice.
+//! (`card_edits`). If edits do not suffice, equations are rewritten.
 
 mod card_edits;
 mod edit;
@@ -127,8 +127,8 @@ impl Plan {
     }
 }
 
-/// Plans the changes after which the equations in force are independent in every load case, with each slave once and
-/// never prescribed.
+/// Plans the changes after which, in every load case, the equations in force are independent, no DOF is the slave of two
+/// equations, and no slave is prescribed.
 ///
 /// # Errors
 /// [`CleanError`]: a deck that stops the solver, conflicting equations, load cases that no single deck serves, or

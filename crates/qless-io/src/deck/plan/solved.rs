@@ -1,7 +1,7 @@
 //! Solves equations for their slaves: `u_s - T u_q - G u_p = g`.
 //!
-//! Layers are solved from the last load case on. Slaves of earlier solved layers stay slaves, and only the rows of new
-//! slaves are written. These may be masters in rows of other layers, since solvers follow chains.
+//! Layers are solved from the last load case back to the first. Slaves of layers solved before stay slaves, and only the
+//! rows of new slaves are written. A new slave may be a master in rows written before, since solvers follow chains.
 
 use qless::{Analysis, Preferences};
 use rustc_hash::FxHashSet;
@@ -51,7 +51,7 @@ fn solve(
     Ok(())
 }
 
-/// DOFs that cannot be slaves because other cards claim them.
+/// DOFs that cannot be slaves: other cards claim them, or the node has local axes and a prescribed DOF.
 struct SlaveClaims<'a> {
     model: &'a Model,
     /// Nodes with local axes and a prescribed DOF.

@@ -1,7 +1,7 @@
 //! CalculiX 2.20; `tests/calculix/claims.rs` runs it on every pair of cards.
 //!
 //! ccx reads couplings before all other cards that constrain, and turns ties into equations after the first step. If a
-//! slave is a slave already, some cards stop and others skip that DOF. ccx compares slaves with prescribed DOFs in the
+//! DOF is a slave already, ccx stops at some cards, and at others skips the DOF. ccx compares slaves with prescribed DOFs in the
 //! first step, and in later steps only if the equations may have changed.
 
 use rustc_hash::FxHashMap;
@@ -18,7 +18,7 @@ fn order_of(kind: CardKind) -> u8 {
     }
 }
 
-/// Two cards with the same slave, in the order of the deck.
+/// The outcome for two cards with the same slave, in the order of the deck.
 pub fn twice(first: CardKind, second: CardKind) -> Outcome {
     let (late, dropped) = if order_of(second) < order_of(first) {
         (first, Outcome::IgnoresFirst)
@@ -31,7 +31,7 @@ pub fn twice(first: CardKind, second: CardKind) -> Outcome {
     }
 }
 
-/// A slave that is prescribed in the first step, or only in a later step, in which ccx may compare slaves again.
+/// The outcome for a prescribed slave. `is_later`: not in the first step; `is_compared`: ccx compares slaves again in that step.
 pub fn prescribed(kind: CardKind, is_later: bool, is_compared: bool) -> Outcome {
     match (kind, is_later) {
         (CardKind::Tie, false) => Outcome::IgnoresFirst,
@@ -41,8 +41,8 @@ pub fn prescribed(kind: CardKind, is_later: bool, is_compared: bool) -> Outcome 
 }
 
 /// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave. It
-/// does so in every step of a deck with `*TRANSFORM`, where `*EQUATION, REMOVE` removes equations, and in nonlinear
-/// steps with linked equations of which one is nonlinear.
+/// does so in every step of a deck with `*TRANSFORM`, in steps in which `*EQUATION, REMOVE` removes equations, and in
+/// nonlinear steps with linked equations of which one is nonlinear.
 pub fn compares_again(
     model: &Model,
     equation: usize,
@@ -64,7 +64,7 @@ pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
     if !model.traits.is_nonlinear {
         return false;
     }
-    // Couplings with their own axes become equations to new nodes, which are slaves.
+    // Couplings with their own axes become equations with new nodes. These nodes are slaves, which makes a chain.
     if model.traits.has_oriented_couplings {
         return true;
     }

@@ -143,7 +143,7 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Drops equations whose slave another equation has. Each is compared with the remaining one of those before it.
+    /// Compares each equation with the earlier one that still has the same slave, and drops one of the two if the solver does.
     fn drop_shared(&mut self) {
         let mut holders: FxHashMap<u32, usize> = FxHashMap::default();
         for (equation, column) in self.slaves() {
@@ -158,7 +158,7 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Adds the faults of the remaining equations, and equations whose slave the solver itself makes a slave.
+    /// Adds the faults of the remaining equations. In ccx, the slave of an equation may also be a slave that ccx adds for `*KINEMATIC`.
     fn add_remaining(&mut self) {
         let mut faults = faults_of(self.profile.model, &self.prescribed, &self.profile.left_out);
         if self.profile.solver == Solver::Ccx {

@@ -10,7 +10,7 @@ use super::{Finding, Outcome};
 use crate::deck::faults::FaultKind;
 use crate::deck::{Dof, LoadCase, Model, Solver};
 
-/// Equations and values that a solver drops, and that what it keeps does not imply.
+/// Equations and values that a solver drops although the kept ones do not imply them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Loss {
     /// Equations, ascending.
@@ -22,7 +22,7 @@ pub struct Loss {
 }
 
 impl Loss {
-    /// Whether the solver loses what it drops for a finding.
+    /// Whether the equation or value that the solver drops for a finding is lost.
     pub fn contains(&self, finding: &Finding) -> bool {
         let is_lost = |i| self.equations.binary_search(&i).is_ok();
         let is_value = |dof| self.values.binary_search(&dof).is_ok();
@@ -68,8 +68,8 @@ pub fn loss(model: &Model, case: &LoadCase, findings: &[Finding], solver: Solver
     loss
 }
 
-/// Whether a dropped row is redundant with kept rows alone. The kept rows are preferred in the basis, so that its
-/// combination is unique.
+/// Whether kept rows alone imply a dropped row. The analysis prefers kept rows for the basis, so that the combination
+/// has dropped rows only if it needs them.
 fn implied(analysis: &Analysis, row: usize, is_dropped: &[bool]) -> bool {
     let needs_dropped = || analysis.because(row).is_ok_and(|terms| terms.iter().any(|term| is_dropped[term.row]));
     analysis.kinds()[row] == Kind::Redundant && !needs_dropped()
@@ -77,7 +77,7 @@ fn implied(analysis: &Analysis, row: usize, is_dropped: &[bool]) -> bool {
 
 /// The rows of a load case that the solver drops.
 struct Dropped {
-    /// The load case. Its dropped values are among its clashing ones, which are rows of its system.
+    /// The load case. Dropped values are moved to its `clashes`, which are rows of its system.
     case: LoadCase,
     /// Numbers of the equations in force; they are the first rows.
     in_force: Vec<usize>,

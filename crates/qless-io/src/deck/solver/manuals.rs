@@ -15,23 +15,23 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{CardKind, Outcome};
 use crate::deck::{LoadCase, Model};
 
-/// Two cards with the same slave.
+/// The outcome for two cards with the same slave.
 ///
 /// The preprocessor keeps one of two ties, drops a tie between nodes of rigid bodies, and joins rigid bodies that
-/// share nodes. No other constraint may use an eliminated DOF.
+/// share nodes. No other constraint may use an eliminated DOF; `*DISTRIBUTING` eliminates none.
 pub fn abaqus_twice(first: CardKind, second: CardKind) -> Outcome {
     match (first, second) {
         (CardKind::Tie | CardKind::RigidBody, CardKind::Tie) => Outcome::IgnoresSecond,
         (CardKind::Tie, CardKind::RigidBody) => Outcome::IgnoresFirst,
-        (CardKind::RigidBody, CardKind::RigidBody) | (CardKind::Distributing, _) | (_, CardKind::Distributing) => {
-            Outcome::Accepted
-        }
+        (CardKind::RigidBody, CardKind::RigidBody)
+        | (CardKind::Distributing | CardKind::DistributingCoupling, _)
+        | (_, CardKind::Distributing | CardKind::DistributingCoupling) => Outcome::Accepted,
         _ => Outcome::Refused,
     }
 }
 
-/// A prescribed slave: an eliminated DOF must not be prescribed. A distributing coupling does not eliminate its
-/// reference node.
+/// The outcome for a prescribed slave: an eliminated DOF must not be prescribed. A distributing coupling does not
+/// eliminate the DOFs of its reference node.
 pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
     if matches!(kind, CardKind::Distributing | CardKind::DistributingCoupling) {
         Outcome::Accepted
@@ -40,7 +40,7 @@ pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
     }
 }
 
-/// OptiStruct, by the kinds of cards concerned.
+/// The outcome in OptiStruct for a fault of cards of these kinds.
 pub fn optistruct(kinds: &[CardKind]) -> Outcome {
     if kinds.contains(&CardKind::RigidElement) { Outcome::Accepted } else { Outcome::Refused }
 }
@@ -53,8 +53,8 @@ pub struct Eliminations {
 }
 
 impl Eliminations {
-    /// Finds an own DOF for the equations that are not left out, one after the other: a free DOF of no coupled set that no other equation
-    /// has, ignoring those that have theirs already. This follows chains of equations.
+    /// Looks for a DOF that each equation can eliminate: a free DOF that is in no coupled set and in no other equation. An equation that
+    /// has found its DOF no longer counts for the others, so that chains are followed. Equations that are left out do not count.
     pub fn find(model: &Model, cases: &[LoadCase], left_out: &[bool]) -> Self {
         let given = model.prescribed_in(cases);
         let mut found = Self { is_eliminated: vec![false; model.equations()], prescribed: FxHashMap::default() };
@@ -86,7 +86,7 @@ impl Eliminations {
         accepted_if(equations.iter().all(|&i| self.is_eliminated[i]))
     }
 
-    /// The outcome for a coupled set with prescribed DOFs: one of them gives the others their value.
+    /// The outcome for a coupled set with prescribed DOFs. A single prescribed DOF is accepted: it gives the others their value.
     pub fn of_set(&self, card: u32) -> Outcome {
         accepted_if(self.prescribed.get(&card).is_none_or(|columns| columns.len() < 2))
     }

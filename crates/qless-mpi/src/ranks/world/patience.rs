@@ -17,7 +17,7 @@ impl Patience {
         Self { since: Instant::now() }
     }
 
-    /// Yields at first; later sleeps for an eighth of the time waited so far, so that the delay stays relatively small.
+    /// Yields at first. Later sleeps for an eighth of the time waited so far, at most a millisecond, so that the delay stays small.
     pub fn rest(&self) {
         let waited = self.since.elapsed();
         if waited < AWAKE {
@@ -44,7 +44,7 @@ pub(super) fn wait<'a, D: ?Sized, S: Scope<'a>>(request: Request<'a, D, S>) {
     until(|| all_done(&mut requests).then_some(()));
 }
 
-/// Drops the requests that are done, from the last on.
+/// Drops completed requests, from the last to the first, until one is pending. Returns true if all are complete.
 pub(super) fn all_done<'a, D: ?Sized, S: Scope<'a>>(requests: &mut Vec<Request<'a, D, S>>) -> bool {
     while let Some(request) = requests.pop() {
         if let Err(pending) = request.test() {

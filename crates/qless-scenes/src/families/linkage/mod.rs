@@ -16,10 +16,11 @@ use net::Net;
 /// every `pitch`-th body. The axes of all hinges are parallel, normal to a plane that is inclined to x, y and z. Coordinates are whole
 /// numbers, so all coefficients are exact. A hinge has five equations, a ball joint three.
 ///
-/// The rows and the first rungs form a tree of independent equations. Each other rung closes a loop. Its three hinges are not
-/// collinear, so within the plane its ends can still move relative to each other. Out of the plane they are connected already, so
-/// three equations are redundant. A ball joint at the elbow removes two of these three, another one at the foot the third. With
-/// `balls` the seed chooses none, one or two ball joints for each of these rungs; otherwise `3 loops` equations are redundant.
+/// The rows and the first rungs form a tree of independent equations. Each other rung closes a loop. The three hinges of a rung
+/// are not collinear, so within the plane its ends can still move relative to each other. The tree already prevents relative motion
+/// of its ends out of the plane, so three equations are redundant. A ball joint at the elbow removes two of these three, another
+/// one at the foot the third. With `balls` the seed chooses none, one or two ball joints for each of these rungs; otherwise
+/// `3 loops` equations are redundant.
 ///
 /// ```
 /// use qless_scenes::families::Linkage;

@@ -26,9 +26,9 @@ pub enum Edges {
 /// nodes: `xx, yy, zz`, then `yz, zx, xy`; they connect the components to one block.
 ///
 /// With [`Edges::Matching`] a node of a far face has one independent equation per component. A node on two far faces (the
-/// `near - 1` inner nodes of an edge and its far end) has one redundant equation per component, and the last corner has two: in all
-/// `3 (3 near + 2)`. With [`Edges::Own`] the equations of such a node agree only for fields that are linear along the edges, which
-/// locks the near edges: a common mistake in practice. The number of redundant equations is then unknown.
+/// `near - 1` inner nodes of an edge and its end on a near face) has one redundant equation per component, and the last corner has
+/// two: in all `3 (3 near + 2)`. With [`Edges::Own`] the equations of such a node agree only for fields that are linear along the
+/// edges, which locks the near edges: a common mistake in practice. The number of redundant equations is then unknown.
 ///
 /// A node of a near face occurs in no equation if no far node lies opposite its elements. Finer far faces have few such nodes.
 ///
@@ -60,7 +60,7 @@ impl PeriodicCell {
         Self { near, far, near_faces: Faces::Quads, edges }
     }
 
-    /// m: nine equations for each interior node of a far face, and for each node of its edges.
+    /// m: three equations for each node of each of the three far faces, including the nodes of its edges.
     pub fn equations(&self) -> usize {
         let [near, far] = [self.near, self.far].map(|n| n.saturating_sub(1));
         let edges = match self.edges {

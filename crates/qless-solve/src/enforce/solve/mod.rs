@@ -100,8 +100,9 @@ impl<'a> FactoredPart<'a> {
     }
 }
 
-/// The allowed relative residual of each row: the given accuracy for augmented equations, and at most that for forces, since these are not in
-/// balance before the equations of their springs are satisfied.
+/// The allowed relative residual of each row: the given accuracy for augmented equations, and [`BALANCED`] for all others. Beside augmented
+/// equations, the others must reach the accuracy as well, but not less than [`TIGHTEST`]: forces are in balance only if the equations of
+/// their springs are satisfied.
 fn limits<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> impl Fn(usize) -> f64 + 'a {
     let is_augmented = |method: &Method| matches!(method, Method::Augmented { .. });
     let forces = if part.methods.iter().any(is_augmented) { BALANCED.min(accuracy.max(TIGHTEST)) } else { BALANCED };
@@ -124,7 +125,8 @@ fn with_reactions(problem: &Problem, mut solution: Solution) -> Result<Solution,
     Ok(solution)
 }
 
-/// The more severe of two errors, or the first one if they are equally severe. Errors of one kind are merged.
+/// The more severe of two errors, or the first one if they are equally severe. Two free motions are merged, and so are two errors of soft
+/// penalties.
 pub fn worse(first: EnforceError, second: EnforceError) -> EnforceError {
     match (first, second) {
         (Unsupported(a), Unsupported(b)) => Unsupported(a.union(&b)),

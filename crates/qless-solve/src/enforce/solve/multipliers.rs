@@ -41,7 +41,8 @@ pub fn by_multipliers(part: &EnforcedPart, accuracy: f64) -> Result<PartSolution
     accept(part, refined, accuracy_of_u, accuracy)
 }
 
-/// Tries elimination if multipliers leave an equation unsatisfied: zero terms stay zero in T, but become rounding in the factors.
+/// Tries elimination if multipliers leave an equation unsatisfied: terms that are zero stay zero with T, but become rounding with factors
+/// of the saddle matrix.
 fn try_elimination<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> Option<(FactoredPart<'a>, Refined)> {
     let mut prepared = FactoredPart::new(part, vec![Method::Elimination; part.methods.len()], 0.0).ok()?;
     let refined = prepared.refined(accuracy).ok().filter(|refined| refined.share <= 1.0)?;
@@ -99,8 +100,8 @@ fn free_motion(part: &EnforcedPart, methods: &[Method], error: EnforceError) -> 
     })
 }
 
-/// Finds a nonzero solution of `A x = 0` by elimination, with the rows of A as equations. Unlike a shift, this also works if the null spaces
-/// of A and A^T are orthogonal.
+/// Finds a nonzero solution of `A x = 0` by elimination, with the rows of A as equations. Unlike a shift, this also works if the null
+/// spaces of A and A^T are orthogonal.
 fn by_elimination(part: &EnforcedPart) -> Option<EnforceError> {
     let model = SaddleEquations::new(part).ok()?;
     let (n, units) = (model.dofs(), model.units());

@@ -7,9 +7,10 @@
 //! y = M^-1 (r (|b - A x| + e (|A| |x| + |b|)))        random r in +-[1/2, 1], e the share by which terms are wrong
 //! ```
 //!
-//! The error of a DOF with a known unit is the larger of y and the growth of rounding times the largest such DOF. The growth describes all
-//! unknowns together; if dimensionless multipliers are far larger than u, their rounding is a larger fraction of u, which y shows. A DOF
-//! without a known unit may have any size; its error is the largest of several y. Cost: one solve, and three more if there are such DOFs.
+//! The error of the DOFs with known units is the larger of y and `e g` times the largest of these DOFs, where g is the growth of rounding.
+//! The growth describes all unknowns together; if dimensionless multipliers are far larger than u, their rounding is a larger fraction of
+//! u, which y shows. A DOF without a known unit may have any size; its error is the largest of several y. Cost: one solve, and four more if
+//! there are such DOFs.
 
 use super::super::refinement::{MeasuredEquations, Refined};
 use super::super::singularity::WRONG;
@@ -40,7 +41,7 @@ impl FactoredPart<'_> {
         Some(error)
     }
 
-    /// `|a - b| / |a|` over the DOFs.
+    /// `|a - b| / |a|` in the group of DOFs where it is largest.
     pub fn share(&self, a: &[f64], b: &[f64], rounding: &SolutionRounding) -> f64 {
         let off = self.sizes(&difference(a, b)).into_iter().zip(self.references(a, rounding));
         off.map(|(off, reference)| if off > 0.0 { off / reference } else { off }).fold(0.0, f64::max)
@@ -70,8 +71,8 @@ impl FactoredPart<'_> {
         self.model.groups.largest(x.iter().zip(self.model.units()).map(|(x, unit)| x / unit))
     }
 
-    /// The larger of the largest displacement of each group and the displacement that the loads would cause on their own stiffness. Without
-    /// any stiffness there is no unit of energy, and loads do not count.
+    /// For each group, the larger of its largest displacement and the displacement that the loads would cause on the stiffness of their
+    /// DOFs. Without any stiffness there is no unit of energy, and loads do not count.
     pub fn sizes_and_loads(&self, x: &[f64]) -> Vec<f64> {
         let mut sizes = self.sizes(x);
         if self.model.is_stiff() {
@@ -82,8 +83,8 @@ impl FactoredPart<'_> {
         sizes
     }
 
-    /// Reference size of each group: its displacements and loads. If these are rounding, the terms of its equations; if those are rounding as
-    /// well, the terms of its forces.
+    /// Reference size of each group: its displacements and loads. If these are rounding, the terms of its equations; if those are rounding
+    /// as well, the terms of its forces.
     fn references(&self, x: &[f64], rounding: &SolutionRounding) -> Vec<f64> {
         let sizes = self.sizes_and_loads(x);
         let (groups, units, mut references) = (&self.model.groups, self.model.units(), sizes.clone());
@@ -117,7 +118,7 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Number of random solves.
+/// Number of additional random solves with several groups.
 const TRIALS: usize = 3;
 /// Factor between the largest of few random errors and the largest possible one.
 const SAFETY: f64 = 2.0;
@@ -143,7 +144,8 @@ impl FactoredPart<'_> {
         Some(SolutionRounding { share, of_groups })
     }
 
-    /// The residual plus random errors of the terms. With several groups, random errors alone as well.
+    /// Random errors as large as the residual plus the rounding of the terms. With several groups, also the residual alone, and random
+    /// errors of the terms alone.
     fn errors(&self, x: &[f64]) -> Vec<Vec<f64>> {
         let pairs = |ax: Vec<f64>, b: &[f64]| ax.into_iter().zip(b.to_vec());
         let (b, b_sizes) = (&self.part.rhs.0, &self.part.rhs.1);

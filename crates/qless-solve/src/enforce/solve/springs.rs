@@ -1,7 +1,7 @@
 //! Penalties and augmented equations by `K + C^T D C`, if the result is certain.
 //!
-//! No model is refused here. If the result is not certain, [`super::multipliers`] solves again, at the cost of another factorization. Springs
-//! can hide a mechanism, which their exact equations would leave free:
+//! No model is refused here. If the result is not certain, [`super::multipliers`] solves again, at the cost of another factorization.
+//! Springs can hide a mechanism, which their exact equations would leave free:
 //!
 //! ```text
 //! d <- d - C M^-1 d        gaps d of equations with springs, M = [K C^T; C -1/D]
@@ -32,7 +32,7 @@ impl FactoredPart<'_> {
         let refined = self.refined(accuracy).ok().filter(|refined| refined.share <= 1.0)?;
         let rounding = self.rounding(&refined, growth)?;
         let penalty_error = self.penalty_error(&refined.x, &rounding)?;
-        // Rounding that the solution with multipliers would not have.
+        // Whether springs cause rounding that the solution with multipliers would not have.
         let is_hidden = refined.rounding > ROUNDED && rounding.share > accuracy;
         let is_penalised = self.methods.iter().any(|method| matches!(method, Method::Penalty { .. }));
         let limit = if is_penalised { accuracy.min(1.0) } else { 1.0 };
@@ -44,8 +44,8 @@ impl FactoredPart<'_> {
     /// Growth of rounding, if the springs neither make K lose its digits nor hide a mechanism.
     fn certain_growth(&mut self) -> Option<f64> {
         let Self { model, inverse, .. } = self;
-        // The stiffest spring in balanced units has no dimension, like the growth. It can exceed the user's factor, which is relative to the
-        // stiffest DOF of an equation: its other DOFs are softer.
+        // The stiffest spring in balanced units has no dimension, like the growth. It can exceed the user's factor: that is relative to the
+        // stiffest DOF of an equation, whose other DOFs may be softer.
         let of_rows = inverse.springs.iter().zip(&model.units()[model.dofs()..]);
         let stiffest = of_rows.map(|(spring, unit)| spring / unit / unit).fold(1.0, f64::max);
         let found = rounding_growth(model, &mut |r: &[f64]| inverse.solve(r)).ok()?;
@@ -74,7 +74,7 @@ impl FactoredPart<'_> {
         stays <= CLOSES
     }
 
-    /// A gap of dimensionless size one for each equation with a spring. All differ, so that they do not cancel.
+    /// A gap of dimensionless size between one and two for each equation with a spring. All gaps differ, so that they do not cancel.
     fn first_gaps(&self) -> Vec<f64> {
         let (n, units) = (self.model.dofs(), self.model.units());
         let mut gaps = vec![0.0; units.len()];

@@ -1,8 +1,8 @@
 //! Checks of a step: the model is supported, forces are in balance, and independent equations are satisfied.
 //!
-//! If all DOFs of an equation are zero up to rounding, its residual has no scale. Its terms therefore count as at least [`FLOOR`] times what
-//! they would be if every DOF of its connected part were as large as the largest one, in units that spread from K along the equations. Cost:
-//! one pass over C; the units are computed only if an equation fails by its own terms.
+//! If all DOFs of an equation are zero up to rounding, its residual has no scale. Its terms therefore count as at least [`FLOOR`] times
+//! what they would be if every DOF of its connected part were as large as the largest one, in units that spread from K along the equations.
+//! Cost: one pass over C; the units are computed only if an equation fails by its own terms.
 
 use qless::elimination::EliminationError;
 use qless::{ConstraintSystem, Elimination, Kind};

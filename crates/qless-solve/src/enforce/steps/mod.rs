@@ -55,8 +55,8 @@ impl<S: Solver> Steps<S> {
     /// Prepares solves for matrices with the pattern of K.
     ///
     /// # Errors
-    /// [`EnforceError::Elimination`] if the elimination has no equations or the arrays are not a valid pattern, [`EnforceError::Factored`] if parts of T are kept as factors,
-    /// [`EnforceError::Triangle`] if the pattern is half of a matrix but not declared so.
+    /// [`EnforceError::Elimination`] if the elimination has no equations or the arrays are not a valid pattern, [`EnforceError::Factored`]
+    /// if parts of T are kept as factors, [`EnforceError::Triangle`] if the pattern is half of a matrix but not declared so.
     pub fn new<P: Index, I: Index>(elimination: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
         let steps = Self::unsymmetric(elimination, k, solver)?;
         match steps.pattern.triangle() {
@@ -81,9 +81,9 @@ impl<S: Solver> Steps<S> {
             return Err(EnforceError::Factored);
         }
         let condensed = elimination.condensed(k, PrescribedDofs::Eliminated)?;
-        // The condensed pattern has validated it.
+        // The construction of the condensed pattern has validated k.
         let pattern = StiffnessPattern::new(&k);
-        // By columns, the other half is stored.
+        // The solver reads columns: the lower half by rows is the upper half by columns.
         let storage = match (condensed.is_by_columns(), condensed.storage()) {
             (false, Storage::Lower) => Storage::Upper,
             (false, Storage::Upper) => Storage::Lower,

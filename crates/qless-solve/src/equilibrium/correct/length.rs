@@ -1,6 +1,6 @@
 //! Step lengths by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next correction with the
-//! same matrix, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis, a rod), forces rise for
-//! a step although the error falls; a test of the residual would forbid that step.
+//! same matrix, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis, a rod), forces rise
+//! for a step although the error falls; a test of the residual would forbid that step.
 //!
 //! All parts try their lengths together. Parts that have found their length wait.
 

@@ -57,7 +57,7 @@ struct Correction {
     part: usize,
     saddle: Saddle,
     dx: Vec<f64>,
-    /// Whether to change multipliers only, which may make the tangent regular: a chain without tension.
+    /// Whether to change multipliers only, which may make the tangent regular, as for a chain without tension.
     only_multipliers: bool,
 }
 
@@ -97,7 +97,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(steps)
     }
 
-    /// `-F` on free DOFs and kept rows of a part, including the effect of prescribed DOFs that have yet to move.
+    /// `-F = -[r; c]` on free DOFs and kept rows of a part, including the effect of prescribed DOFs that have yet to move.
     fn rhs(&self, part: usize, x: &Unknowns) -> Vec<f64> {
         let (g, h) = (self.state.evaluation.g(), self.state.evaluation.h());
         let arrived = self.arrived(part, x);
@@ -146,13 +146,13 @@ pub struct PartProgress {
 
 /// The stage of a part's iteration.
 pub enum PartStage {
-    /// Iterate.
+    /// The part is iterated.
     Iterating,
-    /// Take this correction as soon as all parts are ready to move their prescribed DOFs, which they may share.
+    /// The part takes this correction as soon as all parts are ready to move their prescribed DOFs: parts may share these.
     Ready(Vec<f64>),
-    /// Nothing: it is in equilibrium, or takes no part in this attempt.
+    /// The part is in equilibrium, or is not iterated in this attempt.
     Done,
-    /// Nothing: it has failed.
+    /// The part has failed.
     Failed(StepFailure),
 }
 
@@ -169,7 +169,7 @@ impl PartProgress {
         matches!(self.stage, PartStage::Done)
     }
 
-    /// Whether it failed in a way that another start may avoid; leaving its branch is not.
+    /// Whether the part failed in a way that another start may avoid; this excludes a part that left its branch.
     pub fn may_start_again(&self) -> bool {
         matches!(&self.stage, PartStage::Failed(failure) if !matches!(failure, StepFailure::Branch(_)))
     }

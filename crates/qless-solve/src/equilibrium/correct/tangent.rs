@@ -6,8 +6,8 @@
 //! In equilibrium the tangent must resist every admissible motion by more than rounding. A bar without force, for example, has a transverse
 //! stiffness from the rounding of its strain.
 //!
-//! Let y be the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their last correction and last places.
-//! The support is rounding if `|A' y - A y| > |A y| / 2`. Cost: two evaluations, if some motion is resisted weakly.
+//! Let y be the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their next correction, and of u in
+//! its last places. The support is rounding if `|A' y - A y| > |A y| / 2`. Cost: two evaluations, if some motion is resisted weakly.
 
 use super::super::saddle::{Saddle, SaddleEntries, large, largest, norm};
 use super::super::state::Unknowns;
@@ -53,8 +53,9 @@ impl<M: Model> Corrector<'_, M> {
         Ok(done)
     }
 
-    /// Gives parts the rows that are independent here; if these are the same, removes one row. Rows that differ by the rounding of G count as
-    /// independent in the units of their entries, so that they would be chosen again. Whether the removed row holds is checked at the end.
+    /// Gives parts the rows that are independent here; if a part had these rows before, removes one. Rows that differ by the rounding of G
+    /// count as independent in the units of their entries, so that they would be chosen again. Whether the removed row holds is checked at
+    /// the end.
     fn separate(&mut self, asking: Vec<(usize, Vec<usize>)>) -> Result<Vec<usize>, StepFailure> {
         let may = |part: usize| !self.all[part].rows.is_thinned && self.all[part].changes < CHANGES;
         let choice = if asking.iter().any(|(part, _)| may(*part)) { Some(self.choose()?) } else { None };
@@ -91,7 +92,7 @@ impl<M: Model> Corrector<'_, M> {
             let saddle = Saddle::new(&entries, free.len(), ADDED, pattern).map_err(StepFailure::Solver)?;
             return Ok((saddle, Some(SingularCause::Motion(dofs.into_iter().map(|i| free[i]).collect()))));
         }
-        // The analysis found the kept rows independent in these units.
+        // The kept rows are independent in the units of the analysis, so scaling starts from these units now.
         if !self.factoring[part].in_units {
             self.factoring[part].in_units = true;
             return self.tangent(part);

@@ -1,7 +1,8 @@
 //! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, with s from 0 to 1.
 //!
-//! A step that fails twice is shortened to a quarter; after an easy step the length is doubled. Time and history belong to the whole model,
-//! so that all parts share their steps; the part with the hardest step determines the length.
+//! A step that fails twice is shortened to a quarter; after an easy step the next one is twice as long. If a branch check fails or is close
+//! to its limit, the spectral radius determines the next length. Time and history belong to the whole model, so that all parts share their
+//! steps; the part with the hardest step determines the length.
 
 mod origin;
 mod step;
@@ -37,7 +38,7 @@ pub struct Path<'a, M> {
     state: EquilibriumState,
     /// The last equilibrium.
     at: Unknowns,
-    /// Kept rows of each part there.
+    /// Kept rows of each part at the last equilibrium.
     rows: Option<Vec<PartRows>>,
     rotations: Vec<[usize; 3]>,
     factoring: Vec<Factoring>,

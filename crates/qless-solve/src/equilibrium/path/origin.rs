@@ -58,8 +58,8 @@ impl<M: Model> Path<'_, M> {
         Ok(all)
     }
 
-    /// Chooses the rows of each part where its constraints hold, near the start. If Newton's method does not find such a configuration within
-    /// a few steps, the start itself is used and the second result is `false`.
+    /// Chooses the rows of each part at a configuration near the start that satisfies its constraints. If Newton's method finds none within
+    /// a few steps, the second result is `false`, and the rows are chosen by `rows_ahead` or else at the start itself.
     fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<(Vec<PartProgress>, Vec<bool>), StepFailure> {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, _)| (j, self.at.u[j])).collect();
         let near = self.consistent(&held, LOOK).ok();
@@ -90,8 +90,8 @@ impl<M: Model> Path<'_, M> {
         Ok((far.into_iter().enumerate().map(start).collect(), holds))
     }
 
-    /// For parts without a consistent configuration near the start: a choice where they are consistent with the new prescribed values, or the
-    /// error that proves that there is none.
+    /// For parts without a consistent configuration near the start: a choice of rows at a configuration that is consistent with the new
+    /// prescribed values, or the error if there is none. Missing convergence is not an error here.
     fn rows_ahead(
         &mut self,
         u: &[f64],

@@ -28,7 +28,7 @@ impl<M: Model> Path<'_, M> {
     /// Finds the equilibrium at a load factor, starting from the last one.
     pub(super) fn step(&mut self, [last, factor]: [f64; 2]) -> Result<(Unknowns, Vec<PartRows>), StepFailures> {
         let end = self.end(factor);
-        // Whole turns are singular; half a turn is the limit.
+        // A rotation vector of a whole turn is singular, so that vectors are shortened to half a turn at most.
         self.rotations.iter().for_each(|&vector| _ = shorten_rotation(&mut self.at.u, vector));
         let origin = self.origin(&end.prescribed);
         self.constraints.advance_to(factor)?;
@@ -208,7 +208,7 @@ impl<M: Model> Path<'_, M> {
         if second.is_none() && !all.iter().all(knows_more) { Some(whole) } else { second }
     }
 
-    /// Whether a part has moved, or its prescribed DOFs will.
+    /// Whether u differs from the last equilibrium in the free DOFs of a part, or prescribed DOFs of the part have yet to move.
     fn is_elsewhere(&self, part: usize, u: &[f64], end: &StepTarget) -> bool {
         let (part, at) = (&self.parts.list[part], &self.at.u);
         part.free.iter().any(|&j| u[j] != at[j]) || part.prescribed.iter().any(|&j| end.goal[j] != Some(at[j]))

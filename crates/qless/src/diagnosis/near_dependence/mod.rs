@@ -35,14 +35,14 @@ pub struct NearDependent {
     /// Decimals to which it and the combination agree: `floor(-log10 max_j |c_kj - sum_i y_i c_ij| / p_j)`, where `p_j` is the largest
     /// term of the difference at DOF j or, if only one equation contains DOF j, the largest term of this equation at any DOF.
     pub digits: u32,
-    /// About the smallest change of one coefficient, relative to the largest of the equation (by a power of two), that makes it a
-    /// combination: `|d|^2 / max |d_j|` for the difference d.
+    /// About the smallest change of one coefficient that makes the equation a combination, relative to its largest coefficient (within a
+    /// factor of 2): `|d|^2 / max |d_j|` for the difference d.
     pub distance: f64,
     /// The combination, ascending by row.
     pub because: Vec<CertificateTerm>,
 }
 
-/// Largest number of entries of a part that is factored densely: without pivoting, near dependence is easily missed.
+/// Largest m n of a part that is always factored densely. Sparse QR does not pivot columns by size, so it easily misses near dependence.
 const SMALL: usize = 1 << 20;
 
 /// Rows with a remainder below this are candidates; rounding two coefficients of 1 to three decimals leaves less.
@@ -137,8 +137,8 @@ impl ScaledEquations {
         Ok(reading.near.iter().map(|c| explain(self, c)).collect())
     }
 
-    /// Returns rows beyond the limit to the kept ones. A chain loses such rows because the 2-norm of their remainder is small, although no
-    /// coefficient of the remainder is.
+    /// Returns rows beyond the limit to the kept ones. The factorization drops a row by the 2-norm of its remainder. In a chain this norm
+    /// can be small although the row is not near its combination (`is_near`).
     fn within(
         &self,
         reading: SplitEquations,

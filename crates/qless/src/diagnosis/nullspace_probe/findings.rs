@@ -1,11 +1,12 @@
 //! The findings of a pass, and the limits of their reliability.
 
-/// If a slave moves more than this for masters of size 1, multipliers have grown along the way: presolve's rows have lost that many digits.
+/// If a slave moves more than this for masters of size 1, coefficients have grown during substitution: presolve's rows may have lost three
+/// digits or more.
 const STEEP: f64 = 1e3;
 /// If a slave moves more than this for right-hand sides of size 1, its equations are nearly dependent.
 const WEAK: f64 = 3e4;
-/// If more than this times a user's equation was added to a row, the row has lost that many digits, and so has a slave that moves more. Of
-/// the sixteen digits of a double, those of the tolerance of 1e-10 are left.
+/// A row that contains more than this many times a user's equation has lost more than five digits. So has a slave that moves more than
+/// this. Up to this limit, the digits that a tolerance of 1e-10 needs are left of the sixteen of a double.
 const FAR: f64 = 1e5;
 
 /// A sample that is within this factor of its limit is drawn again, with numbers that depend on the component alone.
@@ -24,7 +25,7 @@ pub(crate) struct NullspaceProbe {
     pub(super) steepest: f64,
     /// Rows made by presolve that are not reliable, because of growth or nearness to dependence.
     pub doubtful: Vec<usize>,
-    /// Those of them whose slaves have too few digits left, whatever the distance from dependence.
+    /// The doubtful rows whose slaves have too few digits left, whatever the distance from dependence.
     pub lost: Vec<usize>,
     /// Slaves that stay zero for random masters, each in its unit, and zero prescribed values.
     pub immobile: Vec<u32>,
@@ -58,8 +59,8 @@ fn is_at_most(x: f64, limit: f64) -> bool {
     x <= limit
 }
 
-/// Returns true if `reach` exceeds [`FAR`] or is NaN: a row has then lost more than five digits. `reach` is the largest multiple of a user's
-/// equation in the row, or the motion of its slave.
+/// Returns true if `reach` exceeds [`FAR`] or is NaN: a row has then lost more than five digits. `reach` is the largest multiple of a
+/// user's equation in the row, or the motion of its slave.
 pub(crate) fn is_far(reach: f64) -> bool {
     !is_at_most(reach, FAR)
 }

@@ -26,8 +26,8 @@ pub(crate) enum ProbeSample {
 /// Estimate of the rows of `C_S^-1`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum InverseEstimate {
-    /// The sum of the sizes of its entries, along all paths from slave to slave. It depends on the component alone, not on random
-    /// numbers.
+    /// Upper bound of the sum of magnitudes of each row, by substitution with the magnitudes of all coefficients. It depends on the
+    /// component alone, not on random numbers.
     Bound,
     /// The value for random right-hand sides.
     Sample,
@@ -161,7 +161,7 @@ pub struct Sums {
     pub moves: f64,
     /// The largest term of `moves`.
     pub size: f64,
-    /// `sum_k value_k w_k` in scaled columns.
+    /// `sum_k value_k w_k` in scaled columns; with `SIZES`, the sum of the magnitudes of these terms.
     pub sample: f64,
     /// `max_k |value_k|`; infinite if a slave is among the DOFs.
     pub bound: f64,

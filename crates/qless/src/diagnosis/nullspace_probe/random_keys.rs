@@ -53,7 +53,7 @@ impl RandomKeys {
     }
 }
 
-/// `L^-1` times a random right-hand side, by step.
+/// `L^-1` times a random right-hand side, by step; L holds the factors of the elimination steps.
 pub fn random_step_sides(history: &History, keys: &RandomKeys, seed: u64) -> Vec<f64> {
     let mut right: Vec<f64> = Vec::with_capacity(history.steps.len());
     for &row in &history.steps {
@@ -63,7 +63,7 @@ pub fn random_step_sides(history: &History, keys: &RandomKeys, seed: u64) -> Vec
     right
 }
 
-/// By step, the sum of sizes in its row of `L^-1`.
+/// By step, an upper bound of the sum of magnitudes in its row of `L^-1`.
 pub fn sizes_of_inverse(history: &History) -> Vec<f64> {
     let mut bounds: Vec<f64> = Vec::with_capacity(history.steps.len());
     for &row in &history.steps {

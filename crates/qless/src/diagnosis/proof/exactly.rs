@@ -24,7 +24,7 @@ pub(super) struct Found {
 
 /// Bits of a prime above `2^60`.
 const BITS: f64 = 60.0;
-/// Largest number of primes: 64 of them hold numbers of 3,840 bits, three times the range of doubles.
+/// Largest number of primes: 64 of them hold numbers of 3,840 bits. From the smallest to the largest double there are 2,098 bits.
 const PRIMES: usize = 64;
 /// Largest number of rows of a certificate whose minors are computed: each row adds up to two primes, and each prime an elimination.
 const ROWS: usize = 32;
@@ -95,7 +95,8 @@ impl<'a> Explanation<'a> {
         Some(found)
     }
 
-    /// Verifies it by the ranks of the rows and of the rows with their right-hand sides; None if they are too many or too large.
+    /// Verifies the same without the coefficients, by the ranks of the rows without and with their right-hand sides. None if the rows are
+    /// too many or too large, or if the ranks decide nothing about the right-hand sides.
     pub fn minors(&self, row: usize, terms: &[CertificateTerm]) -> Option<Found> {
         if terms.len() > ROWS {
             return None;

@@ -1,8 +1,8 @@
 //! Proofs of a verdict, with rounding counted: the kept equations are independent, and every other one is a combination of them.
 //!
 //! ```text
-//! kept      triangular   a DOF in one equation only, or an equation with one DOF: removed until only cores are left. Their numbers
-//!                        do not matter, so this comes first and needs no arithmetic
+//! kept      triangular   equations with one DOF, or with a DOF that no other equation has, are removed until only cores are left. The
+//!                        coefficients of removed equations do not matter, so this comes first and needs no arithmetic
 //!           bounded      A holds the equations of a core in scaled rows and columns, s is a small part of the diagonal of A A^T:
 //!                        fl(A A^T) - diag(s) = L L^T   runs to its end, and for every i
 //!                        s_i > (gamma |L| |L|^T e + gamma |A| |A|^T e + 2 u diag(A A^T))_i       gamma_n = n u / (1 - n u)
@@ -81,8 +81,9 @@ impl Analysis {
         self.proof = Some(proof);
     }
 
-    /// If certificates are short, compares in exact arithmetic those right-hand sides whose mismatch rounding alone does not explain.
-    /// Elimination loses their digits if it substitutes large values or nearly parallel equations. A contradicted verdict is in doubt.
+    /// Compares right-hand sides in exact arithmetic, for equations whose certificate is known without a solve and whose mismatch is above
+    /// rounding or is accepted only because its error bound is large. Elimination loses digits of right-hand sides if it substitutes large
+    /// values or nearly parallel equations. A contradicted verdict is in doubt.
     pub(super) fn check_sides(&mut self) {
         if self.confidence.ambiguous || self.options.tolerance.is_absolute() {
             return;

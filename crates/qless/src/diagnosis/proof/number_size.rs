@@ -24,7 +24,8 @@ impl NumberSize {
         self.sum += other.sum;
     }
 
-    /// The denominators of products of the numbers of both; the sum is that of the first.
+    /// The common denominator of all products of a number of `self` and one of `other`. The sum stays that of `self`, so its sizes must
+    /// include both factors.
     pub fn times(self, other: Self) -> Self {
         Self { tens: self.tens + other.tens, twos: self.twos + other.twos, ..self }
     }

@@ -5,7 +5,7 @@ use crate::diagnosis::Analysis;
 use crate::diagnosis::certificate::CertificateTerm;
 use crate::input::noise::{TYPED, digits};
 
-/// Returns true if a coefficient of free DOFs in an explanation was computed.
+/// Returns true if a coefficient of free DOFs in an explanation was computed: it has more digits than typed numbers have.
 pub(super) fn is_computed(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
     let of_row = |i: usize| local.row(i).any(|(j, v)| local.free()[j] && digits(v) > *TYPED.end());

@@ -1,4 +1,4 @@
-//! Patterns of K_q and of `W = K_S L` (K_S: the lines of the slaves in K), in compressed rows or columns as K, and work space for values.
+//! Patterns of K_q and of `W = K_S L` (K_S: the lines of the slaves in K), compressed by rows or columns like K. Work space for values.
 
 use std::sync::{Mutex, PoisonError};
 

@@ -6,8 +6,9 @@
 //! K_q(q, :) = K(q, :) L + sum over slaves a of L_aq W(a, :)                      O(nnz K + contributions)
 //! ```
 //!
-//! Lines of K without slaves and prescribed DOFs, which are most, are copied. One thread computes each line of K_q, in a fixed order, so
-//! bits do not depend on the number of threads. Lines are rows or columns, like those of K.
+//! A line of K is copied if its indices ascend, all of its DOFs are unknowns and no slave depends on its own DOF; most lines are such.
+//! One thread computes each line of K_q, in a fixed order, so bits do not depend on the number of threads. Lines are rows or columns,
+//! like those of K.
 
 mod elements;
 mod lines;
@@ -27,7 +28,7 @@ use plan::CondensePlan;
 /// The treatment of prescribed DOFs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PrescribedDofs {
-    /// They are eliminated from K_q, and f_q contains their values.
+    /// They are eliminated from K_q; their values enter f_q.
     #[default]
     Eliminated,
     /// They are unknowns of K_q, for a solver that prescribes them itself.
@@ -42,7 +43,7 @@ pub struct CondensedPattern {
     prescribed: PrescribedDofs,
     storage: Storage,
     by_columns: bool,
-    /// `storage` of the transposed matrix if lines are columns: line q holds index r if this holds `(q, r)`.
+    /// The stored half by lines: line q holds index r if `half` holds `(q, r)`. It is `storage`, transposed if lines are columns.
     half: Storage,
     /// L: a row for each slave, over the unknowns of K_q.
     l: Csr,
@@ -239,7 +240,7 @@ impl CondensedPattern {
         self.by_columns
     }
 
-    /// Row j of L: an unknown has a single 1, a slave its masters, a prescribed DOF nothing.
+    /// The row of L of a DOF: a single 1 for an unknown, the row of `l` for an eliminated slave, empty for an eliminated prescribed DOF.
     #[inline]
     fn row_of_l(&self, dof: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
         let (unknowns, values): (&[u32], &[f64]) = match (&self.number[dof], self.slave[dof]) {

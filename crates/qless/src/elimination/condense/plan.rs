@@ -17,7 +17,7 @@ pub(super) struct CondensePlan {
     pub mixed: Entries,
     /// Entries of the lines of slaves.
     pub of_slaves: Entries,
-    /// Entries of the lines of prescribed DOFs, if `K u_0` is summed by columns.
+    /// Each eliminated prescribed DOF with the entries of its line, if `K u_0` is summed by columns.
     pub of_prescribed: Vec<(u32, Entries)>,
     /// True if lines are columns of a matrix that need not be symmetric.
     pub by_columns: bool,
@@ -30,7 +30,7 @@ pub(super) struct CondensePlan {
 pub(super) enum LineSource {
     /// A copy of consecutive entries of K, starting at this one.
     Copied(u32),
-    /// This line of [`CondensePlan::mixed`], and the lines of the slaves that depend on the unknown.
+    /// A sum: this line of [`CondensePlan::mixed`] times L, and the lines of W of the slaves that depend on the unknown.
     Mixed(u32),
 }
 
@@ -131,8 +131,8 @@ impl CondensedPattern {
         self.half.holds(q, r as usize)
     }
 
-    /// For a symmetric matrix, the entries of the other half whose row or column is not an unknown: by line, the stored entry at the
-    /// transposed place and the other index.
+    /// If K stores one half of a symmetric matrix, the entries of the other half whose row or column is not an unknown. By line: for each
+    /// entry, the stored entry that is its mirror image, and its index in the line.
     fn mirrored<P: Index, I: Index>(&self, k: &View<P, I>) -> Entries {
         let n = self.number.len();
         let mut found = Vec::new();

@@ -182,7 +182,7 @@ impl CondensedPattern {
         f_q: &mut [f64],
     ) -> Result<(), ArgumentError> {
         let (plan, slaves) = (&self.plan, elimination.slaves());
-        // `(K u_0)_dof` for a line of K; the line may be empty if all its DOFs are unknowns.
+        // `(K u_0)_dof` from the line of K. The caller may pass an empty line if all its DOFs are unknowns, for which u_0 is zero.
         let stress = |dof: usize, line: &[(u32, u32)]| {
             if plan.by_columns {
                 return by_columns[dof];

@@ -10,11 +10,11 @@
 //! | in cache, 1100 x 1100 to 1500 x 1500, rows of 4 entries to full rows | 50 to 80 | 25 to 34 |
 //! | full, 2000 x 2000 and 4000 x 400 | 55 to 62 | 13 to 19 |
 //! | larger than the cache, 3000 x 3000, 6000 x 1500, 8000 x 1000 | 26 to 65 | 8 to 10 |
-//! | an assignment problem's 7390 x 1726, six tenths of the operations | 57 | 8 |
+//! | an assignment problem, 7390 x 1726; sparse QR needs six tenths of the operations of dense QR | 57 | 8 |
 //!
 //! Half of the operations of column pivoting are matrix-vector products, which wait for memory. But the fill-reducing order of sparse QR
 //! takes time too: 2000 x 2000 and 3000 x 3000 blocks take 0.40 s and 1.5 s with four tenths of the entries stored, and 2.1 s and 10 s
-//! if full. Dense QR takes 0.8 s and 4.3 s for them.
+//! if full. Dense QR takes 0.8 s and 4.3 s, however many entries are stored.
 
 use super::faer::Faer;
 use super::sparse::Sparse;
@@ -36,7 +36,8 @@ impl DenseOrSparse {
         Self { memory, small: SMALL }
     }
 
-    /// Refuses a dense m x (n + k) array above the limit before it is allocated. R and the remainder of a stage need as much again.
+    /// Refuses a dense m x (n + k) block before it is allocated if three arrays of this size exceed the limit: the block, R, and the
+    /// remainder of a stage.
     fn allow_dense(self, rows: usize, cols: usize, rhs: usize) -> Result<(), BackendError> {
         let needed = rows.saturating_mul(cols.saturating_add(rhs)).saturating_mul(3 * size_of::<f64>());
         check_limit(Faer.name(), (rows, cols), needed, self.memory)

@@ -1,7 +1,7 @@
 //! `A P = Q R` by Householder QR with column pivoting on faer's dense kernels: pure Rust, any shape, any rank.
 //!
 //! Pivoting takes the column with the largest remaining norm, so `|R_11| >= |R_22| >= ...`, and the rank is the number
-//! of diagonal entries above the tolerance. O(m n min(m, n)) time, 8 m (n + k) bytes.
+//! of diagonal entries above the tolerance. O(m n min(m, n)) time, 8 m (n + k) bytes for A and B.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::householder::{
@@ -42,7 +42,7 @@ impl Backend for Faer {
             let advice = "; keep presolve on, or use a sparse backend (sparse, spqr)";
             return Err(BackendError::OutOfMemory { backend: "faer", rows: m, cols: n + k, advice });
         }
-        // faer's reflections of a zero matrix are not numbers.
+        // faer returns NaN for the reflections of a zero matrix.
         if columns.val.iter().all(|&v| v == 0.0) {
             return Ok(empty(n, rhs, k));
         }

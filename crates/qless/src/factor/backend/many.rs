@@ -1,4 +1,4 @@
-//! `R1^-1 Z` and `R1^-T Z` for several vectors at once: each entry of R is read once for all of them.
+//! `R1^-1 Z` and `R1^-T Z` for several vectors at once, so that R is read from memory once for all vectors.
 //!
 //! Rows of one front have the same columns to the right of their triangle. [`ROWS`] such rows are processed together and share the reads of
 //! columns and of Z.
@@ -14,7 +14,7 @@ use super::Factor;
 /// Number of vectors in a slab.
 pub(crate) const WIDTH: usize = 16;
 
-/// Rows of R at a time, and vectors at a time: together they fill half of the SIMD registers.
+/// Rows of R, and vectors, that are processed together. With AVX2 they fill half of the SIMD registers.
 const ROWS: usize = 4;
 const LANES: usize = 8;
 

@@ -44,8 +44,8 @@ pub(crate) struct Weak {
 
 impl Factor {
     /// Finds one column for each singular value of R1 that is at most `limit`; without these columns R1 has no such singular values. They
-    /// are the columns in which the singular vectors are most independent. `expected` is the number of values to start with. None if
-    /// there are more than [`MOST`].
+    /// are the columns in which the singular vectors are most independent. `expected` is a guess of the number of values. None if there are
+    /// [`MOST`] values or more, or if the iteration fails.
     pub(crate) fn weak_columns(&self, limit: f64, expected: usize) -> Result<Option<Weak>, BackendError> {
         let Some(null) = self.near_null(limit, expected) else { return Ok(None) };
         if null.ncols() == 0 {
@@ -114,7 +114,7 @@ fn joined(slabs: &[Slab], width: usize) -> Mat<f64> {
     Mat::from_fn(slabs[0].len(), width, |i, c| slabs[c / WIDTH][i][c % WIDTH])
 }
 
-/// `A <- Q R` for an m x k matrix, m >= k; returns the coefficients of the reflections.
+/// QR of an m x k matrix in place, m >= k: A becomes R and the vectors of the reflections. Returns the coefficients of the reflections.
 fn qr(a: &mut Mat<f64>) -> Mat<f64> {
     let (m, k) = a.shape();
     let block = recommended_block_size::<f64>(m, k);
@@ -142,8 +142,8 @@ fn triangle(mut a: Mat<f64>) -> Mat<f64> {
     Mat::from_fn(k, k, |i, j| if i <= j { a[(i, j)] } else { 0.0 })
 }
 
-/// Singular values, descending, and right singular vectors of a small square matrix. The QR algorithm is used at every size: faer's divide
-/// and conquer, its default from 128 rows on, returned 2e-5 for one of many zeros.
+/// Singular values, descending, and right singular vectors of a small square matrix. The QR algorithm is used at every size: faer's default
+/// from 128 rows on, divide and conquer, returned 2e-5 for a singular value that is zero, when many were zero.
 fn singular(a: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     let k = a.ncols();
     let mut params = Spec::<SvdParams, f64>::default();

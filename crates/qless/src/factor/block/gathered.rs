@@ -12,7 +12,7 @@ use crate::presolve::rows::{Entry, WorkingRow};
 /// One block as a matrix: m rows over the free DOFs `dofs`, with right-hand sides and prescribed terms.
 #[derive(Clone)]
 pub(crate) struct Block {
-    /// Indices of the rows among those that went through presolve.
+    /// The rows, numbered as in `Eliminated::rows`.
     pub rows: Vec<u32>,
     /// Power of two that brings each row back to size 1.
     pub exponents: Vec<i32>,
@@ -27,9 +27,9 @@ pub(crate) struct Block {
     pub prescribed: Vec<u32>,
     pub fixed: Csr,
     pub rhs: Vec<f64>,
-    /// `b - C_p u_p`, scaled as the rows; then those of the blocks with the same matrix that are diagnosed with this one.
+    /// `b - C_p u_p`, scaled as the rows: first for this block, then for each other block with the same matrix that is diagnosed with it.
     pub effective: Vec<Vec<Mismatch>>,
-    /// By row, the largest fraction that is left of the terms of a coefficient, beyond rounding.
+    /// By row, the largest [`Entry::certain_left`] of a free DOF, or the row's `dropped` if that is larger.
     pub certain: Vec<f64>,
     /// A random right-hand side, after presolve.
     pub random: Vec<f64>,
@@ -164,7 +164,7 @@ impl Block {
 #[derive(Clone, Copy)]
 struct Given<'a> {
     rows: &'a [WorkingRow],
-    /// Column of each free DOF of the block; `u32::MAX` for other DOFs.
+    /// By DOF, its column in its block; `u32::MAX` if it is in no block, as prescribed DOFs are.
     place: &'a [u32],
     random: &'a [f64],
     is_scaled: bool,

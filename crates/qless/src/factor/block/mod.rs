@@ -20,10 +20,10 @@ use unexplained::unexplained;
 pub(crate) use gathered::{Block, FactorContext};
 pub(crate) use twins::diagnose_all;
 
-/// What is found of a matrix, whatever the names of its rows and DOFs are.
+/// The diagnosis of a matrix; rows and DOFs are named by their places in it.
 struct Found {
     rows: Rows,
-    /// The random vectors of the null space; no solutions.
+    /// Only the random vectors of the null space are set; the two solutions are empty.
     motions: Vectors,
 }
 
@@ -31,7 +31,8 @@ struct Found {
 ///
 /// Balanced units work best if the coefficients of a row are of similar size. If rows that are no combinations are dropped in balanced
 /// units, the block is diagnosed again in the units of its rows, and the result that keeps more rows is used. Rotations become large in
-/// balanced units, so that some DOFs seem fixed beside others. The motions in which fewer DOFs are fixed are used.
+/// balanced units, and DOFs with smaller motions then seem fixed. If a DOF seems fixed, the motions are computed in the units of the rows
+/// too, and those with fewer fixed DOFs are used.
 fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendError> {
     let mut rows = dependent::find(block, means)?;
     let mut motions = rows.triangle.motions(block);

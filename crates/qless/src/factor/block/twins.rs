@@ -66,7 +66,7 @@ impl SortedColumns {
     }
 }
 
-/// The blocks by their matrices.
+/// Groups the blocks with equal matrices; each group lists indices of blocks.
 fn groups(blocks: &[Block], columns: &[SortedColumns]) -> Vec<Vec<usize>> {
     let mut by_hash: HashMap<u64, Vec<usize>> = HashMap::new();
     let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -83,7 +83,7 @@ fn groups(blocks: &[Block], columns: &[SortedColumns]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// Returns true if all that a diagnosis reads of the coefficients is equal.
+/// Returns true if a diagnosis reads the same matrix, and the same data of its rows and DOFs, from both blocks.
 fn are_twins([a, b]: [&Block; 2], columns: [&SortedColumns; 2]) -> bool {
     let is_same = |(&i, &j): (&usize, &usize)| {
         a.units[i] == b.units[j] && columns[0].entries.row(i).eq(columns[1].entries.row(j))
@@ -118,7 +118,7 @@ fn common(twins: &[&Block], columns: &SortedColumns) -> Block {
     }
 }
 
-/// What was found of the common matrix, in the names of one of its twins.
+/// Translates the diagnosis of the common matrix to the names of one of its blocks.
 fn translated(
     block: &mut Block,
     columns: &[usize],
@@ -167,7 +167,7 @@ fn with_names(terms: &[(u32, f64)], names: &[u32]) -> Vec<(u32, f64)> {
     terms.iter().map(|&(place, y)| (names[place as usize], y)).collect()
 }
 
-/// Certificates that are computed when they are read.
+/// Late certificates of a common matrix, with the names of one of its blocks.
 #[derive(Debug)]
 struct NamedTerms {
     terms: Arc<dyn LateTerms>,

@@ -106,8 +106,8 @@ struct Unexplained {
     is_open: bool,
 }
 
-/// Refines certificates that leave more than [`SUSPECT`] of their row. If more is still left, the remainder counts as dropped. Returns the
-/// number of these rows.
+/// Refines certificates that leave more than [`SUSPECT`] of their row. If more than that is still left, the remainder counts as dropped.
+/// Returns the number of rows of which more is still left.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> usize {
     let Rows { dependent, triangle, left, nearness, .. } = rows;
     let new = || Rest::new(block.matrix.cols, nearness.sigma);

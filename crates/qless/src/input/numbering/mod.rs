@@ -1,4 +1,4 @@
-//! Numbers DOFs by first appearance: l is the l-th DOF that the equations name, row after row.
+//! Numbers DOFs by first appearance: local DOF l is the l-th DOF (from 0) that appears when the equations are read row by row.
 //!
 //! Models may number their DOFs in random order, but equations that share DOFs are usually adjacent. With numbers by first appearance,
 //! every stage reads an array over DOFs nearly in sequence, and DOFs outside all equations cost nothing.
@@ -24,7 +24,7 @@ pub(crate) struct Numbering {
     places: Vec<u32>,
 }
 
-/// The rows that contain a DOF: their number, and their exclusive or, which is the row itself if there is one.
+/// The number of rows that contain a DOF, and the exclusive or of their indices. For a single row, this is the index of the row.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Column {
     pub count: u32,
@@ -39,7 +39,7 @@ impl Column {
         self.rows ^= row;
     }
 
-    /// Adds the rows of another count of the same DOF.
+    /// Adds the rows that another part of the equations has for the same DOF.
     #[inline]
     fn join(&mut self, other: Self) {
         self.count += other.count;
@@ -78,7 +78,7 @@ impl Exponents {
 }
 
 impl Numbering {
-    /// Numbers the DOFs, counts the rows of each, and finds the range of each row in the same pass.
+    /// Numbers the DOFs. The same pass counts the rows of each DOF and finds the range of exponents of each row.
     pub fn new(system: &ConstraintSystem) -> (Self, Vec<Column>, Vec<Exponents>) {
         let (entries, pass) = pass::number(system.matrix());
         let named = system.prescribed().iter().zip(0..).filter_map(|(&(j, value), place)| {
@@ -92,7 +92,7 @@ impl Numbering {
         (Self { entries, dofs, free, prescribed, places }, columns, exponents)
     }
 
-    /// The system with these numbers and the right-hand sides `rhs`.
+    /// The system in local numbers, with `rhs` as its right-hand sides.
     pub fn view<'a>(&'a self, system: &'a ConstraintSystem, rhs: &'a [f64]) -> LocalSystem<'a> {
         LocalSystem { system, matrix: system.matrix(), numbering: self, rhs }
     }

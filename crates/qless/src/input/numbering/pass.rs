@@ -16,7 +16,7 @@ use crate::common::prefetch::{BATCH, IN_CACHE};
 /// With fewer equations the second thread gains nothing, as measured at 3e5 and 1e6.
 const WORTH_HALVES: usize = 1 << 20;
 
-/// Initial capacity in DOFs. Memory that is reserved beyond the DOFs found is never touched.
+/// Places by which the lists of DOFs grow beyond the need of the next row. Reserved memory beyond these places is never touched.
 const ROOM: usize = 1 << 10;
 
 /// Marks a DOF without a number.
@@ -26,7 +26,7 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Pass {
     /// Local number of each of the user's DOFs.
     local: Vec<u32>,
-    /// The local numbers of the second half, and the final number of each.
+    /// For the second half of the equations: the number within the half of each of the user's DOFs, and the final number of each of those.
     later: Option<(Vec<u32>, Vec<u32>)>,
     /// The user's number of each local DOF.
     pub dofs: Vec<u32>,
@@ -57,7 +57,7 @@ fn in_halves(c: &Csr, entries: &mut [u32]) -> Pass {
 }
 
 impl Pass {
-    /// Numbers the DOFs of these equations in `entries`, counts the rows of each, and finds the range of each row in the same pass.
+    /// Writes the local DOF of each entry to `entries`. The same pass counts the rows of each DOF and finds each row's range of exponents.
     fn over(c: &Csr, rows: Range<usize>, entries: &mut [u32]) -> Self {
         let mut local = vec![NONE; c.cols];
         // One place more than there are DOFs: each entry writes to the next free place without a branch, which would be unpredictable.
@@ -106,7 +106,7 @@ impl Pass {
         Some(self.local[j]).filter(|&l| l != NONE).or_else(|| self.later.as_ref().and_then(of_later))
     }
 
-    /// Appends the pass over the equations that follow.
+    /// Appends the pass over the following equations; returns the final number of each of its local DOFs.
     fn append(&mut self, later: Self) -> &[u32] {
         let mut numbers = gather(&self.local, &later.dofs);
         for ((number, j), column) in numbers.iter_mut().zip(later.dofs).zip(later.columns) {

@@ -4,9 +4,10 @@
 //! min over p, q   sum over coefficients   phi(log2 |c_ij| + p_i - q_j),   phi'(x) = x for x > 0, x / (1 - x) for x < 0
 //! ```
 //!
-//! The minimum is unique, apart from a constant for each component, and does not depend on the user's units: `D1 C D2` has the same
-//! balanced coefficients. The pull `|phi'|` of a small coefficient is below 1, so a 1e-159 that stands for zero moves no unit far. The
-//! minimum is found by reweighted least squares: each step solves `L p = f` with the Laplacian of the graph of rows and DOFs.
+//! `p_i` and `q_j` are the exponents of row i and DOF j. The minimum is unique, apart from a constant for each component, and does not
+//! depend on the user's units: `D1 C D2` has the same balanced coefficients. The pull `|phi'|` of a small coefficient is below 1, so a
+//! 1e-159 that stands for zero moves no unit far. The minimum is found by reweighted least squares: each step solves `L p = f` with the
+//! Laplacian of the graph of rows and DOFs.
 
 use super::laplacian::{Edge, solve};
 
@@ -75,9 +76,9 @@ impl Component {
         Some(q.iter().map(|q| (usual - q).round() as i32).collect())
     }
 
-    /// Exponents of the DOFs near the user's units that leave few coefficients small beside others of their row: equilibrated units, or
-    /// balanced units if they halve the smallness. Equilibration can leave small coefficients, since one large coefficient satisfies a
-    /// DOF. None as in [`Component::equilibrated`].
+    /// Exponents of the DOFs: equilibrated units, or balanced units if these more than halve the `smallness`. Equilibrated units are nearer
+    /// to the user's, but can leave coefficients small beside others of their row: one large coefficient is enough for the norm of a DOF.
+    /// None if [`Component::equilibrated`] returns None.
     pub fn near_users(&self, near: i32) -> Option<Vec<i32>> {
         let equilibrated = self.equilibrated(near)?;
         let small = self.smallness(&equilibrated);
@@ -87,7 +88,8 @@ impl Component {
         Some(balanced.filter(is_better).unwrap_or(equilibrated))
     }
 
-    /// Sum over coefficients of the powers of two below [`NEAR`], relative to the largest of their row; a zero counts as 53 bits below.
+    /// Sum over coefficients of the bits, beyond [`NEAR`], by which each one is below the largest of its row. No coefficient counts as more
+    /// than 53 bits below.
     fn smallness(&self, col: &[i32]) -> f64 {
         let power = |&(_, j, power): &(u32, u32, f64)| power + f64::from(col[j as usize]);
         let of_row = |row: &[(u32, u32, f64)]| {
@@ -97,8 +99,9 @@ impl Component {
         self.entries.chunk_by(|a, b| a.0 == b.0).map(of_row).sum()
     }
 
-    /// Exponents of the DOFs for which the coefficients of each row and DOF have equal 2-norms (Ruiz 2001), 0 for most. Small
-    /// coefficients hardly influence them. None if every DOF of two equations or more is within the power of two `near`.
+    /// Exponents of the DOFs that give all rows and columns about the same 2-norm (Ruiz 2001), relative to the median, so that most are 0.
+    /// Small coefficients hardly influence them. None if every DOF of two equations or more is within the power of two `near`, and for a
+    /// large component if [`Component::is_led`] is true.
     pub fn equilibrated(&self, near: i32) -> Option<Vec<i32>> {
         let (mut row, mut col) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
         let mut count = vec![0; col.len()];
@@ -122,7 +125,7 @@ impl Component {
         units.iter().zip(count).any(|(unit, count)| count > 1 && unit.abs() > near).then_some(units)
     }
 
-    /// Returns true if each DOF of two equations or more has a coefficient near the largest of its equation.
+    /// Returns true if each DOF of two equations or more has a coefficient within the power of two `near` of the largest of its equation.
     fn is_led(&self, near: i32, count: &[i32]) -> bool {
         let mut largest = vec![f64::NEG_INFINITY; count.len()];
         for row in self.entries.chunk_by(|a, b| a.0 == b.0) {
@@ -142,7 +145,7 @@ impl Component {
         }
     }
 
-    /// Calls `job` with the place of each row and its exponent p.
+    /// Calls `job` once for each coefficient, with the place of its row and the exponent p of that row.
     pub fn row_units(&self, mut job: impl FnMut(usize, f64)) {
         let Some((q, powers)) = self.balanced(-1.0) else { return };
         for (&(i, j, power), balanced) in self.entries.iter().zip(powers) {
@@ -211,7 +214,7 @@ impl Component {
         None
     }
 
-    /// `-sum_e w_e x_e (delta_i - delta_j)`.
+    /// `f = -sum_e w_e x_e (delta_i - delta_j)`; `x_e` is the power of coefficient e.
     fn pull(&self, powers: &[f64], edges: &[Edge]) -> Vec<f64> {
         let mut f = vec![0.0; self.rows.len() + self.dofs.len()];
         for (power, &Edge { ends: [a, b], weight }) in powers.iter().zip(edges) {

@@ -53,7 +53,7 @@ impl Tree {
         Self(found)
     }
 
-    /// `L_T^-1 f`, zero at the root.
+    /// The p with `L_T p = f`, zero at the root; `L_T` is the Laplacian of the tree alone.
     fn solve(&self, edges: &[Edge], f: &[f64]) -> Vec<f64> {
         let mut flow = f.to_vec();
         for &(node, parent, _) in self.0[1..].iter().rev() {

@@ -15,7 +15,7 @@ use super::numbering::{Exponents, LocalSystem};
 pub(crate) use balance::{Component, RANGE};
 pub(crate) use powers::{exponent, ldexp};
 
-/// Columns keep their units while pivots are above this power of two of their rows, because they then lose at most 10 of 53 bits.
+/// Columns keep the user's units if these are within this power of two of equilibrated ones: pivots then lose about 10 of 53 bits.
 const NEAR: i32 = 10;
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
@@ -68,8 +68,8 @@ pub(crate) fn balanced_where(system: LocalSystem, is_marked: impl Fn(usize) -> b
     scaling
 }
 
-/// Exponents of the equations in balanced units, for components that contain a marked equation, apart from a constant for each component.
-/// NaN for other equations, and for those without free DOFs.
+/// By equation, the exponent of the factor that brings it to balanced units, up to a constant for each component. NaN for an equation
+/// without free DOFs, and for components without a marked equation.
 pub(crate) fn balanced_rows(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut units = vec![f64::NAN; system.equations()];
     for component in marked_components(system, is_marked) {

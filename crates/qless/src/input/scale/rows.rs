@@ -20,7 +20,7 @@ pub fn scale(system: LocalSystem, exponents: &[Exponents], scaling: &mut Scaling
     smallest
 }
 
-/// Smallest and largest exponent of a row's free entries; if none is free, twice the largest exponent of all entries.
+/// Smallest and largest exponent of a row's free entries. If no entry is free, both are the largest exponent of all entries.
 pub fn span(system: LocalSystem, scaling: &Scaling, i: usize) -> Option<(i32, i32)> {
     let exponent = |(j, v): (usize, f64)| (exponent(v) + scaling.col(j), system.free()[j]);
     let limits = |free: bool| {
@@ -30,7 +30,7 @@ pub fn span(system: LocalSystem, scaling: &Scaling, i: usize) -> Option<(i32, i3
     limits(true).or_else(|| limits(false).map(|(_, top)| (top, top)))
 }
 
-/// The same without scaled columns, if all entries are free and none is subnormal.
+/// [`span`] from the stored exponents, if no column is scaled, all entries are free and none is subnormal.
 fn plain_span(Exponents { least, most }: Exponents) -> Option<(i32, i32)> {
     (least <= most).then(|| (i32::from(least) - 1023, i32::from(most) - 1023))
 }

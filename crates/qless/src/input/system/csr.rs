@@ -61,7 +61,7 @@ impl Csr {
         Ok(Self { cols, start, col, val })
     }
 
-    /// The m x n matrix without entries; the memory of its starts is zero pages that nothing touches before the first read.
+    /// The m x n matrix without entries. Its starts are allocated as zeros, so large ones occupy no memory before they are accessed.
     ///
     /// ```
     /// use qless::Csr;
@@ -181,7 +181,7 @@ impl Csr {
         self.transposed_with(vec![0; self.cols + 1], Vec::new())
     }
 
-    /// The transpose, built in `start` (length n + 1, all zero) and in the spare memory of `next`.
+    /// The transpose. `start` has length n + 1, is all zero, and becomes the starts of the result; `next` is empty and used as work memory.
     fn transposed_with(&self, mut start: Vec<usize>, mut next: Vec<usize>) -> Self {
         for &j in &self.col {
             start[j as usize + 1] += 1;

@@ -97,7 +97,7 @@ pub enum SystemError {
         column: usize,
     },
     /// A size exceeds the 32-bit indices of the library, or the memory.
-    #[error("{what} is {found}; at most {} are supported", u32::MAX)]
+    #[error("{what} is {found}; at most {} are supported", u32::MAX - 1)]
     TooLarge {
         /// Which size.
         what: &'static str,

@@ -9,9 +9,9 @@ use super::{Csr, SystemError};
 type ReplacedRun = (Range<usize>, usize);
 
 impl Csr {
-    /// Replaces each of these ascending ranges of rows by the rows of a matrix with as many columns. Later rows move up or down.
+    /// Replaces each range of rows by the rows of the matrix given with it. Ranges ascend; each matrix has n columns. Later rows move.
     ///
-    /// The arrays are moved once for all ranges, from the first that changes its number of entries.
+    /// Each array is moved once for all ranges; entries before the first range that changes its number of entries stay in place.
     ///
     /// ```
     /// use qless::Csr;
@@ -23,8 +23,9 @@ impl Csr {
     /// ```
     ///
     /// # Errors
-    /// [`SystemError::BadStarts`] with the place of a range that starts before the last one ends, or ends beyond the rows,
-    /// [`SystemError::WrongLength`] for another number of columns, [`SystemError::TooLarge`]; the matrix is then unchanged.
+    /// [`SystemError::BadStarts`] with the index of a range that starts before the previous range ends, ends before it starts, or ends
+    /// beyond the rows; [`SystemError::WrongLength`] for another number of columns; [`SystemError::TooLarge`].
+    /// The matrix is unchanged after an error.
     pub fn replace_rows(&mut self, edits: &[(Range<usize>, Self)]) -> Result<(), SystemError> {
         let mut before = 0;
         for (index, (rows, new)) in edits.iter().enumerate() {
@@ -49,7 +50,7 @@ impl Csr {
         let (ends, count) = runs(self.rows(), edits.iter().map(|(rows, new)| (rows.clone(), new.rows())));
         shift(&mut self.col, &entries, length);
         shift(&mut self.val, &entries, length);
-        // Row ends move with their rows, by the distance that the entries move.
+        // Row ends move with their rows. Each is then corrected by the distance that the entries of its run moved.
         self.start.remove(0);
         shift(&mut self.start, &ends, count);
         self.start.insert(0, 0);
@@ -81,8 +82,8 @@ fn runs(length: usize, replaced: impl Iterator<Item = (Range<usize>, usize)>) ->
     (all, to + length - from)
 }
 
-/// Moves the runs. Those that move down start with the first, those that move up with the last, so that no run overwrites one that has
-/// yet to move.
+/// Moves the runs: first those that move towards the start, in ascending order, then those that move towards the end, in descending order.
+/// So no run overwrites one that has yet to move.
 fn shift<T: Copy + Default>(all: &mut Vec<T>, runs: &[ReplacedRun], length: usize) {
     all.resize(all.len().max(length), T::default());
     runs.iter().filter(|(from, to)| *to < from.start).for_each(|(from, to)| all.copy_within(from.clone(), *to));

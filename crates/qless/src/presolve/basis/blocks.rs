@@ -11,7 +11,7 @@ use crate::presolve::eliminated::Mismatch;
 /// Kept equations are nearly dependent if a change of one coefficient by less than this makes them dependent, for any tolerance.
 pub(crate) const NEAR: f64 = 3e-6;
 
-/// Terms of `row = sum y_i row_i` over kept rows of a block; rows are indices into the rows that presolve eliminated from.
+/// Terms of `row = sum y_i row_i` over kept rows of a block. Rows are numbered as in `Eliminated::rows`.
 #[derive(Clone, Debug)]
 pub(crate) enum BlockCertificate {
     Known(Vec<(u32, f64)>),
@@ -39,11 +39,13 @@ pub(crate) trait LateTerms: Debug + Send + Sync {
 pub(crate) struct BlockDependent {
     pub row: u32,
     pub because: BlockCertificate,
-    /// Error bound of each y_i for each term, in the units of the block: this many units in the last place of the largest y_i.
+    /// In the units of the block, the error of each y_i is at most this number times the number of terms, in units in the last place of the
+    /// largest y_i.
     pub units: f64,
     /// Remainder of the row, relative to its size.
     pub dropped: f64,
-    /// `b - C_p u_p` of the row minus that of its certificate, for this block and the others with its matrix.
+    /// `b - C_p u_p` of the row minus that of its certificate. While blocks with the same matrix are diagnosed together,
+    /// there is one for each of them.
     pub mismatches: Vec<Mismatch>,
 }
 
@@ -69,7 +71,7 @@ pub(crate) struct Solved {
     pub constant: Vec<f64>,
 }
 
-/// Random motions of the DOFs of a block that its kept rows allow, and two minimum-norm solutions.
+/// Two random motions of a block that its kept rows allow, and two minimum-norm solutions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Vectors {
     /// Random vectors of the null space of the kept rows: admissible motions of the DOFs.

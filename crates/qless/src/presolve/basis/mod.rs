@@ -41,7 +41,7 @@ pub(crate) struct Basis {
 /// Data of a block other than its rows.
 #[derive(Clone)]
 pub(crate) struct Kept {
-    /// The kept rows, as indices into the rows that presolve eliminated from.
+    /// The kept rows, numbered as in `Eliminated::rows`.
     pub rows: Vec<u32>,
     /// Indices of `rows` in a fill-reducing order.
     pub order: Vec<u32>,

@@ -5,7 +5,8 @@ use crate::presolve::eliminated::{EmptiedRow, Mismatch, Step};
 use crate::presolve::rows::{Entry, WorkingRow};
 
 impl LowFillElimination<'_> {
-    /// Classifies a row without free coefficients as dependent, and holds a row that is too small for a pivot. Returns true in both cases.
+    /// Classifies a row as dependent if at most the tolerance is left of it, and holds it for the backend if at most [`SUSPECT`] is left.
+    /// Returns true in both cases.
     pub(super) fn settle(&mut self, i: u32) -> bool {
         let left = self.left(i);
         if left > SUSPECT {
@@ -23,7 +24,7 @@ impl LowFillElimination<'_> {
         true
     }
 
-    /// The largest fraction that is left of the terms of a coefficient of a free DOF; the largest coefficient if the tolerance is absolute.
+    /// The largest [`Entry::left`] of the free DOFs of row i; the largest coefficient itself if the tolerance is absolute.
     fn left(&self, i: u32) -> f64 {
         let entries = self.out.rows[i as usize].entries.iter();
         let free = entries.filter(|entry| self.is_free[entry.dof as usize]);

@@ -24,8 +24,8 @@ mod pivots;
 pub(crate) const SUSPECT: f64 = 1e-3;
 /// A pivot is at least this fraction of each entry that it eliminates, which bounds the multipliers.
 const THRESHOLD: f64 = 0.1;
-/// Levels of elimination, tried in this order. A pivot is at least `of_row` times the largest coefficient of its row. Strict levels come first
-/// and limit the growth of T. The first three add no fill; the others are used only while a part has more than [`LARGE`] rows.
+/// Levels of elimination, tried in this order. A pivot is at least `of_row` times the largest coefficient of its row. Strict levels come
+/// first and limit the growth of T. The first three add no fill; the others are used only while a part has more than [`LARGE`] rows.
 const LEVELS: [FillLevel; 6] = [
     FillLevel { rows: 2, of_row: 1.0 },
     FillLevel { rows: 2, of_row: 0.1 },
@@ -85,8 +85,9 @@ struct LowFillElimination<'a> {
     is_absolute: bool,
 }
 
-/// Eliminates without fill, and with some fill in large parts. Rows of `held` (by the user's row) are not used as pivot rows, but are
-/// classified if they become empty. DOFs of the result are local. The tolerance is relative to the size of each row, or absolute.
+/// Eliminates without fill, and with some fill in large parts. Rows of `held` (by the user's row) are not used as pivot rows; they stay for
+/// the backend, unless they have no free DOF from the start. DOFs of the result are local. The tolerance is absolute, or relative to the
+/// largest term of each coefficient.
 pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, is_absolute: bool, held: &[bool]) -> Eliminated {
     let Gathered { names, dofs, free: is_free, power, rows } = gathered;
     let m = rows.len();

@@ -11,8 +11,8 @@ use crate::factor::backend::largest_place;
 
 /// Number of starts of the search for the largest entry.
 const STARTS: u64 = 4;
-/// For a bound of at least this, the pivot threshold keeps all but rare entries of T below it, and a search finds those. For a smaller
-/// bound every column is computed.
+/// For a bound of at least this, the pivot threshold keeps nearly all entries of T below the bound, and the search looks for exceptions.
+/// For a smaller bound every column is computed.
 const SURE: f64 = 4.0;
 /// Number of columns of T that are computed to estimate its nonzeros.
 const SAMPLE: usize = 8;
@@ -59,7 +59,8 @@ impl FactoredBlock {
         places.iter().map(nonzeros).sum::<usize>() * count / places.len().max(1)
     }
 
-    /// Starts at a random combination of rows; returns an entry of T that is the largest of its row and of its column.
+    /// Starts at a random combination of rows, and climbs to an entry of T that is the largest of its row and of its column, in at most
+    /// [`STEPS`] steps.
     fn climb(&self, seed: u64) -> Option<(usize, usize, f64)> {
         let mut f: Vec<f64> = (0..self.slaves.len() as u64).map(|k| signed(seed, k)).collect();
         let mut best = None;

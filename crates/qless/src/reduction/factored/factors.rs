@@ -1,7 +1,7 @@
 //! The factors for other programs, in the user's units.
 //!
 //! The scaled equations are `D_r C D_c` with powers of two, and `D_r C_S D_c = U^T L^T`. So `C_S = V^T M^T` with
-//! `M = D_c^-1 L D_c`, which has ones on its diagonal like L, and `V = D_c^-1 U D_r^-1`. Both are exact.
+//! `M = D_c^-1 L D_c`, which has ones on its diagonal like L, and `V = D_c^-1 U D_r^-1`. Powers of two make M and V exact.
 
 use super::FactoredBlock;
 use crate::Csr;
@@ -30,7 +30,7 @@ fn exactly(x: f64, e: i32) -> Option<f64> {
     (e == 0 || (scaled.is_finite() && ldexp(scaled, -e) == x)).then_some(scaled)
 }
 
-/// Rows of a matrix in an order, with an exponent for each entry.
+/// A matrix of these rows, with entry (k, j) multiplied by `2^exponent(k, j)`; None if a product is not exact.
 fn rescaled<I: Iterator<Item = (usize, f64)>>(
     cols: usize,
     rows: impl Iterator<Item = I>,

@@ -67,7 +67,7 @@ impl FactoredBlock {
         &self.prescribed
     }
 
-    /// Number of nonzeros of its rows of T if they were explicit, estimated from a sample of columns.
+    /// Number of nonzeros that its rows of T would have: an estimate from a sample of columns, or an upper bound if that is smaller.
     pub fn predicted(&self) -> usize {
         self.predicted
     }

@@ -1,9 +1,9 @@
 //! Every reduction is checked against the user's equations before it is returned: `C_S T = -C_M`, `C_S G = -C_p`, `C_S g = b`.
 //!
-//! The terms T u_q, G u_p and g are expanded separately, with random u_q and u_p, and inserted into the equations. The residual of an
-//! equation is relative to its coefficients and to the largest DOF of its part, measured by the magnitudes of its terms in the unit of the
-//! DOF. For g, the residual of an equation with a right-hand side is relative to its own terms. One pass over C, T and G; parts are
-//! computed only if the residual of an equation is not small relative to its own terms.
+//! The terms T u_q, G u_p and g are expanded separately, with random u_q and u_p, and inserted into the equations. A residual is relative
+//! to the coefficients of the equation times the largest DOF of the part. The size of a DOF is the sum of the magnitudes of its terms, in
+//! the unit of the DOF. For g, the residual of an equation with a right-hand side is relative to the terms of this equation. One pass over
+//! C, T and G; parts are computed only if a residual is not small relative to the terms of its equation.
 
 mod expanded;
 
@@ -102,7 +102,7 @@ fn residuals_of(
 }
 
 impl Residuals {
-    /// Those with the larger worst residual.
+    /// Returns `self` or `other`, the one with the larger worst residual.
     pub fn worse(self, other: Self) -> Self {
         if other.worst > self.worst { other } else { self }
     }

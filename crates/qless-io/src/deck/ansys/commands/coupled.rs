@@ -104,7 +104,7 @@ impl CoupledSets {
         delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
     }
 
-    /// Leaves out the set of a command that could not be read, and all its other commands.
+    /// Leaves out a whole set because one of its commands could not be read.
     pub fn leave_out(&mut self, command: &AnsysCommand) {
         let number = match command.archive_tag() {
             Some(_) => whole(command.field(3)),

@@ -14,7 +14,7 @@ const PLANE: [u32; 59] = [
     273, 292, 293, 110, 129, 9, 12, 26, 48,
 ];
 
-/// Elements of plane and of spatial models.
+/// Elements that occur in both plane and spatial models.
 const EITHER: [u32; 15] = [7, 14, 21, 27, 37, 38, 39, 40, 50, 71, 94, 116, 124, 175, 200];
 
 /// Element types of a deck.
@@ -22,7 +22,7 @@ const EITHER: [u32; 15] = [7, 14, 21, 27, 37, 38, 39, 40, 50, 71, 94, 116, 124, 
 pub struct ElementTypes {
     /// Numbers of contact types: KEYOPT(2) = 2 makes them impose equations.
     contact: FxHashSet<u32>,
-    /// Whether a type is of plane models, by its number.
+    /// By number of the type: true for elements of plane models, false for elements of spatial ones.
     plane: FxHashMap<u32, bool>,
     /// Whether data lines are rows of `ETBLOCK`.
     pub in_block: bool,

@@ -122,7 +122,7 @@ impl CeEquations {
         delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
     }
 
-    /// Leaves out the equation of a command that could not be read, and all its other commands.
+    /// Leaves out a whole equation because one of its commands could not be read.
     pub fn leave_out(&mut self, command: &AnsysCommand) {
         let archived = command.archive_tag().is_some();
         let number = match (archived, command.is(2, "NODE")) {
@@ -166,7 +166,7 @@ impl CeEquations {
         self.sets.get_mut(number).is_some_and(|equation| equation.region > 0)
     }
 
-    /// The program does not document how it numbers the equations of a region.
+    /// Notes a doubt if the equation belongs to a region, because the program does not document how it numbers these equations.
     fn remark_region(&mut self, number: u32) {
         if self.is_generated(number) {
             let text = format!(

@@ -5,7 +5,7 @@ use crate::deck::ansys::model::numbered::NumberedSets;
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{FieldFault, expected, range, whole};
 
-/// Number of terms or nodes that searches for removed ones may still visit.
+/// Number of terms, nodes or items that removals and deletions may still visit.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchBudget(usize);
 

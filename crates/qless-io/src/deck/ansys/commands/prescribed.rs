@@ -112,7 +112,7 @@ fn node_choice(
     Err(Rejection::LeftOut(format!("{} names {why}", excerpt(command))))
 }
 
-/// The components of the labels in these fields; no components for `ALL`.
+/// The components of the labels in these fields; only zeros for `ALL`, which means all components.
 fn components(command: &AnsysCommand, at: &[usize], selection: &NodeSelection) -> Result<ComponentList, Rejection> {
     let mut components = ComponentList::default();
     if at.iter().any(|&at| command.is(at, "ALL")) {

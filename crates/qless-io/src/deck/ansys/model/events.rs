@@ -113,7 +113,7 @@ struct EventReplay<'a> {
     cases: Vec<LoadCase>,
     /// Values that commands may still set.
     budget: usize,
-    /// Number of values, loads and removed equations in the load cases so far, with one for each case.
+    /// Number of values, loads and removed equations in the load cases so far, plus one for each case.
     held: usize,
 }
 

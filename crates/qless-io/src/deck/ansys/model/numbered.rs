@@ -83,7 +83,7 @@ impl<T> NumberedSets<T> {
         let removed = self.index(number).and_then(|index| self.list[index].1.take());
         self.removed += usize::from(removed.is_some());
         let removed = removed.or_else(|| self.late.remove(&number));
-        // Removing the `None`s before they are many bounds the time to skip them.
+        // Compacts the list if more than half of it is `None`, which bounds the time to skip these.
         if 2 * self.removed > self.list.len() || self.list.last().is_some_and(|(_, value)| value.is_none()) {
             self.compact();
         }

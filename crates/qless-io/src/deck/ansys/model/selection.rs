@@ -58,7 +58,7 @@ impl NodeSelection {
         }
     }
 
-    /// `CMSEL`; a group of other entities than nodes selects no node.
+    /// `CMSEL`; a group of other entities leaves the selected nodes as they are.
     pub fn components_by(&mut self, command: &AnsysCommand, nodes: &AnsysNodes) {
         if nodes.other_groups.contains(&group_name(command.field(2))) {
             return;
@@ -73,7 +73,8 @@ impl NodeSelection {
         self.select(&command.field(1).to_ascii_uppercase(), ranges);
     }
 
-    /// `CM, Cname, Entity`: names the selected nodes as a group, which is unknown if the selection is; or a group of other entities.
+    /// `CM, Cname, Entity`: names the selected nodes, or other entities, as a group. A group of nodes is known only if the
+    /// selection is a list of ranges without gaps.
     pub fn name_group(&self, command: &AnsysCommand, nodes: &mut AnsysNodes) {
         let name = group_name(command.field(1));
         if !command.is(2, "NODE") {

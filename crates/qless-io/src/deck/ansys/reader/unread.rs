@@ -1,5 +1,5 @@
-//! Other commands: selections and options that change the meaning of later commands, and warnings about commands that this
-//! reader does not support.
+//! Commands other than the supported constraints: selections and options that change the meaning of later commands, and warnings
+//! about commands that this reader does not support.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -64,7 +64,7 @@ impl AnsysReader {
         }
     }
 
-    /// Whether no command before made a node, an equation or a value, or may have.
+    /// Whether no command so far has made, or may have made, a node, an equation or a value.
     fn is_empty(&self) -> bool {
         let is_made = self.made.line > 0 || self.made.unread || self.nodes.are_generated;
         !is_made && self.nodes.numbers.is_empty() && self.events.is_empty()

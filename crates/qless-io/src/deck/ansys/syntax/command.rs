@@ -117,7 +117,7 @@ fn split(text: &[u8]) -> Vec<Cow<'_, [u8]>> {
 
 /// Ends of the commands of a line: each `$`, and `!` or the end of the line. Quoted text does not count.
 fn ends(text: &[u8]) -> Vec<usize> {
-    // An odd number of quotes: they are apostrophes.
+    // If their number is odd, the quotes are apostrophes.
     let quotes = memchr::memchr_iter(b'\'', text).count().is_multiple_of(2);
     let mut ends = Vec::new();
     let mut quoted = false;

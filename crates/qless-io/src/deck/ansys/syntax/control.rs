@@ -81,7 +81,7 @@ impl FlowControl {
         !self.blocks.is_empty()
     }
 
-    /// Line of the outermost block, if a block that is still open has suppressed commands: iterations of a loop, or skipped commands.
+    /// Line of the outermost open block, if an open block has lost commands: further iterations of a loop, or skipped commands.
     pub fn never_closed(&self) -> Option<u32> {
         let loses = |block: &FlowBlock| !matches!(block, FlowBlock::Taken | FlowBlock::Unknown);
         self.blocks.iter().any(loses).then_some(self.opened)
@@ -213,7 +213,8 @@ impl FlowControl {
         }
     }
 
-    /// Skips the rest of this iteration of the innermost loop if `cycles`, else also its further iterations. Skips inner blocks too.
+    /// Skips the rest of the current iteration of the innermost loop, including the blocks inside it. Unless `cycles`, skips all
+    /// further iterations, too.
     fn leave(&mut self, cycles: bool) {
         if self.state() != Execution::Executed {
             return;

@@ -275,7 +275,7 @@ mod tests {
     use super::super::command::{AnsysLine, parse};
     use super::*;
 
-    /// The parameters that lines set, and the fields of the last one.
+    /// Executes lines and returns the fields of the last command that sets no parameter.
     fn fields(lines: &[&str]) -> Result<Vec<String>, String> {
         let mut parameters = ApdlParameters::default();
         let mut last = Ok(Vec::new());

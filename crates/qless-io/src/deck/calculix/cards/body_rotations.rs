@@ -1,4 +1,5 @@
-//! Rotations of rigid bodies and kinematic couplings in ccx: those that nothing holds, and values that do not reach them.
+//! Checks the rotations of rigid bodies and kinematic couplings in ccx: refuses free rotations, and warns of values and
+//! loads on rotations that ccx ignores.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,7 +22,7 @@ pub struct ReadBody {
 
 /// Checks the rotations of all bodies, and of couplings.
 pub fn check(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBody], couplings: &[ReadBody]) {
-    // With elements that it expands, ccx does not stop at free rotations.
+    // If ccx expands elements into solids, it does not stop at free rotations.
     let is_expanded = definitions.blocks.iter().any(|block| ElementShape::from_type(&block.kind).is_expanded());
     for bodies in [bodies, couplings].into_iter().filter(|bodies| !bodies.is_empty() && !is_expanded) {
         find_free(model, definitions, bodies);
@@ -29,11 +30,12 @@ pub fn check(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBod
     warn_of_idle(model, definitions, bodies);
 }
 
-/// `sum r r^T` over the coefficients r of a rotation in all equations. It is singular if nothing holds the rotation about
-/// some axis, as if the reference and all nodes of the body are on a line.
+/// `sum r r^T`, where r holds the three coefficients of a rotation in one equation. The matrix is singular if the
+/// rotation about some axis is free, for example if the reference and all nodes of the body lie on a line.
 type Gram = [[f64; 3]; 3];
 
-/// Refuses rotations about a global axis that nothing holds, and warns of those about others: there, rounding may hold them.
+/// Refuses a free rotation about a global axis. Only warns of a free rotation about another axis, because rounding
+/// errors may hold it.
 fn find_free(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBody]) {
     let grams = grams(model, bodies);
     let mut seen = BTreeSet::new();
@@ -58,7 +60,7 @@ fn find_free(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBod
     }
 }
 
-/// The sums of all rotations; a value that the first step prescribes counts as an equation.
+/// The [`Gram`] matrix of each rotation. A value that the first step prescribes counts as an equation.
 fn grams(model: &Model, bodies: &[ReadBody]) -> FxHashMap<Dof, Gram> {
     let mut grams: FxHashMap<Dof, Gram> = FxHashMap::default();
     let mut place: FxHashMap<Dof, (Dof, usize)> = FxHashMap::default();
@@ -80,7 +82,7 @@ fn grams(model: &Model, bodies: &[ReadBody]) -> FxHashMap<Dof, Gram> {
     grams
 }
 
-/// Free rotations, and whether each is about a global axis. Of a slanted axis, the largest component.
+/// For each free rotation, the global axis (0 to 2) closest to its axis, and whether the two axes are the same.
 fn free(gram: &Gram) -> Vec<(usize, bool)> {
     let aligned: Vec<(usize, bool)> = (0..3).filter(|&k| gram[k][k] == 0.0).map(|k| (k, true)).collect();
     let minor = |k: usize| {
@@ -135,7 +137,7 @@ mod tests {
     fn what_no_row_holds_is_free() {
         assert_eq!(free(&Gram::default()), [(0, true), (1, true), (2, true)]);
         assert_eq!(free(&gram(&[[0.0, 0.3, 0.0], [0.7, 0.0, 0.0]])), [(2, true)]);
-        // The rows of a point at (1, 2, -3): its rotation about that line is free.
+        // The rows of a point at (1, 2, -3): the rotation about the line from the origin to the point is free.
         assert_eq!(free(&gram(&[[0.0, -3.0, -2.0], [3.0, 0.0, 1.0], [2.0, -1.0, 0.0]])), [(2, false)]);
         assert_eq!(free(&gram(&[[0.0, -3.0, -2.0], [3.0, 0.0, 1.0], [2.0, -1.0, 0.0], [0.0, 1.0, 0.1]])), []);
     }

@@ -1,4 +1,5 @@
-//! `*BOUNDARY` and `*CLOAD`: `node or set, first component, last component, value`, or a named support.
+//! `*BOUNDARY`: `node or set, first component, last component, value`, or a named support. `*CLOAD`: `node or set,
+//! component, value`.
 
 use crate::deck::calculix::model::{DeckDefinitions, folded};
 use crate::deck::calculix::syntax::{DataFields, FieldFault, KeywordCard, Scope, component, number};

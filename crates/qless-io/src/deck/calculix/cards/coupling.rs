@@ -1,7 +1,8 @@
 //! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`.
 //!
-//! In Abaqus, a distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`. In
-//! ccx, the card only distributes forces: the motion of the reference does not move the surface.
+//! In Abaqus, a distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`
+//! (symbols as in `kinematics::mean`). In ccx, the card only distributes forces: the motion of the reference does not
+//! move the surface.
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic, own_rotation};
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused};
@@ -145,8 +146,7 @@ pub fn read(
     Ok(constrains)
 }
 
-/// Adds the equations of a coupling. Its reference gets rotations that only the solver has, so that equations cannot
-/// replace the card.
+/// Adds the equations of a coupling. The solver adds rotations to its reference, so equations cannot replace the card.
 pub fn finish(
     card: &KeywordCard,
     place: &RegisteredCard,
@@ -186,7 +186,7 @@ fn weights(card: &KeywordCard, of: &DeckDefinitions, reference: u32, nodes: &[u3
     let largest = distances.iter().fold(0.0, |largest: f64, x| largest.max(*x));
     let part = |x: f64| if largest > 0.0 { x / largest } else { 0.0 };
     let weights: Vec<f64> = distances.iter().map(|&x| weight(part(x))).collect();
-    // Nodes at the same distance get equal weights.
+    // If all nodes are at the largest distance, all weights are 0: weigh the nodes equally.
     Ok(if weights.iter().all(|&x| x == 0.0) { vec![1.0; nodes.len()] } else { weights })
 }
 
@@ -207,7 +207,7 @@ pub fn translations() -> Components {
     Components::parse(b"123").unwrap_or_default()
 }
 
-/// Components given as `first, last` on each line; all up to `most` without data.
+/// Components given as `first, last` on each line; all from 1 to `most` if the card has no data.
 fn components(card: &KeywordCard, most: u8) -> Result<Vec<u8>, Problem> {
     let mut components = Vec::new();
     for line in DataLines::new(&card.data) {

@@ -1,8 +1,9 @@
 //! `*CYCLIC SYMMETRY MODEL` with `*TIE, CYCLIC SYMMETRY`, for nodal diameter 0. The slave side of the sector moves as
-//! the rotated master side: `e . u_s = (R e) . sum N_i u_i` for every direction e.
+//! the rotated master side: `e . u_s = (R e) . sum N_i u_i` for every direction e. R rotates the slave side onto the
+//! master side; N_i are shape functions.
 //!
-//! Nodes are matched by radius and height. A node without a partner is rotated by one sector and follows the nearest
-//! point of the master's faces.
+//! Slave and master nodes are matched by radius and height. A slave node without a partner is rotated by one sector; it
+//! follows the point on the master's faces that is then nearest.
 
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, tie};
@@ -15,7 +16,7 @@ use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Model, Problem};
 use crate::fault::quote;
 
-/// Default distance between partners, relative to the size of the slave side.
+/// Default for the largest distance between partners, relative to the size of the slave side.
 const TOLERANCE: f64 = 1e-4;
 /// A node lies on the axis if its radius is below this fraction of its distance from the origin.
 const AXIS: f64 = 1e-9;
@@ -78,7 +79,7 @@ impl<'a> Sector<'a> {
         Ok(Self { definitions, axis, angle, slaves, masters, faces, tolerance })
     }
 
-    /// Equations of all slaves; `None` if a slave is on the axis or has no partner.
+    /// Equations of all slaves; `None` if a slave lies on the axis, or has neither a partner nor a master face nearby.
     fn rows(&self) -> Result<Option<Vec<CardEquation>>, Problem> {
         let mut masters = Vec::with_capacity(self.masters.len());
         for &master in &self.masters {
@@ -111,7 +112,7 @@ impl<'a> Sector<'a> {
         [first.hypot(second), third]
     }
 
-    /// The nearest node within the tolerance.
+    /// The master node that is nearest in radius and height, if it is within the tolerance.
     fn partner(&self, masters: &[(u32, [f64; 2])], [r, z]: [f64; 2]) -> Option<u32> {
         let start = masters.partition_point(|(_, meridian)| meridian[0] < r - self.tolerance);
         let near = masters[start..].iter().take_while(|(_, meridian)| meridian[0] <= r + self.tolerance);
@@ -120,7 +121,8 @@ impl<'a> Sector<'a> {
         (nearest.1 <= self.tolerance).then_some(nearest.0)
     }
 
-    /// The point of the master's faces nearest to the slave, rotated by one sector in either direction.
+    /// Rotates the slave at x by one sector in either direction and finds the nearest point on the master's faces.
+    /// Returns the nodes and weights of this point; `None` if the point is too far away.
     fn projected(&self, grid: &FaceGrid, x: Vector) -> Option<Vec<(u32, f64)>> {
         let near = [self.angle, -self.angle].map(|angle| grid.nearest(&self.faces, self.rotated(x, angle)));
         let near = near.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))?;

@@ -1,8 +1,8 @@
 //! Constraints at nodes of beams, trusses, shells, membranes and plane elements, which ccx expands into solids.
 //!
 //! The node of the deck stays, and the new nodes follow it in the mean. Equations and values of its translations
-//! therefore hold as the deck gives them. Others become equations between new nodes, which may clash with each other,
-//! so that the deck is incomplete without them:
+//! therefore hold as the deck gives them. ccx replaces other constraints, mostly by equations between new nodes. These
+//! may contradict each other, and this reader leaves them out, so the model is incomplete:
 //!
 //! | constraint | ccx 2.20 |
 //! | --- | --- |
@@ -22,10 +22,10 @@ const ROTATION: &str = "with equations of their own for rotations";
 const MPC: &str = "with rules of its own for *MPC";
 const THIRD: &str = "of which component 3 stays zero";
 
-/// The DOFs of one kind, with the first card that constrains one.
+/// For each kind of constraint: the place and the DOF that were found first, and all DOFs.
 type Found = BTreeMap<&'static str, (Origin, Dof, BTreeSet<Dof>)>;
 
-/// Leaves out what the expansion makes of the deck's constraints: one warning for each kind.
+/// Reports the constraints that ccx changes during the expansion as left out, with one warning for each kind.
 pub fn leave_out(model: &mut Model, definitions: &DeckDefinitions) {
     if !definitions.blocks.iter().any(|block| ElementShape::from_type(&block.kind).is_expanded()) {
         return;
@@ -59,7 +59,7 @@ fn is_rotation(dof: Dof, definitions: &DeckDefinitions) -> bool {
     (4..=6).contains(&dof.component) && !definitions.expanded_at(dof.node).is_empty()
 }
 
-/// Why an equation of a card with this DOF may change, if it may.
+/// Why ccx may change an equation of this card with this DOF; `None` if it keeps the equation.
 fn why(dof: Dof, model: &Model, card: u32, definitions: &DeckDefinitions) -> Option<&'static str> {
     let name = model.cards.nth(card).name;
     if is_rotation(dof, definitions) {

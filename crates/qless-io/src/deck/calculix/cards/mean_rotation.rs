@@ -1,8 +1,9 @@
 //! `*MPC` of type MEANROT, and the slave that ccx chooses for it.
 //!
-//! ccx goes through the nodes of the card. The slave is the DOF with the largest coefficient of those that are not
-//! taken, usually of the first node that has one. A DOF is taken if an equation before has it as slave, or if it is prescribed before. ccx reads
-//! `*COUPLING` before all other cards and `*TIE` after them, so that slaves are chosen after the whole deck is read.
+//! ccx searches the nodes in the order of the card, usually up to the first node with a free DOF. The slave is the free
+//! DOF with the largest coefficient. A DOF is taken, not free, if it is the slave of an earlier equation or is
+//! prescribed earlier. ccx reads `*COUPLING` before all other cards and `*TIE` after them. This module therefore
+//! chooses the slaves after the whole deck is read.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -17,7 +18,7 @@ pub const NAME: &str = "*MPC MEANROT";
 
 /// Smallest coefficient of a slave, in the form of [`equation`].
 const SMALLEST: f64 = 1e-5;
-/// Most nodes whose coefficients are added up as in ccx.
+/// Limit on the nodes of a card up to which the coefficients are summed in the order of ccx.
 const ADDED: usize = 2000;
 const NONE_FREE: &str =
     "all DOFs that could be its slave are slaves or prescribed already, or have coefficients below 1e-5";
@@ -30,8 +31,8 @@ pub struct MeanRotation {
     pub nodes: Vec<u32>,
 }
 
-/// Makes the slaves of mean rotations, in the order of the deck, those that ccx chooses. It makes no equation if it finds no
-/// slave.
+/// Gives each mean rotation, in the order of the deck, the slave that ccx chooses. If there is none, ccx makes no
+/// equation; the equation is marked as missing.
 pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
     let name = |model: &Model, i: usize| model.cards.nth(model.nth(i).origin.card).name;
     let own = |model: &Model, i: usize| model.nth(i).columns.first().copied();
@@ -50,8 +51,8 @@ pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
     }
 }
 
-/// Position of the slave among the terms of the equation: the largest that is free, up to the first node with a free
-/// one. ccx misses the end of that node if its third component is taken and larger, and then goes on.
+/// Index of the slave's term: the largest coefficient of a free DOF, up to the first node with a free DOF. If the third
+/// component of that node is taken and has a larger coefficient, ccx goes on to the next node.
 fn slave(model: &Model, rotation: &MeanRotation, taken: &FxHashSet<u32>) -> Option<usize> {
     let own = model.nth(rotation.equation);
     let terms: FxHashMap<Dof, usize> = own.columns.iter().map(|&j| model.dofs[j as usize]).zip(0..).collect();
@@ -75,7 +76,8 @@ fn slave(model: &Model, rotation: &MeanRotation, taken: &FxHashSet<u32>) -> Opti
     found
 }
 
-/// The nodes of a list, which has each three times, and then the node that gives the axis.
+/// Splits a list into its nodes and its last node, which gives the axis. The list repeats each of the other nodes three
+/// times.
 pub fn nodes(list: &[u32]) -> Result<(Vec<u32>, u32), Problem> {
     match list.split_last() {
         Some((&pilot, nodes)) if !nodes.is_empty() && nodes.len() % 3 == 0 => {
@@ -88,8 +90,9 @@ pub fn nodes(list: &[u32]) -> Result<(Vec<u32>, u32), Problem> {
     }
 }
 
-/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`: p_k is the arm of node k from the mean position,
-/// perpendicular to the axis e. Nodes on the axis only enter the mean. The card lists each node three times.
+/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p` for n nodes: p_k is the arm of node k from the mean
+/// position, perpendicular to the axis e, and u_p is component 1 of the last node. Nodes on the axis only enter the
+/// mean. The card lists each of the n nodes three times.
 pub fn equation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
     let (nodes, pilot) = self::nodes(nodes)?;
     let axis = definitions.position(pilot)?;
@@ -117,8 +120,8 @@ pub fn equation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEqua
     Ok(CardEquation { terms, rhs: 0.0 })
 }
 
-/// `r_k - mean r` for each node. Up to [`ADDED`] nodes, adds up as ccx does, because rounding decides between equal
-/// coefficients; this takes quadratic time.
+/// `r_k - mean r` for each node, with r_k from `rotations`. Up to [`ADDED`] nodes, the sums are formed in the order of
+/// ccx, in quadratic time, because rounding errors decide which of equal coefficients is the largest.
 fn gradients(nodes: &[u32], rotations: &[Vector]) -> Vec<(u32, Vector)> {
     let part = 1.0 / nodes.len() as f64;
     let mean = scaled(rotations.iter().fold([0.0; 3], |sum, rotation| plus(sum, *rotation)), part);

@@ -31,8 +31,8 @@ pub struct CardEquation {
 const ROUNDING: f64 = 1e-14;
 
 impl CardEquation {
-    /// `sum g_k . u_k = rhs` over nodes k, in the local axes of each. The slave is the component of the first node
-    /// with the largest coefficient.
+    /// `sum g_k . u_k = rhs` over nodes k, in the local axes of each. The slave is that component of the first node
+    /// whose coefficient is largest.
     pub fn along(definitions: &DeckDefinitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
         Self::along_with(definitions, gradients, &[], rhs)
     }
@@ -120,7 +120,7 @@ impl RegisteredCard {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);
-        // All instances share the text of their part, which cannot change for one of them.
+        // All instances share the text of their part, so the text cannot change for one instance alone.
         model.cards.mark_irreplaceable(number, card.scope != Scope::DECK);
         Self { origin: Origin { card: number, line: card.line, lines } }
     }

@@ -4,15 +4,15 @@
 //! | --- | --- |
 //! | `PLANE a b c k...` | `det[x_k - x_a, x_b - x_a, x_c - x_a] = 0` for each k |
 //! | `STRAIGHT a b k...` | `(x_k - x_a) x (x_b - x_a) = 0` for each k |
-//! | `BEAM a b` | a rigid beam, also for the rotations of a if it has them (Abaqus); without rotations a constant distance (CalculiX) |
+//! | `BEAM a b` | a rigid beam, also for the rotations of a if it has them (Abaqus); a constant distance unless both rotate (CalculiX) |
 //! | `LINK a b` | `abs(x_a - x_b)` constant |
 //! | `PIN a b` | `u_a = u_b` |
 //! | `TIE a b` | `u_a = u_b`, also for rotations if both nodes have them |
 //! | `MEANROT k k k... p` | component 1 of p is the mean rotation of nodes k about the axis along p's coordinates (CalculiX) |
 //! | `DIST a a a b b b c` | `abs(x_a - x_b)` does not exceed the first coordinate of c (CalculiX) |
 //!
-//! In the types with two nodes, a may be a node set: each of its nodes gets the equations with b, or with its partner in a set b of as
-//! many nodes (Abaqus).
+//! In the types with two nodes, a may be a node set. Each of its nodes is then coupled to b, or to its partner in a set
+//! b of the same size (Abaqus).
 
 use crate::deck::calculix::cards::mean_rotation;
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
@@ -26,7 +26,7 @@ use crate::fault::quote;
 
 const MEAN_ROTATION: &str = "MEANROT";
 
-/// The first type on a card; ccx knows no other.
+/// The first type on a card, which is the only one that ccx reads.
 fn first_type(card: &KeywordCard) -> String {
     card.lines().next().and_then(|line| line.fields().next().map(folded)).unwrap_or_default()
 }
@@ -120,7 +120,8 @@ fn of_pairs(
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// The pairs of a field with a node or a set and a second one; a set in the second field must be as large as the first one.
+/// Two nodes in all are one pair. Otherwise each node of the first field is paired with the only node, or with the
+/// corresponding node, of the second field.
 fn pairs(fields: &[Vec<u32>]) -> Result<Vec<(u32, u32)>, Problem> {
     match (fields, &fields.concat()[..]) {
         (_, &[a, b]) => Ok(vec![(a, b)]),
@@ -184,7 +185,8 @@ fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEqua
             let is_off = off.abs() > 1e-6 * length(along) * length(to_k);
             let gradients = [(node, by_k), (nodes[0], by_a), (nodes[1], by_b)];
             let row = CardEquation::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
-            // Each of the other two components becomes a slave once, even on lines through the corners of a cube.
+            // Each of the other two components becomes a slave once, even if all components of the line are equal in
+            // size.
             rows.push(row.led_by(Dof { node, component: (3 - i - largest) as u8 + 1 }));
         }
     }
@@ -209,7 +211,7 @@ fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquatio
 }
 
 /// Equation of an upper bound on a distance; `None` while the distance is smaller. The first DOF of the last node,
-/// which the deck has to prescribe, is the excess over the bound.
+/// which the deck has to prescribe, is the excess of the squared distance over the squared bound.
 fn bound(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Option<CardEquation>, Problem> {
     let [a, _, _, b, _, _, c] = *nodes else {
         let found = nodes.len();

@@ -26,7 +26,8 @@ impl BodyReference {
         Self { node, rotation: Dof { node, component: 4 } }
     }
 
-    /// Equation of the motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`.
+    /// Equation of the motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`, with the arm r
+    /// from the reference to the point and the rotation w.
     pub fn follows(
         &self,
         definitions: &DeckDefinitions,
@@ -201,8 +202,8 @@ impl RigidBodyCard<'_> {
     }
 }
 
-/// Notes a rotation that the solver makes. If it is along the global axes, a new node can have it; otherwise equations
-/// cannot replace the card.
+/// Notes a rotation that the solver makes. A new node can have it if the reference has global axes and no rotations of
+/// its own, and if no step is nonlinear. Otherwise equations cannot replace the card.
 pub fn own_rotation(
     place: &RegisteredCard,
     reference: BodyReference,

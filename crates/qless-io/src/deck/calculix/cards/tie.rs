@@ -17,8 +17,8 @@ pub const TOLERANCE: f64 = 0.025;
 /// Distance within which a node counts as lying on a face, relative to the typical size of a face. Coordinates of many
 /// decks have only six or seven digits.
 const ON_FACE: f64 = 1e-6;
-/// ccx ties the new nodes of the solids into which it expands plane elements. Only at corners of second-order elements,
-/// one of them does not follow the node of the deck already.
+/// ccx expands plane elements into solids and ties their new nodes. It can tie only a new node that does not yet follow
+/// the node of the deck. Only corners of second-order elements have such a node.
 const EDGES: &str = "only corners of second-order plane elements are tied by edge; name the nodes instead (TYPE=NODE)";
 const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
 
@@ -72,13 +72,14 @@ struct Tied {
     tolerance: f64,
 }
 
-/// Whether a surface has faces of shells. ccx ties the faces of the solids into which it expands them.
+/// Whether either surface has faces of shells or membranes. ccx expands these into solids and ties the faces of the
+/// solids.
 fn has_shell_faces(card: &KeywordCard, definitions: &DeckDefinitions) -> bool {
     let is_shell = |side: &String| DeckSurface::find(definitions, card.scope, side).is_ok_and(|side| side.has_shells);
     sides(card).is_ok_and(|sides| sides.iter().any(is_shell))
 }
 
-/// Leaves out a tie of a special kind, with all DOFs that it may claim.
+/// Leaves out a tie of an unsupported kind, and claims all DOFs of its nodes.
 pub fn leave_out(card: &KeywordCard, kind: &str, model: &mut Model, definitions: &DeckDefinitions) {
     let place = RegisteredCard::register(card, model, "*TIE");
     let text = format!("*TIE with {kind} constrains, but is not understood: left out");

@@ -46,7 +46,7 @@ pub struct DeckDefinitions {
     pub is_nonlinear: bool,
     /// Whether the deck asks for modes of several nodal diameters.
     pub has_diameters: bool,
-    /// Upper bounds of the number of equations and of their terms.
+    /// Estimated numbers of equations and of their terms, used to reserve memory.
     pub equations: usize,
     pub terms: usize,
     /// Whether other cards than `*NODE` may define nodes.
@@ -124,7 +124,7 @@ impl DeckDefinitions {
         }
     }
 
-    /// An equation takes at least two lines; a line of k terms has 3 k - 1 commas.
+    /// Estimates the equations on a card: two lines for each equation, and 3 k - 1 commas on a line of k terms.
     fn count(&mut self, piece: &DataPiece) {
         let text = &piece.text[piece.range.clone()];
         let lines = memchr::memchr_iter(b'\n', text).count();
@@ -157,8 +157,8 @@ impl DeckDefinitions {
         name.match_indices('.').find_map(|(dot, _)| split(dot))
     }
 
-    /// Returns the first line of a `*NODE` card that defines no node, and the field at fault, as an error. Positions are read later, only
-    /// if a card needs them and for all nodes at once; an error could then not name the line.
+    /// Checks the lines of `*NODE` cards. The error is the first wrong line with its wrong field. Positions are parsed
+    /// later, for all nodes at once and only if a card needs them; an error could no longer name the line.
     pub fn check_nodes(&self) -> Result<(), (DataLine<'_>, FieldFault)> {
         for line in self.nodes.iter().flat_map(|pieces| DataLines::new(pieces)) {
             let mut fields = DataFields::new(&line);
@@ -177,7 +177,7 @@ impl DeckDefinitions {
         self.numbers.get_or_init(find).as_ref().map_err(Clone::clone)
     }
 
-    /// Numbers of the nodes of a scope within it, ascending.
+    /// Numbers that the nodes of a scope have within the scope, ascending.
     fn listed(&self, scope: usize) -> Vec<u32> {
         let lines = DataLines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
         let mut numbers: Vec<u32> = lines.filter_map(|line| number(line.fields().next()?, "a node").ok()).collect();
@@ -269,7 +269,8 @@ impl DeckDefinitions {
         self.expanded_at(node).iter().any(ElementShape::is_plane)
     }
 
-    /// Shapes of the elements at a node that ccx expands into solids. All elements with rotations are among them.
+    /// Shapes of the expanded elements at a node: ccx expands these elements into solids. They include all elements
+    /// with rotations.
     pub fn expanded_at(&self, node: u32) -> &[ElementShape] {
         let find = || {
             let mut all: FxHashMap<u32, Vec<ElementShape>> = FxHashMap::default();

@@ -75,7 +75,7 @@ impl MasterFace {
                 [p / a.max(f64::MIN_POSITIVE), 0.0]
             };
             xi = self.shape.inside([xi[0] + step[0], xi[1] + step[1]]);
-            // On an edge, the clamped step leaves only the part along the edge.
+            // Compares the clamped parameters: on an edge, only the part of the step along the edge counts.
             if (xi[0] - before[0]).abs() + (xi[1] - before[1]).abs() < 1e-14 {
                 break;
             }

@@ -149,8 +149,8 @@ impl DeckDefinitions {
         Ok(())
     }
 
-    /// Adds the range `first, last, increment` without elements that do not exist. Nodes that do not exist are left out only if the deck has
-    /// instances.
+    /// Adds the range `first, last, increment` without elements that do not exist. Nodes that do not exist are left out
+    /// only if the deck has instances.
     fn generate<'a>(
         &self,
         fields: &mut impl Iterator<Item = &'a [u8]>,

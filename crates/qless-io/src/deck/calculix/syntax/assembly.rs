@@ -4,7 +4,7 @@
 //! | cards | treatment |
 //! | --- | --- |
 //! | `*PART, NAME=P` to `*END PART` | stored until an instance needs them |
-//! | `*INSTANCE, NAME=I, PART=P` to `*END INSTANCE` | visited in a new scope, after the cards of P |
+//! | `*INSTANCE, NAME=I, PART=P` to `*END INSTANCE` | visited in a new scope; the cards of P follow `*INSTANCE` |
 //! | all others, including those of the assembly | visited in the scope of the deck |
 
 use std::path::PathBuf;

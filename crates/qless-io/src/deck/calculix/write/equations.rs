@@ -67,7 +67,7 @@ fn error(text: &str, value: f64) -> f64 {
 pub fn ends(deck: &Deck, plan: &Plan, rotations: &RotationNodes) -> Option<Vec<String>> {
     let cases = &deck.model.cases;
     let ends_sooner = !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
-    // A card that names no slave of the deck may name one of the written equations.
+    // A removal card that matches no equation of the deck may match a written one.
     let may_meet_new = !plan.written.is_empty() && deck.texts.iter().any(|text| removes(text));
     if !ends_sooner && !may_meet_new && cases.iter().all(|case| case.removed.is_empty()) {
         return None;

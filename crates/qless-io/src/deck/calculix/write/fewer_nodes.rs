@@ -7,7 +7,8 @@ use crate::deck::calculix::syntax::walk::keyword_end;
 /// Nodes on a line of `*NSET`.
 const NODES: usize = 8;
 
-/// The card in these lines with the nodes that are left; `None` if its text has another form. `number` counts the new sets.
+/// The text of a card with only the slave nodes that are left; `None` if the slave surface or set is not found in it.
+/// `number` is part of the name of the new set.
 pub fn with_nodes(deck: &Deck, card: &str, left: &[u32], number: usize) -> Option<String> {
     let name = new_name(deck, number);
     let (keyword, data) = card.split_at(keyword_end(card.as_bytes(), 0).0);

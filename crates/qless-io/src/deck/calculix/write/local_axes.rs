@@ -1,10 +1,11 @@
 //! Slaves at nodes with local axes (`*TRANSFORM`).
 //!
-//! ccx rewrites an equation at such a node in the global axes `d`, and chooses a global direction as its slave: for a
-//! slave along the local axis `e_s`, the first of `s, s + 1, s + 2` (modulo 3) that no earlier equation of this node
-//! has and in which `e_s` exceeds 1e-5. It ignores the coefficient `sum_c l_c e_c . d` of the whole equation; if that
-//! is zero, it stops. This module combines the equations of one node until no such coefficient is zero: `L_S^-1 E`,
-//! with the coefficients `L_S` of other local slaves S.
+//! ccx rewrites an equation at such a node in the global axes `d` and takes a global direction as its slave. For a
+//! slave along the local axis `e_s`, it takes the first of `s, s + 1, s + 2` (modulo 3) that no earlier equation of
+//! this node has taken and in which the component of `e_s` is at least 1e-5. The coefficient of this direction is
+//! `sum_c l_c e_c . d`, where `l_c` are the coefficients of the equation in local axes. ccx does not check it before
+//! the choice, and stops if it is zero. This module therefore chooses other local slaves S for the equations E of a
+//! node and replaces E by `L_S^-1 E`, where `L_S` holds the coefficients of E at S.
 
 use std::collections::BTreeMap;
 
@@ -88,7 +89,8 @@ impl TransformedNode<'_> {
         all
     }
 
-    /// Whether the directions that ccx chooses determine the slaves, one by one and together.
+    /// Whether ccx finds a direction for each slave, no equation has a zero coefficient in its direction, and the
+    /// coefficients of all equations in these directions form a nonsingular matrix.
     fn are_accepted(&self, rows: &[[f64; 3]], slaves: &[usize]) -> bool {
         let global = |row: &[f64; 3], d: usize| (0..3).map(|c| row[c] * self.axes[c][d]).sum::<f64>();
         let mut taken: Vec<usize> = Vec::new();

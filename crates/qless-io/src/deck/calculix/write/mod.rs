@@ -46,7 +46,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
     Ok((text, new.rotations.renamed().chain(new.proxies.renamed()).collect()))
 }
 
-/// Writes the cards that lose only some of their nodes below their comments.
+/// Handles cards that lose only some of their nodes: adds the shortened card below its comment.
 fn shorten(deck: &Deck, plan: &Plan, comments: &mut BTreeMap<(u32, u32), (u32, String)>) -> Result<(), CleanError> {
     for (number, ((file, line), shorter)) in (1..).zip(shortened(&deck.model, &plan.removed)) {
         let Some((lines, text)) = comments.get_mut(&(file, line)) else { continue };
@@ -68,7 +68,8 @@ struct CalculixWriter<'a> {
     comments: BTreeMap<(u32, u32), (u32, String)>,
     /// New equations, until they are written before the first step.
     new: Option<Vec<u8>>,
-    /// For each step the equations that it removes, if any step removes some. These replace the deck's own removals.
+    /// For each step, the card that removes equations. These cards replace the deck's own removals; `None` if those
+    /// remain right.
     ends: Option<Vec<String>>,
     /// Number of steps of the main file so far.
     steps: usize,
@@ -105,8 +106,8 @@ impl CalculixWriter<'_> {
         Ok(edits.apply(&text))
     }
 
-    /// Handles a keyword line. New equations go before a step or at the end of the assembly; an `*EQUATION` without
-    /// data is removed.
+    /// Handles a keyword line. New equations go before the first step, or to the end of the assembly if the deck has
+    /// instances. An `*EQUATION` line is removed if all of its equations are.
     fn keyword(
         &mut self,
         file: u32,

@@ -4,8 +4,8 @@
 //!   is components 4 to 6 of that node; for a `*RIGID BODY`, no card can name it. A new node at the same position gets
 //!   `w` as its components 1 to 3, like a `ROT NODE`.
 //! - [`ProxyNodes`]: an equation that names two components of a node with local axes names the same global DOFs twice.
-//!   ccx adds these up only if it inserts another equation. One of the components is therefore written as that of a new
-//!   node d, with `u_d - u = 0` for ccx to insert.
+//!   ccx adds these up only when it substitutes another equation into this one. One of the components is therefore
+//!   written as that of a new node d, with the equation `u_d - u = 0` for ccx to substitute.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -38,7 +38,7 @@ impl NewNodes {
     }
 }
 
-/// Rotations of bodies that become equations, by the first of their three components, and the new nodes for them.
+/// The new node of each rotation, by the first of its three components, for the bodies that equations replace.
 pub struct RotationNodes {
     node_of: BTreeMap<Dof, u32>,
 }
@@ -102,7 +102,7 @@ impl RotationNodes {
         self.node_of.iter().flat_map(dofs)
     }
 
-    /// Lines that prescribe or load such rotations, by file and line, and the text that replaces them.
+    /// Lines that prescribe or load rotations with new nodes, by file and line, and the text that replaces each line.
     pub fn lines(&self, deck: &Deck) -> Result<BTreeMap<(u32, u32), String>, CleanError> {
         let model = &deck.model;
         let prescribed = model.cases.iter().flat_map(|case| case.prescribed.iter().chain(&case.clashes));
@@ -206,9 +206,9 @@ impl ProxyNodes {
     }
 }
 
-/// The first master of each node with local axes of which the equation names several components. Skips equations that
-/// name the node of their slave again, because ccx then adds up all terms, and nodes with a prescribed value along
-/// their axes, because ccx inserts it as an equation.
+/// For each node with local axes at which the equation has several masters, the first of these masters. Skips equations
+/// with a master at the node of their slave, because ccx then adds up all terms. Skips nodes with a prescribed value
+/// along their axes, because ccx substitutes that value as an equation.
 fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item = Dof> + 'a {
     let own = model.as_global(equation.slave);
     let at_local_axes =

@@ -169,7 +169,7 @@ impl CardAssembly {
 
     /// Ends the card that is being read, if any.
     pub fn end_card(&mut self) -> Result<(), NamedRefusal> {
-        // The bulk data have received the card and its copies.
+        // If the card was copied, the bulk data already have the card and its copies.
         let is_complete = self.copies.take().is_some();
         match std::mem::replace(&mut self.before, LineBefore::Nothing) {
             LineBefore::Read if !is_complete => {

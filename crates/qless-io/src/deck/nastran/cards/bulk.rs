@@ -35,7 +35,7 @@ pub struct BulkData {
     /// Places of the cards of `frames`.
     pub frame_places: BTreeMap<u32, CardLocation>,
     pub ties: Ties,
-    /// First lines of cards that must not be removed or replaced, because of thermal expansion or because others are copies of them.
+    /// First lines of cards that must not be removed or replaced, because they have thermal expansion, have copies or are copies.
     pub fixed: BTreeSet<FileLine>,
     /// Separated continuation lines of cards, by the first line of the card.
     pub apart: BTreeMap<FileLine, Vec<FileLine>>,

@@ -23,7 +23,7 @@ pub enum NastranElement {
     Rigid(RigidElement),
     Rod(RigidRod),
     Mean(MeanElement<PointSpan>),
-    /// A mean over motions in the reference's own components only.
+    /// An `RBE3` of MYSTRAN: a weighted mean that uses only motions in the given components of the reference.
     PartialMean(MeanElement<PointSpan>),
     /// A rigid coupling of points that must coincide.
     Joint(RigidElement),
@@ -89,8 +89,8 @@ pub fn rrod(card: &BulkCard) -> Result<Expanding, CardRefusal> {
 
 /// `RBE3 id, , REFGRID, REFC, WT1, C1, G1, G2, ..., WT2, C2, ..., UM, GM1, CM1, ..., ALPHA, a`.
 ///
-/// MYSTRAN uses only translations of the connected points. Without a `UM` list, its reference moves only in the given
-/// components.
+/// MYSTRAN uses only translations of the connected points. Without a `UM` list, MYSTRAN fits only motions in the components REFC to
+/// them.
 pub fn rbe3(card: &BulkCard, is_mystran: bool) -> Result<Expanding, CardRefusal> {
     let (reference, components) = (card.id(2, POINT)?, card.some_components(3)?);
     let fields = filled(card, 4);
@@ -164,7 +164,7 @@ pub fn rbar1(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     Ok((NastranElement::Rigid(element), alpha(card, 4)?))
 }
 
-/// `RJOINT id, GA, GB, CB`: the same for two points that coincide.
+/// `RJOINT id, GA, GB, CB`: components CB of GB follow GA, and the two points must coincide.
 pub fn rjoint(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     follow(card, [1, 2], all_or(card, 3)?).map(|element| (NastranElement::Joint(element), 0.0))
 }
@@ -185,7 +185,7 @@ fn rigid<const N: usize>(points: [u32; N], independent: [Components; N], depende
     NastranElement::Rigid(RigidElement { independent: filled(independent), dependent: filled(dependent) })
 }
 
-/// `RTRPLT1 id, GA, GB, GC, CB, CC, ALPHA`: components of two corners follow the third.
+/// `RTRPLT1 id, GA, GB, GC, CB, CC, ALPHA`: components CB of GB and CC of GC follow GA.
 pub fn rtrplt1(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     let mut element = follow(card, [1, 2], all_or(card, 4)?)?;
     element.dependent.push((card.id(3, POINT)?, all_or(card, 5)?));

@@ -33,7 +33,7 @@ pub fn read(line: &[u8]) -> Option<QuickCard> {
     if !rest.is_empty() {
         fields.get_mut(whole.len())?[..rest.len()].copy_from_slice(rest);
     }
-    // A comma in the first fields means free field.
+    // A comma in the first data field means free field.
     if fields[0].contains(&b',') {
         return None;
     }

@@ -101,7 +101,7 @@ fn unread_cards() -> impl Iterator<Item = UnreadCard> {
     UNREAD.iter().flat_map(cards)
 }
 
-/// The names of all these cards.
+/// The names of all cards of `UNREAD`.
 pub fn names() -> impl Iterator<Item = &'static str> {
     unread_cards().map(|card| card.name)
 }
@@ -163,7 +163,7 @@ fn few(points: &[String]) -> String {
 /// Prefixes of names that sound like constraints.
 const CONSTRAINS: [&str; 7] = ["RB", "RSP", "RJ", "RX", "RG", "MPC", "SPC"];
 
-/// Names with such a prefix whose cards constrain nothing.
+/// Names with a prefix of `CONSTRAINS` whose cards constrain nothing.
 const HARMLESS: [&str; 9] =
     ["RGYRO", "RSPINR", "RSPINT", "RSPINT2", "SPCOFF", "SPCOFF1", "RBJSTIF", "RXPORT", "RGLOAD"];
 

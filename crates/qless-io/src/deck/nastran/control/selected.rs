@@ -122,7 +122,8 @@ fn warn_unused(kind: &str, uses: &SetUses, used: impl Fn(u32) -> bool, model: &m
     model.warn(place.file, place.line, text);
 }
 
-/// The selection of each load case. A deck without case control selects the only set of each kind, with a warning.
+/// The selection of each load case. A deck without case control selects the only set of each kind, or else a union of all sets of
+/// that kind, with a warning.
 pub fn selections(control: Option<&CaseControl>, bulk: &BulkData, model: &mut Model) -> Vec<(String, CaseSelection)> {
     if let Some(control) = control {
         return control.selections();

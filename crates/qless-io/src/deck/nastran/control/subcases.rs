@@ -59,12 +59,13 @@ struct Subcase {
     steps: Vec<(u32, usize, CaseSelection)>,
 }
 
-/// A step, a subcase without steps, or a whole deck without subcases: its selection holds at one time.
+/// A step, a subcase without steps, or a whole deck without subcases. The sets of its selection hold together.
 #[derive(Clone, Debug)]
 pub struct SubcaseLeaf {
     name: String,
     pub selection: CaseSelection,
-    /// Index of the place of its selection: 0 is the place before the first subcase; subcases and steps follow in their order.
+    /// Index of what holds the selection: 0 for the lines before the first subcase, then subcases and steps in the order of the
+    /// deck.
     pub holder: usize,
 }
 
@@ -74,7 +75,7 @@ pub struct CaseControl {
     all: CaseSelection,
     subcases: Vec<Subcase>,
     level: ControlLevel,
-    /// First line of each holder of a selection except holder 0.
+    /// First line of each subcase and step in the order of the deck: holders 1, 2, and so on.
     opened: Vec<FileLine>,
     /// Every choice of an MPC set, with its holder.
     pub mpc_choices: Vec<(usize, SetChoice)>,
@@ -211,7 +212,7 @@ fn number(rest: &[u8]) -> Option<u32> {
     leading(rest).map(|(value, _)| value)
 }
 
-/// The same, if only a blank or a comment may follow: `0PO` is no number of a set.
+/// The number after `=` or blanks, if nothing, a blank or a comment follows it: `0PO` is not the number of a set.
 fn only_number(rest: &[u8]) -> Option<u32> {
     let (value, after) = leading(rest)?;
     after.first().is_none_or(|&byte| byte == b'$' || byte.is_ascii_whitespace()).then_some(value)

@@ -21,7 +21,7 @@ impl Frames {
         self.0.get(&id)
     }
 
-    /// Computes all frames. `grid` returns the frame and coordinates of a grid point. Errors name the wrong frame.
+    /// Computes all frames. `grid` returns the frame and coordinates of a grid point. The error names the frame at fault.
     pub fn resolve(
         definitions: &FrameDefinitions,
         grid: impl Fn(u32) -> Option<(u32, Vector)>,

@@ -28,7 +28,7 @@ pub struct Points {
 /// The number of a grid point, and two different cards that define it.
 pub type DuplicateGrid = Box<(u32, [CardLocation; 2])>;
 
-/// The kind of point that a number means.
+/// The kind of the point with a given number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointKind {
     Grid,
@@ -49,7 +49,7 @@ impl Points {
         Ok(Self { grids, scalars, defaults, frames: Frames::default() })
     }
 
-    /// Computes the coordinate systems. The error names the wrong one.
+    /// Computes the coordinate systems. The error names the system at fault.
     pub fn resolve(&mut self, definitions: &FrameDefinitions) -> Result<(), (u32, Problem)> {
         let grid = |node| self.grids.get(node).map(|grid| (self.fields(grid).position_frame.unwrap_or(BASIC), grid.at));
         self.frames = Frames::resolve(definitions, grid)?;

@@ -8,7 +8,7 @@ use crate::deck::{CardName, DeckError, Model, Origin, Problem};
 use crate::fault::quote;
 use crate::number::whole;
 
-/// Data fields of a line; the fields of each continuation line start at a multiple of this.
+/// Data fields of a line in small field; in large field, two lines have as many.
 pub const PER_LINE: usize = 8;
 
 /// A line of a card.

@@ -60,7 +60,8 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl L
     let mut line = 0;
     while !rest.is_empty() {
         let (first, text) = (line + 1, next(&mut rest, &mut line));
-        // A letter starts another card, except in `INCLUDE`: the included file may continue this card.
+        // If the next line begins with a letter, another card starts there. `INCLUDE` is the exception: its file may continue this
+        // card.
         let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
         if is_last && visitor.quick(&DeckLine { file: number as u32, number: first as u32, text }, sources)? {
             continue;

@@ -21,7 +21,7 @@ use target::EquationGroup;
 /// Limit on the terms of a certificate that a comment names.
 const NAMED: usize = 8;
 
-/// The main file after the plan. It contains the text of included files that change.
+/// The main file with the changes of the plan. It contains the text of included files that change.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let cases = deck.model.cases.len();
     let mut groups: Vec<EquationGroup> = Vec::new();

@@ -45,7 +45,7 @@ pub fn changes(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange
     changes
 }
 
-/// Whether a subcase uses the choice before the first subcase.
+/// Whether a subcase or step uses the MPC set that is selected before the first subcase.
 fn is_in_use(common: SetChoice, control: &CaseControl) -> bool {
     control.cases().iter().flatten().any(|leaf| leaf.selection.mpc == Some(common))
 }

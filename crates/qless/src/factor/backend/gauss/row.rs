@@ -12,7 +12,7 @@ const ABSENT: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GaussEntry {
     pub col: u32,
-    /// Exponent of the largest term that was added to `value`, as f64 stores it.
+    /// Biased exponent, as f64 stores it, of the largest term that was added to `value`.
     peak: u32,
     pub value: f64,
 }
@@ -46,7 +46,7 @@ pub(super) fn largest(row: &[GaussEntry]) -> f64 {
 pub(super) struct PivotRow {
     pub entries: Vec<GaussEntry>,
     place: Vec<u32>,
-    /// Whether the row that is updated has an entry in the same column.
+    /// By position in `entries`, true if the row that is being updated has an entry in the same column.
     met: Vec<bool>,
 }
 

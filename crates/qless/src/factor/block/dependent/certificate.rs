@@ -38,7 +38,8 @@ pub(crate) struct Rows {
     pub nearness: Nearness,
     /// The factor of the kept rows.
     pub triangle: Triangle,
-    /// Root mean square of the remainders of the dependent rows, or 0 if rounding explains it.
+    /// Root mean square of the remainders of the dependent rows, or their largest 2-norm if weak rows were searched for. 0 if rounding
+    /// explains it.
     pub left: f64,
 }
 
@@ -53,7 +54,7 @@ pub(super) struct Choice {
 #[derive(Clone, Copy)]
 pub(super) struct Weakest {
     pub row: usize,
-    /// 2-norm of its combination with the other kept rows by the singular vector: an upper bound of its distance from their span.
+    /// `sigma / |y_k|` with its component y_k of the singular vector: an upper bound of its distance from the span of the other kept rows.
     pub left: f64,
 }
 
@@ -79,7 +80,8 @@ impl Choice {
     }
 
     /// Computes sigma and the distance from dependence, which is `sigma / (max |y_i| max |v_j|)` with the singular vectors y of the rows
-    /// and v of the DOFs: the smallest change of one coefficient in the direction in which the rows are nearest to dependence.
+    /// and v of the DOFs: the smallest change of one coefficient in the direction in which the rows are nearest to dependence. If sigma is
+    /// at least [`NEAR`], it stands for the distance, which is no smaller.
     fn measured(block: &Block, triangle: Triangle, means: FactorContext) -> Self {
         let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
         let place = largest_place(&y);
@@ -168,7 +170,7 @@ pub(super) fn dependent(
     let error = units * because.len() as f64 * f64::EPSILON * largest;
     let mismatch = |sides: &Vec<Mismatch>| mismatch(sides, tableau, i, noise * largest, error);
     let mismatches = block.effective.iter().map(|sides| mismatch(sides).scaled(-block.exponents[k])).collect();
-    // The remainder of all rows together may be only the rounding error of each row's terms.
+    // `left` is common to all rows. The remainder of this row may be smaller, or only the rounding error of its terms.
     let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
     let (because, dropped) = (BlockCertificate::Known(because), small_row(block, k, left));
     Dependent { row: block.rows[k], because, units, dropped, mismatches }
@@ -207,8 +209,8 @@ pub(super) fn later(candidate: u32, holder: u32) -> bool {
     candidate > holder
 }
 
-/// Keeps the earlier one of equivalent equations, and measures the nearness of the rows that are then kept. Changes nothing if that would
-/// cost accuracy.
+/// Applies `sounder`, keeps the earlier one of equivalent equations, and measures the nearness of the rows that are then kept. The order
+/// stays as it was if sigma would fall to less than half.
 pub(super) fn in_order(
     block: &Block,
     means: FactorContext,

@@ -5,6 +5,8 @@
 //! |c * s|_2 ~ rms over random signs g   of row_k C_k^+ (g * s)                  sizes and errors of the mismatches
 //! y = R1^-1 R2_k                        the certificate of row k                one triangular solve for each
 //! ```
+//!
+//! c is the certificate of row k, s the sizes or the errors of the right-hand sides, `*` the product by entries.
 
 use std::sync::{Arc, OnceLock};
 

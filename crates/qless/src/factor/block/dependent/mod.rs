@@ -91,8 +91,8 @@ fn ordered_or_repaired(
 
 /// Repairs a choice in which the backend kept rows that are dependent to within the tolerance. This happens if no pivot is small, as in
 /// Kahan's matrix, or if equations that are substituted into each other grow. Each step drops the row with the largest component in the
-/// singular vector of the smallest singular value, until the kept rows are independent. Rows dropped before that are no combination of the
-/// kept ones then come back.
+/// singular vector of the smallest singular value, until the kept rows are independent. Then dropped rows that are no combination of the
+/// kept ones come back.
 fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<usize>) -> Result<Rows, BackendError> {
     let mut round = 0;
     loop {

@@ -27,8 +27,8 @@ const NOTHING: u32 = u32::MAX;
 
 /// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does if their remainders are
 /// spread over many columns. The singular vectors identify these rows, and they are dropped. A dropped row that is no combination of the
-/// kept rows comes back and stays: only a row dropped now had explained it, or many rows together are nearer to dependence than each alone.
-/// None if this does not lead to a sound choice.
+/// kept rows comes back and stays. There are two causes: its certificate needs a row that is now dropped, or many rows together are nearer
+/// to dependence than each alone. None if this does not lead to a sound choice.
 pub(super) fn without_weak(
     block: &Block,
     means: FactorContext,
@@ -134,8 +134,8 @@ fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
     tableau.data.iter().all(|v| v.is_finite()).then_some(tableau)
 }
 
-/// Dropped rows that are no combination of the kept ones, nor of one another. The rows asked for come first; `rests` are the norms of their
-/// remainders.
+/// Dropped rows that are no combination of the kept ones, nor of one another. The first rows of `tableau` are those asked for; `rests` are
+/// the norms of their remainders.
 pub(super) fn unexplained(
     block: &Block,
     tableau: &Tableau,
