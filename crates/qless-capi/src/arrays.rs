@@ -49,7 +49,7 @@ impl IndexBase {
         usize::try_from(from_zero).map_err(|_| below())
     }
 
-    /// Writes numbers that count from 0 into an array of the caller.
+    /// Converts 0-based indices to the base of the caller, and writes them into an array of the caller.
     pub fn write<I: CIndex>(
         self,
         list: impl ExactSizeIterator<Item = usize>,

@@ -246,7 +246,8 @@ impl Drop for Created {
     }
 }
 
-/// Removes the files of killed programs. The caller holds the folder's lock, so that every mark of a living writer is locked.
+/// Removes the mark and the temporary files of each killed writer. The caller holds the folder's lock: without it, a living writer may
+/// have made its mark and not locked it yet, and would be taken for a killed one.
 fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();

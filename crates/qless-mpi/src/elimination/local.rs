@@ -13,7 +13,7 @@ use crate::solve::PRESCRIBED_BIT;
 /// The DOFs that a rank owns or needs, and those in their rows of T and G; ascending.
 pub(super) struct LocalDofs {
     pub dofs: Vec<u64>,
-    /// Values of the prescribed DOFs among them.
+    /// Values of the prescribed DOFs in `dofs`.
     values: BTreeMap<u64, f64>,
 }
 

@@ -55,9 +55,9 @@ pub enum ShareError {
     /// A DOF that no rank owns.
     #[error("rank {rank}: {what} names a DOF that does not exist: the ranks own DOFs 0 to {dofs} (excluded)")]
     DofOutOfRange {
-        /// The rank that uses it.
+        /// The rank that names this DOF.
         rank: usize,
-        /// The place where it occurs.
+        /// The place where the rank names it.
         what: SharePlace,
         /// The number of DOFs.
         dofs: u64,

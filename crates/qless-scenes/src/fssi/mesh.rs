@@ -74,7 +74,7 @@ impl Mesh {
         Self { columns: far_columns.saturating_mul(2) - 1, far_columns, ..self }
     }
 
-    /// The same mesh with a far field that is three times coarser along the box and slightly finer over the depth.
+    /// The same near field, with a far field that is about three times coarser horizontally and a fifth finer over the depth.
     #[must_use]
     pub fn deep(self) -> Self {
         let far_columns = without_nesting(self.columns, self.columns / 16 * 5 + self.columns % 16 * 5 / 16 + 1);

@@ -8,15 +8,15 @@ use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
 /// A mesh of the model, with nodes numbered from 0 within it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FssiMesh {
-    /// Near-field soil, sides: `4 (columns - 1)` around times `layers` down.
+    /// Near-field soil, sides: `4 (columns - 1)` nodes around the box times `layers` nodes downwards.
     Side,
-    /// Near-field soil, surface: `columns x columns`.
+    /// Near-field soil, surface: `columns x columns` nodes.
     Top,
-    /// Far-field soil, sides: `4 (far_columns - 1)` around times `far_layers` down.
+    /// Far-field soil, sides: `4 (far_columns - 1)` nodes around the box times `far_layers` nodes downwards.
     Far,
-    /// Tank: `rings` of the foundation, then `wall - 1` more, times `sectors`.
+    /// Tank: `rings` of the foundation and `wall - 1` more, each of `sectors` nodes.
     Tank,
-    /// Fluid at the wall: `wall x sectors`.
+    /// Fluid at the wall: `wall x sectors` nodes.
     Fluid,
 }
 

@@ -53,7 +53,7 @@ pub struct RefinementGoal<'a> {
 }
 
 impl RefinementGoal<'static> {
-    /// Every row balanced, with at most so many solves.
+    /// Allows every row a relative residual of at most [`BALANCED`], with at most so many solves.
     pub fn balance(steps: usize) -> Self {
         Self { floor: &|_| FLOOR, limit: &|_| BALANCED, lax: &|_| false, enough: SHARP, steps, patient: false }
     }

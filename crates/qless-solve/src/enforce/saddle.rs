@@ -143,7 +143,7 @@ impl MeasuredEquations for SaddleEquations<'_> {
 /// Factors of M (see the module): springs are added to K, eliminated equations are condensed, and those with multipliers are a border.
 pub struct SaddleInverse<'a> {
     part: &'a EnforcedPart<'a>,
-    /// D of each equation; zero without a spring.
+    /// The stiffness D of the spring of each equation; 0 without a spring.
     pub springs: Vec<f64>,
     /// `K + C_P^T D C_P`.
     sum: Cow<'a, SparseMatrix>,

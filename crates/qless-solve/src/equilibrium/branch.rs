@@ -36,7 +36,7 @@ const MET: f64 = 0.005;
 const NEARER: f64 = 1e-3;
 /// A DOF is determined if it moves by less than this fraction of its unit while the others move by theirs.
 const STILL: f64 = 1e-6;
-/// The branch of a part at the start of a load step.
+/// The state of one part at the start of a load step. [`Branch::check`] tests whether a step stays on the same solution branch.
 pub struct Branch {
     parts: Arc<EquilibriumParts>,
     part: usize,

@@ -68,7 +68,8 @@ impl NewtonState<'_> {
         Ok(((0..self.set.dofs()).map(choose).collect(), conflicts.collect()))
     }
 
-    /// The Newton step; only its entries in parts that go downhill are used.
+    /// The Newton step of all parts; zero if no part has the goal [`StepGoal::Downhill`]. The caller uses only the entries of parts with
+    /// this goal.
     fn downhill(&self, found: &Linearisation, step: usize) -> Result<Vec<f64>, NewtonError> {
         if !self.states.iter().any(|state| state.goal == StepGoal::Downhill) {
             return Ok(vec![0.0; self.set.dofs()]);

@@ -59,9 +59,9 @@ struct Peeling<'a> {
     out: Peeled,
 }
 
-/// Peels all rows that have a suitable singleton. Rows of `held` are peeled only if their slave is tiny. Rows of `absent` are ignored,
-/// although `columns` counts them. The slave is the singleton with the largest coefficient; among equal ones the most preferred, then the
-/// first. Its coefficient exceeds `least`, which is an absolute tolerance or 0.
+/// Peels each row that has a singleton of a size in [`SlaveSize`]. The singleton with the largest coefficient becomes the slave; among
+/// equal ones the most preferred, then the first. Its coefficient exceeds `least`, which is an absolute tolerance or 0. A row of `held`
+/// is peeled only if the coefficient of its slave is tiny. Rows of `absent` are ignored, although `columns` counts them.
 pub(crate) fn peel(
     system: LocalSystem,
     columns: &[Column],

@@ -85,13 +85,13 @@ pub struct ReductionSizes {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct FactoredSizes {
-    /// Its independent equations.
+    /// Number of its independent equations.
     pub equations: usize,
-    /// Its slaves.
+    /// Number of its slaves.
     pub slaves: usize,
-    /// Its masters.
+    /// Number of its masters.
     pub masters: usize,
-    /// Entries of L, U, C_M and C_p.
+    /// Number of entries of L, U, C_M and C_p.
     pub nnz: usize,
     /// Estimate of the entries of T if its rows were explicit.
     pub predicted: usize,

@@ -85,8 +85,8 @@ mod tests {
     use crate::geometry::node::relative;
     use crate::geometry::shape::tests::{inside, random};
 
-    /// On faces that bend by a few per cent every nearest point is proved, at any distance. Beyond the centre of an
-    /// arc none is.
+    /// On faces that bend by a few per cent every nearest point inside is proved, for gaps up to half a unit. The middle of an arc is
+    /// proved from inside its centre of curvature, and not from beyond it, where it is not the nearest point.
     #[test]
     fn feet_on_faces_that_are_bent_little_are_proved() {
         let faces = [Shape::Line3, Shape::Tri6, Shape::Quad4, Shape::Quad8, Shape::Quad9];

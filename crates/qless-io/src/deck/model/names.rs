@@ -79,7 +79,7 @@ impl Model {
 /// Names of nodes by number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NodeNames {
-    /// Runs, ascending by first number.
+    /// Runs of consecutive named nodes, ascending by the number of their first node.
     runs: Vec<NameRun>,
 }
 

@@ -152,7 +152,7 @@ impl<'a> KeptEquations<'a> {
         Ok(analyse(&self.model.system(&case)?, &options)?)
     }
 
-    /// Whether an equation is kept in a layer.
+    /// Whether an equation is kept in all load cases of a layer: at least up to its last one.
     pub fn holds(&self, i: usize, layer: usize) -> bool {
         self.layer_of[i].is_some_and(|own| own <= layer)
     }

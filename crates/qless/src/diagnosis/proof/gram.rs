@@ -82,7 +82,7 @@ impl ScaledCore {
         Some(())
     }
 
-    /// Exponents of the DOFs in balanced units; None if they equal those of the user or are out of range.
+    /// Exponents of the DOFs that lead to balanced units; None if these are the user's units or an exponent is out of range.
     fn units(&self) -> Option<Vec<i32>> {
         let terms = |i: u32| self.rows[i as usize].iter().map(|&(j, v)| (j as usize, v));
         let mut place = vec![0; self.dofs];

@@ -29,7 +29,8 @@ pub(crate) struct Block {
     pub rhs: Vec<f64>,
     /// `b - C_p u_p`, scaled as the rows: first for this block, then for each other block with the same matrix that is diagnosed with it.
     pub effective: Vec<Vec<Mismatch>>,
-    /// By row, the largest [`Entry::certain_left`] of a free DOF, or the row's `dropped` if that is larger.
+    /// By row, the largest part of its terms that a coefficient of a free DOF certainly keeps after cancellation ([`Entry::certain_left`]).
+    /// Coefficients that presolve dropped count too.
     pub certain: Vec<f64>,
     /// A random right-hand side, after presolve.
     pub random: Vec<f64>,

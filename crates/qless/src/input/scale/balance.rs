@@ -153,7 +153,7 @@ impl Component {
         }
     }
 
-    /// q of the DOFs, and the balanced coefficients, as powers of two; None if all q lie within the power of two `near`.
+    /// The exponent q of each DOF, and log2 of each balanced coefficient; None if the largest and the smallest q differ by at most `near`.
     fn balanced(&self, near: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let m = self.rows.len();
         if m >= LARGE

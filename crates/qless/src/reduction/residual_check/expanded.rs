@@ -14,7 +14,7 @@ pub struct Expanded {
     pub u: Vec<f64>,
     /// For each DOF the sum of the magnitudes of its terms, if it was computed. The magnitude of the DOF itself is a lower bound.
     pub sizes: Option<Vec<f64>>,
-    /// True if the right-hand side for this term is b, false if it is 0.
+    /// True for g, which satisfies `C u = b`; false for `T u_q` and `G u_p`, which satisfy `C u = 0`.
     pub with_rhs: bool,
 }
 

@@ -70,7 +70,7 @@ impl AnsysReader {
         !is_made && self.nodes.numbers.is_empty() && self.events.is_empty()
     }
 
-    /// Warns of an unsupported command by its effect; of an unknown command only once.
+    /// Records the effect of an unsupported command. Warns if it makes, or may make, constraints; of each unknown command only once.
     fn unread(&mut self, command: &AnsysCommand) {
         self.nodes.positions.coordinate_system(command);
         let title = command.title();

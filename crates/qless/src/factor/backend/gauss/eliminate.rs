@@ -15,9 +15,9 @@ use super::row::{GaussEntry, PivotRow, WaitingRows, largest};
 use crate::Csr;
 use crate::factor::backend::{BackendError, Factor};
 
-/// A pivot is at least this fraction of the largest entry of its row ...
+/// A pivot is at least this fraction of the largest entry of its row.
 const OF_ROW: f64 = 0.5;
-/// ... and this fraction of the largest entry of its column.
+/// A pivot is at least this fraction of the largest entry of its column.
 const OF_COLUMN: f64 = 0.1;
 /// Number of entries of a row that are tried as pivots.
 const TRIED: usize = 4;

@@ -103,7 +103,7 @@ impl Call {
         }
     }
 
-    /// P. C returns the order of `[A B]` with B last, or a null pointer for the identity.
+    /// The column permutation P. SPQR returns the column order of `[A B]`, with B last, or a null pointer for the identity.
     fn order(&self, n: usize) -> Result<Vec<usize>, TryReserveError> {
         if self.order.is_null() {
             return collected(n, 0..n);
@@ -288,7 +288,8 @@ impl InColumns<'_> {
     }
 }
 
-/// The start of each row; replaces the counts, by range and row, by the first place of each.
+/// The start of each row of R. `counts[k][row]` is the number of entries of a row in the k-th range of columns, and becomes the place of
+/// the first of them.
 fn starts(rank: usize, counts: &mut [Vec<usize>]) -> Result<Vec<usize>, TryReserveError> {
     let mut start = reserved(rank + 1)?;
     let mut place = 0;
