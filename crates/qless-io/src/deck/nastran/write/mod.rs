@@ -1,8 +1,8 @@
 //! Writes a deck with changed constraints: comments replace removed cards, and new equations become `MPC` cards in sets that the
 //! load cases select.
 
+mod fewer_nodes;
 mod select;
-mod star;
 mod target;
 mod wide;
 
@@ -64,7 +64,7 @@ fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_wri
         }
     }
     let shorter = shortened(model, removed);
-    for (at, card) in star::with_points(&content.bulk.ties) {
+    for (at, card) in fewer_nodes::with_points(&content.bulk.ties) {
         if let (Some(shorter), Some((_, text))) = (shorter.get(&at), texts.get_mut(&at)) {
             let lost = format!("$ qless: {} of ", shorter.lost_names());
             *text = text.replacen("$ qless: ", &lost, 1) + &card(&shorter.left);
