@@ -17,27 +17,28 @@ use crate::{clean, exit_code};
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     check_options(args)?;
     let joined = Joined::new(args.model.format, args.more.len() + 1);
-    let (mut pieces, mut codes) = (Vec::new(), Vec::new());
+    let (mut pieces, mut codes, mut summary) = (Vec::new(), Vec::new(), Vec::new());
     for input in args.inputs() {
         let model = ModelArgs { input: input.clone(), ..args.model.clone() };
-        let (piece, code) = match report(args, &model) {
+        let (piece, code, findings) = match report(args, &model) {
             Ok(done) => done,
             Err(failure) if joined.shows_failures() => {
                 say(format_args!("error: {}", failure.message()));
-                (joined.failed(input, &failure), failure.code())
+                (joined.failed(input, &failure), failure.code(), vec!["not checked".to_owned()])
             }
             Err(failure) => return Err(failure),
         };
         pieces.push((input, piece));
         codes.push(code);
+        summary.push((input.as_path(), findings));
     }
     let text = joined.whole(pieces);
     match &args.output {
-        None => terminal::show(&text)?,
+        None => terminal::show(&text, args.model.format)?,
         Some(file) => OneFile::at(file, args.files())?.write(&text)?,
     }
     if args.is_several() {
-        say(format_args!("{}", Joined::summary(args.inputs(), &codes)));
+        say(format_args!("{}", Joined::summary(&summary)));
     }
     Ok(ExitCode::from(exit_code::worst(codes)))
 }
@@ -64,8 +65,8 @@ fn check_options(args: &CheckArgs) -> Result<(), CliFailure> {
     Ok(())
 }
 
-/// The report of one input, and its exit code.
-fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8), CliFailure> {
+/// The report of one input, its exit code, and its findings in words.
+fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8, Vec<String>), CliFailure> {
     let progress = Progress::new(model.quiet);
     let question = Question { options: model.options(), preferences: model.preferences(), choice: args.choice() };
     let mut diagnosis = diagnose(model, question, &progress)?;
@@ -82,7 +83,7 @@ fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8), CliFailu
     let bytes = diagnosis.render(None, &outcome)?;
     drop(progress);
     diagnosis.warn();
-    Ok((bytes, diagnosis.code()))
+    Ok((bytes, diagnosis.code(), diagnosis.findings()))
 }
 
 impl CheckArgs {

@@ -3,12 +3,12 @@
 //! Every equation and prescribed value of one set is evaluated at solutions of the other: at its particular solution and at random ones. An
 //! equation that follows from the other set holds at all of them to rounding; any other equation fails at a random one with probability 1.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::process::ExitCode;
 
 use qless::common::SplitMix64;
-use qless::{ConstraintSystem, Elimination, Form, analyse};
+use qless::{Elimination, Form, analyse};
 
 use crate::args::{DiffArgs, ModelArgs};
 use crate::deck_input::LoadCaseChoice;
@@ -89,28 +89,60 @@ fn solvable(diagnosis: &Diagnosis) -> Result<Option<Solutions>, CliFailure> {
         elimination.expand_into(&masters, &mut u).map_err(|error| failed(&error))?;
         samples.push(u);
     }
-    let columns = (0..system.dofs()).map(|dof| (system.dof_label(dof).to_lowercase(), dof)).collect();
+    let alone = alone(diagnosis);
+    samples.iter_mut().for_each(|u| u.extend(alone.iter().map(|given| given.value)));
+    let labels = (0..system.dofs()).map(|dof| system.dof_label(dof)).chain(alone.into_iter().map(|given| given.label));
+    let columns = labels.map(|label| label.to_lowercase()).zip(0..).collect();
     Ok(Some(Solutions { columns, samples }))
+}
+
+/// A prescribed value, with its place in the input if that is known.
+struct Given {
+    label: String,
+    value: f64,
+    place: Option<String>,
+}
+
+/// The prescribed values of a deck's load case on DOFs that occur in no equation: the system does not have them.
+fn alone(diagnosis: &Diagnosis) -> Vec<Given> {
+    let Some(input) = &diagnosis.deck else { return Vec::new() };
+    let model = input.deck.model();
+    let known: HashSet<String> = (0..diagnosis.system.dofs()).map(|dof| diagnosis.system.dof_label(dof)).collect();
+    let given = model.cases()[input.case].prescribed.iter().map(|given| Given {
+        label: model.dof_name(given.dof),
+        value: given.value,
+        place: Some(model.place(given.origin)),
+    });
+    given.filter(|given| !known.contains(&given.label)).collect()
 }
 
 /// Lists the equations and prescribed values of a set that the solutions of the other set do not satisfy, below a heading.
 fn beyond(of: &Diagnosis, solutions: &Solutions) -> Vec<String> {
     let system = &of.system;
+    let label_of = |dof: usize| system.dof_label(dof);
     let mut found: Vec<String> = (0..system.equations())
-        .filter(|&row| !holds(system, &system.matrix().row(row), system.rhs()[row], solutions))
+        .filter(|&row| {
+            let terms = system.matrix().row(row).map(|(dof, factor)| (label_of(dof), factor));
+            !solutions.satisfy(&terms.collect::<Vec<_>>(), system.rhs()[row])
+        })
         .map(|row| equation(system, row))
         .collect();
-    for &(dof, value) in system.prescribed() {
-        if !holds(system, &std::iter::once((dof, 1.0)), value, solutions) {
-            let place = system.prescribed_place(dof).map_or_else(String::new, |place| format!(", {}", label(place)));
-            found.push(format!("{} = {}{place}", label(&system.dof_label(dof)), number(value)));
+    let given = system.prescribed().iter().map(|&(dof, value)| {
+        let place = system.prescribed_place(dof).map(str::to_owned);
+        Given { label: label_of(dof), value, place }
+    });
+    for Given { label: dof, value, place } in given.chain(alone(of)) {
+        let terms = [(dof, 1.0)];
+        if !solutions.satisfy(&terms, value) {
+            let place = place.map_or_else(String::new, |place| format!(", {}", label(&place)));
+            found.push(format!("{} = {}{place}", label(&terms[0].0), number(value)));
         }
     }
     if found.is_empty() {
         return Vec::new();
     }
-    let mut lines =
-        vec![format!("{} asks for {} that the other does not:", name(&of.args.input), count(found.len(), "thing"))];
+    let relations = count(found.len(), "relation");
+    let mut lines = vec![format!("{} has {relations} that the other does not imply:", name(&of.args.input))];
     let more = found.len().saturating_sub(SHOWN);
     lines.extend(found.into_iter().take(SHOWN).map(|item| format!("  {item}")));
     if more > 0 {
@@ -119,27 +151,25 @@ fn beyond(of: &Diagnosis, solutions: &Solutions) -> Vec<String> {
     lines
 }
 
-/// Whether an equation holds at all samples. A DOF that the other set does not have is free there.
-fn holds(
-    system: &ConstraintSystem,
-    terms: &(impl Iterator<Item = (usize, f64)> + Clone),
-    b: f64,
-    solutions: &Solutions,
-) -> bool {
-    solutions.samples.iter().enumerate().all(|(k, u)| {
-        let largest = u.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let (mut left, mut size, mut rounding) = (-b, b.abs(), 0.0_f64);
-        for (dof, factor) in terms.clone() {
-            let place = solutions.columns.get(&system.dof_label(dof).to_lowercase());
-            // A different number for each DOF and sample.
-            let free = if k == 0 { 0.0 } else { ((dof * 7 + k * 3) as f64).sin() };
-            let part = factor * place.map_or(free, |&j| u[j]);
-            left += part;
-            size = size.max(part.abs());
-            rounding = rounding.max(factor.abs() * largest);
-        }
-        left.abs() <= HOLDS * size + ROUNDING * rounding
-    })
+impl Solutions {
+    /// Whether an equation holds at all samples. DOFs have labels; one that these solutions do not have is free.
+    fn satisfy(&self, terms: &[(String, f64)], b: f64) -> bool {
+        let places: Vec<Option<usize>> =
+            terms.iter().map(|(label, _)| self.columns.get(&label.to_lowercase()).copied()).collect();
+        self.samples.iter().enumerate().all(|(k, u)| {
+            let largest = u.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let (mut left, mut size, mut rounding) = (-b, b.abs(), 0.0_f64);
+            for (at, (place, (_, factor))) in places.iter().zip(terms).enumerate() {
+                // A different number for each DOF and sample.
+                let free = if k == 0 { 0.0 } else { ((at * 7 + k * 3) as f64).sin() };
+                let part = factor * place.map_or(free, |j| u[j]);
+                left += part;
+                size = size.max(part.abs());
+                rounding = rounding.max(factor.abs() * largest);
+            }
+            left.abs() <= HOLDS * size + ROUNDING * rounding
+        })
+    }
 }
 
 fn name(path: &Path) -> String {

@@ -7,20 +7,27 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::args::ReportFormat;
 use crate::failure::CliFailure;
 use crate::memory::threads;
+use crate::wording::layout::wrap;
 use crate::wording::printable;
 
 /// Calls `write` with a buffer, and writes its text to standard output with unprintable characters replaced.
 pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
     let mut text = Vec::new();
     write(&mut text).map_err(|error| CliFailure::from_stdout(&error))?;
-    show(printable::text(&String::from_utf8_lossy(&text)).as_bytes())
+    show(printable::text(&String::from_utf8_lossy(&text)).as_bytes(), ReportFormat::Text)
 }
 
-/// Writes a report to standard output. Its characters must be printable.
-pub fn show(report: &[u8]) -> Result<(), CliFailure> {
-    stream(|out| out.write_all(report))
+/// Writes a report to standard output. Its characters must be printable. Text breaks at the width of a terminal, and nowhere else.
+pub fn show(report: &[u8], format: ReportFormat) -> Result<(), CliFailure> {
+    match terminal_size::terminal_size_of(io::stdout()).filter(|_| format == ReportFormat::Text) {
+        Some((columns, _)) => {
+            stream(|out| out.write_all(wrap(&String::from_utf8_lossy(report), columns.0.into()).as_bytes()))
+        }
+        None => stream(|out| out.write_all(report)),
+    }
 }
 
 /// Calls `write` with standard output, and flushes it. The text must be printable; use this for text that is written step by step.

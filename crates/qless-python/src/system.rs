@@ -49,14 +49,12 @@ pub struct Sides<'py> {
 }
 
 impl Sides<'_> {
-    /// Builds the system from a matrix if it is `ready`; otherwise `add` adds a row to the builder, given its index and its right-hand side.
+    /// Builds the system without the interpreter's lock; `make` makes it from b and the prescribed values.
     fn build(
         self,
         py: Python<'_>,
         rows: usize,
-        dofs: usize,
-        ready: impl FnOnce() -> Option<Csr> + Send,
-        add: impl Fn(&mut SystemBuilder, usize, f64) + Sync + Send,
+        make: impl FnOnce(Vec<f64>, &[(usize, f64)]) -> Result<ConstraintSystem, SystemError> + Send,
     ) -> PyResult<PySystem> {
         let rhs = self.rhs.map_or_else(|| vec![0.0; rows], |rhs| rhs.as_array().to_vec());
         let prescribed = self.prescribed.map_or_else(|| Ok(Vec::new()), |given| pairs(&given))?;
@@ -66,18 +64,24 @@ impl Sides<'_> {
             if found != rows {
                 return Err(SystemError::WrongLength { what, found, expected: rows });
             }
-            if let Some(matrix) = ready() {
-                return ConstraintSystem::new(matrix, rhs, &prescribed);
-            }
-            let mut builder = SystemBuilder::new(dofs);
-            rhs.iter().enumerate().for_each(|(row, &rhs)| add(&mut builder, row, rhs));
-            prescribed.iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
-            builder.build()
+            make(rhs, &prescribed)
         });
         let failed = |error| system_error(&error, LabelNames { equations: &labels, dofs: &dof_labels });
         let built = built.map_err(failed)?;
         built.with_labels(labels, dof_labels).map(PySystem).map_err(|error| plain("InputError", &error))
     }
+}
+
+/// Builds a system row by row, in any order of columns: `entries` returns a row.
+fn from_entries<E: IntoIterator<Item = (usize, f64)>>(
+    dofs: usize,
+    (rhs, prescribed): (&[f64], &[(usize, f64)]),
+    entries: impl Fn(usize) -> E,
+) -> Result<ConstraintSystem, SystemError> {
+    let mut builder = SystemBuilder::new(dofs);
+    rhs.iter().enumerate().for_each(|(row, &rhs)| _ = builder.equation(entries(row), rhs));
+    prescribed.iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
+    builder.build()
 }
 
 fn pairs((dofs, values): &PrescribedArrays<'_>) -> PyResult<Vec<(usize, f64)>> {
@@ -97,23 +101,28 @@ fn negative(what: &str, value: i64) -> PyErr {
 
 /// The starts of compressed rows, checked as [`SystemError::BadStarts`] says.
 pub fn starts(given: &IndexArray<'_>, nnz: usize) -> PyResult<Vec<usize>> {
-    let list: Vec<i64> = match given {
-        IndexArray::Narrow(starts) => starts.as_array().iter().map(|&start| i64::from(start)).collect(),
-        IndexArray::Wide(starts) => starts.as_array().to_vec(),
+    let checked = match given {
+        IndexArray::Narrow(starts) => ascending(starts.as_array().iter().map(|&start| i64::from(start)), nnz),
+        IndexArray::Wide(starts) => ascending(starts.as_array().iter().copied(), nnz),
     };
+    checked.map_err(|error| plain("InputError", &error))
+}
+
+fn ascending(given: impl ExactSizeIterator<Item = i64>, nnz: usize) -> Result<Vec<usize>, SystemError> {
+    let mut starts = Vec::with_capacity(given.len());
     let mut before = 0;
-    for (index, &start) in list.iter().enumerate() {
+    for (index, start) in given.enumerate() {
         let is_first = index == 0;
         if start < before || (is_first && start != 0) || start as usize > nnz {
-            return Err(plain("InputError", &SystemError::BadStarts { index, value: start.max(0) as usize }));
+            return Err(SystemError::BadStarts { index, value: start.max(0) as usize });
         }
         before = start;
+        starts.push(start as usize);
     }
-    match list.last() {
-        Some(&last) if last as usize == nnz => Ok(list.into_iter().map(|start| start as usize).collect()),
+    match starts.last() {
+        Some(&last) if last == nnz => Ok(starts),
         last => {
-            let (index, value) = (list.len().saturating_sub(1), last.map_or(0, |&last| last as usize));
-            Err(plain("InputError", &SystemError::BadStarts { index, value }))
+            Err(SystemError::BadStarts { index: starts.len().saturating_sub(1), value: last.copied().unwrap_or(0) })
         }
     }
 }
@@ -167,14 +176,25 @@ where
     }
     let starts = starts(given, found)?;
     let entry = |k: usize| (columns[k].into() as usize, values[k].into());
-    // Rows that ascend, as SciPy's canonical format has them, need no sorting. A column that is too large is out of range for both ways.
-    let ready = || {
-        let columns = columns.iter().map(|&j| u32::try_from(j.into()).unwrap_or(u32::MAX)).collect();
-        Csr::from_parts(dofs, starts.clone(), columns, values.iter().map(|&v| v.into()).collect()).ok()
-    };
-    sides.build(py, starts.len() - 1, dofs, ready, |builder, row, rhs| {
-        _ = builder.equation((starts[row]..starts[row + 1]).map(entry), rhs);
+    sides.build(py, starts.len() - 1, |rhs, prescribed| {
+        if !rows_ascend(dofs, &starts, columns) {
+            let entries = |row: usize| (starts[row]..starts[row + 1]).map(entry);
+            return from_entries(dofs, (&rhs, prescribed), entries);
+        }
+        let columns = columns.iter().map(|&j| j.into() as u32).collect();
+        let matrix = Csr::from_parts(dofs, starts, columns, values.iter().map(|&v| v.into()).collect())?;
+        ConstraintSystem::new(matrix, rhs, prescribed)
     })
+}
+
+/// Whether the columns of every row are in range and ascend, as in SciPy's canonical format: such rows need no sorting.
+fn rows_ascend<I: Copy + Into<i64>>(dofs: usize, starts: &[usize], columns: ArrayView1<'_, I>) -> bool {
+    let is_valid = |range: &[usize]| {
+        let mut before = -1;
+        let mut row = (range[0]..range[1]).map(|k| columns[k].into());
+        row.all(|j| j > std::mem::replace(&mut before, j)) && before < dofs as i64
+    };
+    u32::try_from(dofs).is_ok() && starts.windows(2).all(is_valid)
 }
 
 /// From a dense matrix, m x n; zeros are no coefficients.
@@ -191,8 +211,9 @@ fn from_dense<V: Copy + Into<f64> + Sync + Send>(
     matrix: ArrayView2<'_, V>,
     sides: Sides<'_>,
 ) -> PyResult<PySystem> {
-    let add = |builder: &mut SystemBuilder, row: usize, rhs: f64| _ = builder.equation(nonzeros(matrix.row(row)), rhs);
-    sides.build(py, matrix.nrows(), matrix.ncols(), || None, add)
+    sides.build(py, matrix.nrows(), |rhs, prescribed| {
+        from_entries(matrix.ncols(), (&rhs, prescribed), |row| nonzeros(matrix.row(row)))
+    })
 }
 
 fn nonzeros<V: Copy + Into<f64>>(row: ArrayView1<'_, V>) -> impl Iterator<Item = (usize, f64)> + '_ {

@@ -16,18 +16,28 @@ use crate::input::reading::Reading;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Tolerance {
-    /// Relative, as described above; the default is 1e-10.
+    /// Relative, as described above; the default is 1e-10. Any other value settles the doubts [`Doubt::Near`](crate::Doubt::Near),
+    /// [`Doubt::NoGap`](crate::Doubt::NoGap) and [`Doubt::Mismatch`](crate::Doubt::Mismatch): differences up to it are rounding, and larger
+    /// ones are meant.
     Relative(f64),
     /// The paper's rule (section 3.2): no scaling, absolute 1e-5. The result depends on the units.
     Paper,
 }
 
 impl Tolerance {
+    const DEFAULT: f64 = 1e-10;
+
     pub(crate) fn value(self) -> f64 {
         match self {
             Self::Relative(value) => value,
             Self::Paper => 1e-5,
         }
+    }
+
+    /// The tolerance if it is not the default. It then says which differences are rounding (up to the tolerance) and which are meant
+    /// (larger ones), so that neither is in doubt.
+    pub(crate) fn stated(self) -> Option<f64> {
+        matches!(self, Self::Relative(value) if value != Self::DEFAULT).then(|| self.value())
     }
 
     /// Returns true if the tolerance is absolute, in the units of the equations.
@@ -163,7 +173,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             backend: BackendChoice::Faer,
-            tolerance: Tolerance::Relative(1e-10),
+            tolerance: Tolerance::Relative(Tolerance::DEFAULT),
             noise: Noise::Auto,
             presolve: true,
             effort: Effort::Checked,

@@ -77,12 +77,16 @@ impl DeckInput {
     }
 }
 
-/// `LOST: ccx drops 12 claims that the rest does not imply; 12 motions come free, 101:1 to 104:3:`.
+/// Most free motions that are named; JSON has all of them.
+const FREED_SHOWN: usize = 8;
+
+/// `LOST: ccx drops 12 claims that the rest does not imply; 2 motions come free, 101:1, 104:3:`.
 fn lost_heading(solver: Solver, claims: &Claims) -> String {
     let motions = match &claims.freed[..] {
         [] => "no motion comes free".to_owned(),
         [one] => format!("1 motion comes free, {one}"),
-        [first, .., last] => format!("{} motions come free, {first} to {last}", claims.freed.len()),
+        all if all.len() <= FREED_SHOWN => format!("{} motions come free, {}", all.len(), all.join(", ")),
+        all => format!("{} motions come free, {} and others", all.len(), all[..FREED_SHOWN].join(", ")),
     };
     format!("LOST: {solver} drops {} that the rest does not imply; {motions}:", count(claims.lost.len(), "claim"))
 }

@@ -1,5 +1,6 @@
 //! `--deny`: findings that end the program with exit code 1, beside conflicts.
 
+use clap::ValueEnum;
 use qless::Kind;
 
 use super::Diagnosis;
@@ -14,6 +15,14 @@ impl Diagnosis<'_> {
         denied.sort_unstable();
         denied.dedup();
         denied.into_iter().filter_map(|what| self.found(what)).collect()
+    }
+
+    /// All findings in words, conflicts first; empty if there is nothing to mend. What the solver drops without effect needs no mending.
+    pub fn findings(&self) -> Vec<String> {
+        let conflicts = self.analysis.dependent().iter().filter(|found| found.kind == Kind::Conflicting).count();
+        let conflicts = (conflicts > 0).then(|| count(conflicts, "conflicting equation"));
+        let others = Deny::value_variants().iter().filter(|what| **what != Deny::Dropped);
+        conflicts.into_iter().chain(others.filter_map(|&what| self.found(what))).collect()
     }
 
     fn found(&self, what: Deny) -> Option<String> {

@@ -102,7 +102,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
 fn write(args: &CheckArgs, bytes: Vec<u8>) -> Result<(), CliFailure> {
     let bytes = printable::report(bytes, matches!(args.model.format, ReportFormat::Json | ReportFormat::Html));
     match &args.output {
-        None => terminal::show(&bytes),
+        None => terminal::show(&bytes, args.model.format),
         Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(&bytes)?),
     }
 }

@@ -58,15 +58,13 @@ impl Joined {
         document
     }
 
-    /// `3 inputs: exit code 1 of a.inp, 2 of b.inp`, or `3 inputs: nothing to mend`.
-    pub fn summary<'a>(inputs: impl Iterator<Item = &'a PathBuf>, codes: &[u8]) -> String {
-        let worse = inputs.zip(codes).filter(|(_, code)| **code != 0);
-        let named: Vec<String> = worse.map(|(input, code)| format!("{code} of {}", input.display())).collect();
-        let all = count(codes.len(), "input");
-        if named.is_empty() {
-            format!("{all}: nothing to mend")
-        } else {
-            format!("{all}: exit code {}", named.join(", "))
-        }
+    /// `3 inputs, 1 with nothing to mend`, and a line for each other input: `  a.inp: 2 redundant equations, 5 refused claims`.
+    pub fn summary(inputs: &[(&Path, Vec<String>)]) -> String {
+        let (good, others): (Vec<_>, Vec<_>) = inputs.iter().partition(|(_, findings)| findings.is_empty());
+        let line = |(input, findings): &(&Path, Vec<String>)| {
+            format!("\n  {}: {}", printable::line(&input.to_string_lossy()), findings.join(", "))
+        };
+        let lines: String = others.into_iter().map(line).collect();
+        format!("{}, {} with nothing to mend{lines}", count(inputs.len(), "input"), good.len())
     }
 }

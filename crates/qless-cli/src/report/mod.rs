@@ -77,7 +77,7 @@ impl Diagnosis<'_> {
         drop(progress);
         self.warn();
         let joined = Joined::new(self.args.format, 1);
-        terminal::show(&joined.whole(vec![(&self.args.input, bytes)]))
+        terminal::show(&joined.whole(vec![(&self.args.input, bytes)]), self.args.format)
     }
 
     /// Writes the warnings of a deck to standard error, if the report does not list them.

@@ -1,4 +1,4 @@
-//! Lays out text in limited space: shortens names, fills lines, and shows sections with a heading and items.
+//! Lays out text in limited space: breaks and fills lines, and shows sections with a heading and items.
 //!
 //! A character beyond Latin, Greek and Cyrillic counts as two columns.
 
@@ -11,24 +11,30 @@ fn columns(c: char) -> usize {
     if c < '\u{1100}' { 1 } else { 2 }
 }
 
-/// Shortens a text to `most` columns. Leaves out the middle, since names differ at their ends.
-pub fn shorten(text: &str, most: usize) -> String {
-    if width(text) <= most {
-        return text.to_owned();
-    }
-    let room = most.saturating_sub(3);
-    let head: String = take(text.chars(), room.div_ceil(2));
-    let tail: String = take(text.chars().rev(), room / 2);
-    head + "..." + &tail.chars().rev().collect::<String>()
+/// Breaks the lines of a text at spaces, so that none has more than `most` columns unless it holds a single longer word. Continuations
+/// are indented by two more columns than their line.
+pub fn wrap(text: &str, most: usize) -> String {
+    text.split_inclusive('\n').map(|line| wrap_line(line, most)).collect()
 }
 
-fn take(text: impl Iterator<Item = char>, most: usize) -> String {
-    let mut used = 0;
-    let fits = |c: &char| {
-        used += columns(*c);
-        used <= most
-    };
-    text.take_while(fits).collect()
+fn wrap_line(line: &str, most: usize) -> String {
+    if width(line.trim_end()) <= most {
+        return line.to_owned();
+    }
+    let indent = line.len() - line.trim_start_matches(' ').len();
+    let hanging = format!("\n{}", " ".repeat((indent + 2).min(most / 2)));
+    let mut out = " ".repeat(indent);
+    let mut used = indent;
+    for (k, word) in line[indent..].split_inclusive(' ').enumerate() {
+        if k > 0 && used + width(word.trim_end()) > most {
+            out.truncate(out.trim_end_matches(' ').len());
+            out.push_str(&hanging);
+            used = hanging.len() - 1;
+        }
+        out.push_str(word);
+        used += width(word);
+    }
+    out
 }
 
 /// Fills at most `lines` lines of at most `most` columns with pieces, and counts the pieces that fit.
@@ -135,10 +141,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_middle_is_left_out() {
-        assert_eq!(shorten("tie A/B, node 4711, x", 30), "tie A/B, node 4711, x");
-        assert_eq!(shorten("tie A/B, node 4711, x", 14), "tie A/...11, x");
-        assert_eq!(width(&shorten(&"\u{8282}".repeat(40), 15)), 15);
+    fn long_lines_break_at_spaces() {
+        let text = "short\n  Next: change 4:1 from 0.5 to 0: cures row 3.\nabcdefghijklmnopqrstuvwxyz\n";
+        let wrapped = "short\n  Next: change 4:1\n    from 0.5 to 0:\n    cures row 3.\nabcdefghijklmnopqrstuvwxyz\n";
+        assert_eq!(wrap(text, 19), wrapped);
+        assert_eq!(wrap(text, 80), text);
     }
 
     #[test]

@@ -5,8 +5,6 @@ pub mod printable;
 
 use qless::ConstraintSystem;
 
-use layout::shorten;
-
 /// Labels and facts of equations, by index.
 pub trait EquationLookup {
     /// The label, or `row 5`.
@@ -48,9 +46,6 @@ fn is_prescribed(system: &ConstraintSystem, dof: usize) -> bool {
     system.prescribed().binary_search_by_key(&dof, |&(j, _)| j).is_ok()
 }
 
-/// Most columns of a label.
-const LABEL: usize = 30;
-
 /// `row 14 "tie B/C, y"`, or `row 14` without a label.
 pub fn equation(equations: &dyn EquationLookup, row: usize) -> String {
     let number = format!("row {}", row + 1);
@@ -58,9 +53,9 @@ pub fn equation(equations: &dyn EquationLookup, row: usize) -> String {
     if text == number { number } else { format!("{number} \"{}\"", label(&text)) }
 }
 
-/// A label without control characters, shortened.
+/// A label without control characters.
 pub fn label(text: &str) -> String {
-    shorten(&printable::line(text), LABEL)
+    printable::line(text)
 }
 
 /// `1 equation`, `2 equations`.

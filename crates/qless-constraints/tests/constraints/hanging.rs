@@ -178,9 +178,7 @@ fn faults_of_hanging_nodes_are_named() {
     assert!(order(&[(0.0, 2), (1.0, 3)], &ends).contains("2 nodes are tied to 2"));
     assert!(order(&[(0.0, 2), (0.5, 3), (2.0, 4)], &ends).contains("node 3, from 1, of the finer side is at 2"));
     assert!(order(&[(0.0, 2), (f64::NAN, 3), (1.0, 4)], &ends).contains("is at NaN"));
-    assert!(
-        order(&[(0.0, 2), (0.5, 1), (1.0, 4)], &ends).contains("shares DOF 1 with a coarser node at another place")
-    );
+    assert!(order(&[(0.0, 2), (0.5, 1), (1.0, 4)], &ends).contains("shares DOF 1 with a different coarser node"));
     assert!(order(&[(0.0, 2), (0.5, 3), (1.0, 4)], &[(0.5, 0), (0.5, 1)]).contains("nodes 1 and 2, from 1"));
     assert!(order(&[(0.0, 0), (0.5, 3), (1.0, 1)], &ends).contains("accepted"));
     assert!(order(&[(0.0, 0), (0.5, 3), (1.0 + f64::EPSILON, 1)], &ends).contains("accepted"));

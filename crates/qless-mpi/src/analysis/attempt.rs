@@ -132,7 +132,7 @@ impl AttemptInput<'_> {
         let mut doubts = [own.chain(small).map(place).max().unwrap_or(0)];
         self.ranks.max(&mut doubts);
         let other = DOUBTS.into_iter().find(|&doubt| place(doubt) == doubts[0]);
-        Confidence::of(real(u64::MAX - most[0]), real(most[1]), other)
+        Confidence::of(real(u64::MAX - most[0]), real(most[1]), self.options.tolerance, other)
     }
 
     /// Computes the rows of T for the peeled equations and sends them to the owners of their slaves. Calls `unsound` with each

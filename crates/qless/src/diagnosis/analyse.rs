@@ -72,7 +72,7 @@ pub(super) fn read(
         noise: noise.as_deref(),
         floors: floors.as_deref(),
         rule: &rule,
-        is_absolute: options.tolerance.is_absolute(),
+        tolerance: options.tolerance,
         absent: &BTreeSet::new(),
         context: FactorContext::new(backend.as_ref(), rule.tolerance, options.effort.checks(), options.memory),
         started,
@@ -126,7 +126,7 @@ struct Pipeline<'a> {
     /// Errors of coefficients, relative to the largest of their equation.
     floors: Option<&'a [f64]>,
     rule: &'a MismatchRule<'a>,
-    is_absolute: bool,
+    tolerance: Tolerance,
     /// Equations that are left out in favour of others.
     absent: &'a BTreeSet<usize>,
     context: FactorContext<'a>,
@@ -262,14 +262,15 @@ impl Pipeline<'_> {
         let distances = known.unwrap_or_else(|| self.distances(&pass));
         let distance = distances.iter().fold(1.0, |least: f64, core| least.min(core.distance));
         let is_typed = distances.iter().any(|core| core.is_typed);
-        let (rule, dependent) = (self.rule, &pass.dependent);
-        let typed = (is_typed && rule.reads_digits()).then_some(Doubt::Near);
+        let dependent = &pass.dependent;
+        let reads_digits = self.rule.reads_digits() && self.tolerance.stated().is_none();
+        let typed = (is_typed && reads_digits).then_some(Doubt::Near);
         let error = dependent.iter().map(|d| self.beyond_floors(d, &pass.history)).fold(dropped, f64::max);
         let elimination = is_unverified.then_some(Doubt::Elimination);
-        let differ = confidence::doubted(dependent, self.local.system()).next().is_some()
-            || (rule.reads_digits() && dependent.iter().any(|d| self.agrees_as_typed(d, &pass.history)));
+        let differ = confidence::doubted(dependent, self.local.system(), self.tolerance).next().is_some()
+            || (reads_digits && dependent.iter().any(|d| self.agrees_as_typed(d, &pass.history)));
         let other = typed.or(elimination).or(differ.then_some(Doubt::Mismatch));
-        let confidence = Confidence::of(distance, error, other);
+        let confidence = Confidence::of(distance, error, self.tolerance, other);
         pass.triangles = Vec::new();
         pass.blocks.iter_mut().for_each(Block::restore_units);
         VerifiedPass { pass, held_back, confidence }
@@ -300,8 +301,8 @@ impl Pipeline<'_> {
 
     /// One run of the stages. Rows held back skip presolve and go to the backend.
     fn run_stages(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
-        let Self { local, columns, scaling, preferences, noise, rule, is_absolute, absent, context, started, .. } =
-            *self;
+        let Self { local, columns, scaling, preferences, noise, rule, tolerance, absent, context, started, .. } = *self;
+        let is_absolute = tolerance.is_absolute();
         let least = if is_absolute { context.tolerance } else { 0.0 };
         let peeled = peel(local, columns, scaling, preferences, (held_back, absent), least);
         let remaining = (0..local.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();

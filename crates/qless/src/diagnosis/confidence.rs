@@ -1,8 +1,8 @@
 //! The certainty of a verdict, in digits: the distance of the kept equations from dependence, and the agreement of the dropped ones.
 
-use crate::ConstraintSystem;
 use crate::diagnosis::classify::Dependent;
 use crate::input::noise::is_typed;
+use crate::{ConstraintSystem, Tolerance};
 
 /// If smaller changes make the kept equations dependent, they are in doubt: computed coefficients may be wrong in their 8th digit.
 const NEAR: f64 = 1e-7;
@@ -69,22 +69,35 @@ impl serde::Serialize for Confidence {
 }
 
 impl Confidence {
-    /// Makes a confidence from both measures; `other` is a doubt from another check, used if these measures raise none.
+    /// Makes a confidence from both measures; `other` is a doubt from another check, used if these measures raise none. With a tolerance
+    /// other than the default, dropped equations raise no doubt, and kept ones do only if their distance is below the tolerance or rounding.
     ///
     /// ```
-    /// use qless::Confidence;
-    /// assert!(!Confidence::of(0.1, 0.0, None).ambiguous);
-    /// assert!(Confidence::of(1e-9, 0.0, None).ambiguous && Confidence::of(0.1, 1e-12, None).ambiguous);
+    /// use qless::{Confidence, Tolerance};
+    /// let of = |distance, error, tolerance| Confidence::of(distance, error, Tolerance::Relative(tolerance), None);
+    /// assert!(!of(0.1, 0.0, 1e-10).ambiguous);
+    /// assert!(of(1e-9, 0.0, 1e-10).ambiguous && of(0.1, 1e-12, 1e-10).ambiguous);
+    /// assert!(!of(1e-7, 1e-9, 1e-8).ambiguous && of(1e-9, 0.0, 1e-8).ambiguous);
     /// ```
-    pub fn of(distance: f64, error: f64, other: Option<Doubt>) -> Self {
-        let near = (distance < NEAR).then_some(Doubt::Near);
-        let doubt = near.or((error > 0.0).then_some(Doubt::NoGap)).or(other);
+    pub fn of(distance: f64, error: f64, tolerance: Tolerance, other: Option<Doubt>) -> Self {
+        let (is_near, has_no_gap) = match tolerance.stated() {
+            Some(stated) => (distance < stated.max(NO_MISMATCH), false),
+            None => (distance < NEAR, error > 0.0),
+        };
+        let doubt = is_near.then_some(Doubt::Near).or(has_no_gap.then_some(Doubt::NoGap)).or(other);
         Self { distance, error, ambiguous: doubt.is_some(), doubt }
     }
 
     /// Adds a doubt, unless there is one already.
     pub(crate) fn or(self, other: Doubt) -> Self {
-        Self::of(self.distance, self.error, self.doubt.or(Some(other)))
+        let doubt = self.doubt.or(Some(other));
+        Self { ambiguous: true, doubt, ..self }
+    }
+
+    /// Removes a doubt that exact arithmetic settles: it decides what the numbers say, but not which numbers are meant.
+    pub(crate) fn settled(self) -> Self {
+        let doubt = self.doubt.filter(|doubt| *doubt == Doubt::Noise);
+        Self { ambiguous: doubt.is_some(), doubt, ..self }
     }
 
     /// `-log10 d`: the verdict holds unless coefficients are wrong in a digit before this one. Infinite, `null` in JSON, if d is 0.
@@ -102,10 +115,12 @@ impl Confidence {
 pub(crate) fn doubted<'a>(
     dependent: &'a [Dependent],
     system: &'a ConstraintSystem,
+    tolerance: Tolerance,
 ) -> impl Iterator<Item = usize> + 'a {
+    let is_stated = tolerance.stated().is_some();
     let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let is_doubtful = move |d: &&Dependent| {
-        let small = d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
+        let small = !is_stated && d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
         // `0 = b` has no terms and no unit of its own: a computed b is compared with those of other equations.
         let empty = system.matrix().row(d.row).len() == 0 && d.mismatch != 0.0 && !is_typed(d.mismatch);
         small || d.is_suspect || (empty && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)

@@ -77,9 +77,8 @@ impl Analysis {
     fn compare_with_exact(&mut self, system: &ConstraintSystem) -> Result<(), AnalysisError> {
         let settings = Settings { fill: self.options.memory / BYTES, ..self.options.numbers.into() };
         let exact = exact::rank(system, settings)?;
-        if analysed_parts(&self.kinds, &exact) != exact.parts {
-            self.confidence = self.confidence.or(Doubt::Exact);
-        }
+        let is_same = analysed_parts(&self.kinds, &exact) == exact.parts;
+        self.confidence = if is_same { self.confidence.settled() } else { self.confidence.or(Doubt::Exact) };
         self.exact = Some(exact);
         // If exact arithmetic agrees, a missing proof is no doubt.
         self.proof = Some(Proof::of(self));
@@ -128,7 +127,7 @@ fn read_twice(system: &ConstraintSystem, options: &Options, suspects: &Suspects)
             let (rank, conflicting) = (analysis.rank() + found[0] - own[0], conflicting + found[1] - own[1]);
             analysis.other = Some(OtherReading { as_zero, terms, rank, conflicting });
             let Confidence { distance, error, .. } = analysis.confidence;
-            analysis.confidence = Confidence::of(distance, error, Some(Doubt::Noise));
+            analysis.confidence = Confidence::of(distance, error, options.tolerance, Some(Doubt::Noise));
         }
         Ok::<(), AnalysisError>(())
     };

@@ -253,11 +253,11 @@ impl Report {
     /// A report of an analysis over `ranks` MPI ranks, with empty lists and without statistics of presolve; the caller fills the lists.
     ///
     /// ```
-    /// use qless::{Confidence, Effort, Kind, Report, Status};
+    /// use qless::{Confidence, Effort, Kind, Report, Status, Tolerance};
     /// use qless::report::{BackendUsed, Certificate, Counts, DependentEquation, InputSizes, Term};
     /// let (input, counts) = (InputSizes::new(2, 3, 4, 0), Counts::new(1, 1, 0));
     /// let backend = BackendUsed::new("faer", 1, "faer 0.24".to_owned());
-    /// let certainty = (Effort::Checked, Confidence::of(1.0, 0.0, None));
+    /// let certainty = (Effort::Checked, Confidence::of(1.0, 0.0, Tolerance::Relative(1e-10), None));
     /// let mut report = Report::of_ranks(2, input, counts, certainty, backend);
     /// let because = Certificate::complete(vec![Term::equation(1, "tie 7".to_owned(), 2.0)]);
     /// report.dependent.push(DependentEquation::new(2, "tie 8".to_owned(), Kind::Redundant, 0.0, because));

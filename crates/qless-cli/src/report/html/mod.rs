@@ -30,7 +30,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report) -> Result<String, serde_js
     let input = &diagnosis.args.input;
     let data = PageData {
         name: input.file_name().unwrap_or(input.as_os_str()).to_string_lossy().into_owned(),
-        verdict: text::verdict(report, diagnosis.deck.is_some()),
+        verdict: text::verdict(report, diagnosis.deck.as_ref()),
         version: env!("CARGO_PKG_VERSION"),
         report,
         exact: text::exact_rank(diagnosis, report),

@@ -26,7 +26,10 @@ pub fn rank(list: &EquationList, report: &Report) -> Vec<String> {
         return vec![format!("Rank {rank}, NOT CHECKED: it may be wrong. --effort checked checks it.")];
     }
     if !report.confidence.ambiguous {
-        let line = format!("Rank {rank}. It stands unless coefficients are wrong in their {digit} digit.");
+        let line = match rank {
+            0 => "Rank 0.".to_owned(),
+            _ => format!("Rank {rank}. It stands unless coefficients are wrong in their {digit} digit."),
+        };
         return [line].into_iter().chain(dropped(report)).collect();
     }
     let mut lines = vec![format!("Rank {rank}, AMBIGUOUS.")];

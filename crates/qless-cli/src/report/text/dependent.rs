@@ -5,6 +5,7 @@ use qless::{Kind, Report, Tolerance};
 
 use super::COLUMNS;
 use super::combination::{self, CombinationAlone};
+use super::next::quoted;
 use super::{DependentRow, EquationList};
 use crate::wording::EquationLookup;
 use crate::wording::layout::flow;
@@ -25,9 +26,9 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
         let for_the_rest = usize::from(k + 1 < groups.len());
         let mut entry = entry(list, group[0], most.saturating_sub(lines.len() + for_the_rest));
         entry.extend(alike(list, group));
-        if lines.len() + entry.len() + for_the_rest > most {
+        if shown > 0 && lines.len() + entry.len() + for_the_rest > most {
             let others: Vec<&DependentRow> = groups[k..].iter().flatten().copied().collect();
-            lines.push(rest(&others, shown));
+            lines.push(rest(list, &others));
             break;
         }
         lines.extend(entry);
@@ -95,7 +96,9 @@ fn entry(list: &EquationList, dependent: &DependentRow, most: usize) -> Vec<Stri
     let mut lines = combination::lines(lookup, dependent.row, members, wanted.min(most.saturating_sub(1)).max(1));
     if explanation.error > tolerance(list.tolerance) {
         let error = number(explanation.error);
-        lines.push(format!("      this combination holds only to {error}, relative to its terms"));
+        lines.push(format!(
+            "      at its worst DOF this combination leaves {error} of the terms there: rounding, if those are tiny"
+        ));
     }
     if is_conflict {
         lines.push(match list.system {
@@ -126,11 +129,11 @@ fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: 
     format!("      right-hand side {}, but {who} {} (mismatch {off})", number(found), number(needed))
 }
 
-/// `  and 480 more (why: qless explain): rows 12, 15, 19-22, ...`.
-fn rest(dependent: &[&DependentRow], shown: usize) -> String {
-    let (count, plural) = (dependent.len(), if dependent.len() == 1 { "" } else { "s" });
-    let more = if shown == 0 { "" } else { " more" };
-    rows(&format!("  and {count}{more} (why: qless explain): row{plural}"), dependent)
+/// `  and 480 more (why: qless explain a.inp 'row 12'): rows 12, 15, 19-22, ...`.
+fn rest(list: &EquationList, others: &[&DependentRow]) -> String {
+    let (count, first, input) = (others.len(), others[0].row + 1, quoted(list.input));
+    let plural = if count == 1 { "" } else { "s" };
+    rows(&format!("  and {count} more (why: qless explain {input} 'row {first}'): row{plural}"), others)
 }
 
 /// `first 12, 15, 19-22, ...` in one line.

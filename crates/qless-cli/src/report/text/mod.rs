@@ -17,11 +17,11 @@ use super::CommandOutcome;
 use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
 use crate::wording::EquationLookup;
-use crate::wording::layout::{LayoutSection, section_lines, section_needs, shorten};
+use crate::wording::layout::{LayoutSection, section_lines, section_needs};
 pub use confidence::exact_rank;
 pub use summary::verdict;
 
-/// Largest number of characters in a line.
+/// Columns of lists of rows, members and DOFs; sentences are not limited.
 const COLUMNS: usize = 100;
 /// Most lines of a report, unless the sections of a deck need more.
 const LINES: usize = 24;
@@ -87,7 +87,7 @@ pub fn whole(
     sections: &[LayoutSection],
     doubts: Vec<String>,
 ) -> String {
-    let first = [verdict(report, list.deck.is_some()), summary::input(report)];
+    let first = [verdict(report, list.deck), summary::input(report)];
     let last = rest(list, report, outcome, doubts);
     let generated = dependent::generated_conditions(report);
     let room = LINES.saturating_sub(first.len() + generated.len() + last.len());
@@ -95,16 +95,16 @@ pub fn whole(
     let equations = dependent(list, report, room.saturating_sub(wanted).max(room.saturating_sub(least).min(5)));
     let sections = section_lines(sections, room.saturating_sub(equations.len()));
     let lines = first.into_iter().chain(equations).chain(generated).chain(sections).chain(last);
-    lines.map(|line| shorten(line.trim_end(), COLUMNS) + "\n").collect()
+    lines.map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
-/// Dependent equations in at most `most` lines, but at least the heading and one equation of each kind.
+/// Dependent equations in about `most` lines; one conflict is always explained in full.
 fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
-    let (conflicting, redundant) = if both { (7, 4) } else { (10, 9) };
-    let mut lines =
-        dependent::section(list, Kind::Conflicting, conflicting.min(if both { most / 2 } else { most }).max(3));
-    lines.extend(dependent::section(list, Kind::Redundant, redundant.min(most.saturating_sub(lines.len())).max(3)));
+    // One conflict has its heading, four lines of members and its arithmetic; the last line counts the others.
+    let (conflicting, redundant) = if both { (7, 4) } else { (10.min(most).max(7), 9) };
+    let mut lines = dependent::section(list, Kind::Conflicting, conflicting);
+    lines.extend(dependent::section(list, Kind::Redundant, redundant.min(most.saturating_sub(lines.len())).max(4)));
     lines
 }
 

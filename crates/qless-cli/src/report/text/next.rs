@@ -9,7 +9,7 @@ use super::super::CommandOutcome;
 use super::EquationList;
 use crate::deck_input::DeckInput;
 use crate::wording::count;
-use crate::wording::layout::{shorten, width};
+use crate::wording::layout::width;
 use crate::wording::printable;
 use crate::wording::{label, number, rough};
 
@@ -19,7 +19,11 @@ pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> 
         CommandOutcome::Written(folder) => written(report, folder),
         CommandOutcome::Cleaned { output, removed, written, restored } => {
             let changes = (*restored > 0).then(|| changed(list, *restored));
-            std::iter::once(cleaned(output, *removed, *written)).chain(changes).collect()
+            let doubt = report.confidence.ambiguous.then(|| {
+                "The rank is ambiguous, as said above: decide which equations are meant before you use this deck."
+                    .to_owned()
+            });
+            std::iter::once(cleaned(output, *removed, *written)).chain(changes).chain(doubt).collect()
         }
         CommandOutcome::Checked(obstacle) => next(list, report, *obstacle),
         CommandOutcome::Refused => {
@@ -31,7 +35,7 @@ pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> 
 /// The folder of the files, and the quality of T.
 fn written(report: &Report, folder: &Path) -> Vec<String> {
     let Some(reduction) = &report.reduction else { return Vec::new() };
-    let folder = shorten(&printable::line(&folder.display().to_string()), 60);
+    let folder = printable::line(&folder.display().to_string());
     vec![
         format!(
             "Reduced to {} and {}: max |T_ij| {}, relative residual {}.",
@@ -49,10 +53,11 @@ fn written(report: &Report, folder: &Path) -> Vec<String> {
 
 /// The cleaned deck, and how many equations were removed or rewritten.
 fn cleaned(output: &Path, removed: usize, written: usize) -> String {
-    let output = shorten(&printable::line(&output.display().to_string()), 60);
+    let output = printable::line(&output.display().to_string());
     match (removed, written) {
         (0, 0) => format!("Wrote {output}: nothing had to be changed."),
         (_, 0) => format!("Wrote {output}: without {}.", count(removed, "redundant equation")),
+        (0, _) => format!("Wrote {output}: {} written anew.", count(written, "equation")),
         _ => format!("Wrote {output}: without {}, {written} written anew.", count(removed, "redundant equation")),
     }
 }
@@ -96,7 +101,8 @@ fn repair_lines(repair: &RepairFinding) -> Vec<String> {
     let more = if more > 0 { format!(" with {} more (--format json)", count(more, "change")) } else { String::new() };
     let cured = match &repair.conflicts[..] {
         [row] => format!("cures row {row}"),
-        rows => format!("cures all {} conflicts", rows.len()),
+        [one, other] => format!("cures rows {one} and {other}"),
+        rows => format!("cures {} conflicts", rows.len()),
     };
     let others = match repair.count - 1 {
         0 => String::new(),
@@ -136,7 +142,7 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
     let input = quoted(list.input);
     let clean = |what: &str| match obstacle {
         None => format!("Next: `qless clean {input} -o DECK` writes a deck {what}."),
-        Some(why) => format!("Next: correct the deck by hand, because `qless clean` cannot: {}", shorten(why, 150)),
+        Some(why) => format!("Next: correct the deck by hand, because `qless clean` cannot: {why}"),
     };
     let claims = list.deck.map(DeckInput::claims);
     let is_refused = claims.as_ref().is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
@@ -167,9 +173,9 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
     }
 }
 
-/// The input in the syntax of a shell, or `INPUT` if it is too long or needs quotes.
-fn quoted(path: &Path) -> String {
-    let plain = path.display().to_string();
-    let is_safe = plain.chars().all(|c| c.is_ascii_alphanumeric() || "_-./+,=:@%".contains(c));
-    if is_safe && width(&plain) <= 28 { plain } else { "INPUT".to_owned() }
+/// The input in the syntax of a shell.
+pub fn quoted(path: &Path) -> String {
+    let plain = printable::line(&path.display().to_string());
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || "_-./+,=:@%".contains(c);
+    if plain.chars().all(is_safe) { plain } else { format!("'{}'", plain.replace('\'', r"'\''")) }
 }

@@ -3,10 +3,28 @@
 use qless::report::FactoredSizes;
 use qless::{Form, Report};
 
+use crate::deck_input::DeckInput;
 use crate::wording::count;
 
-/// `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`, after the number of constraints left out.
-pub fn verdict(report: &Report, is_deck: bool) -> String {
+/// `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`, after the number of constraints left out and before what
+/// the solver does with the deck.
+pub fn verdict(report: &Report, deck: Option<&DeckInput>) -> String {
+    let solver = deck.and_then(of_solver).map_or_else(String::new, |text| format!(" {text}"));
+    read(report, deck.is_some()) + &solver
+}
+
+/// `But ccx refuses the deck.`, `But ccx loses 12 claims.`
+fn of_solver(deck: &DeckInput) -> Option<String> {
+    let (solver, claims) = (deck.deck.solver(), deck.claims());
+    match (claims.refused.len(), deck.lost(), claims.unsound.len()) {
+        (0, 0, 0) => None,
+        (0, 0, _) => Some(format!("But results of {solver} are unreliable.")),
+        (0, lost, _) => Some(format!("But {solver} loses {}.", count(lost, "claim"))),
+        _ => Some(format!("But {solver} refuses the deck.")),
+    }
+}
+
+fn read(report: &Report, is_deck: bool) -> String {
     let left_out = report.incomplete.len();
     if left_out == 0 {
         return of_equations(report, is_deck);

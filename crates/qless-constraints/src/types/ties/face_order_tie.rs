@@ -203,7 +203,7 @@ pub enum FaceOrderTieError {
     },
     /// A finer node shares a DOF with a coarser node, but not its place, or not its other DOFs.
     #[error(
-        "node {node}, from 1, of the finer side shares DOF {dof} with a coarser node at another place; correct one of them"
+        "node {node}, from 1, of the finer side shares DOF {dof} with a different coarser node: a common node has one place and one list of DOFs"
     )]
     Shared {
         /// The node, from 1.

@@ -12,6 +12,7 @@ use super::reader::{AnsysReader, CommandOwner, CommandPlace};
 use super::syntax::command::{AnsysLine, parse};
 use super::syntax::label;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
+use crate::deck::plan::reason;
 use crate::deck::{Deck, Dof, Model};
 
 /// The main file with the changes of the plan.
@@ -32,7 +33,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
     }
-    let highest = reader.equations.sets.highest().unwrap_or(0).max(reader.equations.reserved);
+    let highest = reader.equations.highest();
     let numbering = match (reader.made.unread, reader.archive) {
         (true, _) => NewNumbers::Next,
         (false, Some(tag)) => NewNumbers::Archive(highest, tag),
@@ -164,24 +165,10 @@ fn terms_of(model: &Model, i: usize) -> (Vec<ExactTerm>, u64) {
     (terms.map(bits).collect(), (equation.rhs + 0.0).to_bits())
 }
 
-/// Limit on the equations of a certificate that a comment names.
-const NAMED: usize = 8;
-
 /// A comment line with the reason why an equation was removed.
 fn comment(model: &Model, removed: &Removed) -> String {
-    let name = |i: usize| model.cards.nth(model.nth(i).origin.card).name;
-    let what = format!("! qless: {}", name(removed.equation));
-    match &removed.reason {
-        Reason::Redundant(because) if because.is_empty() => format!("{what} removed: all of its DOFs are prescribed\n"),
-        Reason::Redundant(because) => {
-            let terms: Vec<String> = because.iter().take(NAMED).map(|&(i, c)| format!("{c:?} * {}", name(i))).collect();
-            let more = because.len().saturating_sub(NAMED);
-            let more = if more > 0 { format!(" + {more} more") } else { String::new() };
-            format!("{what} removed, redundant: it is {}{more}\n", terms.join(" + "))
-        }
-        Reason::Fault(fault) => format!("{what} written anew below: {}\n", fault.describe(model)),
-        Reason::Connected => format!("{what} written anew below: it shares DOFs with others that are\n"),
-    }
+    let card = model.cards.nth(model.nth(removed.equation).origin.card).name;
+    format!("! qless: {card} {}\n", reason(model, removed, "written anew below"))
 }
 
 /// Numbering of new equations with unused numbers.

@@ -52,6 +52,8 @@ struct CalculixReader {
     removed: Vec<u32>,
     /// Last `*COUPLING`; the next card decides its type.
     coupling: Option<CouplingCard>,
+    /// File and line of a `*COUPLING` whose type is not decided yet.
+    open_coupling: Option<(u32, u32)>,
     /// References that only distribute forces, with file and line of their cards.
     forces: Vec<(u32, u32, u32)>,
     mean_rotations: Vec<MeanRotation>,
@@ -81,6 +83,7 @@ impl CalculixReader {
             loads: Vec::new(),
             removed: Vec::new(),
             coupling: None,
+            open_coupling: None,
             forces: Vec::new(),
             mean_rotations: Vec::new(),
             bodies: Vec::new(),
@@ -118,7 +121,9 @@ impl CalculixReader {
                 if self.solver == Solver::Ccx {
                     refused::coupling(card, &mut self.model);
                 }
+                self.check_coupling();
                 self.coupling = Some(CouplingCard::from_card(card));
+                self.open_coupling = Some((card.file, card.line));
             }
             b"*KINEMATIC" | b"*DISTRIBUTING" => self.coupled(card)?,
             b"*KINEMATICCOUPLING" => {
@@ -149,9 +154,18 @@ impl CalculixReader {
         self.mean_rotations.push(MeanRotation { equation, prescribed, nodes });
     }
 
+    /// Leaves out the last `*COUPLING` if no card has decided its type.
+    fn check_coupling(&mut self) {
+        if let Some((file, line)) = self.open_coupling.take() {
+            let text = "*COUPLING needs a *KINEMATIC or *DISTRIBUTING after it, and has none: left out";
+            self.model.leave_out(file, line, text);
+        }
+    }
+
     /// Reads the card that decides the type of the last `*COUPLING`.
     fn coupled(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let Some(coupling) = &self.coupling else { return Ok(()) };
+        self.open_coupling = None;
         let constrains = coupling::read(card, coupling, &mut self.model, &self.definitions, self.solver)?;
         if constrains && card.is("*KINEMATIC") {
             let body = BodyReference::with_rotations(coupling.reference(&self.definitions).unwrap_or_default());
@@ -252,6 +266,7 @@ impl CalculixReader {
     }
 
     fn finish(mut self) -> Result<Model, DeckError> {
+        self.check_coupling();
         self.cyclic_symmetry()?;
         for card in std::mem::take(&mut self.cyclic) {
             tie::leave_out(&card, "CYCLIC SYMMETRY", &mut self.model, &self.definitions);

@@ -95,31 +95,20 @@ fn unit_of(dof: Dof) -> u8 {
     }
 }
 
-/// Finds slaves that depend on each other in a circle, if the equations do not determine them or ccx cannot insert them. Equations
-/// without masters that are slaves are removed repeatedly; circles and the equations that depend on them remain.
+/// Finds slaves that depend on each other in a circle, if the equations do not determine them or ccx cannot insert them.
 fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault> {
-    let others = |i: usize| {
+    let masters = |i: usize| {
         let equation = model.nth(i);
         let own = equation.columns.first().copied();
         let terms = equation.columns.iter().zip(equation.coefficients);
         terms.filter(move |(j, a)| Some(**j) != own && **a != 0.0).filter_map(|(j, _)| slave_of.get(j).copied())
     };
-    let mut waits: FxHashMap<usize, usize> = slave_of.values().map(|&i| (i, others(i).count())).collect();
-    let mut users: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
-    slave_of.values().for_each(|&i| others(i).for_each(|j| users.entry(j).or_default().push(i)));
-    let mut ready: Vec<usize> = waits.iter().filter(|(_, count)| **count == 0).map(|(&i, _)| i).collect();
-    while let Some(done) = ready.pop() {
-        waits.remove(&done);
-        for &user in users.get(&done).map_or(&[][..], Vec::as_slice) {
-            if let Some(count) = waits.get_mut(&user) {
-                *count -= 1;
-                if *count == 0 {
-                    ready.push(user);
-                }
-            }
-        }
-    }
-    let mut circle: Vec<usize> = waits.into_keys().collect();
+    let pairs = || slave_of.values().flat_map(|&i| masters(i).map(move |j| (i, j)));
+    // Neither an equation whose masters are no slaves belongs to a circle, nor one whose slave is no master.
+    let mut circle: FxHashSet<usize> = slave_of.values().copied().collect();
+    keep_waiting(&mut circle, pairs());
+    keep_waiting(&mut circle, pairs().map(|(i, j)| (j, i)));
+    let mut circle: Vec<usize> = circle.into_iter().collect();
     circle.sort_unstable();
     // Only ccx keeps repeated terms, and only it inserts equations without pivoting.
     let cancels = || model.keeps_repeated_terms && keeps_slaves(model, &circle) == Some(false);
@@ -128,6 +117,28 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
     }
     let slave = |i: usize| model.dofs[model.nth(i).columns[0] as usize];
     circle.into_iter().map(|i| EquationFault { equation: i, slave: slave(i), kind: FaultKind::Circle }).collect()
+}
+
+/// Removes repeatedly from `left` what waits for nothing that is left; a pair `(i, j)` says that i waits for j.
+fn keep_waiting(left: &mut FxHashSet<usize>, pairs: impl Iterator<Item = (usize, usize)>) {
+    let mut waits: FxHashMap<usize, usize> = FxHashMap::default();
+    let mut users: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
+    for (i, j) in pairs.filter(|(i, j)| left.contains(i) && left.contains(j)) {
+        *waits.entry(i).or_default() += 1;
+        users.entry(j).or_default().push(i);
+    }
+    let mut ready: Vec<usize> = left.iter().copied().filter(|i| !waits.contains_key(i)).collect();
+    while let Some(done) = ready.pop() {
+        left.remove(&done);
+        for user in users.remove(&done).unwrap_or_default() {
+            if let Some(count) = waits.get_mut(&user) {
+                *count -= 1;
+                if *count == 0 {
+                    ready.push(user);
+                }
+            }
+        }
+    }
 }
 
 /// Whether the equations surely determine their slaves: the square matrix of the slaves' coefficients has full rank.

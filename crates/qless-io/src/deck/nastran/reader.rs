@@ -64,12 +64,12 @@ impl LineVisitor for NastranReader {
     }
 
     /// Continues without an unreadable file of executive control, because it holds procedures, not constraints.
-    fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError> {
+    fn unreadable(&mut self, at: FileLine, error: DeckError) -> Result<(), DeckError> {
         if self.section != DeckSection::Executive || !matches!(error.problem, Problem::Include { .. }) {
             return Err(error);
         }
         let text = format!("{}; executive control is read on without it", error.problem);
-        self.cards.bulk.notes.warn((0, error.line as u32), text);
+        self.cards.bulk.notes.warn(at, text);
         Ok(())
     }
 }
@@ -204,7 +204,7 @@ impl LineVisitor for FirstLandmark {
 
     /// Ignores unreadable files. The section of the include is still unknown; the second reading decides whether the file is
     /// needed.
-    fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError> {
+    fn unreadable(&mut self, _: FileLine, error: DeckError) -> Result<(), DeckError> {
         if matches!(error.problem, Problem::Include { .. }) { Ok(()) } else { Err(error) }
     }
 }

@@ -194,3 +194,33 @@ fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError>
     };
     Err(CleanError::Fixed { place: model.place(model.nth(first.equation).origin), why })
 }
+
+/// Most equations of a certificate that a comment names.
+const NAMED: usize = 8;
+
+/// Why an equation is removed, for a comment in the written deck; `now` says what becomes of the claim of an equation that is no
+/// combination of others.
+pub(super) fn reason(model: &Model, removed: &Removed, now: &str) -> String {
+    match &removed.reason {
+        Reason::Redundant(because) if because.is_empty() => "removed: all of its DOFs are prescribed".to_owned(),
+        Reason::Redundant(because) => {
+            let term = |(k, &(i, c)): (usize, &(usize, f64))| {
+                let sign = match (k, c < 0.0) {
+                    (0, false) => "",
+                    (0, true) => "-",
+                    (_, false) => " + ",
+                    (_, true) => " - ",
+                };
+                // Twelve digits, so that rounding in the last ones does not show.
+                let size: f64 = format!("{:.11e}", c.abs()).parse().unwrap_or(c.abs());
+                format!("{sign}{size} * ({})", model.label_of(i))
+            };
+            let terms: String = because.iter().take(NAMED).enumerate().map(term).collect();
+            let more = because.len().saturating_sub(NAMED);
+            let more = if more > 0 { format!(" + {more} more") } else { String::new() };
+            format!("removed, redundant: {} = {terms}{more}", model.label_of(removed.equation))
+        }
+        Reason::Fault(fault) => format!("{now}: {}", fault.describe(model)),
+        Reason::Connected => format!("{now}: it shares DOFs with equations that are {now} too"),
+    }
+}

@@ -5,6 +5,8 @@
 //! CP, R5.0, nodes, NSET, Lab, NODE1, ... NODE7
 //! ```
 
+use std::collections::BTreeSet;
+
 use rustc_hash::FxHashSet;
 
 use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered};
@@ -52,7 +54,7 @@ pub struct CoupledSets {
     /// Number of load steps solved so far.
     pub now: StepIndex,
     /// Sets with a command that could not be read.
-    unknown: FxHashSet<u32>,
+    unknown: BTreeSet<u32>,
     /// Reason for leaving out the last command, if it was left out.
     pub doubt: Option<String>,
     budget: SearchBudget,
@@ -69,7 +71,7 @@ impl CoupledSets {
         if command.archive_tag().is_some() {
             return self.archive(command).map(Some);
         }
-        let number = if command.is(2, "ALL") { None } else { Some(numbered(command, 1, &self.sets)?) };
+        let number = if command.is(2, "ALL") { None } else { Some(numbered(command, 1, self.highest())?) };
         let Some(number) = number.filter(|number| !self.unknown.contains(number)) else {
             self.doubt = Some(match number {
                 None => {
@@ -104,12 +106,16 @@ impl CoupledSets {
         delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
     }
 
+    /// The highest number of a set so far, those that are left out included; 0 if there is none.
+    fn highest(&self) -> u32 {
+        self.sets.highest().max(self.unknown.last().copied()).unwrap_or(0)
+    }
+
     /// Leaves out a whole set because one of its commands could not be read.
     pub fn leave_out(&mut self, command: &AnsysCommand) {
         let number = match command.archive_tag() {
             Some(_) => whole(command.field(3)),
-            None if command.is(1, "NEXT") => None,
-            None => numbered(command, 1, &self.sets).ok(),
+            None => numbered(command, 1, self.highest()).ok(),
         };
         if let Some(number) = number {
             self.sets.remove(number);

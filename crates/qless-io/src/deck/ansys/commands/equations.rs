@@ -8,7 +8,7 @@
 //!
 //! Later releases write `UNBL` for `R5.0`.
 
-use rustc_hash::FxHashSet;
+use std::collections::BTreeSet;
 
 use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered};
 use crate::deck::ansys::model::numbered::NumberedSets;
@@ -74,9 +74,7 @@ pub struct CeEquations {
     /// Number of load steps solved so far.
     pub now: StepIndex,
     /// Equations with a command that could not be read.
-    unknown: FxHashSet<u32>,
-    /// Highest number of an equation that is left out.
-    pub reserved: u32,
+    unknown: BTreeSet<u32>,
     /// Number of the equation that an archive is defining.
     open: u32,
     /// Remark about the last command.
@@ -122,17 +120,20 @@ impl CeEquations {
         delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
     }
 
+    /// The highest number of an equation so far, those that are left out included; 0 if there is none.
+    pub fn highest(&self) -> u32 {
+        self.sets.highest().max(self.unknown.last().copied()).unwrap_or(0)
+    }
+
     /// Leaves out a whole equation because one of its commands could not be read.
     pub fn leave_out(&mut self, command: &AnsysCommand) {
         let archived = command.archive_tag().is_some();
         let number = match (archived, command.is(2, "NODE")) {
             (true, true) => Some(self.open),
             (true, false) => whole(command.field(4)),
-            _ if command.is(1, "NEXT") => None,
-            _ => numbered(command, 1, &self.sets).ok(),
+            _ => numbered(command, 1, self.highest()).ok(),
         };
         let Some(number) = number else { return };
-        self.reserved = self.reserved.max(number);
         self.sets.remove(number);
         self.unknown.insert(number);
     }
@@ -147,7 +148,7 @@ impl CeEquations {
     ) -> Result<Option<usize>, Problem> {
         let advice = "number the equations from 1";
         let limit = Problem::Limit { what: "the number of equations", limit: u32::MAX as usize, advice };
-        let first = self.sets.highest().unwrap_or(0).checked_add(1).ok_or(limit.clone())?;
+        let first = self.highest().checked_add(1).ok_or(limit.clone())?;
         let count = u32::try_from(equations.len()).map_err(|_| limit.clone())?;
         let Some(last) = count.checked_sub(1) else { return Ok(None) };
         let last = first.checked_add(last).ok_or(limit)?;
@@ -203,7 +204,7 @@ impl CeEquations {
     }
 
     fn command(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
-        let number = numbered(command, 1, &self.sets)?;
+        let number = numbered(command, 1, self.highest())?;
         if self.unknown.contains(&number) {
             self.doubt =
                 Some(format!("CE {number} has a command that could not be read: the whole equation is left out"));

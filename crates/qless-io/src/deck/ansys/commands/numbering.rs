@@ -72,10 +72,9 @@ pub fn delete<T: StartsAt>(
     Ok(())
 }
 
-/// The number in field `at`: `n`, `HIGH` (the highest so far; an empty field means the same) or `NEXT` (one above).
-pub fn numbered<T>(command: &AnsysCommand, at: usize, sets: &NumberedSets<T>) -> Result<u32, FieldFault> {
+/// The number in field `at`: `n`, `HIGH` (the `highest` so far; an empty field means the same) or `NEXT` (one above).
+pub fn numbered(command: &AnsysCommand, at: usize, highest: u32) -> Result<u32, FieldFault> {
     const EXPECTED: &str = "a number from 1, HIGH or NEXT";
-    let highest = sets.highest().unwrap_or(0);
     match command.field(at).to_ascii_uppercase().as_slice() {
         b"" | b"HIGH" => Ok(highest.max(1)),
         b"NEXT" => highest.checked_add(1).ok_or_else(|| expected(command, at, EXPECTED)),

@@ -19,9 +19,33 @@ const UNREAD: [(&str, &str); 10] = [
     ("*CONTACTPAIR", "*CONTACT PAIR, TIED"),
 ];
 
-/// Adds a warning for a card of [`UNREAD`], which constrains, and claims the DOFs of its nodes. Does nothing for any other card.
+/// Keywords of cards that constrain, and are long enough to be told from others if one letter is wrong.
+const READ: [&str; 7] =
+    ["*BOUNDARY", "*EQUATION", "*COUPLING", "*KINEMATIC", "*DISTRIBUTING", "*RIGIDBODY", "*KINEMATICCOUPLING"];
+
+/// Keywords of CalculiX and Abaqus with one letter more than one of [`READ`].
+const OTHER: [&str; 2] = ["*BOUNDARYF", "*EQUATIONF"];
+
+/// Leaves out a card whose keyword differs by one letter from one that constrains; CalculiX ignores such a card with a warning.
+fn misspelt(card: &KeywordCard, model: &mut Model) {
+    let keyword = String::from_utf8_lossy(&card.keyword);
+    let is_meant = |known: &&&str| strsim::osa_distance(known, &keyword) == 1;
+    let meant = READ.iter().find(is_meant).filter(|_| !OTHER.contains(&&*keyword));
+    if let Some(meant) = meant {
+        model.leave_out(
+            card.file,
+            card.line,
+            format!("{keyword} is no keyword; if {meant} is meant, it constrains: left out"),
+        );
+    }
+}
+
+/// Adds a warning for a card of [`UNREAD`], which constrains, and claims the DOFs of its nodes; and for a misspelt one. Does nothing for
+/// any other card.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) {
-    let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else { return };
+    let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else {
+        return misspelt(card, model);
+    };
     if *keyword == "*CONTACTPAIR" && card.parameter("TIED").is_none() {
         return;
     }

@@ -101,9 +101,11 @@ fn removes(text: &[u8]) -> bool {
     false
 }
 
-fn is_removal(keyword: &[u8]) -> bool {
+/// Whether a keyword line is `*EQUATION` with `REMOVE` or `REMOVE ALL` among its parameters.
+pub fn is_removal(keyword: &[u8]) -> bool {
     let word: Vec<u8> = keyword.iter().filter(|b| !b.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
-    word.starts_with(b"*EQUATION,REMOVE")
+    let mut words = word.split(|&b| b == b',');
+    words.next() == Some(b"*EQUATION") && words.any(|word| word.starts_with(b"REMOVE"))
 }
 
 fn removal_card(slaves: impl Iterator<Item = Dof>) -> String {

@@ -10,12 +10,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::deck::calculix::syntax::walk::{card_input, is_include, keyword_end, next_keyword};
-use crate::deck::plan::{CleanError, Edits, Plan, Reason, Removed, Renamed, shortened};
+use crate::deck::plan::{CleanError, Edits, Plan, Reason, Removed, Renamed, reason, shortened};
 use crate::deck::{Deck, Model};
+use equations::is_removal;
 use new_nodes::NewNodes;
-
-/// Most terms of a certificate that a comment names.
-const NAMED: usize = 8;
 
 /// The main file with the plan carried out, and the DOFs that have other names in it. Included files that change are
 /// written into the main file.
@@ -129,7 +127,7 @@ impl CalculixWriter<'_> {
                 edits.replace(line + lines, 0, ends.clone().into_bytes());
             }
             self.steps += 1;
-        } else if word.starts_with(b"*EQUATION,REMOVE") && self.ends.is_some() {
+        } else if is_removal(keyword) && self.ends.is_some() {
             let data = memchr::memchr_iter(b'\n', data).count() as u32;
             edits.replace(line, lines + data, b"** qless: the start of the step removes the equations\n".to_vec());
         } else if word.starts_with(b"*COUPLING") {
@@ -147,7 +145,7 @@ impl CalculixWriter<'_> {
                     [b"** qless: included here, because it was changed\n", &*with_end(text)].concat(),
                 );
             }
-        } else if word.starts_with(b"*EQUATION") && !word.starts_with(b"*EQUATION,REMOVE") {
+        } else if word.starts_with(b"*EQUATION") && !is_removal(keyword) {
             let input = card_input(keyword).and_then(|name| self.included(&name, file));
             if input.is_some() {
                 let path = self.deck.model.files[file as usize].clone();
@@ -202,23 +200,6 @@ fn with_end(mut text: Vec<u8>) -> Vec<u8> {
 
 /// Comment that says why an equation was removed.
 fn comment(model: &Model, removed: &Removed) -> String {
-    let origin = model.nth(removed.equation).origin;
-    let line = |i: usize| format!("line {}", model.nth(i).origin.line);
-    let what = format!("** qless: equation of line {}", origin.line);
-    match &removed.reason {
-        Reason::Redundant(because) if because.is_empty() => format!("{what} removed: all of its DOFs are prescribed\n"),
-        Reason::Redundant(because) => {
-            let term = |(k, &(i, c)): (usize, &(usize, f64))| match (k, c < 0.0) {
-                (0, _) => format!("{c} * {}", line(i)),
-                (_, false) => format!(" + {c} * {}", line(i)),
-                (_, true) => format!(" - {} * {}", -c, line(i)),
-            };
-            let terms: String = because.iter().take(NAMED).enumerate().map(term).collect();
-            let more = because.len().saturating_sub(NAMED);
-            let more = if more > 0 { format!(" + {more} more") } else { String::new() };
-            format!("{what} removed, redundant: it is {terms}{more}\n")
-        }
-        Reason::Fault(fault) => format!("{what} written anew below: {}\n", fault.describe(model)),
-        Reason::Connected => format!("{what} written anew below: it shares DOFs with others that are\n"),
-    }
+    let line = model.nth(removed.equation).origin.line;
+    format!("** qless: equation of line {line} {}\n", reason(model, removed, "written anew below"))
 }

@@ -45,7 +45,7 @@ pub trait LineVisitor {
     fn included(&mut self, include: IncludeLine);
 
     /// Decides about an included file that cannot be read: returns the error to stop, or `Ok` to continue without the file.
-    fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError>;
+    fn unreadable(&mut self, at: FileLine, error: DeckError) -> Result<(), DeckError>;
 }
 
 /// Visits all lines of a deck except blank lines and comments.
@@ -92,7 +92,7 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl L
                     return Ok(false);
                 }
             }
-            Err(error) => visitor.unreadable(error)?,
+            Err(error) => visitor.unreadable((number as u32, first as u32), error)?,
         }
     }
     Ok(true)

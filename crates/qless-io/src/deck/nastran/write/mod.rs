@@ -14,12 +14,10 @@ use wide::mpc;
 use super::reader::{NastranContent, read};
 use super::syntax::lines::FileLine;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, shortened};
+use crate::deck::plan::reason;
 use crate::deck::{Deck, Model};
 use select::TextChange;
 use target::EquationGroup;
-
-/// Limit on the terms of a certificate that a comment names.
-const NAMED: usize = 8;
 
 /// The main file with the changes of the plan. It contains the text of included files that change.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
@@ -81,27 +79,9 @@ const CONTINUED: &str = "$ qless: continuation of a removed card\n";
 
 /// A comment line with the reason why a card was removed.
 fn comment(model: &Model, removed: &Removed, is_written: bool) -> String {
-    let equation = model.nth(removed.equation);
-    let what = format!("$ qless: {}", model.place(equation.origin));
-    match &removed.reason {
-        Reason::Redundant(because) if because.is_empty() => {
-            format!("{what} removed: all components of an equation of it are prescribed\n")
-        }
-        Reason::Redundant(because) => {
-            let terms: Vec<String> =
-                because.iter().take(NAMED).map(|&(i, c)| format!("{c} * ({})", model.label_of(i))).collect();
-            let more = because.len().saturating_sub(NAMED);
-            let more = if more > 0 { format!(" + {more} more") } else { String::new() };
-            let own = model.label_of(removed.equation);
-            format!("{what} removed, redundant: {own} is {}{more}\n", terms.join(" + "))
-        }
-        Reason::Fault(fault) => format!("{what} {}: {}\n", now(is_written), fault.describe(model)),
-        Reason::Connected => format!("{what} {}: it shares components with others that are\n", now(is_written)),
-    }
-}
-
-fn now(is_written: bool) -> &'static str {
-    if is_written { "written anew as MPC" } else { "removed" }
+    let place = model.place(model.nth(removed.equation).origin);
+    let now = if is_written { "written anew as MPC" } else { "removed" };
+    format!("$ qless: {place} {}\n", reason(model, removed, now))
 }
 
 /// Refuses to write new cards into a file that is included more than once: they would be repeated.
@@ -123,7 +103,7 @@ fn place_of_new(content: &NastranContent) -> FileLine {
 
 fn new_text(targets: &MpcTargets, has_control: bool) -> String {
     let mut text = String::from(
-        "$ qless: independent equations; each first component occurs first once and is not prescribed\n\
+        "$ qless: independent equations; the first component of each is first in no other, and is not prescribed\n\
          $ qless: numbers of more than 16 columns are rounded to the nearest that Nastran reads\n",
     );
     for (parts, set) in &targets.unions {
