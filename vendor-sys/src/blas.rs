@@ -46,7 +46,7 @@ static ENDED: Condvar = Condvar::new();
 /// Limits OpenBLAS to one thread per call, for up to `callers` concurrent callers; fewer if memory for their buffers is short.
 /// If there is no memory for one buffer, it waits for other holders to end, and returns `None` if there are none.
 ///
-/// A thread must not call it again while it holds the result: it could wait for itself.
+/// A thread must not call `hold` again while it has a [`Held`]: it could wait for itself.
 pub fn hold(callers: usize) -> Option<Held> {
     let mut state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut granted = admit(&mut state, callers.max(1));

@@ -48,7 +48,7 @@ static CALLOC: LibraryFunction = LibraryFunction::new(c"cholmod_l_calloc");
 static REALLOC: LibraryFunction = LibraryFunction::new(c"cholmod_l_realloc");
 
 /// # Safety
-/// As the function of CHOLMOD.
+/// As for CHOLMOD's function of the same name.
 #[unsafe(export_name = "cholmod_l_malloc")]
 pub unsafe extern "C" fn malloc(count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
     // SAFETY: the arguments are passed on unchanged.
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn malloc(count: usize, size: usize, common: *mut cholmod_
 }
 
 /// # Safety
-/// As the function of CHOLMOD.
+/// As for CHOLMOD's function of the same name.
 #[unsafe(export_name = "cholmod_l_calloc")]
 pub unsafe extern "C" fn calloc(count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
     // SAFETY: the arguments are passed on unchanged.
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn calloc(count: usize, size: usize, common: *mut cholmod_
 }
 
 /// # Safety
-/// As the function of CHOLMOD. A failure leaves the block and its count unchanged.
+/// As for CHOLMOD's function of the same name. A failure leaves the block and its count unchanged.
 #[unsafe(export_name = "cholmod_l_realloc")]
 pub unsafe extern "C" fn realloc(
     wanted: usize,

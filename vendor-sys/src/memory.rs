@@ -91,7 +91,7 @@ impl Common {
         self.get(|common| [common.SPQR_analyze_time, common.SPQR_factorize_time])
     }
 
-    /// Norm of what the last factorization dropped.
+    /// Frobenius norm of the entries that the last factorization dropped.
     pub fn dropped(&self) -> f64 {
         self.get(|common| common.SPQR_norm_E_fro)
     }

@@ -41,7 +41,7 @@ fn line(text: &mut String, name: &str, compared: &[(f64, &Sample, Measured)]) {
     _ = writeln!(text, "| {name} | {times} | {} | {silent} | {doubtful} | {residual:.0e} | {peak} |", compared.len());
 }
 
-/// The results of a method on the systems on which the unit was measured too, each with the ratio of the two times.
+/// The results of a method on the systems on which the bare factorization was measured too, each with the ratio of the two times.
 fn compared<'a>(samples: &'a [Sample], methods: usize, name: &str) -> Vec<(f64, &'a Sample, Measured)> {
     let pairs = samples.chunks(methods).filter_map(|block| {
         let unit = block.iter().find(|sample| sample.method == UNIT)?.measured()?;

@@ -68,7 +68,7 @@ fn read<T: DeserializeOwned>(child: &mut Child, limit: f64) -> Result<T, GivenUp
     serde_json::from_str(&next(AROUND)?).map_err(|_| GivenUpReason::Ended)
 }
 
-/// Receives the lines of the child.
+/// A channel that receives the lines of the child's standard output.
 fn lines(child: &mut Child) -> Option<Receiver<String>> {
     let out = BufReader::new(child.stdout.take()?);
     let (send, receive) = channel();
@@ -76,7 +76,7 @@ fn lines(child: &mut Child) -> Option<Receiver<String>> {
     Some(receive)
 }
 
-/// The child's side. It measures everything if the method runs only in the child. Returns errors of standard output.
+/// Runs in the child. With `is_apart` it measures everything, otherwise only the memory. Returns errors of standard output.
 pub fn answer(scene: &Scene, method: &BenchMethod, is_apart: bool, out: &mut dyn Write) -> std::io::Result<()> {
     std::thread::spawn(|| {
         // The parent writes nothing, so an error means the end of the parent.

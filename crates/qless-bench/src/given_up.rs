@@ -34,14 +34,14 @@ impl GivenUpReason {
     }
 }
 
-/// `dense 31,832 x 48,488 are 11.5 GiB`.
+/// A text such as `dense 31,832 x 48,488 are 11.5 GiB`.
 fn of_dense(rows: usize, cols: usize) -> String {
     let mib = 8.0 * rows as f64 * cols as f64 / f64::from(1 << 20);
     let size = if mib < 1024.0 { format!("{mib:.0} MiB") } else { format!("{:.1} GiB", mib / 1024.0) };
     format!("dense {} x {} are {size}", thousands(rows), thousands(cols))
 }
 
-/// `31,832`.
+/// The number with a comma before every three digits, such as `31,832`.
 pub fn thousands(number: usize) -> String {
     let digits = number.to_string();
     let mut out = String::new();

@@ -1,6 +1,6 @@
 //! Conjugate gradients (Hestenes and Stiefel 1952) for the two systems `S x = r` of a large problem of springs.
 //!
-//! Both matrices are products of sparse matrices, and a factorization would fill in.
+//! Both matrices S are products of sparse matrices. They are not formed, because their factorization would fill in.
 
 use qless::{ConstraintSystem, Csr, Reduction};
 
@@ -93,7 +93,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// `a + factor b`.
+/// Adds `factor b` to a.
 fn add(a: &mut [f64], factor: f64, b: &[f64]) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
 }

@@ -2,7 +2,8 @@
 //!
 //! Every method runs on every system, in turns in one process; times are medians. The rank is known by construction. A method
 //! that was stopped on a smaller system of its family does not run on a larger one. A slow method runs in a process of its own,
-//! which is stopped at the limit. Other libraries (feature `peers`) always do so, and do not run if they are predicted to be slow.
+//! which is stopped at the limit. Other libraries (feature `peers`) always run in a process of their own. They do not run if they
+//! are predicted to be slow.
 
 mod advice;
 mod args;
@@ -52,7 +53,7 @@ pub enum BenchError {
     Write(#[from] WriteError),
 }
 
-/// All measurements.
+/// The methods that were chosen, and all of their measurements.
 struct SelectedMethods {
     methods: Vec<methods::BenchMethod>,
     samples: Vec<sample::Sample>,
@@ -108,7 +109,7 @@ fn find(
             found.levels.extend(figure_15::measure(family, args)?);
         }
     }
-    // If methods or families are named, only these are measured.
+    // The seeded systems are left out if methods, families or only Figure 15 were asked for.
     if args.method.is_empty() && args.family.is_empty() && !args.figure_15 {
         stage("seeded systems");
         found.shares = share::measure(&found.methods, args.short)?;

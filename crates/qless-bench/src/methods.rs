@@ -46,7 +46,7 @@ pub fn all(only: &[String]) -> Vec<BenchMethod> {
     let alone = |backend| Options { backend, presolve: false, ..standard.clone() };
     let mut all = vec![BenchMethod { name: UNIT, engine: Engine::BareQr, is_apart: false, is_dense: false }];
     all.extend(EFFORTS.map(|effort| BenchMethod {
-        // Without checks of the rank, the slaves can be so ill-conditioned that the exchanges take minutes.
+        // Without checks of the rank, the slaves can be so ill-conditioned that their exchange for masters takes minutes.
         is_apart: effort == Effort::Quick,
         ..BenchMethod::new(effort.name(), Options { effort, ..standard.clone() })
     }));

@@ -21,14 +21,14 @@ const COLOURS: [&str; 8] = ["#d95f02", "#3b7dd8", "#1b9e77", "#9a5fd0", "#8a8a8a
 const STYLE: &str = "<style>text{font:12px sans-serif;fill:#222}.t{font-weight:bold}.a{fill:#777;font-size:10px}.g{stroke:#ddd}\
 .f{fill:none;stroke:#888;stroke-width:1.5}@media(prefers-color-scheme:dark){text{fill:#ddd}.a{fill:#999}.g{stroke:#444}}</style>";
 
-/// A method in a panel: quartiles and median as multiples of the unit, and whether the rank is right or in doubt.
+/// A method in a panel: quartiles and median relative to the time of the bare factorization, and whether the rank is right or in doubt.
 struct Mark {
     line: usize,
     quartiles: [f64; 3],
     is_trusted: bool,
 }
 
-/// The largest system of each family on which the unit and an effort were measured.
+/// The largest system of each family on which the bare factorization and at least one other method were measured.
 fn panels<'a>(samples: &'a [Sample], methods: &[BenchMethod]) -> Vec<(&'a Sample, Vec<Mark>)> {
     let mut panels: Vec<(&Sample, Vec<Mark>)> = Vec::new();
     for block in samples.chunks(methods.len()) {

@@ -32,7 +32,7 @@ pub fn warm(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, Giv
     warmed(once(system, method)?, system, method)
 }
 
-/// The same for a method that has run once.
+/// [`warm`] for a method that has run once, with the result `done`.
 pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     let mut total = done.time;
     for repeat in 0..REPEATS {
@@ -82,7 +82,8 @@ pub fn verdict(system: &ConstraintSystem, method: &BenchMethod) -> Result<(usize
 /// The tolerance of the bare factorization: absolute as in the paper, but as small as the default.
 const TOLERANCE: f64 = 1e-10;
 
-/// The faster of a QR of every block and of its transpose. The time to split into blocks is not included.
+/// Factors every block by QR, then the transpose of every block, and returns the faster of the two. The time to split into blocks is not
+/// included.
 fn bare(system: &ConstraintSystem) -> Result<Done, GivenUpReason> {
     let backend = BackendChoice::Sparse.get(Options::default().memory)?;
     let blocks = blocks(system);

@@ -38,7 +38,7 @@ fn scene(seed: u64) -> Result<Scene, SceneError> {
     }
 }
 
-/// Measures all methods except the unit of time; returns an error if a system cannot be generated.
+/// Measures all methods except the bare factorization; returns an error if a system cannot be generated.
 pub fn measure(methods: &[BenchMethod], is_short: bool) -> Result<Vec<WrongShare>, String> {
     let count = if is_short { SHORT } else { COUNT };
     let scenes: Result<Vec<Scene>, SceneError> = (0..count).into_par_iter().map(scene).collect();

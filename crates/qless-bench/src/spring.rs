@@ -23,10 +23,10 @@ const STEPS: usize = 20;
 /// Refinement ends with a step of this relative size.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
 
-/// f and u*.
+/// The loads f and the solution u*.
 pub struct Springs {
     f: Vec<f64>,
-    /// u*.
+    /// The solution u*.
     pub solution: Vec<f64>,
     prescribed: Vec<f64>,
 }
@@ -92,7 +92,7 @@ fn refined(
     None
 }
 
-/// `1 + j mod 7`.
+/// The loads `f_j = 1 + j mod 7`.
 fn forces(dofs: usize) -> Vec<f64> {
     (0..dofs).map(|j| 1.0 + (j % 7) as f64).collect()
 }
@@ -215,7 +215,7 @@ mod tests {
         let reduction = reduction.expect("of the same DOFs");
         let error =
             springs.error(&Done { time: 0.0, rank: 0, reduction: Some(reduction), analysis: None }).expect("small");
-        // The error is the condition of the equations, 1e8, times rounding.
+        // The deviation from 0.5 is at most the condition of the equations, about 1e8, times rounding.
         assert!((error - 0.5).abs() < 1e-7, "{error}");
     }
 

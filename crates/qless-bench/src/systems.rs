@@ -33,7 +33,8 @@ pub const TIE: &str = "tie";
 /// Both couplings of the model of Table 1, on all its levels.
 pub const TABLE_1: [&str; 2] = [TIE, "mortar"];
 
-/// All families; with `short`, only their smallest systems (without mortar, which takes long to generate); with names, only those.
+/// All families, or only those with the names in `only`. With `short`, each has only its smallest systems, and mortar, which takes long to
+/// generate, is left out unless it is named.
 pub fn families(short: bool, only: &[String]) -> Vec<Family> {
     let mut families: Vec<Family> = table_1().into_iter().chain(sized()).chain(extremes()).collect();
     families.retain(|family| only.is_empty() || only.iter().any(|name| name == family.name));

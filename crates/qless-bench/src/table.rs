@@ -73,7 +73,7 @@ pub fn cells(sample: &Sample, first: &Sample) -> [String; HEAD.len()] {
     ]
 }
 
-/// Its time relative to that of the first method of the table.
+/// The measured time relative to that of the first method of the table.
 fn times(measured: &Measured, first: &Sample) -> Option<f64> {
     Some(measured.time / first.measured()?.time)
 }

@@ -32,7 +32,7 @@ pub struct Cli {
     pub command: Command,
 }
 
-/// The answer to `--version`: the release, the compiled backends, and the licence if it differs.
+/// The answer to `--version`: the release, the compiled backends, and the licence.
 #[cfg(feature = "spqr")]
 const VERSION: &str = concat!(
     env!("CARGO_PKG_VERSION"),
@@ -359,7 +359,7 @@ impl ReduceArgs {
 }
 
 impl ExplainArgs {
-    /// The load case: of several, the worst one.
+    /// All load cases, of which the worst one is explained, or the one that the user names.
     pub fn choice(&self) -> LoadCaseChoice {
         LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::All)
     }
@@ -392,7 +392,7 @@ fn growth(text: &str) -> Result<f64, String> {
     checked(text, |growth| Options { growth, ..Options::default() })
 }
 
-/// Parses a number; the library checks it in these options.
+/// Parses a number. `options` puts it into options that the library then validates.
 fn checked(text: &str, options: impl Fn(f64) -> Options) -> Result<f64, String> {
     let number = number(text)?;
     options(number).validate().map_err(|error| error.to_string())?;

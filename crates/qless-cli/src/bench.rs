@@ -7,7 +7,7 @@ use qless_bench::{BenchArgs, BenchError};
 use crate::failure::CliFailure;
 use crate::terminal::{self, Progress};
 
-/// Measures, prints and writes.
+/// Runs the measurements, prints their results and writes the output files.
 pub fn run(args: &BenchArgs) -> Result<ExitCode, CliFailure> {
     let mut progress = None;
     let stage = move |name| progress.get_or_insert_with(|| Progress::new(args.quiet)).stage(name);

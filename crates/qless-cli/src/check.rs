@@ -13,7 +13,8 @@ use crate::report::{CommandOutcome, Joined};
 use crate::terminal::{self, Progress};
 use crate::{clean, exit_code};
 
-/// Prints the report; exit code 0, 1 or 4. An input that cannot be read ends the run only if it is the only one.
+/// Prints the report and returns the worst exit code of the inputs. An input that fails ends the run only if the report has no place for
+/// failures.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     check_options(args)?;
     let joined = Joined::new(args.model.format, args.more.len() + 1);
@@ -43,7 +44,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     Ok(ExitCode::from(exit_code::worst(codes)))
 }
 
-/// Refuses options that do not fit, before the work begins, and an output that cannot be written.
+/// Before the work begins, refuses options that do not fit the number of inputs, and an output that cannot be written.
 fn check_options(args: &CheckArgs) -> Result<(), CliFailure> {
     let refused = |why: &str| Err(CliFailure::Input(why.to_owned()));
     if let Some(file) = &args.output {
@@ -73,7 +74,7 @@ fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8, Vec<Strin
     diagnosis.is_one_of_several = args.is_several();
     diagnosis.add_near_dependence();
     if let Some(file) = &args.output {
-        // Includes of a deck are inputs too.
+        // The output must not replace a file that the deck includes either.
         drop(OneFile::at(file, diagnosis.inputs())?);
     }
     // The plan takes time, and only the text report shows it.

@@ -48,8 +48,8 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     Ok(ExitCode::from(diagnosis.code()))
 }
 
-/// Why a deck that needs cleaning cannot be cleaned; `None` if a plan exists, if nothing needs cleaning, or if the report refuses the deck
-/// already. Only makes the plan: writing and proving the cleaned deck would cost more than the report.
+/// Why a deck that needs cleaning cannot be cleaned. `None` if a plan exists, if nothing needs cleaning, or if the report already refuses
+/// the deck. Only makes the plan: writing and proving the cleaned deck would cost more than the report.
 pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
     let deck = diagnosis.deck.as_ref()?;
     if diagnosis.is_refused() || diagnosis.analysis.dependent().is_empty() && !deck.needs_cleaning() {

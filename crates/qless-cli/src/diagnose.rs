@@ -64,7 +64,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
         let whole = model.system(&all).map_err(|error| CliFailure::from_deck(&deck.deck, &error))?;
         options = preferences.resolve(&options, &whole, Some((&deck.deck, &all)))?;
     }
-    // The value overflows if a large right-hand side is divided by a small coefficient.
+    // A generated value overflows if a large right-hand side is divided by a small coefficient.
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
         return Err(CliFailure::from_overflow(&args.input, dof, &system.dof_label(dof)));
     }

@@ -20,10 +20,10 @@ use crate::terminal::{self, Progress};
 use crate::wording::printable;
 use crate::wording::{count, equation, label, number};
 
-/// Random solutions, beside the one whose masters are zero.
+/// Number of random solutions, in addition to the one whose masters are zero.
 const RANDOM: usize = 2;
-/// An equation holds if its residual is at most this fraction of its largest term. An equation that follows from the other set leaves
-/// rounding errors times the growth of T.
+/// An equation holds if its residual is at most this fraction of its largest term. The residual of an equation that follows from the other
+/// set is rounding error times the growth of T.
 const HOLDS: f64 = 1e-9;
 /// Rounding of a solution, relative to its largest entry.
 const ROUNDING: f64 = 1e-13;
@@ -65,7 +65,7 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
 
 /// Sample solutions of one set of equations.
 struct Solutions {
-    /// By the label of a DOF, or its number if it has none: its place in each sample.
+    /// Index of a DOF in each sample, by the label of the DOF, or by its number without a label.
     columns: HashMap<String, usize>,
     samples: Vec<Vec<f64>>,
 }

@@ -16,7 +16,7 @@ use crate::{exit_code, memory};
 
 /// Why a command failed.
 pub enum CliFailure {
-    /// The user can correct it.
+    /// A failure that the user can correct.
     Input(String),
     /// The machine lacks memory, threads or disk space.
     Resource(String),

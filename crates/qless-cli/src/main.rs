@@ -7,7 +7,7 @@
 //! | [`diagnose`] | reads and analyses a model, for check, reduce and clean |
 //! | [`deck_input`] | load cases of a deck, constraints that were left out, reactions of the solver |
 //! | [`preferences`] | lists of equations and DOFs, by numbers or names |
-//! | [`report`] | renders the report: text, JSON, HTML, VTU |
+//! | [`report`] | renders the report: text, JSON, HTML, VTU, SARIF, JUnit |
 //! | [`scenes`], [`values`] | options of the test models; parsers of option values |
 //! | [`wording`] | writes equations, DOFs and numbers in limited space |
 //! | [`terminal`] | standard output and the progress display |

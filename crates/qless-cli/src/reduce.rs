@@ -59,7 +59,7 @@ fn add(output: &mut Output, reduction: &Reduction, labels: &[String]) -> Result<
     output.indices("slaves.txt", reduction.slaves())?;
     output.indices("masters.txt", reduction.masters())?;
     output.indices("prescribed.txt", reduction.prescribed())?;
-    // A user does not know the column numbers of a deck.
+    // A user does not know the column numbers of a deck, so cols.txt names the DOFs.
     if !labels.is_empty() {
         output.file("cols.txt", |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))?;
     }
@@ -90,7 +90,7 @@ fn add_block(output: &mut Output, number: usize, block: &FactoredBlock, parts: &
 
 /// Refuses an output folder that cannot be written, or whose files would be lost.
 fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
-    // A case and a reduction both have a prescribed.txt, with different meanings.
+    // A case and a reduction both have a prescribed.txt, with different meanings: refuse the folder of a case.
     if args.output.join("C.mtx").symlink_metadata().is_ok() {
         return Err(CliFailure::Input(format!(
             "{}: the folder holds a case (C.mtx) with its own prescribed.txt, which would be overwritten; name another folder with -o",

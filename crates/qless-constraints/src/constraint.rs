@@ -7,8 +7,8 @@
 //! | value `c_i`, Jacobian rows `G_i` | [`Nonlinear::value_and_jacobian`] |
 //! | effective Hessian `sum_r w_r H_r` | [`Nonlinear::hessian`]; not needed by linear types |
 //!
-//! A type in the library of dockSIM has the same four functions. A new type needs one file. It implements [`Constraint`] and, if it has
-//! nonlinear equations, [`Nonlinear`].
+//! The constraint library of dockSIM (Boungard and Wackerfuß) divides a type into the same four functions. A new type needs one file. It
+//! implements [`Constraint`] and, if it has nonlinear equations, [`Nonlinear`].
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -67,7 +67,7 @@ pub trait Constraint {
 
 /// Largest coordinate or length. Sixth powers of it and of its inverse, which occur in derivatives of normals and volumes, are finite.
 const LARGEST: f64 = 1e50;
-/// Up to this many DOFs are compared with each other; longer lists are sorted.
+/// Repetitions in a list of up to this many entries are found by comparing all entries; longer lists are sorted first.
 const FEW: usize = 16;
 
 /// Receives the linear and nonlinear equations of the constraint that is being added.
@@ -89,7 +89,7 @@ impl std::fmt::Debug for EquationSink {
 }
 
 impl EquationSink {
-    /// For one constraint.
+    /// An empty sink for one constraint; `dofs` is the number of DOFs of the model.
     pub(crate) fn new(dofs: usize, time: f64) -> Self {
         Self { dofs, time, contents: ConstraintContents::default(), fault: None }
     }
@@ -299,7 +299,7 @@ pub(crate) fn repeated(dofs: &[usize]) -> Option<usize> {
     sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
-/// A fault of the equations that any type can have. DOFs are 0-based.
+/// A fault that the equations of any type can have. DOFs are 0-based.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EquationError {
@@ -328,7 +328,7 @@ pub enum EquationError {
         here: f64,
         /// Label of the other constraint.
         other: String,
-        /// The coordinate there.
+        /// The coordinate in the other constraint.
         there: f64,
     },
     /// Two constraints state different rotations with one DOF: they differ in a DOF, in the order of DOFs, or in the parametrisation.
@@ -357,7 +357,7 @@ pub enum EquationError {
         /// Number of DOFs required.
         expected: usize,
     },
-    /// An inequality does not have one equation.
+    /// An inequality has no equation, or more than one.
     #[error("it has {found} equations; an inequality has one")]
     NotOne {
         /// Number of equations.
@@ -386,7 +386,7 @@ pub enum EquationError {
     TooLarge {
         /// The quantity that exceeds the limit.
         what: &'static str,
-        /// Their number.
+        /// The number of equations, DOFs or constraints.
         found: usize,
     },
 }

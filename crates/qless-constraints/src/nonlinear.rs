@@ -9,9 +9,11 @@ use crate::scalar::{Dual, Scalar};
 pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Number of DOFs of each constraint of the type, or 0 if it varies. A fixed number makes loops faster.
     const DOFS: usize = 0;
-    /// For each pair, the index of its number in [`Nonlinear::hessian`]; the list is repeated over all pairs. If empty, each pair has its own.
+    /// For each pair, the index of its number in the output of [`Nonlinear::hessian`]. A list that is shorter than the list of pairs is
+    /// repeated. If it is empty, each pair has a number of its own.
     ///
-    /// This saves work if few numbers make many entries: `[0, 1, 0]` describes `v, -v, v, v, -v, v`.
+    /// This saves work if many pairs share few numbers. With the numbers `v, -v`, the list `[0, 1, 0]` gives six pairs the values
+    /// `v, -v, v, v, -v, v`.
     const NUMBERS: &'static [usize] = &[];
     /// Whether parameters are functions of time. [`Nonlinear::at_time`] is called only then.
     const DRIVEN: bool = false;

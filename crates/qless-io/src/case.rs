@@ -99,7 +99,7 @@ impl CaseFiles {
         let SystemError::NotFinite { what: Place::Coefficient { row, dof }, value } = error else {
             return ReadError::System { path, source: error };
         };
-        // Packed files and standard input cannot be read again in chunks.
+        // Packed files and standard input cannot be read again in chunks: their error has no line.
         let lines = self.sum_not_finite(row, dof, value).ok().flatten();
         lines.unwrap_or(ReadError::System { path, source: error })
     }

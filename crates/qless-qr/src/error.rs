@@ -17,7 +17,7 @@ pub enum Error {
     Start {
         /// Index of the first wrong start.
         at: usize,
-        /// Its value; `usize::MAX` for a negative number.
+        /// The value of this start; `usize::MAX` for a negative number.
         found: usize,
         /// Number of entries of the matrix.
         entries: usize,
@@ -27,7 +27,7 @@ pub enum Error {
     Index {
         /// Position of the entry.
         entry: usize,
-        /// Its index; `usize::MAX` for a negative number.
+        /// The row or column index of the entry; `usize::MAX` for a negative number.
         found: usize,
         /// Number of rows or columns.
         bound: usize,
@@ -37,7 +37,7 @@ pub enum Error {
     Length {
         /// Name of the array.
         what: &'static str,
-        /// Its length.
+        /// The length of the array.
         found: usize,
         /// Required length; for right-hand sides, the length must be a multiple of this.
         expected: usize,

@@ -181,7 +181,7 @@ impl Panel {
         self.tau.clear();
     }
 
-    /// T, upper triangular: `T_jj = tau_j`, `T_:j = -tau_j T V^T v_j` above.
+    /// T, upper triangular: `T_jj = tau_j`, `T_:j = -tau_j T V^T v_j` above the diagonal.
     fn close(&mut self) {
         let w = self.tau.len();
         self.t.clear();
@@ -200,7 +200,7 @@ impl Panel {
         }
     }
 
-    /// Number of operations to apply it to this many columns.
+    /// Number of operations to apply the reflections of the panel to this many columns.
     fn operations(&self, columns: usize) -> usize {
         4 * self.height * self.tau.len() * columns
     }

@@ -1,4 +1,4 @@
-//! Variants of a scene: `D_r C D_c` and `P C Q`, or with more prescribed DOFs or equations.
+//! Variants of a scene: rows and DOFs scaled by diagonal matrices, `D_r C D_c`, or permuted, `P C Q`; more prescribed DOFs or equations.
 
 use qless::{ConstraintSystem, SystemBuilder};
 

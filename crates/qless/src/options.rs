@@ -113,7 +113,7 @@ pub enum Effort {
     Checked,
     /// The rank is proved, or ambiguous.
     Proved,
-    /// The rank is proved or ambiguous, and compared with that of exact arithmetic.
+    /// The rank is proved or ambiguous, and is compared with the rank in exact arithmetic.
     Exact,
 }
 

@@ -1,7 +1,7 @@
 //! Repeats the paper's Figure 15: Gauss elimination against sparse QR, block by block, on all levels of Table 1.
 //!
 //! Only factorizations are measured, as in the paper: no presolve, no scaling, no check of the rank, one thread. C is factored together
-//! with b (Eq. 21 and 26), and `C^T` without b, as the default does to find the dependent equations. All methods run in turns in one
+//! with b (Eq. 21 and 26), and `C^T` without b, as qless does by default to find the dependent equations. All methods run in turns in one
 //! process.
 
 mod blocks;

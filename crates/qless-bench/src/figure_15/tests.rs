@@ -46,7 +46,7 @@ fn the_papers_own_times_cross_between_80_and_90_percent() {
     assert!((17_408.0..22_360.0).contains(&found[0].equations), "{:?}", found[0]);
 }
 
-/// Three levels of both couplings; Gauss takes `ratio` times as long as the QR on the last.
+/// Three levels of both couplings; on the last level, Gauss takes `ratio` times as long as the QR.
 fn levels(ratio: f64) -> Vec<FigureLevel> {
     let way = |backend, side, time: f64| Way { backend, side, result: Ok((time, 7)) };
     let level = |family, k: i32| FigureLevel {

@@ -19,7 +19,7 @@ pub enum CallError {
 #[derive(Debug)]
 pub struct SparseFactor {
     pub order: Vec<usize>,
-    /// rank x n.
+    /// R, rank x n.
     pub r: Csr,
     /// Seconds of the factorization, and of copying R and computing `Q^T B`.
     pub compute: f64,
@@ -151,7 +151,7 @@ unsafe fn part<'a, T>(data: *const T, len: usize) -> &'a [T] {
     if len == 0 { &[] } else { unsafe { slice::from_raw_parts(data, len) } }
 }
 
-/// `A <- [R over reflectors]` by dgeqp3 (A is m x n by columns); returns P, the factors of the reflectors, and seconds.
+/// Overwrites A, m x n by columns, with R and below it the reflectors of dgeqp3; returns P, the factors of the reflectors, and seconds.
 pub fn geqp3(a: &mut [f64], m: usize, n: usize) -> Result<(Vec<usize>, Vec<f64>, f64), CallError> {
     assert_eq!(a.len(), m * n, "A is not m x n");
     let (mut order, mut tau, mut seconds) = (vec![0; n], vec![0.0; m.min(n)], 0.0);

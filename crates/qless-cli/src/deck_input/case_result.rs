@@ -12,7 +12,7 @@ use crate::failure::CliFailure;
 pub struct CaseAnalysis {
     pub system: ConstraintSystem,
     pub analysis: Analysis,
-    /// The time history to which the system is restricted: its values alone conflict, although all values at the end do not.
+    /// The time history whose values alone conflict, if the values of all histories together do not; the system then has only its values.
     history: Option<u32>,
 }
 

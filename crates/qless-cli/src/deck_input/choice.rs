@@ -28,7 +28,7 @@ pub enum ChoiceError {
 }
 
 impl LoadCaseChoice {
-    /// The value of `--case`, or `default` without that option.
+    /// The load cases that `--case text` names; `default` for `all` and without the option.
     pub fn new(text: Option<&str>, default: Self) -> Self {
         match text {
             None => default,

@@ -107,7 +107,7 @@ fn add<T: Clone + PartialEq>(all: &mut Vec<T>, more: &[T]) {
     }
 }
 
-/// The card that a solver drops for a fault.
+/// Line and card of the claim that the solver drops because of a fault.
 fn dropped(finding: &Finding, model: &Model) -> String {
     let equation = |i: usize| model.equation(i).map_or_else(String::new, |equation| model.place(equation.origin));
     match (finding.dropped(), finding.fault.kind) {

@@ -28,7 +28,7 @@ pub struct DeckInput {
     pub case: usize,
     /// The load cases that were analysed, in the deck's order.
     cases: Vec<DeckLoadCase>,
-    /// Results; load cases that constrain the same share one.
+    /// Results. Load cases with the same constraints share one result.
     results: Vec<CaseResult>,
 }
 

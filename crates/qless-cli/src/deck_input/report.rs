@@ -30,7 +30,7 @@ struct CaseReport<'a> {
     status: Status,
     rank: usize,
     counts: Counts,
-    /// The first load case that constrains the same.
+    /// The first load case with the same constraints, if this is another one.
     #[serde(skip_serializing_if = "Option::is_none")]
     same_as: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]

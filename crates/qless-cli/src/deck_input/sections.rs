@@ -34,7 +34,7 @@ impl DeckInput {
         sections.into_iter().flatten().collect()
     }
 
-    /// One line for each load case that constrains differently, the reported one first.
+    /// One line for each group of load cases with the same constraints, the reported one first.
     fn table(&self) -> Option<LayoutSection> {
         let shown = self.shown();
         let when = shown.when.as_ref().map_or(String::new(), |when| format!(", {when}"));

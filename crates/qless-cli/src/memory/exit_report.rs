@@ -1,7 +1,8 @@
 //! Ends the program when an allocation fails and the code cannot continue.
 //!
-//! `handle_alloc_error` aborts. The signal handler runs on the thread that failed, outside the allocator and its locks, so that it may
-//! do what ordinary code may. It allocates nothing; the removal of files may use the [`reserve`](super::reserve).
+//! `handle_alloc_error` aborts the process. The handler of `SIGABRT` then runs on the thread that failed. This thread is outside the
+//! allocator and its locks, so the handler may do what ordinary code may. The handler allocates nothing; the removal of files may use the
+//! [`reserve`](super::reserve).
 
 use std::cell::Cell;
 use std::fmt::Write;

@@ -33,7 +33,7 @@ const PAGE: usize = 4096;
 static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
 /// Resident bytes when the limit was set.
 static BASE: AtomicUsize = AtomicUsize::new(0);
-/// Bytes allocated since then and not freed.
+/// Bytes allocated since the limit was set and not yet freed.
 static LIVE: AtomicIsize = AtomicIsize::new(0);
 /// Bytes allocated since the resident pages were last read.
 static SINCE: AtomicUsize = AtomicUsize::new(0);
@@ -89,7 +89,7 @@ fn reserve_bytes(bytes: usize) -> bool {
         return true;
     }
     OWN.set((0, 0));
-    // The new bytes are added below: they are not resident yet.
+    // `LIVE` gets the new bytes only at the end: the checks below add them themselves.
     LIVE.fetch_add(net - bytes as isize, Relaxed);
     if update_idle(handed, limit) || held().saturating_add(bytes) > limit {
         let fits = || in_use().saturating_add(bytes) <= limit;
@@ -117,7 +117,7 @@ fn update_idle(handed: usize, limit: usize) -> bool {
     is_due
 }
 
-/// Bytes in use: the larger count.
+/// Bytes in use: the larger of the allocated and the resident bytes.
 fn in_use() -> usize {
     held().max(system::resident())
 }

@@ -55,7 +55,8 @@ impl Refusal {
         }
     }
 
-    /// Records the refusal, unless an earlier one needed more: later ones may come from printing its backtrace. Does not allocate.
+    /// Records the refusal, unless an earlier one needed more: printing the backtrace of the earlier one may cause later refusals. Does not
+    /// allocate.
     pub fn keep(self) {
         HERE.set(true);
         if largest().is_some_and(|kept| kept.needed() > self.needed()) {

@@ -18,8 +18,9 @@ const STACKS: usize = 8;
 /// Whether [`start`] was called before.
 static IS_STARTED: AtomicBool = AtomicBool::new(false);
 
-/// Creates the global thread pool with `wanted` threads, by default one for each core. It has fewer threads if the system does not
-/// start as many, but at least the current one. A second call does nothing: a command that reads two models has one pool.
+/// Creates the global thread pool with `wanted` threads, by default one for each core. The pool has fewer threads if the address space or
+/// the system does not allow as many, but at least the current one. A second call does nothing: a command that reads two models has one
+/// pool.
 ///
 /// # Errors
 /// Something else has created the pool.

@@ -130,7 +130,7 @@ fn labels(path: Option<&Path>, wanted: &[usize]) -> Result<BTreeMap<usize, Strin
     Ok(path.map_or_else(|| Ok(BTreeMap::new()), |path| find_labels(path, wanted))?)
 }
 
-/// Certificates across ranks have no prescribed values.
+/// The members of a certificate. Across ranks, certificates have no prescribed values.
 fn members(because: &[qless_mpi::DistributedCertificateTerm]) -> Vec<Member> {
     let member = |term: &qless_mpi::DistributedCertificateTerm| Member::Equation {
         row: term.equation as usize,

@@ -7,7 +7,7 @@ use crate::args::Deny;
 use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
 
-/// What a finding is about, in the order of the documents.
+/// The kinds of findings, in the order in which SARIF and JUnit list them.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
     Conflicting,

@@ -25,7 +25,7 @@ use crate::wording::printable;
 
 /// What the command did after the diagnosis.
 pub enum CommandOutcome<'a> {
-    /// `check` did nothing. Holds the reason if `clean` could not write a deck.
+    /// The command was `check`. Holds the reason if `clean` could not write a deck.
     Checked(Option<&'a str>),
     /// `reduce` or `clean` wrote nothing because of the diagnosis.
     Refused,
@@ -53,7 +53,7 @@ pub struct Reduced<'a> {
 }
 
 impl ReportFormat {
-    /// Bound of the terms of all explanations in a report; text computes the few that it shows.
+    /// Limit on the terms of all explanations in a report; 0 for text, which computes only the explanations that it shows.
     pub fn terms(self) -> usize {
         if matches!(self, Self::Text | Self::Vtu) { 0 } else { Report::TERMS }
     }

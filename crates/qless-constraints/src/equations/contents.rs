@@ -11,10 +11,10 @@ use crate::scalar::Bounded;
 pub struct ConstraintContents {
     pub equations: Vec<StagedEquation>,
     pub pieces: Vec<Box<dyn StagedNonlinear>>,
-    /// The DOFs of all nonlinear pieces.
+    /// The DOFs of all `pieces`, one piece after the other.
     pub dofs: Vec<u32>,
     pub statements: Vec<DofStatement>,
-    /// Of an inactive constraint: the value of a function of time, if it is not finite at the time of the set.
+    /// A value of a function of time that is not finite at the time of the set, if there is one. Only for inactive constraints.
     pub not_finite: Option<f64>,
 }
 

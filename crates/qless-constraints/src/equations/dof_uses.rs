@@ -35,7 +35,7 @@ enum DofUse {
 }
 
 impl DofStatement {
-    /// Each DOF, its use, and whether the statement is `measured`; rotations always are.
+    /// Each DOF, its use, and whether the statement is `measured`; a statement about a rotation always counts as measured.
     fn uses(&self) -> impl Iterator<Item = (u32, DofUse, bool)> {
         let (dofs, at, measured) = match *self {
             Self::Place { dofs: [x, y, z], at, measured } => ([x, y, z, NO_DOF], Some(at), measured),
@@ -75,7 +75,7 @@ pub struct DofUses {
 }
 
 impl DofUses {
-    /// Stores the statements of a constraint that has none; if one differs from those of others, returns its DOF, and stores none.
+    /// Stores the statements of a constraint that has none yet. If two statements about one DOF differ, returns this DOF, and stores none.
     pub fn enter(&mut self, constraint: u32, list: Vec<DofStatement>) -> Result<(), (u32, DofClash)> {
         let uses = || list.iter().flat_map(DofStatement::uses);
         for (k, (dof, used, measured)) in uses().enumerate() {

@@ -16,10 +16,10 @@ const SUMMED: usize = 1 << 13;
 /// The pattern of H, and the terms of its entries.
 pub struct HessianPlan {
     pub stamp: Identity,
-    /// Start of each row among the entries, and at the end their number.
+    /// Index of the first entry of each row, and at the end the number of entries.
     start: Vec<usize>,
     col: Vec<u32>,
-    /// Start of each entry's terms, and at the end their number.
+    /// Index of the first term of each entry, and at the end the number of terms.
     first: Vec<u32>,
     /// Index of each term in the list of Hessian numbers.
     terms: Vec<u32>,

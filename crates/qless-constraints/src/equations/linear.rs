@@ -23,7 +23,7 @@ pub struct LinearEquations {
     pub owners: Vec<EquationOwner>,
     /// b, at the time of the set.
     rhs: Vec<f64>,
-    /// Start of each row among the entries, and at the end their number.
+    /// Index of the first entry of each row, and at the end the number of entries.
     pub start: Vec<usize>,
     pub col: Vec<u32>,
     pub val: Vec<f64>,

@@ -2,7 +2,7 @@
 //!
 //! | word | meaning |
 //! | --- | --- |
-//! | item | the nonlinear equations of one type that one constraint has: parameters and a list of DOFs |
+//! | item | the nonlinear equations of one call of `EquationSink::nonlinear`: parameters and a list of DOFs |
 //! | batch | all items of one type |
 //! | stamp | identity of one state; a new one after each change |
 //!
@@ -61,7 +61,7 @@ impl EquationNames {
     }
 }
 
-/// Identity of a state since the last change. It is made on request, since most changes follow one another unobserved.
+/// Identity of a state since the last change. It is made when it is first read, since most changes are followed by others before that.
 #[derive(Default)]
 pub struct ChangeStamp(OnceLock<Identity>);
 

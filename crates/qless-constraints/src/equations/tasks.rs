@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::equations::linear::LinearEquations;
 use crate::equations::nonlinear::NonlinearBatch;
 
-/// Linear equations, or items, of one task.
+/// Largest number of linear equations, or of items, that one task evaluates.
 const AT_ONCE: usize = 1024;
 
 /// A piece of work with the slices that it writes.
@@ -24,7 +24,7 @@ fn ranges(count: usize) -> impl Iterator<Item = Range<usize>> {
     (0..count).step_by(AT_ONCE).map(move |first| first..count.min(first + AT_ONCE))
 }
 
-/// One task for each range of linear rows and of items: `linear(rows, c)` and `nonlinear(batch, items, c, G)`.
+/// One task for each range of linear rows, `of_linear(rows, c)`, and for each range of items, `of_items(batch, items, c, G)`.
 pub fn value_tasks<'a>(
     (linear, batches): (&LinearEquations, &'a [Box<dyn NonlinearBatch>]),
     (c, g): (&'a mut [f64], &'a mut Csr),

@@ -3,7 +3,8 @@
 use super::closest_point::gauss_newton::{DEPENDENT, dot, step, tangents};
 use super::shape::Shape;
 
-/// Whether the tangents at the centre are dependent, a solid or face is inverted at a corner, or a line folds back.
+/// Whether the tangents at the centre are dependent, a solid is inverted at some of its corners and not at others,
+/// the normal of a face turns over at a corner, or a line folds back.
 pub fn is_degenerate<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     if step(shape, nodes, shape.centre()).is_none() {
         return true;
@@ -78,8 +79,8 @@ mod tests {
         assert!(folded > 100 && sound > 1000, "{folded}, {sound}");
     }
 
-    /// The middle node of a line may lie up to a quarter of its length off the centre, as in crack-tip elements. A
-    /// bent line never folds.
+    /// The middle node of a straight line may lie up to a quarter of the line's length off the centre, as in crack-tip
+    /// elements. A bent line never folds.
     #[test]
     fn lines_turn_back_beyond_a_quarter() {
         let with = |x: f64, y: f64| is_degenerate(Shape::Line3, &[[0.0, 0.0], [1.0, 0.0], [x, y]]);

@@ -9,7 +9,7 @@ pub enum Outline {
 }
 
 impl Outline {
-    /// From the ends of a line, or the corners of a face in either sense.
+    /// The outline of a line with these ends, or of a face with these corners, in clockwise or counter-clockwise order.
     pub fn new(mut corners: Vec<PlanePoint>) -> Self {
         if let [a, b] = corners.as_slice() {
             return Self::Interval(a[0].min(b[0]), a[0].max(b[0]));

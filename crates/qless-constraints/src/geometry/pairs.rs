@@ -11,9 +11,9 @@ pub enum PairError {
     /// The sides have different numbers of nodes.
     #[error("one side has {from} nodes, the other {to}; give each node of one side one image on the other")]
     Counts {
-        /// Nodes of one side.
+        /// Number of nodes of one side.
         from: usize,
-        /// Nodes of the other side.
+        /// Number of nodes of the other side.
         to: usize,
     },
     /// A node has no image.
@@ -36,7 +36,7 @@ pub enum PairError {
     Shared {
         /// One node, from 1.
         first: usize,
-        /// The other.
+        /// The other node, from 1.
         second: usize,
     },
 }

@@ -13,8 +13,8 @@ pub enum Polynomials {
     Triangle(usize),
     /// On a quadrilateral, all `xi^i eta^j` with `i <= p` and `j <= p`; (p + 1)^2 nodes.
     Quadrilateral(usize),
-    /// On a quadrilateral, the serendipity space: factors of degree one do not count towards the degree p; 4, 8, 12,
-    /// 17, ... nodes.
+    /// On a quadrilateral, the serendipity space: all `xi^i eta^j` with `i + j <= p`, where an exponent of one counts as
+    /// zero; 4, 8, 12, 17, ... nodes.
     Serendipity(usize),
 }
 

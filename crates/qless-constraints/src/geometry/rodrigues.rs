@@ -71,7 +71,7 @@ mod tests {
         [4.0, 4.5, 5.0].into_iter().for_each(|y| assert_same(series(y), closed(y), 1e-14, y));
     }
 
-    /// The series agree with the power series, summed term by term, for both lengths.
+    /// The series agree with the power series, summed term by term, for both numbers of terms.
     #[test]
     fn series_are_the_power_series() {
         for y in [0.0, 1e-8, 0.01, 0.049_999, 0.050_001, 0.5, 1.0] {

@@ -83,7 +83,7 @@ pub enum SurfaceError {
     Repeated {
         /// One face, from 1.
         first: usize,
-        /// The other.
+        /// The other face, from 1.
         second: usize,
     },
     /// A face has no size, is folded, has more dimensions than its space, or has coordinates that are not finite.

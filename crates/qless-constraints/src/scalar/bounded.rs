@@ -42,8 +42,8 @@ impl Bounded {
         Self { real, error: passed_on + UNIT * real.abs() }
     }
 
-    /// Like [`Bounded::rounded`], for products, quotients and roots: a result below the normal range may lose up to one smallest positive
-    /// number more. `exact_zero` tells that a zero is exact.
+    /// Like [`Bounded::rounded`], for products, quotients and roots. A result below the normal range has an additional error of up to the
+    /// smallest positive number, unless it is a zero that is exact (`exact_zero`).
     fn scaled(real: f64, passed_on: f64, exact_zero: bool) -> Self {
         let lost = if real.abs() < f64::MIN_POSITIVE && !exact_zero { f64::from_bits(1) } else { 0.0 };
         Self::rounded(real, passed_on + lost)

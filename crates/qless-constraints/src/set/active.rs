@@ -4,7 +4,8 @@
 //! rows added, removed or changed  ->  add, remove, set_terms, set_rhs  ->  affected blocks are analysed and reduced again
 //! ```
 //!
-//! If G does not depend on u, or u stays, an activated constraint costs the blocks of its equations only. To find the changes, G is read once.
+//! If G does not depend on u, or u stays, activating a constraint costs only the analysis of the blocks with its equations. To find the
+//! changes, each update reads all of G once.
 
 use std::collections::HashMap;
 
@@ -59,7 +60,7 @@ pub struct ActiveSystem {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ActiveError {
-    /// The set is another one, or the evaluation is out of date.
+    /// The set is not the one of the system, or the evaluation is out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     /// A number of a linearised equation is not finite.
@@ -169,7 +170,7 @@ impl ActiveSystem {
         &self.system
     }
 
-    /// Sets slaves and prescribed DOFs in `du`, where the masters are given: `du_s = T du_q + G du_p + g`.
+    /// Sets the slaves and the prescribed DOFs in `du`, whose masters are given: `du_s = T du_q + G du_p + g`.
     ///
     /// # Errors
     /// [`ActiveError::Change`] unless `du` has one finite number per DOF.

@@ -93,8 +93,8 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// Makes a constraint inactive: it has no equations until it is activated, but keeps its values ([`ConstraintSet::values_of`]). No effect on
-    /// an inactive constraint.
+    /// Makes a constraint inactive: it has no equations until it is activated. [`ConstraintSet::values_of`] still evaluates its values. No
+    /// effect on an inactive constraint.
     ///
     /// # Errors
     /// [`EditError::Foreign`], [`EditError::Gone`].
@@ -152,7 +152,7 @@ impl ConstraintSet {
             Err(source) => return Err(AddError::Equation { name: C::NAME, label, source }.into()),
         };
         if let Some(inactive) = self.register.inactive.get_mut(&number) {
-            // Pieces have the order that they have in an active constraint; types that the set does not know yet come last.
+            // Items are sorted by type, as in an active constraint; types that the set does not know yet come last.
             contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear).unwrap_or(usize::MAX));
             *inactive = contents;
         } else if let Err(contents) = self.overwrite(number, contents) {

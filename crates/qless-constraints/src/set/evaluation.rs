@@ -23,7 +23,7 @@ pub struct Evaluation {
 }
 
 impl PartialEq for Evaluation {
-    /// Compares the numbers.
+    /// Compares c, G and H; the set and the configuration may differ.
     fn eq(&self, other: &Self) -> bool {
         (&self.c, &self.g, &self.h) == (&other.c, &other.g, &other.h)
     }
@@ -72,7 +72,7 @@ impl ConstraintSet {
         }
     }
 
-    /// Updates c and G after changes of the set.
+    /// After changes of the set, gives c the length and G the pattern of the current equations.
     pub(super) fn follow(&self, evaluation: &mut Evaluation) -> Result<(), ArgumentError> {
         self.own("the evaluation", evaluation.set)?;
         if evaluation.evaluated != self.version.get() {
@@ -86,7 +86,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// Updates H after changes of the set. Returns the current plan.
+    /// After changes of the set, gives H the pattern of the current equations. Returns their plan.
     pub(super) fn follow_hessian(&self, evaluation: &mut Evaluation) -> &HessianPlan {
         let plan = self.plan();
         if evaluation.patterns[1] != plan.stamp {

@@ -1,8 +1,8 @@
 //! Inequalities `c(u) >= 0` by an active set: `c >= 0`, `p >= 0`, `p c = 0`, where `p = -lambda` is the pressure.
 //!
-//! An inequality is a constraint of one equation that is active while it pushes. A step activates those with c < 0, and deactivates those
-//! that pull. If an active set returns, each further step changes only the first of these constraints. These steps end for every
-//! positive definite problem (Murty 1974). If an active set returns even so, the step fails: no cycle of active sets goes on for ever.
+//! An inequality is a constraint of one equation that is active while it pushes. A step activates inactive ones with c < 0, and deactivates
+//! active ones that pull. If an active set recurs, each later step changes only the first violated inequality. Such steps end for every
+//! positive definite problem (Murty 1974). If an active set recurs even then, the step fails, so no cycle of active sets goes on for ever.
 
 use std::collections::HashSet;
 
@@ -53,7 +53,7 @@ pub enum InequalityError {
     /// The evaluation or the multipliers are out of date, or of another set.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// An active set returns although only one inequality changes at a time.
+    /// An active set recurs although only one inequality changes at a time.
     #[error(
         "the active set returns: neither open nor closed {} is a solution; the problem is not positive definite, or its equilibria are not \
          accurate enough", .labels.join(", ")
@@ -130,7 +130,7 @@ impl Inequalities {
         Ok(false)
     }
 
-    /// Records the active set; if it returns, lets one inequality change at a time, or fails.
+    /// Records the active set. If it recurs, one inequality changes at a time from now on; if it recurs after that, the step fails.
     fn exclude_cycles(&mut self, set: &ConstraintSet, violated: &[ConstraintId]) -> Result<(), InequalityError> {
         let active = self.ids.iter().map(|&id| set.is_active(id)).collect::<Result<Vec<bool>, _>>()?;
         if self.met.insert(active.clone()) {

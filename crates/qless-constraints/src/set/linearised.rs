@@ -167,7 +167,7 @@ fn is_rounding(value: f64, bound: f64) -> bool {
 }
 
 impl Evaluation {
-    /// A number of c or of the row of G that is not finite. Must be asked before rounding bounds, which are infinite for such rows.
+    /// A number of c or of the row of G that is not finite. Call it before the rounding bounds are used: they are infinite for such a row.
     pub(super) fn not_finite(&self, row: usize) -> Option<f64> {
         let numbers = std::iter::once(self.c[row]).chain(self.g.row(row).map(|(_, v)| v));
         numbers.into_iter().find(|value| !value.is_finite())
@@ -175,7 +175,7 @@ impl Evaluation {
 
     /// The terms of a row of G that exceed their rounding errors, and the right-hand side -c, or 0 if the row vanishes and c is rounding.
     ///
-    /// Without this, an entry of 1e-159 would make a column look as if it were in another unit.
+    /// If all terms were kept, an entry of 1e-159 would make a column look as if it were in another unit.
     pub(super) fn linear_equation<'a>(
         &'a self,
         row: usize,

@@ -142,8 +142,8 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] in one pass over u. The weights must not depend on the new c, as
-    /// multipliers do not.
+    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] in one pass over u. The weights must not depend on the new c.
+    /// Multipliers do not.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -202,7 +202,8 @@ impl ConstraintSet {
 
     /// The plan of H for the current equations.
     fn plan(&self) -> &HessianPlan {
-        // No lock is held while the plan is made: a thread that waits for other tasks may take up one that also asks for the plan.
+        // No lock is held while the plan is made: a thread that waits for tasks may take up one that asks for the plan too, and would then
+        // wait for itself.
         if let Some(plan) = self.hessian_plan.get() {
             return plan;
         }

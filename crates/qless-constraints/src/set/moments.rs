@@ -1,8 +1,8 @@
 //! Moments in space at the rotations of bodies.
 //!
 //! A list of loads or forces has one number for each DOF. At the three DOFs of a rotation vector these are the components of a moment in space;
-//! at four Euler parameters they are zero, and the three components of the moment. Generalised forces, which are conjugate to u, are `L^T M`
-//! there, with the angular velocity `L du/dt`.
+//! at four Euler parameters they are a zero and then the three components of the moment. Generalised forces, which are conjugate to u, are
+//! `L^T M` there, with the angular velocity `L du/dt`.
 
 use qless::ArgumentError;
 
@@ -59,7 +59,7 @@ impl ConstraintSet {
         })
     }
 
-    /// Replaces the numbers at each rotation by `of(its DOFs, its numbers)`, unless all of them are zero.
+    /// Replaces the numbers at each rotation by `of(its values in u, its numbers)`, unless all of its numbers are zero.
     fn at_rotations(
         &self,
         u: &[f64],
@@ -78,7 +78,8 @@ impl ConstraintSet {
         Ok(all)
     }
 
-    /// Calls `entry(i, j, d f_i / du_j)` for the generalised forces f of moments: a moment that stays in space turns relative to the body.
+    /// Calls `entry(i, j, d f_i / du_j)` for the generalised forces f of moments. f depends on u, because a moment that is fixed in space
+    /// rotates relative to the body.
     ///
     /// # Errors
     /// [`ArgumentError`] if u or the loads do not have length n.

@@ -37,14 +37,14 @@ pub struct ConstraintIds {
 }
 
 impl ConstraintIds {
-    /// The i-th of them, from 0; `None` after the last.
+    /// The i-th constraint, from 0; `None` after the last.
     pub fn get(self, i: usize) -> Option<ConstraintId> {
         (i < self.count as usize).then(|| ConstraintId { set: self.set, number: self.first + i as u32 })
     }
 
-    /// All of them, in order.
+    /// All constraints, in order.
     pub fn iter(self) -> impl ExactSizeIterator<Item = ConstraintId> + DoubleEndedIterator {
-        // Only ranges of `usize` implement `ExactSizeIterator`.
+        // The exact length of an iterator is a `usize`.
         (0..self.count as usize).map(move |i| ConstraintId { set: self.set, number: self.first + i as u32 })
     }
 }

@@ -78,7 +78,7 @@ impl ConstraintSet {
 
 impl ConstraintSet {
     /// `max(|u_j|, |x_j|)` for each DOF j, n numbers in the unit of that DOF. `x_j` is the largest coordinate of the node that DOF j
-    /// displaces. It is 1 for a DOF of a rotation, and 0 if [`ConstraintSet::moves_node`] is false.
+    /// displaces. For a DOF of a rotation, `x_j` is 1. If [`ConstraintSet::moves_node`] is false, `x_j` is 0.
     ///
     /// # Errors
     /// [`ArgumentError`] if u does not have length n.
@@ -89,7 +89,7 @@ impl ConstraintSet {
     }
 
     /// Whether an active constraint states a reference coordinate ([`crate::EquationSink::coordinate`]) or a rotation with this DOF. The
-    /// place of a body does not count. False from n on.
+    /// position of a body does not count as a reference coordinate. False from n on.
     pub fn moves_node(&self, dof: usize) -> bool {
         self.dof_uses.sizes(dof).is_some()
     }

@@ -55,7 +55,8 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// `(row of c, angle in radians)` of each motor at the time of the set. Its equations determine the angle only up to multiples of 2 pi.
+    /// `(row of c, angle in radians)` at the time of the set, for each equation that determines a prescribed angle only up to multiples of
+    /// 2 pi, such as that of a rotation motor.
     pub fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
         for (first, batch) in self.nonlinear.with_rows() {

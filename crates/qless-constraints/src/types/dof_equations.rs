@@ -1,4 +1,4 @@
-//! Linear equations given by DOFs and coefficients: general (Eq. 2), driven in time, prescribed values, equal DOFs.
+//! Linear equations given by DOFs and coefficients: general (Eq. 2 of the paper), driven in time, prescribed values, equal DOFs.
 
 use std::sync::Arc;
 
@@ -153,7 +153,7 @@ pub enum PrescribedError {
         dof: usize,
         /// One value.
         first: f64,
-        /// The other.
+        /// The other value.
         second: f64,
     },
 }

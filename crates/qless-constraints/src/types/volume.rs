@@ -72,7 +72,7 @@ pub enum VolumeError {
     Overlap {
         /// One tetrahedron, from 1.
         first: usize,
-        /// The other.
+        /// The other tetrahedron, from 1.
         second: usize,
     },
     /// No tetrahedra.

@@ -1,9 +1,9 @@
 //! Cleans a deck: makes its equations independent. No DOF is then the slave of two equations, and no slave is prescribed.
 //!
-//! Equations are treated by connected component ("part"). Equations that share free DOFs or lines of text are connected. A
-//! part without faults stays byte for byte. If its dependent equations can be removed with their cards, they are. Otherwise
-//! the whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
-//! has no faults, so that cleaning it again changes nothing.
+//! Equations are treated by connected component ("part"). Equations that share free DOFs or lines of text are connected. A part without
+//! faults and dependent equations stays byte for byte. If leaving out cards or nodes removes the dependent equations and the faults,
+//! nothing else changes. Otherwise the whole part is rewritten as `u_s - T u_q - G u_p = g` (equations 23 to 26 of the paper), in which no
+//! slave occurs twice. A cleaned deck has no faults, so that cleaning it again changes nothing.
 //!
 //! The new text is read again to prove that it constrains as the original: see `proof`.
 

@@ -25,7 +25,7 @@ pub const POINTS: usize = 20_000_000;
 pub const MEMBERS: usize = 40_000_000;
 /// Most bytes that loops of ANSYS read again.
 pub const REREAD: usize = 1 << 24;
-/// Bytes that each iteration adds to [`REREAD`] beside its text: a command takes about as long as reading this many bytes.
+/// Bytes that each iteration counts towards [`REREAD`] besides its text: a command takes about as long as reading this many bytes.
 pub const ITERATION: usize = 64;
 /// Most elements of all arrays of ANSYS together.
 pub const ELEMENTS: usize = 4_000_000;

@@ -36,7 +36,7 @@ impl<'a> Sources<'a> {
         self.solver
     }
 
-    /// Changes the solver. A reader calls this if the text shows that only this solver reads it.
+    /// Changes the solver. A reader calls this if the text shows that only the new solver reads it.
     pub fn set_solver(&mut self, solver: Solver) {
         self.solver = solver;
     }

@@ -33,7 +33,7 @@ type Entries = Vec<(usize, usize, f64)>;
 pub struct ChunkedMatrix {
     rows: usize,
     columns: usize,
-    /// Lines below the sizes.
+    /// Number of entries that the sizes promise, one on a line.
     entries: usize,
     header: Header,
     /// Line of the sizes.
@@ -197,7 +197,8 @@ pub(crate) fn find_entry(path: &Path, place: (usize, usize)) -> Result<Option<(u
     Ok(found)
 }
 
-/// Parses a number of rows or columns; `None` if the word is no number. The library reserves the largest index.
+/// Parses a number of rows or columns; `None` if the word is no number. Sizes from `u32::MAX` on are errors: the library reserves the
+/// largest index.
 fn size(line: &TextLine, what: &'static str, word: &[u8], entries: usize) -> Result<Option<usize>, ReadError> {
     match whole(word) {
         Some(size) if size >= u32::MAX as usize => {

@@ -2,10 +2,10 @@
 //!
 //! Numbers have the fewest digits that read back as the same 64-bit float. [`Output`] creates missing folders, [`OneFile`] does not.
 //!
-//! All files of one call are first written to hidden files beside their places, and then renamed. So no file is ever half
-//! written. Only two kinds of other files are removed: unchanged ones of an earlier set, and those that the caller names. A set has a
-//! [`Manifest`](crate::Manifest), which says whether all are in place; [`Manifest::check`](crate::Manifest::check) compares
-//! them with it. A new file takes over the mode of the old one, and its owner and group if permitted.
+//! All files of one call are first written to hidden files beside their places, and then renamed. So no file is ever half written. Only two
+//! kinds of other files are removed: unchanged ones of an earlier set, and those that the caller names. A set has a
+//! [`Manifest`](crate::Manifest), which says whether all are in place; [`Manifest::check`](crate::Manifest::check) compares the files with
+//! the manifest. A new file takes over the mode of the old one, and its owner and group if permitted.
 //!
 //! | the program ends | state of the folder |
 //! | --- | --- |
@@ -40,8 +40,8 @@ pub use scratch::{abandon, abandon_unless_at_work, is_at_work};
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///
-/// The last three are removed from the folder if the system has no such data. Labels are written if any differs from
-/// the default, its number.
+/// The last three are removed from the folder if the system has no such data. Labels are written if any of them differs from its default,
+/// the number of the row or column.
 ///
 /// # Errors
 /// Those of [`Output::commit`].
@@ -67,7 +67,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
 /// Writes a matrix as `coordinate real general`.
 ///
 /// # Errors
-/// [`WriteError`]; nothing has then changed.
+/// [`WriteError`]; a file is then unchanged, but a device or pipe may have received a part.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -85,7 +85,7 @@ pub fn write_matrix(path: &Path, matrix: &Csr) -> Result<(), WriteError> {
 /// Writes numbers, one a line.
 ///
 /// # Errors
-/// [`WriteError`]; nothing has then changed.
+/// [`WriteError`]; a file is then unchanged, but a device or pipe may have received a part.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -101,7 +101,7 @@ pub fn write_numbers(path: &Path, numbers: &[f64]) -> Result<(), WriteError> {
 /// Writes 0-based indices, one a line, as 1-based ones.
 ///
 /// # Errors
-/// [`WriteError`]; nothing has then changed.
+/// [`WriteError`]; a file is then unchanged, but a device or pipe may have received a part.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;

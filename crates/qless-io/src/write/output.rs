@@ -189,7 +189,7 @@ impl Output {
             files: self.files.values().map(|(_, record)| record.clone()).collect(),
             replaces: before.files.into_iter().chain(before.replaces).collect(),
         };
-        // Both manifests are prepared before the [`WriteLock`] is taken. A signal that is handled ends the program only after its release.
+        // Both manifests are prepared before the [`WriteLock`] is taken. A handled signal ends the program only after the lock is released.
         let incomplete = self.add_manifest(&manifest)?;
         let replaced = std::mem::take(&mut manifest.replaces);
         manifest.complete = true;

@@ -1,8 +1,8 @@
 //! Temporary files beside the places of new ones, and the locks of their writers.
 //!
-//! A writer marks its folder by a file `.qless-XXXXXX`, which it keeps locked. Its new files are `.qless-XXXXXX-1`,
-//! `.qless-XXXXXX-2`, and so on, until they are renamed. If the program is killed, the lock ends with it, and the next writer
-//! removes these files. It takes no other file for a temporary one.
+//! A writer marks its folder by a file `.qless-XXXXXX`, which it keeps locked. Its new files are `.qless-XXXXXX-1`, `.qless-XXXXXX-2`, and
+//! so on, until they are renamed. If the program is killed, the lock ends with it, and the next writer removes these files. The writer
+//! takes no other file for a temporary one.
 //!
 //! | lock | held | between |
 //! | --- | --- | --- |
@@ -45,8 +45,7 @@ impl Drop for WriteLock {
 
 /// Whether this thread is creating files, putting them in place, or removing them at the end.
 ///
-/// A program whose allocator has a reserve may use it then, since an interruption would leave files behind. Does not
-/// allocate.
+/// A program whose allocator has a reserve may use the reserve then, since a failed allocation would leave files behind. Does not allocate.
 ///
 /// ```
 /// assert!(!qless_io::write::is_at_work());
@@ -128,7 +127,7 @@ fn remove_marked(mark: &Path) {
     let _ = fs::remove_file(mark);
 }
 
-/// Waits for the lock of a folder; `None` if the file system has no locks.
+/// Waits for the lock of a folder; `None` if the folder cannot be opened or its file system has no locks.
 pub(super) fn lock(folder: &Path) -> Result<Option<File>, WriteError> {
     let Ok(file) = File::open(folder) else { return Ok(None) };
     let start = Instant::now();

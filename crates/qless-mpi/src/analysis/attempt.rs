@@ -91,7 +91,7 @@ impl AttemptInput<'_> {
         Ok(())
     }
 
-    /// For each fragment: true if the core of its component was found unsound. A rank judges all cores that it analysed together.
+    /// For each fragment: true if the core of its component was found unsound. A rank gives one judgement for all cores that it analysed.
     fn unsound_cores(&self, cores: Option<&LocalAnalysis>, whole: &ConnectedComponents) -> Vec<bool> {
         let mut post = Outbox::default();
         if let Some(solved) = cores.filter(|solved| solved.soundness() == Soundness::Unsound) {

@@ -15,8 +15,8 @@ use crate::solve::request_rows;
 /// receives the results for its equations and DOFs.
 ///
 /// The result is that of [`qless::analyse`] for all equations in the order of their numbers, for any distribution and any number of
-/// ranks. Cost: a rank sends about 40 bytes for each DOF of its equations, and each equation at most once, to the rank that analyses
-/// its component. The number of rounds grows with the logarithm of the number of ranks that a component crosses.
+/// ranks. Cost: a rank sends about 40 bytes for each DOF of its equations. In each attempt, it also sends each equation at most once, to
+/// the rank that analyses its component. The number of rounds grows with the logarithm of the number of ranks that a component crosses.
 ///
 /// ```
 /// use qless::{Kind, Options};

@@ -23,9 +23,9 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// A component, on the rank that holds its root.
 pub(crate) struct ConnectedComponent<const K: usize> {
-    /// The fragment that is its root.
+    /// The fragment that is the root of the component.
     pub root: usize,
-    /// Its other fragments, on any rank.
+    /// The other fragments of the component, on any rank.
     others: Vec<u64>,
     /// The combined values of all fragments.
     pub total: [u64; K],
@@ -120,7 +120,7 @@ impl ConnectedComponents {
 }
 
 impl<const K: usize> ConnectedComponent<K> {
-    /// Whether several ranks hold its equations; `rank` is the rank of its root.
+    /// Whether several ranks hold equations of the component; `rank` is the rank of the root.
     pub fn crosses(&self, rank: usize) -> bool {
         self.others.iter().any(|&v| rank_of(v) != rank)
     }

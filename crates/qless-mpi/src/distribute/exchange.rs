@@ -11,7 +11,7 @@ pub(crate) struct AssignedEquations {
     pub rows: ShareRows,
     /// For each equation, the rank that holds it and its index on that rank.
     pub source: Vec<(usize, u64)>,
-    /// Prescribed DOFs of these equations, with their values.
+    /// Prescribed DOFs of the assigned equations, with their values.
     pub prescribed: BTreeMap<u64, f64>,
 }
 

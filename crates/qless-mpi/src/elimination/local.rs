@@ -33,10 +33,10 @@ impl LocalDofs {
         Self { dofs, values }
     }
 
-    /// The elimination on these DOFs, numbered by their places.
+    /// The elimination on the local DOFs, numbered by their places in the list.
     pub fn elimination(&self, analysis: &Analysis) -> Result<Elimination, Failure> {
         let [mut slaves, mut masters, mut prescribed] = [Vec::new(), Vec::new(), Vec::new()];
-        // Place of each DOF in its list.
+        // Place of each DOF in its list: the slaves, masters or prescribed DOFs.
         let mut place = Vec::with_capacity(self.dofs.len());
         for (j, &dof) in self.dofs.iter().enumerate() {
             let list = if self.values.contains_key(&dof) {

@@ -46,7 +46,7 @@ pub struct DistributedElimination {
     analysis: Analysis,
     /// The local DOFs, ascending.
     dofs: Vec<u64>,
-    /// `u = L u_q + u_0` on them.
+    /// `u = L u_q + u_0` on the local DOFs.
     elimination: Elimination,
     /// The masters that this rank owns.
     masters: Vec<u64>,
@@ -174,7 +174,8 @@ impl DistributedElimination {
     }
 
     /// Takes new right-hand sides and prescribed values from a share of the same equations ([`Share::set_rhs`],
-    /// [`Share::set_prescribed`]). Slaves, T, G and condensed patterns do not change. Costs an analysis. Collective.
+    /// [`Share::set_prescribed`]). Condensed patterns stay valid if slaves, T and G stay the same; otherwise they must be made again. Costs
+    /// an analysis. Collective.
     ///
     /// # Errors
     /// As [`DistributedElimination::new`]; then nothing changes.

@@ -23,7 +23,7 @@ pub enum Error {
     Options {
         /// The first rank that differs from rank 0.
         rank: usize,
-        /// The first setting in which it does.
+        /// The first setting in which this rank differs.
         setting: OptionName,
     },
     /// The share of a rank is not valid.
@@ -37,9 +37,9 @@ pub enum Error {
     TooLarge {
         /// Equations of the component.
         equations: u64,
-        /// Their terms.
+        /// Terms of these equations.
         terms: u64,
-        /// Bytes that their analysis needs.
+        /// Bytes that the analysis of the component needs.
         bytes: u64,
         /// Bytes that a rank may use.
         limit: u64,
@@ -57,7 +57,7 @@ pub enum Error {
     Conflicting {
         /// The number of conflicting equations.
         count: u64,
-        /// The smallest of their numbers.
+        /// The smallest number of a conflicting equation.
         first: u64,
     },
 }

@@ -19,7 +19,7 @@ pub struct GatheredFindings {
     pub generated: Vec<(u64, f64)>,
     /// Preferred equations ([`qless::Preferences`]) that depend on other preferred equations only.
     pub unmet_equations: Vec<u64>,
-    /// Facts about the dependent equations and those of their certificates.
+    /// Facts about the dependent equations and the equations of their certificates.
     pub facts: BTreeMap<u64, Facts>,
 }
 
@@ -27,7 +27,7 @@ pub struct GatheredFindings {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Equation {
-    /// Its number.
+    /// The number of the equation.
     pub number: u64,
     /// Redundant or conflicting.
     pub kind: Kind,
@@ -37,9 +37,9 @@ pub struct Equation {
     pub relative_mismatch: f64,
     /// As in [`DistributedDependent`](crate::DistributedDependent).
     pub dropped: f64,
-    /// Number of terms of its certificate.
+    /// Number of terms of the certificate.
     pub terms: usize,
-    /// Its certificate; `None` if it was not gathered.
+    /// The certificate of the equation; `None` if it was not gathered.
     pub because: Option<Vec<DistributedCertificateTerm>>,
 }
 
@@ -47,13 +47,13 @@ pub struct Equation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Facts {
-    /// Its right-hand side.
+    /// The right-hand side of the equation.
     pub rhs: f64,
-    /// The absolute value of its largest coefficient.
+    /// The largest absolute value of a coefficient of the equation.
     pub largest: f64,
-    /// Number of its DOFs.
+    /// Number of DOFs of the equation.
     pub dofs: u64,
-    /// Number of its prescribed DOFs.
+    /// Number of prescribed DOFs of the equation.
     pub prescribed: u64,
 }
 

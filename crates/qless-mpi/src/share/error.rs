@@ -67,11 +67,11 @@ pub enum ShareError {
         "rank {rank} owns DOFs from {start}, but the ranks before it own those up to {expected} (excluded); the ranges must follow one another from 0"
     )]
     Ranges {
-        /// The first such rank.
+        /// The first rank whose range does not start where the range before it ends, or ends before it starts.
         rank: usize,
-        /// The start of its range.
+        /// The start of the range of this rank.
         start: u64,
-        /// The end of the range before.
+        /// The end of the range of the rank before.
         expected: u64,
     },
     /// A DOF with two different prescribed values.

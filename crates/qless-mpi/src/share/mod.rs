@@ -96,7 +96,7 @@ impl Share {
         self.rows.len()
     }
 
-    /// Their numbers, in the order in which they were added.
+    /// The numbers of the equations that this rank holds, in the order in which the equations were added.
     pub fn numbers(&self) -> &[u64] {
         &self.rows.numbers
     }

@@ -11,7 +11,7 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DistributedDependent {
-    /// Its place among the equations of the share.
+    /// The place of the dependent equation among the equations of the share.
     pub equation: usize,
     /// Redundant or conflicting.
     pub kind: Kind,
@@ -21,7 +21,7 @@ pub struct DistributedDependent {
     pub relative_mismatch: f64,
     /// The dropped remainder of the dependent equation, relative to its size; 0 if it is rounding only.
     pub dropped: f64,
-    /// `row_k = sum c_i row_i` over its free DOFs, ascending by number; equations of any rank.
+    /// The certificate `row_k = sum c_i row_i` over free DOFs, ascending by equation number. The equations may be of any rank.
     pub because: Vec<DistributedCertificateTerm>,
 }
 
@@ -30,17 +30,17 @@ pub struct DistributedDependent {
 pub struct DistributedCertificateTerm {
     /// The number of a kept equation.
     pub equation: u64,
-    /// Its coefficient.
+    /// The coefficient of this equation.
     pub coefficient: f64,
 }
 
 /// The results for the equations and DOFs of one rank.
 pub(crate) struct ReturnedResults {
-    /// Its dependent equations, ascending.
+    /// The dependent equations of this rank, ascending.
     pub dependent: Vec<DistributedDependent>,
     /// Rows of T of the slaves that this rank owns.
     pub reduction: ReductionRows,
-    /// Free DOFs that it owns and that the equations fix, with their values.
+    /// Free DOFs that this rank owns and that the equations fix, with their values.
     pub generated: Vec<(u64, f64)>,
     /// Preferred equations of this rank that depend on other preferred equations only.
     pub unmet: Vec<usize>,

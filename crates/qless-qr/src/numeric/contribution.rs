@@ -20,10 +20,10 @@ pub(crate) struct Contribution {
 pub(crate) struct FrontResult {
     /// Rows of R.
     pub rank: usize,
-    /// Outer columns of the front, unless they are all that the pattern allows.
+    /// The outer (not pivotal) columns of the front; `None` if they are all that the pattern allows.
     outer: Option<Vec<u32>>,
-    /// Positions within the front of its independent pivotal columns, unless they are the first ones. Row i of R begins at
-    /// the i-th.
+    /// Positions within the front of its independent pivotal columns; `None` if they are its first columns. Row i of R begins at the
+    /// i-th of them.
     lead: Option<Vec<u32>>,
     /// Each row of R from its first column on, followed by its right-hand sides. Then, if `has_rest`, one norm for each
     /// right-hand side, over the rows for which no column is left.

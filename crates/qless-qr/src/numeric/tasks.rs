@@ -77,8 +77,8 @@ impl Tasks<'_> {
         })
     }
 
-    /// Runs a subtree. Follows the path down while exactly one child is heavy enough for a task. Runs the children at its end in parallel
-    /// if several are heavy. Then runs the fronts of the path, from the end up.
+    /// Runs a subtree. Follows the path down while exactly one child is heavy enough for a task. Runs the children at the end of
+    /// the path in parallel if several are heavy. Then runs the fronts of the path, from the end up.
     fn subtree(&self, top: u32) -> Result<(), Error> {
         let mut path = vec![top];
         loop {
@@ -114,7 +114,7 @@ impl Tasks<'_> {
         self.symbolic.fronts.first[f as usize]..f + 1
     }
 
-    /// Subtrees that are heavy enough for a task, and the light others.
+    /// Subtrees that are heavy enough for a task, and the other, light subtrees.
     fn divided(&self, tops: &[u32]) -> (Vec<u32>, Vec<u32>) {
         tops.iter().partition(|&&f| self.symbolic.forecast.work[f as usize] >= self.grain)
     }

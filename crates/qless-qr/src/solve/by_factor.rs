@@ -1,7 +1,11 @@
 //! Solutions from a [`Factor`]: basic, transposed, complete and seminormal.
 //!
-//! In this order: `x = P [R1^{-1} z; 0]`; `x = Q [R1^{-T} c; 0]`; `[R1 R2]^T P2 = Q2 [R3; 0]`; `R1^T R1 y = (P^T A^T r)_1`
-//! with the residual r.
+//! ```text
+//! basic        x = P [R1^{-1} z; 0]            z: the first rows of Q^T b, as many as the rank
+//! transposed   x = Q [R1^{-T} c; 0]            c: the right-hand sides of the independent rows of A^T
+//! complete     [R1 R2]^T P2 = Q2 [R3; 0]       a second factorization, for shortest x
+//! seminormal   R1^T R1 y = (P^T A^T r)_1       y: the correction of x on the independent columns; r: the residual
+//! ```
 
 use rayon::prelude::*;
 

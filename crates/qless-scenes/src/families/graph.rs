@@ -67,7 +67,7 @@ pub fn grid_2d(nx: usize, ny: usize) -> Result<Scene, SceneError> {
     incidence(nx * ny, &right.chain(up).collect::<Vec<_>>())
 }
 
-/// Random edges, possibly parallel. With about nodes / 2 edges there are many components, with 2 nodes few.
+/// Random edges, possibly parallel. With about `nodes / 2` edges there are many components, with `2 nodes` edges there are few.
 ///
 /// # Errors
 /// [`SceneError::Size`] for fewer than 2 nodes.

@@ -9,9 +9,9 @@ use crate::{Scene, SceneError, Truth};
 /// The coefficient in which the third row differs from the sum of the other two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Near {
-    /// In a column of the first and the third row only.
+    /// The coefficient is in a column in which only the first and the third row have coefficients.
     Own,
-    /// In a column of all three rows.
+    /// The coefficient is in a column in which the first two rows have coefficients too.
     Shared,
 }
 

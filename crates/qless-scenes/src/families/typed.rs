@@ -12,8 +12,8 @@ type TypedRow = Vec<(usize, f64)>;
 ///
 /// Each of the n equations has two DOFs that no later equation has, with coefficients of size 1 to 2, and up to four DOFs of
 /// later equations, with coefficients of up to 1/4; so they are well-conditioned. A copy differs by up to `5 10^-digits`,
-/// relative to each coefficient. All equations are independent, but the copies only by that difference, so the truth is
-/// marked ambiguous. Rows and DOFs are in random order.
+/// relative to each coefficient. All equations are independent, the copies only because of that difference. So the truth
+/// is marked ambiguous. Rows and DOFs are in random order.
 ///
 /// ```
 /// let scene = qless_scenes::families::typed_twice(30, 6, 1)?;

@@ -4,7 +4,7 @@
 //! same interval. Between neighbouring nodes of both meshes a product is a parabola, so the two-point Gauss rule is exact
 //! except for rounding.
 
-/// Band matrix: row i holds its `(column, integral)` with nonzero integrals, ascending.
+/// Band matrix: row i holds its pairs `(column, integral)` with nonzero integrals, columns ascending.
 pub(super) type HatIntegrals = Vec<Vec<(usize, f64)>>;
 
 /// Integrals of the products of n hats (rows) and m hats (columns).

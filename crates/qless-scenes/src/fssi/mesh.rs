@@ -121,7 +121,7 @@ fn without_nesting(columns: usize, far: usize) -> usize {
 /// | 100 % | 26,888 | 288 | 41,372 | 71, 24 | 41, 15 | 28 x 56 | 31 |
 /// | 110 % | 31,832 | 300 | 48,528 | 79, 25 | 44, 15 | 27 x 76 | 26 |
 ///
-/// The layers follow from the redundant equations (12 each). The other numbers were chosen among the meshes with the exact
+/// The layers follow from the redundant equations (12 for each layer). The other numbers were chosen among the meshes with the exact
 /// total, for about three quarters of the equations on the sides and 1.5 DOFs per equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
@@ -145,7 +145,7 @@ impl Level {
     /// All levels, coarse to fine.
     pub const ALL: [Self; 7] = [Self::P50, Self::P60, Self::P70, Self::P80, Self::P90, Self::P100, Self::P110];
 
-    /// 50 to 110.
+    /// The level in percent, 50 to 110.
     pub fn percent(self) -> usize {
         50 + 10 * self as usize
     }

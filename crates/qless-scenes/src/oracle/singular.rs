@@ -13,9 +13,10 @@ const MOST: usize = 100_000_000;
 
 /// Singular values of `D_r C_f`, descending; as many as the smaller of equations and free DOFs.
 ///
-/// C_f are the columns of the free DOFs. The powers of two in D_r bring the largest coefficient of each row into `[1, 2)`,
-/// as [`qless`] scales rows if units do not mix. The cost is O(m n min(m, n)), so matrices should not exceed about
-/// 600 x 600. The absolute error of each value is about the rounding of the largest; values below 1e-14 of it are zeros.
+/// C_f are the columns of the free DOFs. The powers of two in D_r bring the largest coefficient of each row into `[1, 2)`.
+/// [`qless`] does the same if it keeps the units of the DOFs. The cost is O(m n min(m, n)), so matrices should not exceed about
+/// 600 x 600. The absolute error of each value is about the rounding of the largest, so values below 1e-14 of the largest
+/// should count as zeros.
 ///
 /// A path of n nodes, `u_i - u_(i+1) = 0`, has the singular values `2 sin(k pi / 2n)`:
 ///

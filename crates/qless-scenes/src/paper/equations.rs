@@ -28,7 +28,7 @@ pub enum FloorInput {
     Star,
     /// u1 - u2, u2 - u3, u3 - u4: each slave except the first is a master of the equation before.
     Chain,
-    /// u1 - u4, u2 - u4, u3 - u4: the form that such programs accept.
+    /// u1 - u4, u2 - u4, u3 - u4: accepted by programs that take the first DOF of each equation as its slave.
     Accepted,
 }
 
@@ -98,7 +98,7 @@ fn three_equations(rhs: f64) -> SystemBuilder {
     builder
 }
 
-/// u1, u2, ...
+/// The names u1, u2, ... of this many DOFs.
 fn names(count: usize) -> Vec<String> {
     (1..=count).map(|j| format!("u{j}")).collect()
 }

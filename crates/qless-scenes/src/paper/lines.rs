@@ -32,7 +32,7 @@ pub fn figure_1(h: f64) -> Result<Scene, SceneError> {
     scene.finish(|[a, b]| format!("tie {}-{}", names[a], names[b]), truth)
 }
 
-/// Figure 8: 16 equations from four line-to-line ties, u1 and u213 prescribed 0; the 1st and the 16th are redundant.
+/// Figure 8: 16 equations from four line-to-line ties, u1 and u213 prescribed as 0; the 1st and the 16th are redundant.
 ///
 /// The first ties u1 to u213, the last closes the ring in the middle. The paper names these two DOFs; the other numbers are
 /// ours.

@@ -115,7 +115,7 @@ impl ChangingSystem {
         let region = self.network.region(&|place| self.blocks[place as usize].as_ref().map(SolvedBlock::equations));
         let parts = self.network.parts(&region.equations);
         let solve = |part: &Vec<EquationId>| SolvedBlock::new(part, &self.network, &self.options);
-        // A single block uses the threads itself; many blocks run in parallel.
+        // The analysis of a single block uses all threads; many blocks run in parallel.
         let solved: Result<Vec<SolvedBlock>, ChangeError> =
             if parts.len() < 2 { parts.iter().map(solve).collect() } else { parts.par_iter().map(solve).collect() };
         let solved = solved?;

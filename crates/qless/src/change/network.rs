@@ -12,7 +12,7 @@ struct NetworkEquation {
     /// Nonzero terms, ascending by DOF, each DOF once.
     terms: NetworkTerms,
     rhs: f64,
-    /// Index of its block.
+    /// Index of the block that contains the equation.
     block: u32,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Network {
     prescribed: Vec<Option<f64>>,
     /// Equations that changed, or whose DOFs were prescribed or released.
     touched: BTreeSet<u32>,
-    /// Blocks of equations that were removed or changed.
+    /// Blocks that contained an equation before it was removed or its terms changed.
     stale: BTreeSet<u32>,
 }
 

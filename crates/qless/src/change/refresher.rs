@@ -33,7 +33,7 @@ pub struct Refresher {
     /// The coefficient of the slave in each peeled equation.
     pivots: Vec<f64>,
     solvers: Vec<BlockSolver>,
-    /// For each row that presolve eliminated from, the exponent by which its block scales the row.
+    /// For each row that went through elimination, the exponent by which its block scales it; 0 outside blocks.
     exponents: Vec<i32>,
 }
 
@@ -175,7 +175,8 @@ impl Refresher {
         Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), rule)
     }
 
-    /// `b_k - sum y_i b_i` over rows of a block, with a bound of the errors of the certificate.
+    /// `b_k - sum_i y_i b_i` of row k with its certificate y over rows of a block, and a bound of the error. `units` bounds the errors of
+    /// y.
     fn traced(&self, k: u32, because: &[(u32, f64)], units: f64, replay: &Replay) -> Mismatch {
         let shift = |i: u32| self.exponents[k as usize] - self.exponents[i as usize];
         let largest = because.iter().fold(0.0, |most: f64, &(i, y)| most.max(ldexp(y.abs(), shift(i))));

@@ -15,7 +15,7 @@ use crate::reduction::block::may_be_slaves;
 /// The right-hand side of a row.
 #[derive(Clone, Copy, Default)]
 pub struct RowRhs {
-    /// b.
+    /// The right-hand side b.
     pub rhs: f64,
     /// `b - C_p u_p`.
     pub effective: Mismatch,
@@ -25,7 +25,7 @@ impl RowRhs {
     fn subtract(&mut self, factor: f64, other: Self) {
         self.rhs -= factor * other.rhs;
         self.effective.subtract(factor, other.effective);
-        // The rounding error of the factor.
+        // Adds the error of the product that comes from the rounding of the factor.
         self.effective.error += f64::EPSILON * (factor * other.effective.value).abs();
     }
 }
@@ -43,7 +43,7 @@ pub struct Replay<'a> {
 }
 
 impl<'a> Replay<'a> {
-    /// Without prescribed values, u_p is zero.
+    /// If `prescribed` is empty, u_p is zero.
     pub fn new(analysis: &'a Analysis, rhs: &'a [f64], prescribed: &[f64]) -> Self {
         let local = analysis.numbering.view(&analysis.system, rhs);
         let mut values = vec![0.0; if prescribed.is_empty() { 0 } else { local.dofs() }];
@@ -59,7 +59,7 @@ impl<'a> Replay<'a> {
         replay
     }
 
-    /// The scaled right-hand sides of row `i` after all steps; i counts the rows that presolve eliminated from.
+    /// The scaled right-hand sides of row `i` after all steps; i counts the rows that went through elimination.
     pub fn row(&self, i: u32) -> RowRhs {
         let history = &self.analysis.history;
         let user = history.rows[i as usize] as usize;
@@ -86,7 +86,7 @@ impl<'a> Replay<'a> {
 
 /// Solves the kept rows of a block for their slaves.
 pub struct BlockSolver {
-    /// Exponents of the kept rows.
+    /// For each kept row, the exponent by which the block scales it.
     exponents: Vec<i32>,
     solver: SlaveSolver,
     /// Local DOF of each entry of a solution, and the exponent of its scaling.

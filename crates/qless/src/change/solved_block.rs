@@ -54,7 +54,7 @@ impl SolvedBlock {
         })
     }
 
-    /// Its equations, ascending.
+    /// The equations of the block, ascending.
     pub fn equations(&self) -> &[EquationId] {
         &self.equations
     }
@@ -74,8 +74,8 @@ impl SolvedBlock {
         &self.prescribed
     }
 
-    /// `u_s = T u_q + G u_p + g` in [`Form::Auto`]. It numbers the DOFs of the block only; slaves, masters and prescribed DOFs have the
-    /// same order as in [`SolvedBlock::slaves`], [`SolvedBlock::masters`] and [`SolvedBlock::prescribed`].
+    /// `u_s = T u_q + G u_p + g` in [`Form::Auto`]. The reduction numbers the DOFs of the block only. Its slaves, masters and prescribed
+    /// DOFs have the same order as in [`SolvedBlock::slaves`], [`SolvedBlock::masters`] and [`SolvedBlock::prescribed`].
     pub fn reduction(&self) -> &Reduction {
         &self.reduction
     }
@@ -85,7 +85,7 @@ impl SolvedBlock {
         self.ambiguous
     }
 
-    /// Rank of the free part of its equations.
+    /// Rank of the equations of the block in the columns of free DOFs.
     pub fn rank(&self) -> usize {
         self.slaves.len()
     }

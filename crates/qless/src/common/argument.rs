@@ -9,9 +9,9 @@ pub enum ArgumentError {
     WrongLength {
         /// Which list.
         what: &'static str,
-        /// Its length.
+        /// The length of the list.
         found: usize,
-        /// The length that it must have.
+        /// The length that the list must have.
         expected: usize,
     },
     /// An index that is out of range.
@@ -21,7 +21,7 @@ pub enum ArgumentError {
         what: &'static str,
         /// The index.
         found: usize,
-        /// How many there are.
+        /// The index must be below this number.
         count: usize,
     },
     /// A number that is not finite.
@@ -29,7 +29,7 @@ pub enum ArgumentError {
     NotFinite {
         /// Which list.
         what: &'static str,
-        /// Its place in the list.
+        /// The place of the number in the list.
         place: usize,
         /// The number.
         value: f64,
@@ -53,7 +53,7 @@ pub enum ArgumentError {
     Overflow {
         /// Which result.
         what: &'static str,
-        /// Its place in the result.
+        /// The place of the number that exceeds the range.
         place: usize,
     },
     /// A list that does not ascend, or that has a number in common with another list.
@@ -61,7 +61,7 @@ pub enum ArgumentError {
     NotAscending {
         /// Which list.
         what: &'static str,
-        /// Its place in the list.
+        /// The place in the list.
         place: usize,
         /// The number found there.
         value: usize,

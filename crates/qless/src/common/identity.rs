@@ -1,4 +1,4 @@
-//! Identifies the analysis or set that made a result, so that others can refuse it.
+//! Identifies the analysis or set that made a result, so that another analysis or set can refuse this result.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -5,7 +5,7 @@
 //!
 //! run_verified   run_stages, probe the kept rows
 //!                doubtful components?  run_stages again; these components go to the backend instead of presolve, or the other way round
-//!                presolve keeps more rows of a component than the backend?  its rank is used
+//!                presolve keeps more rows of a component than the backend?  presolve's rank is used
 //!
 //! run_stages     peel -> gather -> eliminate -> Block::gather -> diagnose -> classify
 //! ```
@@ -145,16 +145,16 @@ impl Pipeline<'_> {
     /// Runs the stages until presolve's decisions are verified: once, twice or three times.
     ///
     /// With presolve, the second run sends the components in which presolve is doubtful to the backend. Without presolve, it sends the
-    /// components with dependent equations to presolve. If presolve finds fewer dependent equations in a component, its rank is used: no
-    /// pivot of presolve has lost more than three digits, so the equations that it keeps are independent.
+    /// components with dependent equations to presolve. If presolve finds fewer dependent equations in a component than the backend,
+    /// presolve's rank is used: no pivot of presolve has lost more than three digits, so the equations that presolve keeps are independent.
     fn run_verified(&self, presolve: bool) -> Result<VerifiedPass, AnalysisError> {
         let held_back = vec![!presolve; self.local.equations()];
         let first = self.run_and_probe(&held_back)?;
         let (mut known, mut labels) = (None, None);
         let doubtful: Vec<usize> = match presolve {
             _ if !self.context.check => Vec::new(),
-            // A steep row that still has digits is only a hint: its component is doubtful if the distance from dependence is small. Lost
-            // and far rows have too few digits for this, so they are always doubtful.
+            // A row of `steep_rows` is only a hint: it is doubtful if its component is nearly dependent. Rows of `lost_rows` and `far_rows`
+            // have lost more than five digits, so they are doubtful at any distance from dependence.
             true if !first.probe.doubtful.is_empty() => {
                 let distances = known.insert(self.distances(&first));
                 let labels = labels.insert(Labels::of(self.local));

@@ -1,8 +1,8 @@
 //! `row_k = sum_i c_i row_i`: why an equation is dependent, in terms of the user's equations.
 //!
 //! Presolve subtracted steps from rows, and steps are rows from which earlier steps were subtracted. A certificate is
-//! found by undoing that from the last step to the first. If the kept rows are independent, the certificate is unique, and its
-//! support is the smallest set of kept equations that explains the row.
+//! found by undoing these subtractions, from the last step to the first. If the kept rows are independent, the certificate is unique, and
+//! its support is the smallest set of kept equations that explains the row.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use crate::input::scale::ldexp;
 pub struct CertificateTerm {
     /// A kept equation.
     pub row: usize,
-    /// Its coefficient.
+    /// The coefficient of the equation.
     pub coefficient: f64,
 }
 
@@ -25,7 +25,7 @@ const NOISE: f64 = 1e-11;
 pub(crate) struct History {
     /// Row of the user for each row that went through elimination.
     pub rows: Vec<u32>,
-    /// For each of them, the steps subtracted and the factors.
+    /// For each row that went through elimination, the steps subtracted from it and their factors.
     pub factors: Vec<Vec<(u32, f64)>>,
     /// For each step, the index of its row.
     pub steps: Vec<u32>,

@@ -21,7 +21,7 @@ pub enum Kind {
     Independent,
     /// A combination of kept equations, and consistent with them.
     Redundant,
-    /// A combination of kept equations whose right-hand side contradicts them.
+    /// A combination of kept equations, but with a right-hand side that contradicts them.
     Conflicting,
 }
 

@@ -47,7 +47,7 @@ pub enum Doubt {
 pub struct Confidence {
     /// d, between 0 and 1.
     pub distance: f64,
-    /// e, beyond rounding; 0 if there is none.
+    /// e; 0 if every remainder is within rounding.
     pub error: f64,
     /// True if there is a doubt: the rank or a verdict may be wrong.
     pub ambiguous: bool,

@@ -44,11 +44,11 @@ pub(crate) struct KeptRows<'a> {
 /// The distance of a core from dependence.
 #[derive(Clone, Copy)]
 pub(crate) struct CoreDistance {
-    /// One of its equations.
+    /// One of the equations of the core.
     pub row: u32,
     /// The estimate of d, at most 1.
     pub distance: f64,
-    /// True if the core is so near dependence that the digits with which its coefficients were typed decide.
+    /// True if the core is so near dependence that the number of typed digits of its coefficients decides.
     pub is_typed: bool,
 }
 
@@ -103,7 +103,8 @@ impl KeptRows<'_> {
         growth
     }
 
-    /// `X g` for right-hand sides by the user's row, in scaled rows and columns, by DOF.
+    /// A solution `u = X g` of `K u = g`, by DOF. `sides` holds the right-hand sides g by the user's row. Both u and g are in scaled rows
+    /// and columns.
     fn solved(&self, sides: &[Option<Lanes>]) -> Vec<Lanes> {
         let Self { system, basis, history, scaling, .. } = *self;
         let mut after: Vec<Lanes> = Vec::with_capacity(history.steps.len());

@@ -105,7 +105,7 @@ impl Exchange {
         self.all.insert(row, entry);
     }
 
-    /// Keeps equation k instead of i, which then depends on it.
+    /// Keeps equation k instead of equation i; i then depends on k.
     fn keep(&mut self, k: usize, i: usize, rule: &MismatchRule) {
         let Some(Exchangeable { mut because, dependent }) = self.all.remove(&k) else { return };
         let pivot = because.remove(&i).unwrap_or(1.0);
@@ -127,7 +127,7 @@ impl Exchange {
     }
 }
 
-/// Replaced at the end by the certificate.
+/// A placeholder: the certificate replaces it at the end.
 const GIVEN: Source = Source::Given(Vec::new());
 
 /// Adds a term to a sum over equations; removes a term that cancels.

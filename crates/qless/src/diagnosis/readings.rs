@@ -19,9 +19,9 @@ pub struct OtherReading {
     pub as_zero: bool,
     /// The coefficients that are read differently, ascending by row.
     pub terms: Vec<NoiseTerm>,
-    /// Its rank.
+    /// The rank in this reading.
     pub rank: usize,
-    /// Number of its conflicting equations.
+    /// Number of conflicting equations in this reading.
     pub conflicting: usize,
 }
 

@@ -13,7 +13,7 @@ pub enum EliminationError {
     Conflicting {
         /// The equations, 0-based.
         rows: Vec<usize>,
-        /// Their labels.
+        /// The labels of these equations.
         labels: Vec<String>,
     },
     /// The elimination was made from a reduction, without equations.

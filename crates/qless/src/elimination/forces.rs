@@ -15,9 +15,9 @@ pub(super) struct MultiplierFactors {
     /// The independent equations.
     equations: Vec<usize>,
     solver: SlaveSolver,
-    /// Exponents of the scaling of the equations ...
+    /// Exponents of the scaling of the equations, so that the factorization does not depend on units.
     of_equations: Vec<i32>,
-    /// ... and of the slaves, so that the factorization does not depend on units.
+    /// Exponents of the scaling of the slaves.
     of_slaves: Vec<i32>,
 }
 

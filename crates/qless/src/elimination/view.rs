@@ -17,7 +17,7 @@ pub enum Storage {
 }
 
 impl Storage {
-    /// Returns true if it includes entry (row, column).
+    /// Returns true if entry (row, column) is one of the stored entries.
     pub(super) fn holds(self, row: usize, column: usize) -> bool {
         match self {
             Self::Full => true,

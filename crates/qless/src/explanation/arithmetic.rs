@@ -64,7 +64,7 @@ impl Part {
         }
     }
 
-    /// ` - 2 * 0.5 (line 17)`.
+    /// The term as text, such as ` - 2 * 0.5 (line 17)`.
     fn words(&self, is_first: bool) -> String {
         let Self { factor, value, place } = self;
         let sign = match (is_first, *factor < 0.0) {

@@ -18,7 +18,7 @@ pub enum Number {
 pub struct Change {
     /// The number.
     pub number: Number,
-    /// Its present value.
+    /// The present value of the number.
     pub from: f64,
     /// The value that cures the conflicts, rounded to 12 digits.
     pub to: f64,

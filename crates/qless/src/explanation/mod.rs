@@ -58,22 +58,22 @@ pub enum Member {
     Equation {
         /// The equation, 0-based.
         row: usize,
-        /// Its factor.
+        /// The factor of the equation.
         coefficient: f64,
     },
     /// `coefficient` times `u_dof = value`.
     Prescribed {
         /// The prescribed DOF, 0-based.
         dof: usize,
-        /// Its prescribed value.
+        /// The value of the DOF.
         value: f64,
-        /// Its factor.
+        /// The factor of the equation `u_dof = value`.
         coefficient: f64,
     },
 }
 
 impl Member {
-    /// Its factor.
+    /// The factor of the member.
     pub fn coefficient(self) -> f64 {
         match self {
             Self::Equation { coefficient, .. } | Self::Prescribed { coefficient, .. } => coefficient,

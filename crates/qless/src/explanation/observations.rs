@@ -22,7 +22,7 @@ pub(super) struct Observations {
 }
 
 impl Observations {
-    /// Adds a mismatch. Each member changes it by its coefficient, with the opposite sign.
+    /// Adds a mismatch. A unit change of the number of a member lowers the mismatch by the coefficient of the member.
     pub fn add(&mut self, mismatch: f64, explanation: &Explanation) {
         let o = self.mismatches.len();
         self.mismatches.push(mismatch);
@@ -127,8 +127,8 @@ impl Observations {
     }
 }
 
-/// The change of a number that cures most mismatches, and the number of these minus the number that it spoils; None if this is not
-/// positive.
+/// The gain of a number, and its change that cures most mismatches. The gain counts the cured mismatches minus the zero mismatches that
+/// the change spoils. None if the gain is not positive.
 fn gain(left: &[f64], effects: &Effects) -> Option<(usize, f64)> {
     let spoiled = effects.iter().filter(|&&(o, _)| left[o] == 0.0).count();
     let open: Vec<_> = effects.iter().filter(|&&(o, _)| left[o] != 0.0).collect();

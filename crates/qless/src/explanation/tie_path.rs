@@ -1,4 +1,5 @@
-//! Short explanations in networks of ties: the shortest circle (a cycle of the graph) of equations with two DOFs, by breadth-first search.
+//! Short explanations in networks of ties: breadth-first search for the shortest circle (cycle of the graph) of equations with one or two
+//! DOFs.
 //!
 //! DOFs are the vertices. An equation with two DOFs joins them; an equation with one DOF, or a prescribed value, joins it to the ground.
 //! An equation with two DOFs follows from a path between them, or from paths of both to the ground; an equation with one DOF from a path

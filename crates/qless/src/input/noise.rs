@@ -90,8 +90,9 @@ pub struct NoiseTerm {
     pub coefficient: f64,
 }
 
-/// Coefficients that may be rounding. `rows` count as zero: with [`Noise::Auto`] all coefficients of suspect equations, with the other
-/// options all coefficients below the limit. `single` are the other suspect coefficients, ascending by row and DOF; they keep their value.
+/// Coefficients that may be rounding. `rows` count as zero: with [`Noise::Auto`] all coefficients of suspect equations, with
+/// [`Noise::Relative`] and [`Noise::Floors`] all coefficients below the limit. `single` are the other suspect coefficients, ascending by
+/// row and DOF; they keep their value.
 #[derive(Default)]
 pub(crate) struct Suspects {
     pub rows: Vec<NoiseTerm>,
@@ -133,7 +134,7 @@ impl Suspects {
         }
     }
 
-    /// Both kinds, ascending.
+    /// The terms of `rows` and of `single` in one list, ascending by row and DOF.
     pub fn all(&self) -> Vec<NoiseTerm> {
         ascending([self.rows.as_slice(), &self.single].concat())
     }
@@ -208,8 +209,8 @@ fn suspect(system: LocalSystem, exponents: &[Exponents]) -> Vec<NoiseTerm> {
     found
 }
 
-/// Coefficients as small as rounding errors of the largest of their equation, in the user's units. They count only in components whose
-/// other coefficients are all far larger, and none smaller: if units mix, coefficients of other sizes occur too.
+/// Coefficients as small as rounding errors of the largest of their equation, in the user's units. They count only in components in
+/// which every coefficient is either as small as this or far larger: if units mix, coefficients of other sizes occur too.
 fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     let labels = Labels::of(system);
     let mut may_be = vec![false; labels.count];
@@ -230,7 +231,8 @@ fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     spanning.iter().filter(|&&i| may_be[labels.of_row[i] as usize]).flat_map(of).collect()
 }
 
-/// Equations whose coefficients are below a fraction of the largest coefficients of their DOFs, and pass `may_be(row, value, largest)`.
+/// The terms of equations all of whose coefficients are at most the fraction `part` of the largest coefficient of their DOFs, and satisfy
+/// `may_be(row, value, largest)`.
 fn rows_below(
     system: LocalSystem,
     exponents: &[Exponents],

@@ -30,7 +30,7 @@ pub enum OptionError {
     /// The tolerance must lie strictly between 0 and 1.
     #[error("the tolerance is {0}; it must lie between 0 and 1, such as 1e-10")]
     Tolerance(f64),
-    /// Noise is a relative size below 1, or absolute sizes.
+    /// A relative noise must lie strictly between 0 and 1; a noise floor must be finite and at least 0.
     #[error("the noise is {0}; it must be a number between 0 and 1, or for floors at least 0")]
     Noise(f64),
     /// A list of noise floors must have one number for each equation.

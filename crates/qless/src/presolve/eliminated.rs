@@ -11,7 +11,7 @@ pub(crate) struct Step {
     pub row: u32,
     /// The slave.
     pub dof: u32,
-    /// Its coefficient.
+    /// The coefficient of the slave.
     pub pivot: f64,
     /// The other entries of the row.
     pub others: Vec<(u32, f64)>,
@@ -24,7 +24,7 @@ pub(crate) struct Step {
 #[derive(Clone, Debug)]
 pub(crate) struct EmptiedRow {
     pub row: u32,
-    /// As [`WorkingRow::dropped`], coefficients that were left when the row was classified included; 0 if only rounding was dropped.
+    /// [`WorkingRow::dropped`], or more if coefficients were left when the row was classified. 0 if only rounding was dropped.
     pub dropped: f64,
     /// As [`WorkingRow::reach`].
     pub reach: f64,
@@ -38,7 +38,7 @@ pub(crate) struct Mismatch {
     pub value: f64,
     /// Largest term of the sum.
     pub size: f64,
-    /// Bound of its rounding error.
+    /// Bound of the rounding error of the value.
     pub error: f64,
 }
 

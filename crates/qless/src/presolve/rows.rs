@@ -24,7 +24,7 @@ impl Entry {
         Self::new(dof, value, f64::EPSILON * value.abs(), value.abs())
     }
 
-    /// With its error and the size of its largest term; the size is at least the value.
+    /// A coefficient with a bound of its error and the size of its largest term; a size below the coefficient is raised to it.
     pub fn new(dof: u32, value: f64, error: f64, size: f64) -> Self {
         let size = size.max(value.abs());
         Self { dof, error: (error / size.max(f64::MIN_POSITIVE)) as f32, size, value }
@@ -134,8 +134,8 @@ impl WorkingRow {
         }
     }
 
-    /// Adds to the entry at a position. If the sum is zero within its error bound, returns the fraction of its terms that is left, or 0
-    /// if that is only rounding.
+    /// Adds to the entry at a position. If the sum counts as zero ([`NOISE`]), returns the fraction of its largest term that is left, or 0
+    /// if the sum may be only rounding.
     pub fn add(&mut self, position: usize, value: f64, error: f64, size: f64) -> Option<f64> {
         let entry = &mut self.entries[position];
         let sum = entry.value + value;

@@ -19,9 +19,9 @@ use crate::presolve::basis::{Basis, Solved};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
 /// With [`Form::Auto`], a part is explicit if its rows of T have at most this many times the nonzeros of its equations, or of its
-/// factors, ...
+/// factors.
 const MULTIPLE: usize = 4;
-/// ... or at most this many.
+/// With [`Form::Auto`], a part is also explicit if its rows of T have at most this many nonzeros.
 const FEW: usize = 1 << 12;
 
 impl Analysis {
@@ -54,8 +54,8 @@ impl Analysis {
     /// ```
     ///
     /// # Errors
-    /// [`ReductionError`] if [`Analysis::residual`] would be above 1e-10, or an entry would exceed the range of doubles. So every
-    /// reduction that is returned meets the independent equations.
+    /// [`ReductionError`] if [`Analysis::residual`] would be above 1e-10, if an entry would exceed the range of doubles, or if a block
+    /// cannot be factored again. So every reduction that is returned meets the independent equations.
     pub fn reduction_in(&self, form: Form) -> Result<Reduction, ReductionError> {
         let local = self.numbering.view(&self.system, &self.rhs);
         if form == Form::Explicit {
@@ -92,9 +92,9 @@ impl Analysis {
     }
 
     /// The relative residual of the independent equations, separately for T u_q, G u_p and g with random u_q and u_p:
-    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`. Here s_j is the sum of the magnitudes of the terms of u_j, D is the
-    /// scaling of columns (1 unless units mix), and j runs over the DOFs of the part of equation i. With g, an equation with `b_i != 0`
-    /// counts by its own terms instead: `|C_i g - b_i| / (sum_j |C_ij g_j| + |b_i|)`.
+    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`. Here s_j is the sum of the magnitudes of the terms of u_j, and D =
+    /// diag(d_j) is the scaling of columns (the identity unless units mix). 1 is the vector of ones, and j runs over the DOFs of the part
+    /// of equation i. With g, an equation with `b_i != 0` counts by its own terms instead: `|C_i g - b_i| / (sum_j |C_ij g_j| + |b_i|)`.
     ///
     /// About 1e-16 times the condition of the kept equations, `1 / confidence.distance`. One pass over C and T.
     ///

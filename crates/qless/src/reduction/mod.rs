@@ -28,10 +28,11 @@ pub enum Form {
     /// All rows are explicit.
     #[default]
     Explicit,
-    /// Parts are factored if their rows of T need substitution or a factorization.
+    /// Parts are factored if their rows of T need substitution or a factorization. Parts stay explicit if they contain preferred DOFs, or
+    /// if no choice of slaves meets the bound of growth.
     Factored,
-    /// Parts are factored if their rows of T would have more than 4,096 nonzeros, and more than 4 times those of the equations and of
-    /// the factors.
+    /// As [`Form::Factored`], but only parts whose rows of T would have more than 4,096 nonzeros, and more than 4 times those of the
+    /// equations and of the factors.
     Auto,
 }
 
@@ -47,7 +48,7 @@ pub enum ReductionError {
     Residual {
         /// The equation with the largest residual, 0-based.
         row: usize,
-        /// Its residual, relative to the DOFs of its part.
+        /// The residual of this equation, relative to the DOFs of its part.
         residual: f64,
     },
     /// An entry of T, G or g exceeds the range of doubles.

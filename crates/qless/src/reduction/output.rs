@@ -72,10 +72,11 @@ const SLAVE: u8 = 0;
 const MASTER: u8 = 1;
 const PRESCRIBED: u8 = 2;
 
-/// The place of each DOF within its side, and the DOFs of each side, ascending; `slaves` and `prescribed` are their numbers.
+/// The place of each DOF within its side, and the DOFs of each side, ascending. The side of a DOF is [`SLAVE`], [`MASTER`] or
+/// [`PRESCRIBED`]; `slaves` and `prescribed` are the numbers of such DOFs.
 fn sides(side: &[u8], slaves: usize, prescribed: usize) -> (Vec<u32>, [Vec<usize>; 3]) {
     let counts = [slaves, side.len() - slaves - prescribed, prescribed];
-    // Each DOF is written to the next place of every side, and kept on its own: a branch would be unpredictable.
+    // Each DOF is written to the next place of all three sides, but only its own side moves on: a branch would be unpredictable.
     let mut sides = counts.map(|count| vec![0; count + 1]);
     let mut next = [0; 3];
     let mut places = Vec::with_capacity(side.len());

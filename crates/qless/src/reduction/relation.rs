@@ -41,9 +41,9 @@ pub(crate) struct Relation<'a> {
     dofs: Vec<u32>,
     values: Vec<f64>,
     pub constant: Vec<f64>,
-    /// `max |T_ij|`, ...
+    /// `max |T_ij|`.
     pub growth: f64,
-    /// ... and the rows with a coefficient above the limit.
+    /// The rows of T with a coefficient above the bound of growth.
     pub steep: Vec<u32>,
 }
 
@@ -53,7 +53,7 @@ const OF_BASIS: u32 = u32::MAX;
 enum OwnRow {
     /// A range of [`Relation::dofs`] and [`Relation::values`].
     Stored { start: usize, len: u32 },
-    /// Changed by an exchange; ascending.
+    /// A row that an exchange changed, ascending by DOF.
     Changed(Box<(Vec<u32>, Vec<f64>)>),
 }
 

@@ -5,9 +5,9 @@ use crate::factor::block::Block;
 use crate::factor::solver::NOISE;
 use crate::input::scale::ldexp;
 
-/// A row of T is zero, and its slave fixed, if all its entries are below this many units in the last place times the condition ...
+/// A row of T is zero, and its slave fixed, if all its entries are at most this many units in the last place times the condition.
 const ZERO_UNITS: f64 = 8.0;
-/// ... and below this limit, for any condition.
+/// Upper limit of the bound of a row that is zero, for any condition.
 const ZERO_LIMIT: f64 = 1e-8;
 
 /// The bound of the entries of a row that is zero; `sigma` is the smallest singular value of the kept rows.
@@ -50,10 +50,10 @@ impl<'a> Units<'a> {
 
 /// Drops entries of the relation `u_s = X [u_q; u_p; 1]` that are rounding.
 ///
-/// An entry is rounding if it is small in both choices of units. Entries of masters are compared with the largest one of their row, and so
-/// are entries of prescribed DOFs, separately; constants are compared with the smallest nonzero right-hand side. If the largest one is
-/// below `zero`, all of them are dropped. Entries that an equation needs are kept: its terms in a column must cancel without
-/// the dropped ones.
+/// An entry is rounding if it is small in both choices of units. In each row, entries of masters are compared with the largest of them, and
+/// entries of prescribed DOFs with the largest of these. If the largest is at most `zero`, all entries of the group are dropped. Constants
+/// are compared with the smallest nonzero right-hand side. A small entry is kept if an equation needs it: without the entry, the terms of
+/// the equation in a column would not cancel.
 pub(super) struct Cleaning<'a> {
     pub block: &'a Block,
     /// Kept rows of the block.
@@ -61,7 +61,7 @@ pub(super) struct Cleaning<'a> {
     /// DOFs of the block.
     pub slaves: &'a [u32],
     pub masters: &'a [u32],
-    /// As [`zero`] gives it.
+    /// The bound of a row that is zero: the result of [`zero`].
     pub zero: f64,
     /// Whether the block is solved as a dense matrix.
     pub is_small: bool,
@@ -206,9 +206,9 @@ type Entries<'a> = (&'a [Vec<(usize, f64)>], &'a Large);
 /// The place of a DOF in the relation.
 #[derive(Clone, Copy)]
 enum RelationPlace {
-    /// Its column.
+    /// The column of a master.
     Master(usize),
-    /// Its row.
+    /// The row of a slave.
     Slave(usize),
 }
 
@@ -232,7 +232,7 @@ impl ColumnSums {
         *size += term.abs();
     }
 
-    /// Removes a column with its sums.
+    /// Removes one column and returns it with its sums.
     fn take(&mut self) -> Option<(usize, f64, f64)> {
         let c = self.touched.pop()?;
         let (sum, size) = std::mem::take(&mut self.sums[c]);

@@ -77,7 +77,8 @@ impl<'a> Budget<'a> {
         GeneratedCondition::new(dof + 1, system.dof_label(dof), value, certificate)
     }
 
-    /// Computes an explanation if members remain, and omits it if it has more members than remain. Its members and `work` are then used up.
+    /// Computes an explanation if members remain, and subtracts its members and `work` from the remaining ones. An explanation with more
+    /// members than remain is omitted.
     fn certificate(&mut self, work: usize, explain: impl FnOnce() -> Option<Explanation>) -> Certificate {
         if self.remaining == 0 {
             return Certificate::left_out(Omitted::NotComputed);

@@ -31,19 +31,19 @@ pub struct ExactFinding {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct ExactDifference {
-    /// Its first equation, from 1.
+    /// The first equation of the part, from 1.
     pub row: usize,
-    /// The label of its first equation.
+    /// The label of this first equation.
     pub label: String,
-    /// Its number of equations.
+    /// Number of equations of the part.
     pub equations: usize,
-    /// Its exact rank.
+    /// The rank of the part in exact arithmetic.
     pub rank: usize,
-    /// Its rank in the analysis.
+    /// The rank of the part in the analysis.
     pub analysis_rank: usize,
-    /// True if it has a solution in exact arithmetic.
+    /// True if the part has a solution in exact arithmetic.
     pub solvable: bool,
-    /// True if it has a solution in the analysis.
+    /// True if the part has a solution in the analysis.
     pub analysis_solvable: bool,
 }
 

@@ -10,9 +10,9 @@ use crate::{CertificateTerm, ConstraintSystem, Kind};
 pub struct OtherReadingFinding {
     /// True if the coefficients count as zero in this reading, false if they count as given.
     pub as_zero: bool,
-    /// Its rank.
+    /// The rank in this reading.
     pub rank: usize,
-    /// Number of its conflicting equations.
+    /// Number of conflicting equations in this reading.
     pub conflicting: usize,
     /// The coefficients that are read differently.
     pub coefficients: Vec<NoiseCoefficient>,
@@ -30,11 +30,11 @@ impl OtherReadingFinding {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct NoiseCoefficient {
-    /// Its row, from 1.
+    /// The row of the coefficient, from 1.
     pub row: usize,
-    /// Its DOF, from 1.
+    /// The DOF of the coefficient, from 1.
     pub dof: usize,
-    /// Its value.
+    /// The value of the coefficient.
     pub coefficient: f64,
 }
 
@@ -49,9 +49,9 @@ impl NoiseCoefficient {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct DependentEquation {
-    /// Its row, from 1.
+    /// The row of the equation, from 1.
     pub row: usize,
-    /// Its label.
+    /// The label of the equation.
     pub label: String,
     /// Redundant or conflicting.
     pub kind: Kind,
@@ -61,7 +61,7 @@ pub struct DependentEquation {
     /// [`Explanation::arithmetic`](crate::explanation::Explanation::arithmetic); the key is absent otherwise.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub arithmetic: Option<String>,
-    /// `because`, and `because_omitted` if it is omitted.
+    /// The keys `because` and, if they apply, `because_omitted` and `because_error`.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
@@ -73,11 +73,11 @@ pub struct DependentEquation {
 pub struct GeneratedCondition {
     /// The DOF, from 1.
     pub dof: usize,
-    /// Its label.
+    /// The label of the DOF.
     pub label: String,
-    /// Its value, the only one that the equations allow.
+    /// The only value of the DOF that the equations allow.
     pub value: f64,
-    /// `because`, and `because_omitted` if it is omitted.
+    /// The keys `because` and, if they apply, `because_omitted` and `because_error`.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
@@ -105,25 +105,25 @@ pub struct Certificate {
 pub enum Term {
     /// `coefficient` times an equation.
     Equation {
-        /// Its row, from 1.
+        /// The row of the equation, from 1.
         row: usize,
-        /// Its label.
+        /// The label of the equation.
         label: String,
-        /// Its factor.
+        /// The factor of the equation.
         coefficient: f64,
     },
     /// `coefficient` times `u_dof = value`.
     Prescribed {
         /// The prescribed DOF, from 1.
         dof: usize,
-        /// Its label.
+        /// The label of the DOF.
         label: String,
-        /// Its prescribed value.
+        /// The prescribed value of the DOF.
         value: f64,
         /// The place in the input, such as `line 17 *BOUNDARY`; the key is absent if it is not known.
         #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
         place: Option<String>,
-        /// Its factor.
+        /// The factor of the equation `u_dof = value`.
         coefficient: f64,
     },
 }
@@ -133,7 +133,7 @@ pub enum Term {
 pub enum Omitted {
     /// Nothing: the JSON key is absent.
     Nothing,
-    /// All terms; this is their number.
+    /// All terms are omitted; the number is how many.
     Terms(usize),
     /// The certificate was not computed; serializes as null.
     NotComputed,
@@ -209,7 +209,7 @@ impl Term {
         Self::Equation { row, label, coefficient }
     }
 
-    /// Its factor.
+    /// The factor of the term.
     pub fn coefficient(&self) -> f64 {
         match self {
             Self::Equation { coefficient, .. } | Self::Prescribed { coefficient, .. } => *coefficient,

@@ -15,11 +15,12 @@ use crate::Kind;
 pub struct Group {
     /// Redundant or conflicting.
     pub kind: Kind,
-    /// Their common label.
+    /// The common label of the equations.
     pub label: String,
-    /// The common labels of the members of their explanations, as far as explanations are known, without the group's own label.
+    /// The common labels of the members of the explanations of these equations, as far as explanations are known, without the group's own
+    /// label.
     pub by: Vec<String>,
-    /// Their rows, from 1; the first is the example.
+    /// The rows of the equations, from 1; the first is the example.
     pub rows: Vec<usize>,
 }
 

@@ -5,8 +5,8 @@
 //!
 //! Explanations can be long: an equation that closes a ring of a million equations depends on all the others. So the total number of
 //! members in a report is limited. Conflicts come first, then generated boundary conditions (at most half of the remaining members), then
-//! redundant equations. If one is omitted, `because` is empty and `because_omitted` is its number of members, or null if it was not
-//! computed.
+//! redundant equations. If an explanation is omitted, `because` is empty and `because_omitted` is its number of members, or null if it was
+//! not computed.
 
 mod budget;
 mod exact;

@@ -12,7 +12,7 @@ use crate::{Analysis, ArgumentError, ConstraintSystem, NearDependence};
 pub struct NearDependenceFinding {
     /// Rank if the near-dependent equations are dependent; [`Report::rank`] is the rank of the typed numbers.
     pub rank: usize,
-    /// Number of decimals to which all these equations agree with their combinations.
+    /// Number of decimals to which all near-dependent equations agree with their combinations.
     pub digits: u32,
     /// The near-dependent equations, ascending.
     pub equations: Vec<NearEquation>,
@@ -23,15 +23,15 @@ pub struct NearDependenceFinding {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct NearEquation {
-    /// Its row, from 1.
+    /// The row of the equation, from 1.
     pub row: usize,
-    /// Its label.
+    /// The label of the equation.
     pub label: String,
-    /// Number of decimals to which it agrees with its combination.
+    /// Number of decimals to which the equation agrees with its combination.
     pub digits: u32,
-    /// Estimate of the smallest relative change of one coefficient that makes it a combination.
+    /// Estimate of the smallest relative change of one coefficient that makes the equation a combination of others.
     pub distance: f64,
-    /// `because`, and `because_omitted` if it is omitted.
+    /// The keys `because` and, if they apply, `because_omitted` and `because_error`.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }

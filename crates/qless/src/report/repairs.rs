@@ -10,11 +10,12 @@ use crate::{Analysis, ConstraintSystem};
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct RepairFinding {
-    /// The conflicting rows that it cures, from 1.
+    /// The conflicting rows that the repair cures, from 1.
     pub conflicts: Vec<usize>,
-    /// Changes that cure all of them together, the most plausible way first; at most 16 ways, all of the same size.
+    /// Ways to cure all these conflicts together, the most plausible first: each is a list of changes. At most 16 ways, with equally many
+    /// changes.
     pub ways: Vec<Vec<ChangeFinding>>,
-    /// Number of ways of this size, listed or not.
+    /// Number of ways with this number of changes, listed or not.
     pub count: usize,
 }
 
@@ -26,27 +27,27 @@ pub struct RepairFinding {
 pub enum ChangeFinding {
     /// Another right-hand side of an equation; removing the equation cures the same conflicts.
     Equation {
-        /// Its row, from 1.
+        /// The row of the equation, from 1.
         row: usize,
-        /// Its label.
+        /// The label of the equation.
         label: String,
         /// The right-hand side.
         from: f64,
-        /// The right-hand side that cures.
+        /// The right-hand side that cures the conflicts.
         to: f64,
     },
     /// Another prescribed value.
     Prescribed {
         /// The DOF, from 1.
         dof: usize,
-        /// Its label.
+        /// The label of the DOF.
         label: String,
         /// The place of the value in the input; the key is absent if it is not known.
         #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
         place: Option<String>,
         /// The value.
         from: f64,
-        /// The value that cures.
+        /// The value that cures the conflicts.
         to: f64,
     },
 }

@@ -68,7 +68,7 @@ pub struct ReductionSizes {
     pub masters: usize,
     /// `max |T_ij|`; for factored parts the largest entry that the search found.
     pub growth: f64,
-    /// Its residual: [`crate::Analysis::residual`].
+    /// The residual of the reduced form: [`crate::Analysis::residual`].
     pub residual: f64,
     /// Entries of T and G.
     pub nnz: usize,
@@ -76,7 +76,7 @@ pub struct ReductionSizes {
     pub exchanges: usize,
     /// The requested form.
     pub form: Form,
-    /// Factored parts: their rows of T and G are not explicit.
+    /// The factored parts, whose rows of T and G are not explicit.
     pub factored: Vec<FactoredSizes>,
 }
 
@@ -85,15 +85,15 @@ pub struct ReductionSizes {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct FactoredSizes {
-    /// Number of its independent equations.
+    /// Number of independent equations of the part.
     pub equations: usize,
-    /// Number of its slaves.
+    /// Number of slaves of the part.
     pub slaves: usize,
-    /// Number of its masters.
+    /// Number of masters of the part.
     pub masters: usize,
     /// Number of entries of L, U, C_M and C_p.
     pub nnz: usize,
-    /// Estimate of the entries of T if its rows were explicit.
+    /// Estimate of the number of entries of T in the part if its rows were explicit.
     pub predicted: usize,
 }
 
@@ -130,7 +130,7 @@ pub struct BackendUsed {
     pub name: &'static str,
     /// Number of threads.
     pub threads: usize,
-    /// Name and version of the library behind it.
+    /// Name and version of the library behind the backend.
     pub version: String,
 }
 

@@ -23,7 +23,7 @@ pub struct Picture {
     parts: Vec<(usize, usize)>,
     /// Nodes of the deck with their positions.
     nodes: Vec<(u32, f64, f64, f64)>,
-    /// Nodes of dependent equations and of those in their explanations, by row from 1.
+    /// Nodes of each dependent equation and of each equation in its explanation, by row from 1.
     rows: Vec<(usize, Vec<u32>)>,
 }
 

@@ -1,4 +1,4 @@
-//! Explanations as text: `row 14 = 1 * row 3 - 2 * row 9 + 1 * u 4:1 (line 17)`.
+//! Explanations as text: `row 14 = 1 * row 3 - 2 * row 9 + 1 * [4:1 = 0.5, line 17 *BOUNDARY]`.
 
 use qless::ConstraintSystem;
 use qless::explanation::Member;

@@ -13,12 +13,12 @@ use super::combination;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, EquationLookup, count, rough};
 
-/// A remainder up to this may be rounding, and a tolerance below it would count rounding as data.
+/// What is left of a dropped equation may be rounding up to this size. A smaller tolerance would count rounding as data.
 const ROUNDING: f64 = 1e-13;
 /// Mismatches between these are doubtful.
 const DOUBTFUL: [f64; 2] = [1e-12, 1e-6];
 
-/// The rank and how certain it is; if it is ambiguous, with up to two lines of advice.
+/// The rank and how certain it is. If the rank is ambiguous, advice follows.
 pub fn rank(list: &EquationList, report: &Report) -> Vec<String> {
     let rank = report.rank;
     let digit = ordinal(report.confidence.digits_kept());
@@ -60,7 +60,8 @@ fn dropped(report: &Report) -> Option<String> {
     (!report.dependent.is_empty()).then(|| "What was dropped agrees to rounding.".to_owned())
 }
 
-/// At most two reasons for doubt, each with an option that settles it.
+/// At most two reasons for doubt, each with advice; if equations have no proof, only their number. If exact arithmetic has another result,
+/// one more line says so.
 fn advice(list: &EquationList, report: &Report) -> Vec<String> {
     let reasons = [nearly_dependent(report), remainder(list), other_reading(report), small_mismatch(list)];
     let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();

@@ -109,12 +109,12 @@ fn entry(list: &EquationList, dependent: &DependentRow, most: usize) -> Vec<Stri
     lines
 }
 
-/// A certificate with a larger error is reported: smaller errors are within the tolerance of the rank.
+/// A certificate whose error is above this value is reported; smaller errors are within the tolerance of the rank.
 fn tolerance(tolerance: Tolerance) -> f64 {
     if let Tolerance::Relative(value) = tolerance { value } else { 1e-5 }
 }
 
-/// The given and the consistent right-hand side. Ranks of a job use this, because they do not hold the prescribed values.
+/// The given and the consistent right-hand side. For ranks of a job, which do not hold the prescribed values.
 fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: bool) -> String {
     let facts = equations.facts(dependent.row);
     let found = facts.rhs;

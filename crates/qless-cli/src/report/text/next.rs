@@ -13,7 +13,7 @@ use crate::wording::layout::width;
 use crate::wording::printable;
 use crate::wording::{label, number, rough};
 
-/// One or two lines.
+/// The files that the command wrote, or advice for the next step.
 pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> Vec<String> {
     match outcome {
         CommandOutcome::Written(folder) => written(report, folder),

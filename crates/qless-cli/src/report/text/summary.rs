@@ -119,7 +119,7 @@ pub fn presolve(report: &Report) -> String {
     }
 }
 
-/// An analysis across ranks does not count the equations that presolve settles.
+/// The line of `presolve` for an analysis across ranks, which does not count the equations that presolve settles.
 fn of_ranks(report: &Report) -> String {
     let ranks = count(report.ranks.unwrap_or(1), "rank");
     format!("Analysed by {ranks}, each with presolve and {}.", report.backend.name)

@@ -28,7 +28,7 @@ pub fn compare<Q: Nonlinear>(item: &Q, u: &[f64]) {
     assert_close(&listed, &truth);
 }
 
-/// `sum_r w_r d^2 c_r / du_j du_k`.
+/// `sum_r w_r d^2 c_r / du_j du_k` by dual numbers.
 fn second<Q: Nonlinear>(item: &Q, u: &[f64], w: &[f64], j: usize, k: usize) -> f64 {
     let mut x: Vec<Dual<1, Dual<1>>> = u.iter().map(|&u| Dual::from(u)).collect();
     (x[j].real.slope[0], x[k].slope[0].real) = (1.0, 1.0);

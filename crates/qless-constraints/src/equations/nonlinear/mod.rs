@@ -78,10 +78,10 @@ impl dyn NonlinearBatch + '_ {
     }
 }
 
-/// Nonlinear equations of one constraint, of any type, that are not stored in a batch. `dofs` are those of all pieces of the constraint.
+/// An item of any type that is not stored in a batch. `dofs` are the DOFs of all items of its constraint.
 pub trait StagedNonlinear: Send + Sync {
     fn rows(&self) -> usize;
-    /// The number of their type in the set; `None` if the set does not know the type yet.
+    /// The number of the item's type in the set; `None` if the set does not know the type yet.
     fn kind(&self, nonlinear: &NonlinearEquations) -> Option<usize>;
     /// Evaluates parameters that are functions of time. The error is a value that is not finite.
     fn at_time(&mut self, time: f64) -> Result<(), f64>;
@@ -97,7 +97,7 @@ pub trait StagedNonlinear: Send + Sync {
     );
     /// Whether item i of a batch has the same type, DOFs and pairs, so that this one can replace it.
     fn fits(&self, dofs: &[u32], place: (usize, usize), nonlinear: &mut NonlinearEquations) -> bool;
-    /// Replaces the item.
+    /// Replaces the item at `place` by this one.
     fn overwrite(
         self: Box<Self>,
         constraint: u32,

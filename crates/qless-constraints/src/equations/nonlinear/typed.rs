@@ -34,7 +34,7 @@ impl<Q> Default for TypedBatch<Q> {
 /// An item outside of a batch.
 pub struct StagedItem<Q> {
     pub name: Cow<'static, str>,
-    /// Positions in the list of DOFs of all nonlinear pieces.
+    /// Positions of its DOFs in the list of DOFs of all items of the constraint.
     pub dofs: Range<usize>,
     pub parameters: Q,
 }

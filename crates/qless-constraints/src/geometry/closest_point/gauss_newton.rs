@@ -7,7 +7,7 @@ use crate::geometry::shape::{Shape, ShapeParameters};
 const MAX_STEPS: usize = 50;
 /// Maximum number of damped steps: far from a curved element each of them makes little progress.
 const MAX_DAMPED_STEPS: usize = 500;
-/// Maximum number of times that a damped step is halved.
+/// Maximum number of lengths that are tried for a damped step; each is half of the one before.
 const MAX_HALVINGS: usize = 12;
 /// Tangents are dependent if the sine of their angle is at most this.
 pub const DEPENDENT: f64 = 1e-7;
@@ -37,7 +37,7 @@ pub fn closest_parameters<const D: usize>(
         closest.xi = std::array::from_fn(|k| (closest.xi[k] + step[k]).clamp(-4.0, 4.0));
         let size: f64 = step.iter().map(|x| x.abs()).sum();
         closest.converged = size < 1e-8;
-        // Stop at convergence, or where the steps are only rounding.
+        // Stop at convergence, or when the steps are only rounding.
         if size < f64::EPSILON || (size < 1e-12 && size >= before) {
             break;
         }

@@ -234,7 +234,7 @@ mod tests {
         );
     }
 
-    /// Inside of an arc, the stationary point in its middle is the farthest one; the ends are nearest.
+    /// For a point beyond the centre of curvature of an arc, the middle of the arc is stationary but farthest; the ends are nearest.
     #[test]
     fn the_farthest_point_nearby_is_not_the_nearest() {
         for (height, nearest) in [(3.0, 10.0_f64.sqrt()), (-3.0, 2.8)] {

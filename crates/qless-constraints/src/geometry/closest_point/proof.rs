@@ -5,10 +5,10 @@
 //! |x(xi + delta)|^2 >= |x|^2 + ((sigma - kappa |delta| / 2)^2 - |x| nu) |delta|^2
 //! ```
 //!
-//! delta is scaled by the lengths `|J_k|`. In this scale, sigma is the least singular value of J, kappa bounds the
-//! second derivatives of x on the whole element, and nu bounds their component along x. An element that bends little,
-//! compared to its distance from the origin, has a single nearest point. Cost: the tangents at two or four points per
-//! node.
+//! J is `dx / dxi`, and e is the remainder of second order. delta is scaled by the lengths `|J_k|` of the columns of J. In
+//! this scale, sigma is the least singular value of J, kappa bounds the second derivatives of x on the whole element, and
+//! nu bounds their component along x. An element that bends little, compared to its distance from the origin, has a single
+//! nearest point. Cost: the tangents at two or four points per node.
 
 use super::gauss_newton::{dot, tangents};
 use crate::geometry::node::ROUNDING;
@@ -41,7 +41,7 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
     let farthest = |k: usize| shape.corners().iter().map(|to| (to[k] - xi[k]).abs()).fold(0.0, f64::max);
     let reach = (0..n).map(|k| lengths[k] * farthest(k)).fold(0.0, f64::hypot);
     let [kappa, nu] = second_derivatives(shape, nodes, &x.map(|x| x / distance), lengths);
-    // The nearer the point, the less accurate is the direction to it.
+    // Flat up to rounding. The nearer the point, the less accurate are the direction to it and nu.
     let is_flat = distance * nu * reach * reach <= least;
     let cosine = if n == 2 { dot(&slopes[0], &slopes[1]) / (lengths[0] * lengths[1]) } else { 0.0 };
     let straight = (1.0 - cosine.abs()).sqrt() - 0.5 * kappa * reach;
@@ -85,8 +85,8 @@ mod tests {
     use crate::geometry::node::relative;
     use crate::geometry::shape::tests::{inside, random};
 
-    /// On faces that bend by a few per cent every nearest point inside is proved, for gaps up to half a unit. The middle of an arc is
-    /// proved from inside its centre of curvature, and not from beyond it, where it is not the nearest point.
+    /// On faces that bend by a few per cent, every nearest point inside the face is proved, for gaps up to half a unit. The middle of an
+    /// arc is proved for an origin nearer than the centre of curvature. Beyond the centre it is not proved: then the ends are nearest.
     #[test]
     fn feet_on_faces_that_are_bent_little_are_proved() {
         let faces = [Shape::Line3, Shape::Tri6, Shape::Quad4, Shape::Quad8, Shape::Quad9];

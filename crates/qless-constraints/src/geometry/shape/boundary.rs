@@ -126,7 +126,7 @@ mod tests {
 
     use super::super::Shape;
 
-    /// Every middle node lies halfway between its ends, and the shape functions on a side are those of its shape.
+    /// Every middle node lies halfway between the ends of its edge, and the shape functions on a side are those of the side's shape.
     #[test]
     fn sides_are_parts_of_the_whole() {
         let middles = [[0, -1, 1], [1, 0, 1], [0, 1, 1], [-1, 0, 1], [-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]];

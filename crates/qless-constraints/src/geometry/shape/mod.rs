@@ -11,9 +11,9 @@ pub(crate) use domain::ShapeParameters;
 ///
 /// Parameters: [-1, 1] for lines, quadrilaterals and hexahedra; `xi, eta, zeta >= 0` and `xi + eta + zeta <= 1` for
 /// triangles and tetrahedra; a triangle in `xi, eta` times a line in `zeta` for wedges; `|xi|, |eta| <= 1 - zeta` and
-/// `0 <= zeta <= 1` for pyramids. Quadratic shapes without a centre node are serendipity elements, the others use
-/// products of Lagrange polynomials. The functions of pyramids are rational (Bedrosian, Int. J. Numer. Meth. Engng 35
-/// (1992) 95): a pyramid on a parallelogram is affine.
+/// `0 <= zeta <= 1` for pyramids. Quad8, Hex20 and Wedge15 are serendipity elements. Lines, triangles and tetrahedra use
+/// complete polynomials; the other quadrilaterals, hexahedra and wedges use products of them. The functions of pyramids
+/// are rational (Bedrosian, Int. J. Numer. Meth. Engng 35 (1992) 95): a pyramid on a parallelogram is affine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Two ends.

@@ -9,7 +9,7 @@ fn configurations() -> impl Iterator<Item = Vec<f64>> {
     [0.0, 1e-6, 0.3, 1.0, 1.7, 3.5].into_iter().map(|size| (0..DOFS as u64).map(|j| size * random(j + 1000)).collect())
 }
 
-/// Every formula for a Jacobian or a Hessian, and every list of pairs, against dual numbers.
+/// Compares every formula for a Jacobian or a Hessian, and every list of pairs, with dual numbers.
 #[test]
 fn formulas_agree_with_dual_numbers() -> Outcome {
     let set = set()?;

@@ -11,7 +11,7 @@ use crate::{ConstraintSet, SetBuilder};
 
 pub const DOFS: usize = 100;
 
-/// In [-0.5, 0.5].
+/// A pseudorandom number in [-0.5, 0.5].
 pub fn random(seed: u64) -> f64 {
     let z = (seed + 7).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_mul(0xD6E8_FEB8_6659_FD93);
     f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5

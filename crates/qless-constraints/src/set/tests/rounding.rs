@@ -26,7 +26,8 @@ fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
     u
 }
 
-/// c and G of the nonlinear equations in double-double arithmetic, each DOF moved by up to one unit in its last place.
+/// c and G of the nonlinear equations in double-double arithmetic. Each DOF u is moved by up to one unit in the
+/// last place of `|u| + s`, where s is the magnitude of the coordinate that it displaces, or 1 for a rotation.
 fn reference(set: &ConstraintSet, u: &[f64], seed: u64) -> [Vec<DoubleDouble>; 2] {
     let size = |j: usize| u[j].abs() + set.dof_uses.sizes(j).map_or(0.0, |[at, _]| at);
     let by = |j: usize| 2.0 * random(seed + j as u64) * f64::EPSILON * size(j);

@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::types::Component;
 
-    /// The mean is taken over the whole list.
+    /// L is the mean distance of all nodes in the list, or 1 if they coincide with the reference.
     #[test]
     fn arm_is_the_mean_distance() {
         let node = |x: f64| (Node6::new([7, 8, 9], [10, 11, 12], [x, 0.0, 0.0]), 1.0);

@@ -80,7 +80,7 @@ impl BeamToSolid {
         Ok(())
     }
 
-    /// `factor e . u_i`.
+    /// The terms of `factor e . u_i`, where `u_i` is the displacement of `node`.
     fn along(&self, node: usize, e: Vector<f64>, factor: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
         let dofs = self.face.nodes[node].dofs;
         (0..3).map(move |k| (dofs[k], factor * e[k]))

@@ -44,7 +44,7 @@ pub enum CouplingError {
     LocalAxis {
         /// The node, from 1; 0 for the reference.
         node: usize,
-        /// The component in its local axes.
+        /// The component in the local axes of the node.
         component: Component,
     },
     /// An equation needs a DOF that the reference does not have.
@@ -57,7 +57,7 @@ pub enum CouplingError {
         part: String,
         /// The missing component of the reference.
         component: Component,
-        /// Its factor in the equation; for a rotation that moves a node, a length.
+        /// The factor of this component in the equation; for a rotation that moves a node, a length.
         factor: f64,
     },
     /// A weight is not a positive number.
@@ -79,7 +79,7 @@ pub enum CouplingError {
         component: Component,
         /// Translation of the reference in a motion that no node observes, in units of the size of the group of nodes.
         translation: Vector<f64>,
-        /// Rotation in that motion. Translation and rotation together have norm one.
+        /// Rotation of the reference in this motion. Translation and rotation together have norm one.
         rotation: Vector<f64>,
     },
     /// Some rotations of a node, but not all three, are to follow a finite rotation.

@@ -65,12 +65,12 @@ impl Constraint for FluidNormal {
 /// Cosine of 30 degrees, the largest angle between the normal of a face and the mean normal at a node.
 const CREASE: f64 = 0.866;
 
-/// A fluid in pressure form at a wall whose mesh differs from that of the fluid (Eq. A7).
+/// A fluid in pressure form at a wall whose mesh differs from that of the fluid (Eq. A7 of the paper).
 ///
 /// `u_n,j - n_j . sum_k N_k(xi_j) u_k = 0` for each node j of the fluid's side of the interface. The DOF `u_n,j` is the
 /// normal displacement at node j; it equals that of the nearest point of the structure. The user's matrices must couple
 /// `u_n` to the pressure. `n_j` is the mean normal of the fluid's faces at the node, weighted by area. The node order of
-/// the faces determines its sign, for example out of the fluid. Equal displacements of both meshes satisfy the equations,
+/// the faces determines the sign of `n_j`, for example out of the fluid. Equal displacements of both meshes satisfy the equations,
 /// and forces on `u_n` act on the structure along `n_j`, with the same resultant.
 ///
 /// At an edge of the wall a node needs one `u_n` per side: give each side as a constraint of its own. Nodes with faces

@@ -27,7 +27,7 @@ pub struct MotionObservation {
     /// Direction of the translation, or axis of the rotation.
     pub axis: Vector<f64>,
     pub is_rotation: bool,
-    /// Square root of the weight, for rotations times a length.
+    /// Square root of the weight; for a rotation, multiplied by a length.
     pub root: f64,
 }
 
@@ -80,7 +80,7 @@ impl RigidMotionFit {
         Ok(self.factors.scaled.iter().zip(&self.roots).map(coefficient).collect())
     }
 
-    /// `motion . q(place)` in terms of the scaled motion of the centre:
+    /// `motion . q(place)` in terms of the scaled motion of the centre. With `motion = (d, t)` and the arm a from the centre:
     /// `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
     fn about_centre(&self, [a, b, c, d, e, f]: [f64; 6], place: Vector<f64>) -> [f64; 6] {
         let turn = add(cross(arm(place, self.centre), [a, b, c]), [d, e, f]);

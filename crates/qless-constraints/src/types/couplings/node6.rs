@@ -92,7 +92,7 @@ pub(crate) struct CoupledComponent {
 }
 
 impl CoupledComponent {
-    /// The component as a row that acts on the rigid motion `(u_r, theta)` of a reference. r is the arm from there to the node.
+    /// The component as a row that acts on the rigid motion `(u_r, theta)` of a reference. r is the arm from the reference to the node.
     pub fn row(&self, r: Vector<f64>) -> [f64; 6] {
         if self.kind.is_rotation() { about(self.axis) } else { along(self.axis, r) }
     }

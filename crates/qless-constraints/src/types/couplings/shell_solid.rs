@@ -162,7 +162,7 @@ impl Constraint for ShellToSolid {
     }
 }
 
-/// Largest distance of a node from the line, relative to its length.
+/// Largest distance of a node from the line, relative to the length of the line.
 const BENT: f64 = 0.01;
 /// Sums of weights below this share of the sum of their absolute values are zero.
 const NEGLIGIBLE: f64 = 1e-8;

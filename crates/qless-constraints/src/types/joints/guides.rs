@@ -1,5 +1,5 @@
 //! Joints that let a body slide (prismatic, cylindrical, planar), and conditions on two axes (parallel, perpendicular).
-//! The former add equations of `height` and `orientation`, the latter only of `orientation`.
+//! Joints that slide add equations of `height` and `orientation`. Conditions on axes add only equations of `orientation`.
 
 use super::attachment::Body;
 use super::height::height;
@@ -37,7 +37,7 @@ pub struct Prismatic {
     pub b: Body,
     /// A point of the axis in the reference configuration, coordinates.
     pub at: Vector<f64>,
-    /// The direction of the axis there, of any length.
+    /// The direction of the axis in the reference configuration, of any length.
     pub axis: Vector<f64>,
 }
 
@@ -89,7 +89,7 @@ pub struct Cylindrical {
     pub b: Body,
     /// A point of the axis in the reference configuration, coordinates.
     pub at: Vector<f64>,
-    /// The direction of the axis there, of any length.
+    /// The direction of the axis in the reference configuration, of any length.
     pub axis: Vector<f64>,
 }
 
@@ -130,11 +130,11 @@ impl Constraint for Cylindrical {
 pub struct Planar {
     /// The body with the plane.
     pub a: Body,
-    /// The body that slides on it.
+    /// The body that slides on the plane.
     pub b: Body,
     /// A point of the plane in the reference configuration, coordinates.
     pub at: Vector<f64>,
-    /// Its normal there, of any length.
+    /// The normal of the plane in the reference configuration, of any length.
     pub normal: Vector<f64>,
 }
 
@@ -180,7 +180,7 @@ impl Constraint for Planar {
 pub struct Parallel {
     /// One body.
     pub a: Body,
-    /// The other.
+    /// The other body.
     pub b: Body,
     /// The direction of the axis in the reference configuration, of any length.
     pub axis: Vector<f64>,
@@ -222,11 +222,11 @@ impl Constraint for Parallel {
 pub struct Perpendicular {
     /// One body.
     pub a: Body,
-    /// The other.
+    /// The other body.
     pub b: Body,
     /// The axis on body a in the reference configuration, of any length.
     pub axis_a: Vector<f64>,
-    /// The axis on body b there, perpendicular to the other.
+    /// The axis on body b in the reference configuration, perpendicular to that on body a.
     pub axis_b: Vector<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! Prescribed height of a point: `(R_a s) . (x_b + R_b s_b - x_a) - s . s_a - h = 0`, a length.
 //!
-//! `s` is a direction fixed to body a. `s_a` and `s_b` are the arms from the centres of the bodies to one point in the
-//! reference configuration. Both bodies carry this point along; h is the height of b's point above a's, along `R_a s`.
+//! `s` is a direction fixed to body a. `s_a` and `s_b` are the arms from the centres `x_a` and `x_b` of the bodies to one
+//! point in the reference configuration. Both bodies carry this point along; h is the height of b's point above a's, along `R_a s`.
 
 use std::borrow::Cow;
 
@@ -28,7 +28,7 @@ pub fn height(
     sink.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
 }
 
-/// The parameters.
+/// The parameters of the equation.
 pub struct Height {
     /// The centre of body a.
     a: AttachedPoint,

@@ -86,7 +86,7 @@ pub struct TranslationMotor {
     pub b: Body,
     /// A point in the reference configuration, coordinates.
     pub at: Vector<f64>,
-    /// The direction of the axis there, of any length.
+    /// The direction of the axis in the reference configuration, of any length.
     pub axis: Vector<f64>,
     /// `d(t)`, a length along the axis.
     pub travel: Arc<dyn Fn(f64) -> f64 + Send + Sync>,

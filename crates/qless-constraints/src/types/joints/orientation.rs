@@ -17,7 +17,7 @@ use crate::geometry::rotation::by_euler;
 use crate::scalar::vector::{Vector, dot, lift, perpendicular};
 use crate::scalar::{Arithmetic, Scalar};
 
-/// The value at a time. The error is a value that is not finite.
+/// The value of a prescribed motion at a time. The error is a value that is not finite.
 pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
     let value = motion(time);
     if value.is_finite() { Ok(value) } else { Err(value) }
@@ -92,7 +92,7 @@ pub struct Twist {
 }
 
 impl Twist {
-    /// For a unit vector `axis`. The time is 0.
+    /// The twist about the unit vector `axis`, at time 0.
     pub fn new(axis: Vector<f64>, motion: TimeFunction) -> Self {
         Self { axis, angle: motion(0.0), motion }
     }

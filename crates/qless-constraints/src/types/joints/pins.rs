@@ -13,7 +13,8 @@ use crate::{Constraint, EquationSink};
 /// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0` and `log(R_a^T R_b) = 0`.
 ///
 /// The angles are the components of the shortest rotation vector from a to b, in the axes of a. So a joint that is not
-/// yet assembled closes over at most half a turn; at exactly half a turn, the sign of the quaternion decides the sense.
+/// yet assembled closes over at most half a turn; at exactly half a turn, the sign of the quaternion decides the sense of
+/// rotation.
 /// The multipliers of these angles form a moment in the axes of a.
 ///
 #[doc = include_str!("../../../docs/pictures/fixed.svg")]
@@ -33,7 +34,7 @@ use crate::{Constraint, EquationSink};
 pub struct Fixed {
     /// One body.
     pub a: Body,
-    /// The other.
+    /// The other body.
     pub b: Body,
     /// Position of the joint in the reference configuration, coordinates.
     pub at: Vector<f64>,
@@ -75,11 +76,11 @@ impl Constraint for Fixed {
 pub struct Revolute {
     /// One body.
     pub a: Body,
-    /// The other.
+    /// The other body.
     pub b: Body,
     /// A point of the axis in the reference configuration, coordinates.
     pub at: Vector<f64>,
-    /// The direction of the axis there, of any length.
+    /// The direction of the axis in the reference configuration, of any length.
     pub axis: Vector<f64>,
 }
 
@@ -115,7 +116,7 @@ impl Constraint for Revolute {
 pub struct Spherical {
     /// One body.
     pub a: Body,
-    /// The other.
+    /// The other body.
     pub b: Body,
     /// Position of the joint in the reference configuration, coordinates.
     pub at: Vector<f64>,
@@ -153,13 +154,13 @@ impl Constraint for Spherical {
 pub struct Universal {
     /// One body.
     pub a: Body,
-    /// The other.
+    /// The other body.
     pub b: Body,
     /// Point where the axes cross in the reference configuration, coordinates.
     pub at: Vector<f64>,
-    /// The axis on body a there, of any length.
+    /// The axis on body a in the reference configuration, of any length.
     pub axis_a: Vector<f64>,
-    /// The axis on body b there, perpendicular to the other.
+    /// The axis on body b in the reference configuration, perpendicular to that on body a.
     pub axis_b: Vector<f64>,
 }
 

@@ -74,7 +74,7 @@ pub enum Multipliers {
 pub struct MortarTie<const D: usize, const F: usize = D> {
     /// The side with the multipliers.
     pub slave: Surface<D, F>,
-    /// The other side.
+    /// The side without multipliers.
     pub master: Surface<D, F>,
     /// The functions `Phi_i`.
     pub multipliers: Multipliers,

@@ -1,8 +1,8 @@
 //! `int N_i N_j` and `int N_i N_k` over a segment, the overlap of two facets in space.
 //!
 //! Both facets are projected on the mean plane of the first (on its chord, if the facets are lines). In this plane their
-//! outlines are polygons or intervals. At a point of the plane, a shape function has the value that it has at the point
-//! of the facet that projects there. Quadratic facets are cut into pieces with straight edges.
+//! outlines are polygons or intervals. The value of a shape function at a point of the plane is its value at the point of
+//! the facet that projects onto this point. Quadratic facets are cut into pieces with straight edges.
 
 use crate::geometry::closest_point::gauss_newton::closest_parameters;
 use crate::geometry::node::relative;

@@ -49,7 +49,7 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
     pub tolerance: f64,
 }
 
-/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations.
+/// Cyclic symmetry of harmonic k: F equations for the real parts of the amplitudes, and F for the imaginary parts.
 ///
 /// If k is 0 or half the number of sectors, `e^(i k alpha)` is real. Then no equation couples the real and imaginary
 /// parts, and the real part suffices.
@@ -90,9 +90,9 @@ pub enum CyclicError {
     /// The fields are not vectors.
     #[error("{fields} fields are not vectors of {dimensions} components each; tie vectors and scalars separately")]
     NoVectors {
-        /// F.
+        /// F, the number of fields.
         fields: usize,
-        /// D.
+        /// D, the number of dimensions.
         dimensions: usize,
     },
     /// The image is too far from the rotated node.

@@ -15,8 +15,8 @@ use crate::{Constraint, EquationSink};
 /// are 1 at one of its nodes and 0 at the others. The nodes may have any position on the face: equally spaced, Fekete
 /// points, or others. The finer polynomials must contain the coarser ones, so that both sides agree everywhere, also
 /// on the edges; an [`OrderTie`](crate::types::OrderTie) on an edge would be redundant. Shared nodes, which have the
-/// same DOFs as a coarser node at the same place, have no equations. Weights that are only rounding are exactly zero,
-/// and their sum is one. Cost: a dense factorization of the size of the coarser side.
+/// same DOFs as a coarser node at the same place, have no equations. Weights that are only rounding are exactly zero.
+/// The weights of a node sum to one. Cost: a dense factorization of the size of the coarser side.
 ///
 /// A hierarchic basis needs no such tie: both sides share the lower modes, and
 /// [`Prescribed`](crate::types::Prescribed) sets the additional modes of the finer side to zero.
@@ -86,8 +86,8 @@ impl<const F: usize> Constraint for FaceOrderTie<F> {
 pub struct FaceSide<const F: usize> {
     /// The polynomials on the face.
     pub polynomials: Polynomials,
-    /// `xi, eta` of each node, in the parameters of [`Shape`], and its 0-based DOFs. There are as many nodes as
-    /// polynomials.
+    /// `xi, eta` of each node, in the parameters of [`Shape`], and its 0-based DOFs. The number of nodes is the
+    /// dimension of the space of polynomials.
     pub nodes: Vec<([f64; 2], [usize; F])>,
 }
 
@@ -168,9 +168,9 @@ pub enum FaceOrderTieError {
     Count {
         /// Which side.
         side: TieSide,
-        /// Its polynomials.
+        /// The polynomials of this side.
         polynomials: Polynomials,
-        /// Its nodes.
+        /// The number of nodes of this side.
         found: usize,
     },
     /// The finer side does not contain the polynomials of the coarser side.

@@ -11,7 +11,7 @@ use crate::{Constraint, EquationSink};
 /// The weights depend only on the parameters, so they are exact: 1/2 and 1/2 in the middle of a linear edge; 3/8, -1/8
 /// and 3/4 at a quarter of a quadratic edge. The field is continuous if the refined elements have the degree of the
 /// parent, and if each of their nodes on the parent hangs on it or is one of its nodes. If a node hangs on a face, it must
-/// not also hang on an edge of that face: these equations would be redundant. The nodes of a parent may hang too.
+/// not also hang on an edge of that face: the equations of the edge would be redundant. The nodes of a parent may hang too.
 ///
 /// For p-refinement use [`OrderTie`](crate::types::OrderTie). For nodes with unknown parameters use
 /// [`NodeTie`](crate::types::NodeTie).
@@ -37,7 +37,7 @@ pub struct HangingNode<const F: usize> {
     pub node: [usize; F],
     /// Shape of the parent.
     pub shape: Shape,
-    /// The DOFs of its nodes, in the order of the shape.
+    /// The DOFs of the parent's nodes, in the order of the shape.
     pub parent: Vec<[usize; F]>,
     /// Parameters `xi, eta` of the node; `eta` is ignored on an edge. [`Shape`] defines their range.
     pub at: [f64; 2],

@@ -6,7 +6,7 @@ use crate::geometry::search::{FaceSearch, SearchError};
 use crate::geometry::surface::{Surface, SurfaceError};
 use crate::{Constraint, EquationSink};
 
-/// A line tied to another line node by node (collocation): `u_p = N_1 u_1 + N_2 u_2`. Both are polylines with F fields
+/// A line tied to another line node by node (collocation): `u_p = N_1 u_1 + N_2 u_2`. Both lines are polylines with F fields
 /// in D dimensions.
 ///
 /// Cost for n nodes: O(n log n).
@@ -47,9 +47,9 @@ pub enum LineTieError {
     /// There are too few nodes.
     #[error("{slave} nodes are tied to a line of {master} nodes; at least one and two are needed")]
     TooFew {
-        /// Nodes that are tied.
+        /// Number of nodes that are tied.
         slave: usize,
-        /// Nodes of the line.
+        /// Number of nodes of the line.
         master: usize,
     },
     /// A segment has no length.

@@ -35,7 +35,7 @@ use crate::{Constraint, EquationSink};
 pub struct OrderTie<const F: usize> {
     /// Position of each finer node along the edge, in any unit, and its DOFs.
     pub fine: Vec<(f64, [usize; F])>,
-    /// The same for the coarser nodes.
+    /// Position of each coarser node along the edge, in the same unit, and its DOFs.
     pub coarse: Vec<(f64, [usize; F])>,
 }
 
@@ -46,9 +46,9 @@ pub enum OrderTieError {
     /// The coarser side has too few or too many nodes.
     #[error("{fine} nodes are tied to {coarse}; the coarser side needs at least two, and fewer than the finer")]
     Order {
-        /// Nodes of the finer side.
+        /// Number of nodes of the finer side.
         fine: usize,
-        /// Nodes of the coarser side.
+        /// Number of nodes of the coarser side.
         coarse: usize,
     },
     /// A finer node is not between the ends of the coarser side.
@@ -68,7 +68,7 @@ pub enum OrderTieError {
     Repeated {
         /// One node, from 1.
         first: usize,
-        /// The other.
+        /// The other node, from 1.
         second: usize,
         /// Their position.
         at: f64,

@@ -178,7 +178,7 @@ enum NewNumbers {
     Archive(u32, &'static str),
     /// Above this highest number, as commands.
     From(u32),
-    /// `NEXT`: only the program knows which numbers are used.
+    /// `NEXT`: only ANSYS knows which numbers are used.
     Next,
 }
 

@@ -285,8 +285,8 @@ impl CalculixReader {
             self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;
         }
-        // No card may lose single nodes: Abaqus may tie a node-based surface in another way, and if steps differ, one
-        // of them may need a node that is redundant in another.
+        // In these cases no card may lose single nodes. Abaqus may tie a node-based surface in another way. If steps differ, one step may
+        // need a node that is redundant in another.
         if self.solver != Solver::Ccx || self.model.cases.windows(2).any(|two| !two[0].constrains_as(&two[1])) {
             self.model.cards.keep_whole();
         }

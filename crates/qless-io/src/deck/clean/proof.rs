@@ -1,5 +1,5 @@
-//! Proves that the text of a cleaned deck constrains as the deck does: in every load case its equations span the same space, and are
-//! independent. Let `C u = b` be the equations of the deck and `C' u = b'` those of the cleaned one.
+//! Proves that the text of a cleaned deck constrains as the deck does: in every load case, the equations of both decks span the same space,
+//! and those of the cleaned deck are independent. Let `C u = b` be the equations of the deck and `C' u = b'` those of the cleaned one.
 //!
 //! - `rank [C b; C' b'] = rank [C b]` over all DOFs: every solution of the deck solves the cleaned deck.
 //! - `rank C' = rank C` without the prescribed DOFs: the converse holds too.

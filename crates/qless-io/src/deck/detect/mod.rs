@@ -64,7 +64,7 @@ fn evidence(format: Format, line: &[u8]) -> Evidence {
     }
 }
 
-/// `*NODE`, `*RIGID BODY, ...`.
+/// Evidence for CalculiX and Abaqus: `*NODE`, `*RIGID BODY, ...`.
 fn calculix(line: &[u8]) -> Evidence {
     let Some(rest) = line.strip_prefix(b"*") else { return Evidence::None };
     let keyword = rest.split(|&byte| byte == b',').next().unwrap_or_default();
@@ -79,7 +79,7 @@ fn calculix(line: &[u8]) -> Evidence {
     }
 }
 
-/// `SOL 101`, `SPC = 1`, `GRID,1,...`, `GRID*  1`.
+/// Evidence for Nastran: `SOL 101`, `SPC = 1`, `GRID,1,...`, `GRID*  1`.
 fn nastran(line: &[u8]) -> Evidence {
     let end = line.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(line.len());
     let (name, rest) = line.split_at(end);
@@ -111,7 +111,7 @@ fn is_control(name: &[u8], rest: &[u8], is_set: bool) -> bool {
     of_two.into_iter().any(is_pair) || is_set && words::is_in(words::NASTRAN_CONTROL, name)
 }
 
-/// `/PREP7`, `*DIM,...`, `CE,...`, `NBLOCK,...`.
+/// Evidence for ANSYS: `/PREP7`, `*DIM,...`, `CE,...`, `NBLOCK,...`.
 fn ansys(line: &[u8]) -> Evidence {
     let (mark, rest) = match line.first() {
         Some(mark @ (b'/' | b'*')) => (Some(*mark), &line[1..]),

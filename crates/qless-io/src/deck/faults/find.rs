@@ -6,7 +6,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{EquationFault, FaultKind, keeps_slaves};
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
-/// A slave's coefficient vanishes below this fraction of the largest one. Dividing by it makes rounding errors grow by the inverse.
+/// A slave's coefficient counts as zero below this fraction of the largest one. Division by a coefficient that small magnifies rounding
+/// errors by the inverse of the fraction.
 const SMALL: f64 = 1e-6;
 
 /// The faults of a deck's equations, each once, in the order of the load cases.
@@ -95,7 +96,8 @@ fn unit_of(dof: Dof) -> u8 {
     }
 }
 
-/// Finds slaves that depend on each other in a circle, if the equations do not determine them or ccx cannot insert them.
+/// Finds slaves that depend on each other in a circle, if their equations do not determine them or if ccx cannot insert the equations into
+/// each other.
 fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault> {
     let masters = |i: usize| {
         let equation = model.nth(i);
@@ -154,8 +156,8 @@ fn determines_slaves(model: &Model, equations: &[usize]) -> bool {
     analysis.is_some_and(|analysis| analysis.rank() == equations.len() && !analysis.confidence().ambiguous)
 }
 
-/// A DOF in a coupled set of ANSYS, `u_j - u_1 = 0`. No DOF may be in two sets or be prescribed; the first DOF counts
-/// too, although only the others are slaves.
+/// A DOF in a coupled set of ANSYS, `u_j - u_1 = 0`. No DOF may be in two sets or be prescribed. This holds for the first DOF as well,
+/// although it is no slave.
 #[derive(Clone, Copy)]
 struct CoupledDof {
     equation: usize,

@@ -13,7 +13,7 @@ use crate::deck::{Dof, LoadCase, Model, Origin};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct EquationFault {
-    /// The equation, from 0; one of them if the fault concerns a coupled set or a circle.
+    /// The equation, from 0. For a coupled set or a circle, one of its equations.
     pub equation: usize,
     /// Its slave, or the DOF of a coupled set.
     pub slave: Dof,

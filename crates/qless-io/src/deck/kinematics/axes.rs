@@ -1,4 +1,5 @@
-//! Coordinate frames: `x = origin + e1 a + e2 b + e3 c`, where `(a, b, c)` are functions of the frame's coordinates.
+//! Coordinate frames: `x = origin + e1 a + e2 b + e3 c` with the axes e1, e2, e3, where `(a, b, c)` are functions of the frame's
+//! coordinates.
 //!
 //! | kind        | coordinates   | (a, b, c)                                        |
 //! | ----------- | ------------- | ------------------------------------------------ |

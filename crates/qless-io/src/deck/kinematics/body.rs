@@ -29,7 +29,8 @@ impl Pose {
         [x, y, z, product(&[q, -r], &[z, y]), product(&[r, -p], &[x, z]), product(&[p, -q], &[y, x])]
     }
 
-    /// The pose in the frame of another point. The rows of the result about the origin are coefficients of that point's components.
+    /// This pose in the axes of `other`, with `other` as origin. Its rows about the origin are coefficients of the six components of
+    /// `other`.
     pub fn relative_to(&self, other: &Self) -> Self {
         let arm = minus(self.position, other.position);
         let rounding = 8.0 * f64::EPSILON * (largest(self.position) + largest(other.position));
@@ -47,7 +48,7 @@ pub trait Poses {
     fn pose(&self, node: u32) -> Result<Pose, Problem>;
 }
 
-/// Equation `sum a u = 0` between components; the dependent component comes first, and no coefficient is 0.
+/// Equation `sum a u = 0` with coefficients a of components u; the dependent component comes first, and no coefficient is 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CouplingEquation {
     pub terms: Vec<(Dof, f64)>,

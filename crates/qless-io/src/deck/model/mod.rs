@@ -26,7 +26,7 @@ pub struct Model {
     pub(crate) cases: Vec<LoadCase>,
     pub(crate) warnings: Vec<Warning>,
     pub(crate) refusals: Vec<Warning>,
-    /// Rotations of rigid bodies that the solver adds and that a new node can have, each by the first of its three components.
+    /// Rotations that the solver adds for rigid bodies and that a new node can carry, each by the first of its three components.
     pub(crate) own_rotations: BTreeSet<Dof>,
     pub(crate) traits: DeckTraits,
     /// Whether load cases are independent, so that none inherits from earlier ones.
@@ -107,7 +107,7 @@ impl Model {
         std::iter::once(None).chain(self.histories.iter().map(|name| Some(name.as_str())))
     }
 
-    /// Constraints that were left out. If there are any, results for the others may not hold for the whole deck.
+    /// Constraints that were left out. If there are any, results for the constraints that were read may not hold for the whole deck.
     pub fn left_out(&self) -> impl Iterator<Item = &Warning> {
         self.warnings.iter().filter(|warning| warning.leaves_out)
     }
@@ -155,7 +155,7 @@ impl Model {
         self.claimed(dof).is_some() || is_left_out()
     }
 
-    /// Whether the first term of equation `i` is a slave. If the solver enforces it by a multiplier, it has none.
+    /// Whether the first term of equation `i` is a slave. An equation that the solver enforces by a multiplier has no slave.
     pub fn has_slave(&self, i: usize) -> bool {
         self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
     }

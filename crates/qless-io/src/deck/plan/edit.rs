@@ -13,7 +13,7 @@ impl Edits {
         self.changes.push((line, lines, text));
     }
 
-    /// The text with all changes, with its own line ends.
+    /// The text with all changes. New lines get the line ends of the text.
     pub fn apply(mut self, text: &[u8]) -> Vec<u8> {
         self.changes.sort_by_key(|&(line, lines, _)| (line, lines));
         let crlf = memchr::memchr(b'\n', text).is_some_and(|end| end > 0 && text[end - 1] == b'\r');
@@ -43,7 +43,7 @@ fn skip(text: &[u8], at: usize, lines: u32) -> usize {
     }
 }
 
-/// Appends text whose lines end in `\n`.
+/// Appends text whose lines end in `\n`; with `crlf` they then end in CRLF.
 fn append(result: &mut Vec<u8>, text: &[u8], crlf: bool) {
     for &byte in text {
         if byte == b'\n' && crlf {

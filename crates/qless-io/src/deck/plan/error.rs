@@ -38,7 +38,7 @@ pub enum CleanError {
         /// The load case.
         case: String,
     },
-    /// A DOF would have to become a slave although a card that is no equation claims it.
+    /// A DOF would have to become a slave, but another card claims it, or its node has local axes and a prescribed DOF.
     #[error("{case}: {slave} would have to be a slave, but another card claims it; change that card by hand")]
     Claimed {
         /// The load case.
@@ -66,7 +66,7 @@ pub enum CleanError {
         /// What differs.
         what: String,
     },
-    /// A card that equations cannot replace has a fault.
+    /// A card that equations cannot replace would have to be replaced or left out.
     #[error(
         "{place} cannot be replaced by equations: {why}; change it, or the equations that share DOFs with it, by hand"
     )]
@@ -99,7 +99,7 @@ pub enum CleanError {
         "the plan names equation {equation} (from 0), but the deck has {count}, each of which can be removed only once; make a plan of this deck"
     )]
     Foreign {
-        /// The equation, or its second mention.
+        /// The equation. The deck does not have it, or the plan removes it twice or out of order.
         equation: usize,
         /// Number of equations in the deck.
         count: usize,

@@ -40,9 +40,9 @@ pub fn prescribed(kind: CardKind, is_later: bool, is_compared: bool) -> Outcome 
     }
 }
 
-/// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave. It
-/// does so in every step of a deck with `*TRANSFORM`, in steps in which `*EQUATION, REMOVE` removes equations, and in
-/// nonlinear steps with linked equations of which one is nonlinear.
+/// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave. ccx does so in every step
+/// of a deck with `*TRANSFORM`, in steps in which `*EQUATION, REMOVE` removes equations, and in nonlinear steps with linked equations of
+/// which one is nonlinear.
 pub fn compares_again(
     model: &Model,
     equation: usize,
@@ -99,8 +99,8 @@ fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
     dofs.flat_map(|dof| directions.clone().map(move |component| Dof { component, ..dof })).collect()
 }
 
-/// Additional slaves of `*KINEMATIC`, with the first equation of each card: the rotations of its reference node follow
-/// those of a node that ccx adds. They can be prescribed.
+/// Additional slaves of `*KINEMATIC`, with the first equation of each card: the rotations of its reference node, which follow the rotations
+/// of a node that ccx adds. The rotations of the reference can be prescribed.
 pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
     let mut rotations = Vec::new();
     let mut last = None;

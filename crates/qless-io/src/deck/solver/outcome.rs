@@ -35,7 +35,7 @@ impl Outcome {
 pub enum CardKind {
     /// `*EQUATION`.
     Equation,
-    /// `*MPC` of any type, and MPC.
+    /// `*MPC` of any type, and Nastran's MPC.
     Mpc,
     /// `*TIE`.
     Tie,
@@ -51,9 +51,9 @@ pub enum CardKind {
     Sector,
     /// RBE2, RBE3, RBAR and the like.
     RigidElement,
-    /// CP.
+    /// ANSYS's CP.
     CoupledSet,
-    /// CE, and any other card.
+    /// ANSYS's CE, and any other card.
     Other,
 }
 

@@ -1,4 +1,5 @@
-//! Equations of a joint: `u_a + theta_a x (p - x_a) - u_b - theta_b x (p - x_b) = 0`, and `s_i . (theta_a - theta_b) = 0` for a hinge.
+//! Equations of a joint at the point p of bodies a and b: `u_a + theta_a x (p - x_a) - u_b - theta_b x (p - x_b) = 0`. A hinge adds
+//! `s_i . (theta_a - theta_b) = 0` for two directions `s_i` perpendicular to its axis.
 
 use crate::families::AXES;
 use crate::families::sums::Terms;
@@ -39,7 +40,7 @@ impl Joint {
         self.signed().into_iter().flat_map(of).filter(|term| term.1 != 0.0).collect()
     }
 
-    /// Equal rotation of the bodies about a side.
+    /// Equal rotation of both bodies about the direction `side`, which is perpendicular to the axis of the hinge.
     fn rotation(&self, side: [f64; 3]) -> Terms {
         let of = |(body, sign): (usize, f64)| (0..3).map(move |k| (6 * body + 3 + k, sign * side[k]));
         self.signed().into_iter().flat_map(of).collect()

@@ -18,9 +18,9 @@ use net::Net;
 ///
 /// The rows and the first rungs form a tree of independent equations. Each other rung closes a loop. The three hinges of a rung
 /// are not collinear, so within the plane its ends can still move relative to each other. The tree already prevents relative motion
-/// of its ends out of the plane, so three equations are redundant. A ball joint at the elbow removes two of these three, another
-/// one at the foot the third. With `balls` the seed chooses none, one or two ball joints for each of these rungs; otherwise
-/// `3 loops` equations are redundant.
+/// of its ends out of the plane, so three equations are redundant. A ball joint at the elbow removes two of these three, and
+/// a second ball joint at the foot removes the third. With `balls` the seed chooses none, one or two ball joints for each of these
+/// rungs; otherwise `3 loops` equations are redundant.
 ///
 /// ```
 /// use qless_scenes::families::Linkage;

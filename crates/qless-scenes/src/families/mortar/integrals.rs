@@ -4,12 +4,12 @@
 
 use super::side::Side;
 
-/// Row i holds its `(column, integral)`, ascending.
+/// Row i holds its pairs `(column, integral)`, columns ascending.
 pub(super) type Band = Vec<Vec<(usize, f64)>>;
 
 /// Ends at a smaller distance coincide: their positions differ by rounding only.
 const SAME: f64 = 4.0 * f64::EPSILON;
-/// An integral is an exact zero if it is below this fraction of the sum of its absolute parts. An example is `(1 - t) t (2 t - 1)`.
+/// An integral below this fraction of the sum of its absolute parts is zero in real arithmetic, such as that of `(1 - t) t (2 t - 1)`.
 const ZERO: f64 = 1e-14;
 
 /// An entry: the sum of its parts, and the sum of their absolute values.
@@ -65,7 +65,7 @@ pub(in super::super) fn gauss() -> [(f64, f64); 3] {
     [(0.5 - offset, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + offset, 5.0 / 18.0)]
 }
 
-/// Intervals come in order, so a column is among the last three of its row or new.
+/// Adds a part to an entry of a row. Intervals come in order, so the column is among the last three of the row, or new.
 fn add(row: &mut Vec<IntegralsEntry>, column: usize, part: f64) {
     match row.iter_mut().rev().take(3).find(|entry| entry.column == column) {
         Some(entry) => (entry.sum, entry.size) = (entry.sum + part, entry.size + part.abs()),

@@ -21,7 +21,7 @@ pub use surface::Surface;
 ///
 /// D is a mass matrix, symmetric and positive definite, so all equations except the sums are independent. The row sums of `D - M` are
 /// zero. A linear displacement field satisfies the equations in the plane; on a curved surface its residual is of the order of the
-/// squared element size, which is the distance of the two meshes. A master node occurs in no equation if its faces have no Gauss
+/// distance between the two meshes, which is the squared element size. A master node occurs in no equation if its faces have no Gauss
 /// point, which happens if the master side is at least twice as fine.
 ///
 /// ```

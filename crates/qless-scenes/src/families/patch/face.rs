@@ -72,7 +72,7 @@ impl PatchFace {
     }
 }
 
-/// Cramer's rule.
+/// Solves two equations with the rows `(a, b)` and `(c, d)` by Cramer's rule.
 fn solve([[a, b], [c, d]]: [[f64; 2]; 2], [p, q]: [f64; 2]) -> [f64; 2] {
     let determinant = a * d - b * c;
     [(p * d - b * q) / determinant, (a * q - p * c) / determinant]

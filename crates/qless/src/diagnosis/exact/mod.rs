@@ -112,7 +112,7 @@ pub enum ExactError {
     Fill {
         /// Equations that were left to eliminate.
         rows: usize,
-        /// Coefficients held when it was given up.
+        /// Number of stored coefficients when elimination was given up.
         fill: usize,
         /// [`Settings::fill`](Settings::fill).
         limit: usize,
@@ -141,11 +141,11 @@ pub struct ExactRank {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct PartRank {
-    /// Its number of equations.
+    /// Number of equations of the part.
     pub equations: usize,
-    /// The rank of its columns of free DOFs.
+    /// The rank of the equations of the part in the columns of free DOFs.
     pub rank: usize,
-    /// True if its equations have a solution.
+    /// True if the equations of the part have a solution.
     pub solvable: bool,
 }
 

@@ -1,6 +1,7 @@
 //! Counts equations without arithmetic: those with a DOF that occurs in no other equation, and those with one unknown DOF.
 //!
-//! Both depend only on which coefficients are zero. No nonzero coefficient has the residue 0, so this is done once for all primes.
+//! Whether an equation counts depends only on which coefficients are zero. No nonzero coefficient has the residue 0, so all primes share
+//! one count.
 
 use crate::Csr;
 
@@ -8,7 +9,7 @@ use crate::Csr;
 pub(super) struct Peeled {
     /// Equations with a DOF that occurs in no remaining equation: independent, whatever their coefficients are.
     pub(super) rows: Vec<u32>,
-    /// `(equation, DOF)`; all other DOFs of the equation are prescribed or fixed by an earlier one.
+    /// `(equation, DOF)`; all other DOFs of the equation are prescribed, or fixed by an earlier equation of this list.
     pub(super) fixing: Vec<(u32, u32)>,
     /// The remaining equations.
     pub(super) rest: Vec<u32>,

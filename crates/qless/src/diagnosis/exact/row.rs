@@ -7,7 +7,7 @@ use super::field::Field;
 /// `(column, residue)`.
 pub(in crate::diagnosis) type ModularEntry = (u32, u64);
 
-/// If a row is this many times longer than another one, looking its columns up is cheaper than merging.
+/// If a row is this many times longer than the row added to it, a binary search for each added column is cheaper than merging both rows.
 const LONG: usize = 8;
 
 /// A change of the pattern of a row.

@@ -41,7 +41,7 @@ fn united(part_of: &[u32], counts: &[ExactCounts; 2]) -> Vec<PartRank> {
     parts
 }
 
-/// The equations that remain after peeling, with the peeled ones.
+/// The result of peeling: the remaining equations of the system, and the peeled ones.
 struct ExactRemainder<'a> {
     system: &'a ConstraintSystem,
     settings: Settings,

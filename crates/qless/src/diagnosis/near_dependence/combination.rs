@@ -13,7 +13,7 @@ use crate::input::scale::ldexp;
 const FITTED: f64 = 3.0;
 /// Terms with `|y_i| |row_i|` below this many times `sqrt(distance) |row_k|` are uncertain: they may belong to the combination or not.
 const UNTOLD: f64 = 0.3;
-/// The combination without the uncertain terms is used if its distance is at most this many times as large.
+/// The combination without the uncertain terms is used if its distance is at most this many times that of the combination with them.
 const LOSS: f64 = 3.0;
 /// A row must agree with its combination to at least this many decimal digits to be nearly dependent.
 const LEAST_DIGITS: u32 = 2;
@@ -69,8 +69,8 @@ impl NearCombination {
         self.distance <= limit && self.digits(part) >= LEAST_DIGITS
     }
 
-    /// By DOF, the remainder of the row: the difference, its largest term and, if only one equation contains the DOF, its coefficient there
-    /// relative to the largest of that equation.
+    /// By DOF: the difference d, its largest term and, if only one equation contains the DOF, the coefficient of the DOF relative to the
+    /// largest coefficient of that equation.
     fn rest(&self, part: &ScaledEquations) -> BTreeMap<usize, (f64, f64, Option<f64>)> {
         let mut rest: BTreeMap<usize, (f64, f64, Option<f64>)> = BTreeMap::new();
         let mut add = |row: usize, y: f64| {
@@ -101,14 +101,14 @@ impl NearCombination {
         (-largest.log10()).clamp(0.0, DIGITS).floor() as u32
     }
 
-    /// The latest row after this one that could be exchanged for it.
+    /// The last term whose row comes after `self.row` and has a large enough share in the combination to be dropped instead.
     fn later(&self, part: &ScaledEquations) -> Option<usize> {
         let own = NEUTRAL * length(part, self.row);
         let mut later = self.terms.range(self.row + 1..).rev();
         later.find(|&(&i, y)| y.abs() * length(part, i) >= own).map(|(&i, _)| i)
     }
 
-    /// Solves for one of the terms, which becomes the row.
+    /// Solves the combination for the row of a term, which then becomes `self.row`.
     fn exchange(&mut self, term: usize) {
         let Some(pivot) = self.terms.remove(&term) else { return };
         self.terms.values_mut().for_each(|y| *y /= -pivot);
@@ -116,7 +116,7 @@ impl NearCombination {
         self.row = term;
     }
 
-    /// Replaces a term by its combination `by`.
+    /// Replaces a term by the combination `by` of other rows that nearly equals the row of the term.
     fn replace(&mut self, by: &BTreeMap<usize, f64>, term: usize, least: f64) {
         let Some(factor) = self.terms.remove(&term) else { return };
         for (&i, y) in by {

@@ -8,7 +8,7 @@ use crate::input::scale::{Scaling, exponent, ldexp};
 pub(super) struct ScaledEquations {
     /// The user's row of each row, ascending.
     pub rows: Vec<u32>,
-    /// The power of two by which each was multiplied.
+    /// By row, the exponent of the power of two that multiplies the row.
     pub exponents: Vec<i32>,
     pub matrix: Csr,
 }

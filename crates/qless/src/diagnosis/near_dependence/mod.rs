@@ -22,7 +22,7 @@ use rayon::prelude::*;
 pub struct NearDependence {
     /// Rank if the equations below are meant as combinations of others; [`Analysis::rank`] is the rank as typed.
     pub rank: usize,
-    /// The equations that are then redundant or conflicting, ascending by row; at least one.
+    /// The equations that are meant as combinations of others, and so are redundant or conflicting; ascending by row, at least one.
     pub equations: Vec<NearDependent>,
 }
 

@@ -27,9 +27,10 @@ pub(crate) struct NullspaceProbe {
     pub doubtful: Vec<usize>,
     /// The doubtful rows whose slaves have too few digits left, whatever the distance from dependence.
     pub lost: Vec<usize>,
-    /// Slaves that stay zero for random masters, each in its unit, and zero prescribed values.
+    /// Slaves that stay zero for random masters and zero prescribed values.
     pub immobile: Vec<u32>,
-    /// For each row of the basis, a bound of its row of T: its largest coefficient, or infinity if it contains other slaves.
+    /// For each row of the basis, a bound of the row of T: the largest coefficient, or infinity if the row of the basis contains other
+    /// slaves.
     pub bounds: Vec<f64>,
 }
 

@@ -101,7 +101,7 @@ impl ProbePass<'_> {
 /// The state of a DOF during the pass.
 #[derive(Clone, Copy)]
 pub struct State {
-    /// Its value for the random masters; exactly zero if its terms cancel.
+    /// The value of the DOF for the random masters; exactly zero if the terms of the DOF cancel.
     pub u: f64,
     /// Its value in scaled units for random right-hand sides. It is 0 only for masters, prescribed DOFs, and slaves whose value is
     /// not known yet.

@@ -16,9 +16,9 @@ use crate::input::reading::Number;
 /// The result of verifying an explanation exactly.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
-    /// True if the equation is a combination of the rows of its certificate.
+    /// True if the equation is a combination of the equations of its certificate.
     pub is_combination: bool,
-    /// True if its right-hand side is the same combination.
+    /// True if the right-hand side of the equation is the same combination of their right-hand sides.
     pub sides_agree: bool,
 }
 
@@ -28,7 +28,7 @@ const BITS: f64 = 60.0;
 const PRIMES: usize = 64;
 /// Largest number of rows of a certificate whose minors are computed: each row adds up to two primes, and each prime an elimination.
 const ROWS: usize = 32;
-/// Coefficients that one such elimination may hold.
+/// Largest number of coefficients that the elimination for minors may store.
 const FILL: usize = 1 << 20;
 
 /// Different primes whose product has more than `bits` bits; None if this needs more than [`PRIMES`].
@@ -95,8 +95,8 @@ impl<'a> Explanation<'a> {
         Some(found)
     }
 
-    /// Verifies the same without the coefficients, by the ranks of the rows without and with their right-hand sides. None if the rows are
-    /// too many or too large, or if the ranks decide nothing about the right-hand sides.
+    /// Verifies that the row is a combination of the rows of `terms`, by the ranks of all these rows without and with their right-hand
+    /// sides. None if the rows are too many or too large, or if the ranks decide nothing about the right-hand sides.
     pub fn minors(&self, row: usize, terms: &[CertificateTerm]) -> Option<Found> {
         if terms.len() > ROWS {
             return None;

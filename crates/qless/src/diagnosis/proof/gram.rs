@@ -3,20 +3,20 @@
 //! ```text
 //! fl(A A^T) = A A^T + E     |E| <= gamma_(p+3) |A| |A|^T         p terms in a row; three more for the digits of typed decimals
 //! L L^T     = ... + F       |F| <= gamma_(q+2) |L| |L|^T         q terms in a row of L, in any order (Higham 2002, theorem 10.3)
-//! x^T A A^T x >= sum_i (s_i - sum_j (|E| + |F|)_ij) x_i^2        for |x_i x_j| <= (x_i^2 + x_j^2) / 2
+//! x^T A A^T x >= sum_i (s_i - sum_j (|E| + |F|)_ij) x_i^2    because |x_i x_j| <= (x_i^2 + x_j^2) / 2
 //! ```
 //!
-//! The sums over j are two products with |A| and |L|. They are known only after the factorization, so s is small at first; a second attempt
-//! uses twice the s that was needed. Powers of two scale rows and DOFs, which does not change the rank. Each row then has a coefficient
-//! between 1 and 2, beside which underflow is negligible.
+//! Here `s_i = s (A A^T)_ii` and `gamma_n = n u / (1 - n u)` with u = 2^-53. The sums over j are two products with |A| and |L|. They are
+//! known only after the factorization, so s is small at first; a second attempt uses twice the s that was needed. Powers of two scale rows
+//! and DOFs, which does not change the rank. Each row then has a coefficient between 1 and 2, beside which underflow is negligible.
 
 use qless_qr::Symbolic;
 
 use crate::diagnosis::core::Core;
 use crate::input::scale::{Component, RANGE, exponent, ldexp};
 
-/// The fraction of the diagonal that is subtracted first: eight roundings. The proof succeeds for cores whose smallest singular value, in
-/// these units, exceeds the root of this.
+/// The fraction s of the first attempt: eight roundings. It suffices only for cores whose smallest singular value, in the scaled units,
+/// exceeds about the square root of s.
 const SHIFT: f64 = f64::EPSILON * 4.0;
 /// With fewer equations, their order is not changed.
 const FEW: usize = 16;
@@ -106,7 +106,7 @@ impl ScaledCore {
         false
     }
 
-    /// Sorts the rows in the order of a QR factorization of `A^T`.
+    /// Sorts the rows in the column order of a QR factorization of `A^T`.
     fn reorder(&mut self) {
         if self.rows.len() < FEW {
             return;

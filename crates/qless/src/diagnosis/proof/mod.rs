@@ -9,14 +9,15 @@
 //!                        so  x^T A A^T x > 0  for every x, and A^T (A A^T)^-1 is a right inverse
 //!           modular      the rank of A modulo a prime, which is never above the rank
 //! dropped   exact        sum_i c_i row_i = row_k  with rational c_i, modulo primes whose product is above every numerator;
-//!                        or all minors of the size s + 1 of row_k and the s rows of its certificate, in the same way
+//!                        or all minors of size r + 1 of row_k and the r rows of its certificate are zero, in the same way
 //!           enclosed     |row_kj - sum_i c_i row_ij| <= 2^-46 (|row_kj| + sum_i |c_i row_ij|),  if numbers have more than 12 digits
 //! ```
 //!
 //! Right-hand sides, with prescribed DOFs moved into them, are one more column. It agrees for a redundant equation and differs for a
 //! conflicting one. [`crate::Options::numbers`] decides how numbers are read. The bound holds for both readings: a decimal differs from its
-//! double by a rounding, which gamma counts. Numbers of more than 12 digits were computed. No sum of them is exactly zero, so their
-//! combinations are enclosed. 2^-46 is the size below which a number may be rounding of others ([`crate::Noise`]).
+//! double by a rounding, which gamma counts. Numbers of more than 12 digits were computed. Their sums are seldom exactly zero, so
+//! such combinations are enclosed if they are not exact. 2^-46 is the size below which a number may be rounding of others
+//! ([`crate::Noise`]).
 //!
 //! Cost: a sparse Cholesky factorization of each core, and O(nnz) of each certificate for each prime. The proof does not cover which DOFs
 //! the equations fix.
@@ -65,7 +66,7 @@ pub struct Proof {
     pub modular: usize,
     /// Dependent equations that are exactly the combination of their certificate, and whose right-hand side exactly agrees or differs.
     pub exact: usize,
-    /// Dependent equations with computed numbers, which are their combination to rounding.
+    /// Dependent equations with computed numbers that equal the combination of their certificate to rounding.
     pub enclosed: usize,
     /// Equations without a proof, 0-based and ascending.
     pub unproved: Vec<usize>,
@@ -113,7 +114,7 @@ fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &D
     !(agrees || is_redundant && is_rounded())
 }
 
-/// If the equation is exactly the combination of its certificate: whether its right-hand side is, too.
+/// Whether the right-hand side is exactly the combination of its certificate. None if the equation itself has no such proof.
 fn exact_sides(explanation: &Explanation, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
     let is_exact = |found: &Found| found.is_combination;
     let found = explanation.identity(row, terms).filter(is_exact);

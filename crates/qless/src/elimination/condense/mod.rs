@@ -6,9 +6,9 @@
 //! K_q(q, :) = K(q, :) L + sum over slaves a of L_aq W(a, :)                      O(nnz K + contributions)
 //! ```
 //!
-//! A line of K is copied if its indices ascend, all of its DOFs are unknowns and no slave depends on its own DOF; most lines are such.
-//! One thread computes each line of K_q, in a fixed order, so bits do not depend on the number of threads. Lines are rows or columns,
-//! like those of K.
+//! A line of K is copied if its indices ascend, all of its DOFs are unknowns and no slave depends on the DOF of the line. Most lines are
+//! copied. One thread computes each line of K_q, in a fixed order, so bits do not depend on the number of threads. Lines are rows or
+//! columns, like those of K.
 
 mod elements;
 mod lines;
@@ -28,10 +28,10 @@ use plan::CondensePlan;
 /// The treatment of prescribed DOFs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PrescribedDofs {
-    /// They are eliminated from K_q; their values enter f_q.
+    /// Prescribed DOFs are eliminated from K_q; their values enter f_q.
     #[default]
     Eliminated,
-    /// They are unknowns of K_q, for a solver that prescribes them itself.
+    /// Prescribed DOFs are unknowns of K_q, for a solver that prescribes them itself.
     Kept,
 }
 

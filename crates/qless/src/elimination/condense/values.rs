@@ -182,7 +182,8 @@ impl CondensedPattern {
         f_q: &mut [f64],
     ) -> Result<(), ArgumentError> {
         let (plan, slaves) = (&self.plan, elimination.slaves());
-        // `(K u_0)_dof` from the line of K. The caller may pass an empty line if all its DOFs are unknowns, for which u_0 is zero.
+        // `(K u_0)_dof` from the line of K. Unknowns have a u_0 of zero, so the caller may pass no entries of a line that has only
+        // unknowns.
         let stress = |dof: usize, line: &[(u32, u32)]| {
             if plan.by_columns {
                 return by_columns[dof];

@@ -1,8 +1,8 @@
 //! Columns that a QR without pivoting kept although they nearly depend on others.
 //!
 //! They are found by the right singular vectors of R1 for its smallest singular values: block inverse iteration
-//! `X <- orth(R1^-1 R1^-T X)` with a Ritz step (Foster and Davis 2013, Algorithm 933). The block is widened until it contains a value
-//! above the limit. O(nnz(R1) k) for k values, the columns of X in parallel. Dense factorizations run on one thread, so that bits do not
+//! `X <- orth(R1^-1 R1^-T X)` with a Ritz step (Foster and Davis 2013, Algorithm 933). X gets more columns until one of its values is
+//! above the limit. O(nnz(R1) k) for k columns; these are computed in parallel. Dense factorizations run on one thread, so that bits do not
 //! depend on the number of threads.
 
 use faer::diag::Diag;

@@ -22,7 +22,7 @@ pub use spqr_sys::memory::faults;
 
 const NAME: &str = "spqr";
 
-/// Upper bound of the bytes per entry of a dense m x n block: one front with all of them, and two copies of R.
+/// Upper bound of the bytes per entry of a dense m x n block: one front with all entries, and two copies of R.
 const FULL: usize = 3 * size_of::<f64>();
 
 /// SuiteSparseQR, ordering by its own default (COLAMD, AMD or METIS).

@@ -14,13 +14,13 @@ use crate::presolve::rows::{Entry, WorkingRow};
 pub(crate) struct Block {
     /// The rows, numbered as in `Eliminated::rows`.
     pub rows: Vec<u32>,
-    /// Power of two that brings each row back to size 1.
+    /// By row, the exponent of the power of two by which the block scales the row.
     pub exponents: Vec<i32>,
     /// Free DOFs of the block, ascending; the columns of `matrix`.
     pub dofs: Vec<u32>,
     /// By DOF, the exponent of its unit in `matrix`: balanced units until the kept rows are known, then 0.
     pub units: Vec<i32>,
-    /// By DOF, the exponent of its balanced unit relative to that of `matrix`: 0 until the block returns to the units of its rows.
+    /// By DOF, the exponent of its balanced unit relative to its unit in `matrix`: 0 until [`Block::restore_units`].
     pub balanced: Vec<i32>,
     pub matrix: Csr,
     /// Prescribed DOFs of the block, ascending; the columns of `fixed`.
@@ -154,7 +154,7 @@ impl Block {
         self.units.fill(0);
     }
 
-    /// The power of two that brings a row to size 1 in balanced units.
+    /// The exponent of the power of two that scales a row to a largest coefficient of about 1 in balanced units.
     pub fn balanced_row(&self, i: usize) -> i32 {
         let powers = self.matrix.row(i).filter(|&(_, v)| v != 0.0).map(|(j, v)| exponent(v) + self.balanced[j]);
         -powers.max().unwrap_or(0)

@@ -11,7 +11,8 @@
 //! contribute to a DOF, and the row has no coefficient there, the remainder at that DOF is their rounding error. Certificates that decay
 //! along a chain are therefore accepted.
 //!
-//! Cost: the coefficients of the rows of each certificate; if certificates are computed late, those of the dropped rows.
+//! Cost for each dropped row: the coefficients of the rows of its certificate. If certificates are computed late: the coefficients of the
+//! dropped row itself.
 
 use rayon::prelude::*;
 
@@ -71,7 +72,7 @@ impl Rest {
         }
     }
 
-    /// e of row k for a certificate.
+    /// `e_k` of row k with this certificate.
     fn error(&mut self, block: &Block, k: usize, certificate: &[(usize, f64)]) -> f64 {
         self.clear();
         self.subtract(block, k, -1.0, true);
@@ -83,7 +84,7 @@ impl Rest {
     }
 }
 
-/// `|row_k u| / sum_j |row_kj u_j|` for vectors u of the null space of the kept rows: 0 for a combination of them, apart from rounding.
+/// `|row_k u| / sum_j |row_kj u_j|` for vectors u of the null space of the kept rows: rounding if row k is a combination of the kept rows.
 fn moved(block: &Block, k: usize, moves: &[Vec<f64>; 2]) -> f64 {
     let of = |u: &Vec<f64>| {
         let parts = block.matrix.row(k).map(|(j, v)| v * u[j]);
@@ -93,11 +94,11 @@ fn moved(block: &Block, k: usize, moves: &[Vec<f64>; 2]) -> f64 {
     moves.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A dropped row whose certificate leaves more than [`SUSPECT`] of it.
+/// A dropped row of which its certificate leaves more than [`SUSPECT`].
 struct Unexplained {
-    /// Its place among the dependent rows.
+    /// The place of the row among the dependent rows.
     place: usize,
-    /// Its place in the block.
+    /// The place of the row in the block.
     k: usize,
     /// Rows of the block and their coefficients.
     certificate: Vec<(usize, f64)>,
@@ -106,8 +107,8 @@ struct Unexplained {
     is_open: bool,
 }
 
-/// Refines certificates that leave more than [`SUSPECT`] of their row. If more than that is still left, the remainder counts as dropped.
-/// Returns the number of rows of which more is still left.
+/// Refines certificates that leave more than [`SUSPECT`] of their row. If a refined certificate still leaves more, the remainder counts as
+/// dropped. Returns the number of such rows.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> usize {
     let Rows { dependent, triangle, left, nearness, .. } = rows;
     let new = || Rest::new(block.matrix.cols, nearness.sigma);

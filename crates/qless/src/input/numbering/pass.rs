@@ -26,7 +26,8 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Pass {
     /// Local number of each of the user's DOFs.
     local: Vec<u32>,
-    /// For the second half of the equations: the number within the half of each of the user's DOFs, and the final number of each of those.
+    /// For the second half of the equations: the number of each of the user's DOFs within this half, and the final number of each DOF of
+    /// this half.
     later: Option<(Vec<u32>, Vec<u32>)>,
     /// The user's number of each local DOF.
     pub dofs: Vec<u32>,

@@ -14,8 +14,8 @@ use super::laplacian::{Edge, solve};
 /// Largest number of reweighting steps. The iteration ends earlier, at the first step that changes no coefficient by a factor of two.
 const MOST_STEPS: usize = 30;
 
-/// Components of this many equations are first balanced by relaxation, which is enough if the user's units are consistent. Least squares
-/// take milliseconds for a smaller component, and a quarter of a second for one of 10,000 equations.
+/// Components of at least this many equations are first balanced by relaxation, which is enough if the user's units are consistent. Least
+/// squares take milliseconds for a smaller component, and a quarter of a second for one of 10,000 equations.
 const LARGE: usize = 1_000;
 /// Largest number of relaxation passes. More are needed only if units differ between distant parts of the graph.
 const MOST_PASSES: usize = 10;
@@ -35,9 +35,9 @@ const BITS: f64 = 53.0;
 
 /// The coefficients of one component, with powers of two instead of numbers.
 pub(crate) struct Component {
-    /// Its equations.
+    /// The equations of the component.
     pub rows: Vec<u32>,
-    /// Its free DOFs.
+    /// The free DOFs of the component.
     pub dofs: Vec<u32>,
     /// The row (its place in `rows`) and DOF (its place in `dofs`) of each coefficient, and `log2 |c|`.
     entries: Vec<(u32, u32, f64)>,
@@ -254,7 +254,7 @@ impl Mean {
 struct Sum {
     /// The largest power.
     most: f64,
-    /// The sum relative to it.
+    /// The sum divided by `2^most`.
     sum: f64,
 }
 

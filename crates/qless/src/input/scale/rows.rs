@@ -4,7 +4,7 @@ use super::Scaling;
 use super::powers::exponent;
 use crate::input::numbering::{Exponents, LocalSystem};
 
-/// Scales every row; returns the exponent of the smallest free entry relative to its row.
+/// Scales every row; returns the smallest exponent of a free entry relative to the largest exponent of its row.
 pub fn scale(system: LocalSystem, exponents: &[Exponents], scaling: &mut Scaling) -> i32 {
     let plain = scaling.col.is_empty();
     let all_free = system.prescribed().is_empty();

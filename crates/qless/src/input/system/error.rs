@@ -19,7 +19,7 @@ pub enum SystemError {
         what: Place,
         /// The DOF named.
         dof: usize,
-        /// How many there are.
+        /// Number of DOFs.
         dofs: usize,
     },
     /// A row number is not below the number of rows.
@@ -29,7 +29,7 @@ pub enum SystemError {
         entry: usize,
         /// The row named.
         row: usize,
-        /// How many there are.
+        /// Number of rows.
         rows: usize,
     },
     /// Arrays have different lengths, but their lengths must agree.
@@ -37,7 +37,7 @@ pub enum SystemError {
     WrongLength {
         /// Which array.
         what: &'static str,
-        /// Its length.
+        /// The length of the array.
         found: usize,
         /// The length needed.
         expected: usize,
@@ -49,7 +49,7 @@ pub enum SystemError {
         row: usize,
         /// The column found.
         column: usize,
-        /// The one before it.
+        /// The column before it.
         before: usize,
     },
     /// The starts of compressed rows or columns do not ascend from 0 to the number of entries.
@@ -79,7 +79,7 @@ pub enum SystemError {
     /// An index of the caller's matrix exceeds its rows or columns.
     #[error("entry {place} (from 0) stands in a row or column that is not there; the matrix must be {dofs} x {dofs}")]
     BadIndex {
-        /// Its place in the list of indices.
+        /// The place of the index in the list of indices.
         place: usize,
         /// Rows and columns of the matrix.
         dofs: usize,
@@ -89,11 +89,11 @@ pub enum SystemError {
         "entry {place} (from 0) stands at ({row}, {column}), in the half that is not stored; leave it out, or say that all is stored"
     )]
     WrongHalf {
-        /// Its place in the list of indices.
+        /// The place of the entry in the list of indices.
         place: usize,
-        /// Its row.
+        /// The row of the entry.
         row: usize,
-        /// Its column.
+        /// The column of the entry.
         column: usize,
     },
     /// A size exceeds the 32-bit indices of the library, or the memory.

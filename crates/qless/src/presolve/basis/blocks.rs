@@ -84,7 +84,7 @@ pub(crate) struct Vectors {
 
 /// A DOF moves if its entry in a random vector of the null space is above `ZERO_UNITS eps / sigma`, limited to [`ZERO`].
 const ZERO_UNITS: f64 = 8.0;
-/// Lower and upper limit of that threshold, whatever the condition.
+/// Lower and upper limit of the threshold `ZERO_UNITS eps / sigma`, for any sigma.
 const ZERO: [f64; 2] = [1e-13, 1e-8];
 
 impl Vectors {
@@ -111,8 +111,8 @@ impl Vectors {
 pub(crate) struct Nearness {
     /// Estimate of the smallest singular value.
     pub sigma: f64,
-    /// Estimate of the smallest change of one coefficient that makes them dependent; at least sigma. For a chain it does not decrease
-    /// with the length of the chain.
+    /// Estimate of the smallest change of one coefficient that makes the kept rows dependent; at least sigma. For a chain it does not
+    /// decrease with the length of the chain.
     pub distance: f64,
 }
 

@@ -26,13 +26,13 @@ pub(crate) struct Basis {
     pub peeled: Vec<u32>,
     /// Position of the slave in each peeled row.
     positions: Vec<u32>,
-    /// End of each of the other rows in `dofs` and `values`.
+    /// For each row that is not peeled, the end of its terms in `dofs` and `values`.
     ends: Vec<usize>,
     dofs: Vec<u32>,
     values: Vec<f64>,
-    /// Scaled pivots of the eliminated rows, which follow the peeled ones.
+    /// Scaled pivots of the eliminated rows. These rows follow the peeled rows.
     pivots: Vec<f64>,
-    /// As [`Step::reach`].
+    /// [`Step::reach`] of each eliminated row.
     reaches: Vec<f64>,
     /// The blocks; their rows come last.
     pub blocks: Vec<Kept>,
@@ -47,9 +47,9 @@ pub(crate) struct Kept {
     pub order: Vec<u32>,
     /// Distance of the kept rows from dependence.
     pub nearness: Nearness,
-    /// Its free DOFs.
+    /// The free DOFs of the block.
     pub dofs: Vec<u32>,
-    /// Vectors over these DOFs.
+    /// Vectors over the free DOFs of the block.
     pub vectors: Vectors,
 }
 
@@ -182,7 +182,7 @@ impl Basis {
         self.pivots[step]
     }
 
-    /// As [`Step::reach`].
+    /// [`Step::reach`] of an eliminated row.
     pub fn reach_of_step(&self, step: usize) -> f64 {
         self.reaches[step]
     }
@@ -223,7 +223,7 @@ impl Basis {
         BasisRow::new(&self.dofs[range.clone()], &self.values[range])
     }
 
-    /// Bounds of the rows of T: the largest coefficient of each row, or infinity if it contains another slave.
+    /// Bounds of the rows of T: for each row of the basis the largest coefficient, or infinity if the row contains another slave.
     pub fn bounds(&self, system: LocalSystem) -> Vec<f64> {
         let mut is_slave = vec![false; system.dofs()];
         self.slaves.iter().for_each(|&slave| is_slave[slave as usize] = true);

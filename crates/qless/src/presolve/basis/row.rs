@@ -1,12 +1,12 @@
 //! A view of one row of the basis: `u_s = sum_k value_k u_k + constant`.
 
-/// The terms of a row. If they are those of an equation that contains its slave, the slave is skipped and the other coefficients are
-/// divided by its negative coefficient when they are read.
+/// The terms of a row. If the terms are those of an equation that contains the slave, reading skips the slave and divides the other
+/// coefficients by minus the coefficient of the slave.
 #[derive(Clone, Copy)]
 pub(crate) struct BasisRow<'a> {
     dofs: &'a [u32],
     values: &'a [f64],
-    /// Position of the slave among the terms; their number if the slave is not among them.
+    /// Position of the slave among the terms, or the number of terms if the slave is not one of them.
     slave: usize,
     divisor: f64,
     /// The reciprocal of the divisor if it is exact, else NaN. Most divisors are powers of two, and multiplication is faster than division.

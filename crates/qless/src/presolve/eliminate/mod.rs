@@ -5,9 +5,9 @@
 //! Long chains take linear time, without recursion. A row whose free coefficients all vanish is dependent. If more than [`LARGE`] rows of
 //! a part remain, DOFs that occur in few rows are then eliminated with some fill, by the rule of Markowitz (1957).
 //!
-//! Each coefficient has a bound of its rounding error, and the size of its largest term. A coefficient within its error bound is zero. A
-//! row is also dependent if at most the fraction `tolerance` is left of the terms of each coefficient. A coefficient from which nothing
-//! was subtracted is no remainder, however small. If less than [`SUSPECT`] of a row is left, it goes to the backend, whose rank is
+//! Each coefficient has a bound of its rounding error, and the size of its largest term. A coefficient of at most 16 times its error bound
+//! is zero. A row is also dependent if at most the fraction `tolerance` is left of the terms of each coefficient. A coefficient from which
+//! nothing was subtracted is no remainder, however small. If less than [`SUSPECT`] of a row is left, it goes to the backend, whose rank is
 //! checked.
 
 use std::collections::VecDeque;
@@ -22,7 +22,8 @@ mod pivots;
 
 /// A coefficient that retains less than this fraction of its terms is not used as a pivot: it has lost three digits.
 pub(crate) const SUSPECT: f64 = 1e-3;
-/// A pivot is at least this fraction of each entry that it eliminates, which bounds the multipliers.
+/// A pivot of a DOF in few rows is at least this fraction of each entry that it eliminates, which bounds the multipliers. In a row of two
+/// DOFs, the smaller coefficient must be at least this fraction of the larger one to be the cheaper pivot.
 const THRESHOLD: f64 = 0.1;
 /// Levels of elimination, tried in this order. A pivot is at least `of_row` times the largest coefficient of its row. Strict levels come
 /// first and limit the growth of T. The first three add no fill; the others are used only while a part has more than [`LARGE`] rows.

@@ -41,10 +41,10 @@ pub(crate) fn factor(
 struct ScaledPart<'a> {
     local: LocalSystem<'a>,
     equations: Vec<usize>,
-    /// Local numbers of the free DOFs, the columns of `free`, ...
+    /// Local numbers of the free DOFs, which are the columns of `free`.
     dofs: Vec<u32>,
     free: Csr,
-    /// ... and of the prescribed ones.
+    /// Local numbers of the prescribed DOFs, which are the columns of `fixed`.
     prescribed: Vec<u32>,
     fixed: Csr,
     rhs: Vec<f64>,

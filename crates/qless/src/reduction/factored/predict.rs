@@ -7,9 +7,9 @@ use crate::presolve::basis::Basis;
 /// Sizes of a part.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Prediction {
-    /// Nonzeros of its equations.
+    /// Number of nonzeros of the equations of the part.
     pub given: usize,
-    /// Upper bound of the nonzeros of its rows of T.
+    /// Upper bound of the number of nonzeros of the rows of T of the part.
     pub predicted: usize,
     /// True if T needs substitution: a row contains another slave, or the part has a block.
     pub needs_work: bool,

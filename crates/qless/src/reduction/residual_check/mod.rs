@@ -3,7 +3,7 @@
 //! The terms T u_q, G u_p and g are expanded separately, with random u_q and u_p, and inserted into the equations. A residual is relative
 //! to the coefficients of the equation times the largest DOF of the part. The size of a DOF is the sum of the magnitudes of its terms, in
 //! the unit of the DOF. For g, the residual of an equation with a right-hand side is relative to the terms of this equation. One pass over
-//! C, T and G; parts are computed only if a residual is not small relative to the terms of its equation.
+//! C, T and G. The connected parts are found only if a residual is not small relative to the terms of its equation.
 
 mod expanded;
 
@@ -27,9 +27,9 @@ const NEARLY: f64 = 0.1;
 
 /// The residuals of the independent equations.
 pub(crate) struct Residuals {
-    /// The largest residual, ...
+    /// The largest residual.
     pub worst: f64,
-    /// ... and its equation.
+    /// The equation with the largest residual.
     pub row: usize,
     /// Equations whose residual relative to their own terms is above [`FINE`], ascending, with these residuals.
     pub above: Vec<(usize, f64)>,

@@ -167,7 +167,7 @@ impl CeEquations {
         self.sets.get_mut(number).is_some_and(|equation| equation.region > 0)
     }
 
-    /// Notes a doubt if the equation belongs to a region, because the program does not document how it numbers these equations.
+    /// Notes a doubt if the equation belongs to a region, because ANSYS does not document how it numbers the equations of a region.
     fn remark_region(&mut self, number: u32) {
         if self.is_generated(number) {
             let text = format!(

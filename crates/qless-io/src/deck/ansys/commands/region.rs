@@ -1,12 +1,12 @@
-//! `CERIG` and `RBE3`: equations that the program generates from the positions of nodes.
+//! `CERIG` and `RBE3`: equations that ANSYS generates from the positions of nodes.
 //!
 //! ```text
 //! CERIG, MASTE, SLAVE, Ldof, Ldof2, ... Ldof5       slave = master + rotation x arm, for each label
 //! RBE3,  MASTER, DOF, Slaves, Wtfact                master = weighted mean of the slaves' translations
 //! ```
 //!
-//! Plane models have only UX, UY and ROTZ. The components are along the axes of the nodes, and every small rigid motion of the
-//! region satisfies the equations. The program numbers them above the highest number.
+//! Plane models have only UX, UY and ROTZ. The components are along the axes of the nodes, and every small rigid motion of the region
+//! satisfies the equations. ANSYS numbers the equations above the highest number so far.
 
 use crate::deck::ansys::model::nodes::AnsysNodes;
 use crate::deck::ansys::model::selection::NodeSelection;
@@ -32,7 +32,7 @@ const ARM: f64 = 1e15;
 pub enum RegionOutcome {
     /// The master node, and the equations.
     Equations(u32, Vec<Vec<DofCoefficient>>),
-    /// The program ignores the command, too.
+    /// ANSYS ignores the command, too.
     Ignored(String),
     /// This reader does not know the equations.
     LeftOut(String),

@@ -97,7 +97,7 @@ impl AnsysNodes {
             return Ok(());
         }
         if text.is_empty() {
-            // The program numbers the node one above its highest node, which this reader may not know.
+            // ANSYS numbers the node one above its highest node, which this reader may not know.
             self.are_generated = true;
             return Ok(());
         }

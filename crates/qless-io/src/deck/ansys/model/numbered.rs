@@ -1,6 +1,6 @@
 //! Equations or coupled sets by number.
 //!
-//! Most decks number them in ascending order. These are appended to a list; an item with a number below the last one is stored in a map.
+//! Items with ascending numbers, as in most decks, are appended to a list. An item with a number below the last one is stored in a map.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;

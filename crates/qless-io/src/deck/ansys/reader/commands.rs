@@ -28,8 +28,8 @@ impl AnsysReader {
         result
     }
 
-    /// Marks the last places as repeated: a command that begins with a comma repeats the name of the previous one, so the text of
-    /// both must stay.
+    /// Marks the place before `from` and all later ones as repeated: a command that begins with a comma repeats the name of the previous
+    /// one, so the text of both commands must stay.
     fn keep_text(&mut self, from: usize) {
         let places = self.places.iter_mut().flatten().skip(from.saturating_sub(1));
         places.for_each(|place| place.repeats = true);

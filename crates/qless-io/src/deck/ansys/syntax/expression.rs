@@ -1,6 +1,6 @@
 //! Expressions: numbers, `+ - * / **`, parentheses, parameters, elements of arrays and a few functions.
 //!
-//! Operators of equal precedence are evaluated from left to right, as in the program. An unknown word has no value.
+//! Operators of equal precedence are evaluated from left to right, as in ANSYS. An unknown word has no value.
 
 /// Why a text has no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

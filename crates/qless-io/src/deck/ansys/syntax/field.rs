@@ -19,7 +19,7 @@ pub fn whole(text: &[u8]) -> Option<u32> {
     number::whole(text).and_then(|value| u32::try_from(value).ok()).filter(|&value| value > 0)
 }
 
-/// The number in field `at`; 0 for an empty field, and for an underflow, as in the program.
+/// The number in field `at`; 0 for an empty field, and for an underflow, as in ANSYS.
 pub fn real(command: &AnsysCommand, at: usize) -> Result<f64, FieldFault> {
     let text = command.field(at);
     match number::real(text) {

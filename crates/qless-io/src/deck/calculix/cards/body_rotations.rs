@@ -10,8 +10,8 @@ use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::{Dof, Model};
 
-/// A rotation is free if the determinant of [`Gram`] is at most this part of the product of its diagonal. Rounding of the coefficients
-/// and of the six products leaves about a hundred units in the last place, a quarter of it.
+/// A rotation is free if the determinant of [`Gram`] is at most this part of the product of its diagonal. Rounding of the coefficients and
+/// of the six products leaves about a hundred units in the last place, a quarter of this limit.
 const FREE: f64 = 1e-13;
 
 /// A rigid body or a kinematic coupling, with file and line of its card.
@@ -35,8 +35,8 @@ pub fn check(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBod
 /// rotation about some axis is free, for example if the reference and all nodes of the body lie on a line.
 type Gram = [[f64; 3]; 3];
 
-/// Refuses a free rotation about a global axis. Only warns of a free rotation about another axis, because rounding
-/// errors may hold it.
+/// Refuses a free rotation about a global axis. Only warns of a free rotation about another axis, because rounding errors may keep ccx from
+/// finding it free.
 fn find_free(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBody]) {
     let grams = grams(model, bodies);
     let mut seen = BTreeSet::new();

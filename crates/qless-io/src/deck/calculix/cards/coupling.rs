@@ -146,7 +146,8 @@ pub fn read(
     Ok(constrains)
 }
 
-/// Adds the equations of a coupling. The solver adds rotations to its reference, so equations cannot replace the card.
+/// Adds the equations of a coupling. If there are any, equations cannot replace the card, because the solver adds rotations to the
+/// reference.
 pub fn finish(
     card: &KeywordCard,
     place: &RegisteredCard,

@@ -1,8 +1,8 @@
 //! Constraints at nodes of beams, trusses, shells, membranes and plane elements, which ccx expands into solids.
 //!
-//! The node of the deck stays, and the new nodes follow it in the mean. Equations and values of its translations
-//! therefore hold as the deck gives them. ccx replaces other constraints, mostly by equations between new nodes. These
-//! may contradict each other, and this reader leaves them out, so the model is incomplete:
+//! The node of the deck stays, and the new nodes follow it in the mean. Equations and values of its translations therefore hold as the deck
+//! gives them. ccx replaces other constraints, mostly by equations between new nodes. The new equations may contradict each other. This
+//! reader reports the replaced constraints as left out, so the model is incomplete:
 //!
 //! | constraint | ccx 2.20 |
 //! | --- | --- |

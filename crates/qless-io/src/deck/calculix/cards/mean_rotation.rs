@@ -18,7 +18,7 @@ pub const NAME: &str = "*MPC MEANROT";
 
 /// Smallest coefficient of a slave, in the form of [`equation`].
 const SMALLEST: f64 = 1e-5;
-/// Limit on the nodes of a card up to which the coefficients are summed in the order of ccx.
+/// Cards with at most this many nodes sum the coefficients in the order of ccx.
 const ADDED: usize = 2000;
 const NONE_FREE: &str =
     "all DOFs that could be its slave are slaves or prescribed already, or have coefficients below 1e-5";
@@ -90,9 +90,9 @@ pub fn nodes(list: &[u32]) -> Result<(Vec<u32>, u32), Problem> {
     }
 }
 
-/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p` for n nodes: p_k is the arm of node k from the mean
-/// position, perpendicular to the axis e, and u_p is component 1 of the last node. Nodes on the axis only enter the
-/// mean. The card lists each of the n nodes three times.
+/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p` for n nodes: u_k is the displacement of node k, p_k its arm from the mean
+/// position, perpendicular to the axis e, and u_p is component 1 of the last node. Nodes on the axis only enter the mean. The card lists
+/// each of the n nodes three times.
 pub fn equation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
     let (nodes, pilot) = self::nodes(nodes)?;
     let axis = definitions.position(pilot)?;

@@ -1,5 +1,5 @@
-//! Cards that constrain, as equations and prescribed values. This file has the common parts: cards that are registered
-//! in the model, and equations between displacements along any direction. `reader.rs` calls them by keyword.
+//! Cards that constrain, as equations and prescribed values. `reader.rs` calls the module of each card by keyword. This file has the common
+//! parts: cards that are registered in the model, and equations between displacements along any direction.
 
 pub mod body_rotations;
 pub mod boundary;
@@ -31,13 +31,13 @@ pub struct CardEquation {
 const ROUNDING: f64 = 1e-14;
 
 impl CardEquation {
-    /// `sum g_k . u_k = rhs` over nodes k, in the local axes of each. The slave is that component of the first node
-    /// whose coefficient is largest.
+    /// `sum g_k . u_k = rhs` over nodes k, in the local axes of each node. The slave is a component of the first node: the one with the
+    /// largest coefficient.
     pub fn along(definitions: &DeckDefinitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
         Self::along_with(definitions, gradients, &[], rhs)
     }
 
-    /// [`CardEquation::along`] with other terms, which are never the slave.
+    /// [`CardEquation::along`] with the additional terms `others`, which are never the slave.
     pub fn along_with(
         definitions: &DeckDefinitions,
         gradients: &[(u32, Vector)],
@@ -58,7 +58,7 @@ impl CardEquation {
         Ok(equation)
     }
 
-    /// The same equation with another slave, if its coefficient is no smaller.
+    /// The same equation with `slave` as its slave, if the coefficient of `slave` is as large as that of the present one.
     pub fn led_by(mut self, slave: Dof) -> Self {
         let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
         if let Some(at) = at {
@@ -115,7 +115,7 @@ pub struct RegisteredCard {
 }
 
 impl RegisteredCard {
-    /// Adds the card to the model, under its name in the deck.
+    /// Adds the card to the model under this name.
     pub fn register(card: &KeywordCard, model: &mut Model, name: &'static str) -> Self {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);

@@ -4,15 +4,15 @@
 //! | --- | --- |
 //! | `PLANE a b c k...` | `det[x_k - x_a, x_b - x_a, x_c - x_a] = 0` for each k |
 //! | `STRAIGHT a b k...` | `(x_k - x_a) x (x_b - x_a) = 0` for each k |
-//! | `BEAM a b` | a rigid beam, also for the rotations of a if it has them (Abaqus); a constant distance unless both rotate (CalculiX) |
+//! | `BEAM a b` | a rigid beam, with the rotations of a if it has them; in CalculiX a constant distance unless both nodes have rotations |
 //! | `LINK a b` | `abs(x_a - x_b)` constant |
 //! | `PIN a b` | `u_a = u_b` |
 //! | `TIE a b` | `u_a = u_b`, also for rotations if both nodes have them |
 //! | `MEANROT k k k... p` | component 1 of p is the mean rotation of nodes k about the axis along p's coordinates (CalculiX) |
 //! | `DIST a a a b b b c` | `abs(x_a - x_b)` does not exceed the first coordinate of c (CalculiX) |
 //!
-//! In the types with two nodes, a may be a node set. Each of its nodes is then coupled to b, or to its partner in a set
-//! b of the same size (Abaqus).
+//! x_k is the position of node k, and u_k its displacement. In the types with two nodes, a may be a node set. Each of its nodes is then
+//! coupled to b, or to its partner in a set b of the same size (Abaqus).
 
 use crate::deck::calculix::cards::mean_rotation;
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};

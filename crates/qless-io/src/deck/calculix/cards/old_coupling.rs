@@ -41,8 +41,8 @@ pub fn kinematic_coupling(
     finish(card, &place, model, rows)
 }
 
-/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference. In ccx: `sum
-/// w_k u_k - sum w_k u_r = 0` in each direction, with the first node as slave. In Abaqus: the mean motion.
+/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference r. In ccx, with weights w_k and the
+/// first node as slave, `sum w_k u_k - sum w_k u_r = 0` in each direction. In Abaqus: the mean motion.
 pub fn distributing_coupling(
     card: &KeywordCard,
     model: &mut Model,

@@ -1,4 +1,5 @@
-//! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration.
+//! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration. Node k follows the reference r with the
+//! rotation w; x are positions.
 
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
 use crate::deck::calculix::model::DeckDefinitions;
@@ -88,7 +89,7 @@ pub fn read(
     if model.equations() == before {
         return Ok(None);
     }
-    // A reference that the solver makes has no number in the deck.
+    // Equations cannot name a reference that the solver makes, because it has no number in the deck.
     if definitions.is_nonlinear || made.is_some() {
         place.mark_irreplaceable(model);
     } else if let Some(reference) = used.filter(|_| card.parameter("ROTNODE").is_none()) {
@@ -202,8 +203,8 @@ impl RigidBodyCard<'_> {
     }
 }
 
-/// Notes a rotation that the solver makes. A new node can have it if the reference has global axes and no rotations of
-/// its own, and if no step is nonlinear. Otherwise equations cannot replace the card.
+/// Notes a rotation that the solver makes. A new node can carry this rotation if the reference has global axes and no rotations of its own,
+/// and if no step is nonlinear. Otherwise equations cannot replace the card.
 pub fn own_rotation(
     place: &RegisteredCard,
     reference: BodyReference,
@@ -228,7 +229,7 @@ pub fn kinematic(
     local: Option<&Frame>,
 ) -> Result<Vec<CardEquation>, Problem> {
     let mut rows = Vec::new();
-    // All three directions together mean the same along any axes.
+    // If all three translations are coupled, the choice of axes does not matter.
     let local = local.filter(|_| !(1..=3).all(|component| components.contains(&component)));
     for node in nodes {
         let pose = definitions.pose(node)?;

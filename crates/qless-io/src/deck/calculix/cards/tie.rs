@@ -1,4 +1,5 @@
-//! `*TIE`: each node of the slave surface moves with the nearest point of the master surface, `u_s = sum N_i(xi) u_i`.
+//! `*TIE`: each node s of the slave surface moves with the nearest point xi of the master surface, `u_s = sum N_i(xi) u_i`. N_i are the
+//! shape functions of the face there, and u_i the displacements of its nodes.
 
 use rustc_hash::FxHashSet;
 
@@ -67,7 +68,7 @@ struct Tied {
     apart: Vec<u32>,
     /// Whether a tied node does not lie on its face.
     has_gap: bool,
-    /// Rows of nodes at which ccx ties no edge of a plane element.
+    /// Rows of nodes on edges of plane elements that ccx does not tie.
     on_edges: Vec<usize>,
     tolerance: f64,
 }

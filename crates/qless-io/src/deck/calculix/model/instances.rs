@@ -7,7 +7,7 @@ use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, u
 
 /// An `*INSTANCE` card.
 pub struct Instance {
-    /// Spelling in the deck.
+    /// Name, as spelled in the deck.
     pub name: String,
     /// Translation, then rotation.
     pub data: Vec<DataPiece>,

@@ -1,5 +1,5 @@
-//! Finds the point of a set of faces nearest to a given point: `min over xi of abs(x - sum N_i(xi) x_i)`, by
-//! Gauss-Newton steps.
+//! Finds the point of a set of faces nearest to a given point x: `min over xi of abs(x - sum N_i(xi) x_i)`, by Gauss-Newton steps. N_i are
+//! the shape functions of a face with parameters xi, and x_i the positions of its nodes.
 
 use rustc_hash::FxHashMap;
 

@@ -30,7 +30,7 @@ pub struct KeywordCard {
 }
 
 impl KeywordCard {
-    /// The value of a parameter; empty if it has none.
+    /// The value of a parameter: empty if the parameter has none, `None` if the card lacks the parameter.
     pub fn parameter(&self, name: &str) -> Option<&str> {
         self.parameters.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }

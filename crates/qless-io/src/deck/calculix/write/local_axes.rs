@@ -17,7 +17,7 @@ use crate::deck::{Deck, Dof};
 
 /// Smallest component that ccx takes for nonzero.
 const LEAST: f64 = 1e-5;
-/// Coefficients below this count as zero; the local slave has 1.
+/// Coefficients below this count as zero; the local slave has the coefficient 1.
 const ZERO: f64 = 1e-6;
 
 /// The equations of a plan, with slaves that ccx accepts.

@@ -131,7 +131,7 @@ impl CalculixWriter<'_> {
             let data = memchr::memchr_iter(b'\n', data).count() as u32;
             edits.replace(line, lines + data, b"** qless: the start of the step removes the equations\n".to_vec());
         } else if word.starts_with(b"*COUPLING") {
-            // A `*COUPLING` without its second card would be incomplete.
+            // If the second card of a `*COUPLING` is removed, the first one must go too: alone it would be incomplete.
             let next = line + lines + memchr::memchr_iter(b'\n', data).count() as u32;
             if self.is_removed(file, next) {
                 edits.replace(line, lines, b"** qless: *COUPLING, written as equations\n".to_vec());

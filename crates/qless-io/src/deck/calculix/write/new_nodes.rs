@@ -73,7 +73,7 @@ impl RotationNodes {
         Ok(Self { node_of: taken.into_iter().zip(next..).collect() })
     }
 
-    /// The DOF that replaces this one in the text.
+    /// The DOF that the text names instead of this one: of a new node, or this DOF itself.
     pub fn name(&self, dof: Dof) -> Dof {
         let own =
             self.node_of.range(Dof { component: 0, ..dof }..=dof).next_back().filter(|(first, _)| is_of(dof, **first));

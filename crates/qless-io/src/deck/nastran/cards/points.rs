@@ -116,7 +116,7 @@ pub fn through_points(card: &BulkCard, kind: FrameKind) -> Result<(u32, FrameDef
     Ok((card.id(0, ID)?, FrameDefinition::Points { kind, reference, points }))
 }
 
-/// Point numbers from `first` to `last`. Numbers in between may be missing in the model, but not the two ends.
+/// Point numbers from `first` to `last`. A card that refers to a range skips numbers in it without a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PointSpan {
     pub first: u32,

@@ -1,8 +1,8 @@
 //! Cards that this reader does not understand, and the notes for the user about them.
 //!
-//! [`UnreadCard`] lists known cards that constrain in unsupported ways. All other names go through [`UnknownNames`]: a name that sounds
-//! like a constraint leaves the model incomplete, common cards (elements, materials, loads, ...) are skipped, and any other name is
-//! reported once.
+//! [`UnreadCard`] lists known cards that are not supported, most of which constrain. All other names go through [`UnknownNames`]: a name
+//! that sounds like a constraint leaves the model incomplete, common cards (elements, materials, loads, ...) are skipped, and any other
+//! name is reported once.
 
 use std::sync::LazyLock;
 
@@ -60,7 +60,7 @@ pub struct UnreadCard {
     description: &'static str,
 }
 
-/// The descriptions of cards that impose no equations.
+/// The description of contact cards that impose no equations.
 const HARMLESS_CONTACT: &str = "is contact";
 const REFERENCE: &str = "names reference components";
 

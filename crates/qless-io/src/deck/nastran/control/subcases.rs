@@ -28,7 +28,7 @@ impl CaseSelection {
         Self { mpc: self.mpc.or(outer.mpc), spc: self.spc.or(outer.spc), load: self.load.or(outer.load) }
     }
 
-    /// This selection without set 0: no card defines set 0, and choosing it cancels an outer choice.
+    /// This selection without set 0: choosing set 0 cancels an outer choice.
     fn in_force(self) -> Self {
         let some = |choice: Option<SetChoice>| choice.filter(|choice| choice.set != 0);
         Self { mpc: some(self.mpc), spc: some(self.spc), load: some(self.load) }

@@ -135,7 +135,7 @@ fn ties(
     Ok(sets_of)
 }
 
-/// Marks an `MPC` card as fixed if it is a copy or has copies: its text must stay.
+/// Marks an `MPC` card as one that equations cannot replace if it is a copy or has copies: its text must stay.
 fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
     if bulk.fixed.contains(&(place.file, place.line)) {
         let card = place.origin(model).card;
@@ -143,7 +143,8 @@ fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
     }
 }
 
-/// Adds the equations of an element and returns the number of its card. A mean that does not determine its reference is left out.
+/// Adds the equations of an element and returns the number of its card. A weighted mean that cannot be solved for its dependent components
+/// is left out.
 fn add(
     element: &NastranElement,
     place: &CardLocation,

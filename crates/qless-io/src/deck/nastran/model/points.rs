@@ -125,7 +125,7 @@ impl Points {
         any.into_iter().flatten().filter_map(move |grid| prescribed(self.grids.fields(grid)).map(|set| (grid, set)))
     }
 
-    /// Warns of points of a card that the deck does not define. They may be scalar points that elements define.
+    /// Warns of undefined points that a card names. They may be scalar points that elements define.
     pub fn warn_of_unknown(&self, nodes: impl Iterator<Item = u32>, place: &CardLocation, model: &mut Model) {
         let unknown: BTreeSet<u32> = nodes.filter(|&node| self.kind(node) == PointKind::Unknown).collect();
         if let Some(first) = unknown.first() {
@@ -160,7 +160,7 @@ impl Points {
     }
 }
 
-/// Limits the points that lists expand to.
+/// Refuses lists that expand to too many points.
 pub fn limited(count: usize) -> Result<(), Problem> {
     let advice = "shorten the lists with THRU";
     if count > POINTS {

@@ -17,7 +17,7 @@ struct CardLine {
     at: FileLine,
     /// Index of its first data field.
     first: u32,
-    /// Whether other cards separate it from the previous line, or it is in another file.
+    /// Whether other cards separate it from the first lines of its card, or it is in another file.
     is_apart: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Joins cards with continuation lines that are not next to them.
 //!
-//! A card that ends with the mark `+A` continues in the line that begins with `+A`, wherever that line is in the deck. If a line ends
-//! without such a mark, the named line right after it continues it, unless another line names that line.
+//! A card that ends with the mark `+A` continues in the line that begins with `+A`, wherever that line is in the deck. If a line has no
+//! mark and the next line has a name, the next line continues it, unless the mark of another line names the next line.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 

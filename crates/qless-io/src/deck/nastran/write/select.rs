@@ -58,7 +58,7 @@ fn select(leaf: &SubcaseLeaf, set: u32, control: &CaseControl) -> Vec<TextChange
     match (changes.last_mut(), control.opened(leaf.holder)) {
         (Some((.., text)), _) => text.extend([WHY, "MPC = ", &set.to_string(), "\n"]),
         (None, Some((file, line))) => changes.push(((file, line + 1), 0, format!("{WHY}MPC = {set}\n"))),
-        // A deck without subcases selects a set only by a choice of its own.
+        // `changes` handles a deck without subcases and without choices before this.
         (None, None) => {}
     }
     changes

@@ -1,7 +1,7 @@
 //! Chooses the set of the new `MPC` cards of each group of load cases, and the new selection of every load case.
 //!
-//! The set is one that exactly the load cases of the group select, or else a new one. A load case that also needs cards of its old
-//! sets selects a new union of both.
+//! The set is one that exactly the load cases of the group select, or else a new one. A load case that also needs cards of its old sets
+//! selects a new union of the old sets and this one.
 
 use std::collections::{BTreeMap, BTreeSet};
 

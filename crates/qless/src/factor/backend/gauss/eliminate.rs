@@ -96,7 +96,7 @@ impl GaussElimination {
         }
     }
 
-    /// A pivot column for this row, or the row to search instead: the shortest one that has a much larger entry.
+    /// A pivot column for this row, or the row to search instead: the shortest one with a much larger entry in one of the tried columns.
     fn choose_in(&mut self, row: u32) -> Result<u32, u32> {
         let bound = OF_ROW * largest(&self.rows[row as usize]);
         let (mut last, mut elsewhere) = (None, None);

@@ -1,4 +1,4 @@
-//! Kept rows of a block, and certificates `row = sum y_i row_i` of the others, with the remainders of rows and right-hand sides.
+//! Kept rows of a block, and certificates `row = sum y_i row_i` of the dropped rows, with the remainders of rows and right-hand sides.
 
 use crate::Csr;
 use crate::factor::backend::{BackendError, Factor, largest_place, part_of_largest};
@@ -13,7 +13,7 @@ use crate::presolve::eliminated::Mismatch;
 /// [`ROUNDING`] units in the last place times the condition.
 pub(super) const NOISE: f64 = 1e-11;
 
-/// Bound of the remainder of a dependent row after a QR, in units in the last place times the root of the size.
+/// Bound of the remainder of a dependent row after a QR, in units in the last place times `sqrt(m) + sqrt(n)`.
 pub(super) const ROUNDING: f64 = 8.0;
 
 /// A row whose 2-norm after presolve is below this is small as a whole.
@@ -38,8 +38,8 @@ pub(crate) struct Rows {
     pub nearness: Nearness,
     /// The factor of the kept rows.
     pub triangle: Triangle,
-    /// Root mean square of the remainders of the dependent rows, or their largest 2-norm if weak rows were searched for. 0 if rounding
-    /// explains it.
+    /// Root mean square of the remainders of the dependent rows; their largest 2-norm if the choice of kept rows was repaired. 0 if
+    /// rounding explains the remainders.
     pub left: f64,
 }
 
@@ -54,7 +54,8 @@ pub(super) struct Choice {
 #[derive(Clone, Copy)]
 pub(super) struct Weakest {
     pub row: usize,
-    /// `sigma / |y_k|` with its component y_k of the singular vector: an upper bound of its distance from the span of the other kept rows.
+    /// `sigma / |y_k|`, where y_k is the component of the row in the singular vector: an upper bound of the distance of the row from the
+    /// span of the other kept rows.
     pub left: f64,
 }
 
@@ -73,7 +74,7 @@ impl Choice {
         Ok(Self::measured(block, Triangle::of(block, kept, asked, means)?, means))
     }
 
-    /// Largest 2-norm of the remainders of the rows asked for, or 0 if rounding explains it.
+    /// Largest 2-norm of the remainders of the rows asked for, or 0 if rounding explains the remainders.
     pub fn remainder(&self, block: &Block) -> f64 {
         let left = self.triangle.rests().iter().copied().fold(0.0, f64::max);
         if left > noise_of(block) { left } else { 0.0 }
@@ -81,7 +82,7 @@ impl Choice {
 
     /// Computes sigma and the distance from dependence, which is `sigma / (max |y_i| max |v_j|)` with the singular vectors y of the rows
     /// and v of the DOFs: the smallest change of one coefficient in the direction in which the rows are nearest to dependence. If sigma is
-    /// at least [`NEAR`], it stands for the distance, which is no smaller.
+    /// at least [`NEAR`], the result is sigma instead: a lower bound of the distance.
     fn measured(block: &Block, triangle: Triangle, means: FactorContext) -> Self {
         let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
         let place = largest_place(&y);
@@ -132,7 +133,7 @@ pub(super) fn rest(block: &Block, tableau: &Tableau, i: usize) -> Vec<f64> {
     rest
 }
 
-/// Root mean square of the remainders of the dependent rows, or 0 if rounding explains it.
+/// Root mean square of the remainders of the dependent rows, or 0 if rounding explains the remainders.
 pub(super) fn beyond_rounding(factor: &Factor, block: &Block) -> f64 {
     let m = block.matrix.rows() as f64;
     let left = factor.dropped / (m - factor.rank as f64).max(1.0).sqrt();
@@ -209,8 +210,8 @@ pub(super) fn later(candidate: u32, holder: u32) -> bool {
     candidate > holder
 }
 
-/// Applies `sounder`, keeps the earlier one of equivalent equations, and measures the nearness of the rows that are then kept. The order
-/// stays as it was if sigma would fall to less than half.
+/// Applies `sounder`, then keeps the earlier ones of equivalent equations and measures the nearness of these rows. The second choice is
+/// discarded if it more than halves sigma.
 pub(super) fn in_order(
     block: &Block,
     means: FactorContext,
@@ -231,7 +232,8 @@ fn kept_of(tableau: &Tableau) -> Vec<usize> {
     tableau.free.iter().map(|&k| k as usize).collect()
 }
 
-/// If the kept rows seem nearly dependent, exchanges steep certificates, provided that the new rows are better.
+/// If the kept rows seem nearly dependent, exchanges rows until no coefficient of a certificate exceeds [`STEEP`]. The exchanges count only
+/// if they increase sigma.
 pub(super) fn sounder(
     block: &Block,
     means: FactorContext,

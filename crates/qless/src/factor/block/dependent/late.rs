@@ -94,7 +94,8 @@ impl LateTerms for LateCertificates {
     }
 }
 
-/// As [`super::certificate::rows`], without certificates. The factorization decides which of equivalent equations is kept.
+/// The result of [`super::certificate::rows`], but with certificates that are computed when they are read. The factorization decides which
+/// of equivalent equations is kept.
 pub(super) fn late(block: &Block, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
     let Choice { near: nearness, triangle, .. } = choice;
     let noise = (ROUNDING * f64::EPSILON / nearness.sigma).max(NOISE);

@@ -30,7 +30,7 @@ pub(super) fn find(block: &Block, means: FactorContext) -> Result<Rows, BackendE
     Ok(rows)
 }
 
-/// As [`find`], but `order` covers the whole block.
+/// The kept and the dependent rows of a block; `order` covers the whole block, not only the kept rows.
 fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError> {
     let FactorContext { backend, tolerance, check, .. } = means;
     let factor = backend.factor(&block.matrix, &seeds(block), tolerance)?;
@@ -47,7 +47,7 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
     let pivots = backend.pivots(n, m) || choice.near.distance >= NEAR;
     if !pivots && m * n > DENSE {
-        // The distance of a row from the others is at least sigma.
+        // The distance of a kept row from the span of the other kept rows is at least sigma.
         let doubtful = choice.near.sigma <= ESTIMATE * tolerance;
         if let Some(rows) = if doubtful { without_weak(block, means, &choice, &order)? } else { None } {
             return Ok(rows);

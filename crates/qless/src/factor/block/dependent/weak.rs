@@ -3,7 +3,7 @@
 //! ```text
 //! N^T rows = 0      N, r x k: the near null space of R1, of the kept rows
 //! row_d = Y rows    R1 Y = R2: the dropped rows over the kept ones, to the accuracy of R1
-//! row_W = ...       both solved for k weak rows W and the dropped rows, over the remaining rows
+//! row_W = ...       these equations solved for k weak rows W and the dropped rows d, over the remaining rows
 //! ```
 //!
 //! Two factorizations are enough. The certificates of the first one are good to some digits, and decide which of equivalent equations are
@@ -27,8 +27,8 @@ const NOTHING: u32 = u32::MAX;
 
 /// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does if their remainders are
 /// spread over many columns. The singular vectors identify these rows, and they are dropped. A dropped row that is no combination of the
-/// kept rows comes back and stays. There are two causes: its certificate needs a row that is now dropped, or many rows together are nearer
-/// to dependence than each alone. None if this does not lead to a sound choice.
+/// kept rows comes back and stays. It comes back for one of two reasons: its certificate needs a row that is now dropped, or many
+/// rows together are nearer to dependence than each alone. None if this does not lead to a sound choice.
 pub(super) fn without_weak(
     block: &Block,
     means: FactorContext,

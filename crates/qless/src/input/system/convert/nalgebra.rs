@@ -6,7 +6,7 @@ use super::from_rows;
 use crate::{Csr, SystemError};
 
 impl From<&Csr> for CsrMatrix<f64> {
-    /// The same entries.
+    /// A matrix with the same entries.
     fn from(matrix: &Csr) -> Self {
         let columns = matrix.col.iter().map(|&j| j as usize).collect();
         let parts =
@@ -18,7 +18,7 @@ impl From<&Csr> for CsrMatrix<f64> {
 impl TryFrom<&CsrMatrix<f64>> for Csr {
     type Error = SystemError;
 
-    /// The same entries.
+    /// A matrix with the same entries.
     fn try_from(matrix: &CsrMatrix<f64>) -> Result<Self, SystemError> {
         let rows = matrix.row_iter().map(|row| {
             let entries: Vec<_> = row.col_indices().iter().copied().zip(row.values().iter().copied()).collect();
@@ -31,7 +31,7 @@ impl TryFrom<&CsrMatrix<f64>> for Csr {
 impl TryFrom<&CscMatrix<f64>> for Csr {
     type Error = SystemError;
 
-    /// The same entries by rows.
+    /// A matrix with the same entries, compressed by rows.
     fn try_from(matrix: &CscMatrix<f64>) -> Result<Self, SystemError> {
         Self::try_from(&CsrMatrix::from(matrix))
     }

@@ -6,7 +6,7 @@ use super::from_rows;
 use crate::{Csr, SystemError};
 
 impl From<&Csr> for CsMat<f64> {
-    /// The same entries in compressed rows.
+    /// A matrix with the same entries, compressed by rows.
     fn from(matrix: &Csr) -> Self {
         let columns = matrix.col.iter().map(|&j| j as usize).collect();
         Self::new((matrix.rows(), matrix.cols), matrix.start.clone(), columns, matrix.val.clone())
@@ -16,7 +16,7 @@ impl From<&Csr> for CsMat<f64> {
 impl TryFrom<&CsMat<f64>> for Csr {
     type Error = SystemError;
 
-    /// The same entries, whichever way they are compressed.
+    /// A matrix with the same entries; the given one may be compressed by rows or by columns.
     fn try_from(matrix: &CsMat<f64>) -> Result<Self, SystemError> {
         if matrix.is_csc() {
             return Self::try_from(&matrix.to_csr());
