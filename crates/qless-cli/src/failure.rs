@@ -59,9 +59,8 @@ impl CliFailure {
             )),
             AnalysisError::Option(OptionError::Preference { what, found, count }) => {
                 let (input, number) = (input.display(), found + 1);
-                Self::Input(format!(
-                    "{input}: a list names {what} {number}, but there are only {count}; correct the list"
-                ))
+                let option = if what == "equation" { "--keep" } else { "--prefer-slaves or --avoid-slaves" };
+                Self::Input(format!("{input}: {option} names {what} {number}, but there are only {count}; correct it"))
             }
             AnalysisError::Option(OptionError::Contradiction(dof)) => Self::Input(format!(
                 "DOF {} is in --prefer-slaves and in --avoid-slaves; take it out of one of them",

@@ -43,6 +43,8 @@ mod wording;
 use std::process::ExitCode;
 
 use clap::Parser;
+use clap::builder::StyledStr;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use args::{Cli, Command};
 use failure::CliFailure;
@@ -59,10 +61,24 @@ fn main() -> ExitCode {
 }
 
 fn parse() -> Cli {
-    Cli::try_parse().unwrap_or_else(|error| {
+    Cli::try_parse().unwrap_or_else(|mut error| {
+        advise(&mut error);
         failure::say_usage(&error);
         std::process::exit(error.exit_code())
     })
+}
+
+/// Replaces clap's advice to pass an unknown argument as a value: no value of this program begins with a dash, but some have spaces.
+fn advise(error: &mut clap::Error) {
+    if error.kind() != ErrorKind::UnknownArgument {
+        return;
+    }
+    error.remove(ContextKind::Suggested);
+    let unknown = error.get(ContextKind::InvalidArg).map(ToString::to_string).unwrap_or_default();
+    if !unknown.starts_with('-') {
+        let quotes = StyledStr::from("quote a value with spaces, as in `qless explain deck.inp 'row 28'`");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![quotes]));
+    }
 }
 
 /// Sets the memory limit and handles signals.

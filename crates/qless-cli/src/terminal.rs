@@ -48,7 +48,7 @@ impl Progress {
         if quiet {
             return Self(ProgressBar::hidden());
         }
-        let bar = ProgressBar::new_spinner();
+        let bar = ProgressBar::new_spinner().with_message("starting");
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
             bar.set_style(style.tick_chars("-\\|/ "));
         }

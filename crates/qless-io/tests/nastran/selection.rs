@@ -45,7 +45,7 @@ fn what_is_not_selected_is_left_out_and_named() {
     let expected = [
         "line 8: MPC sets that no subcase selects are left out: 1, 2 (2 entries)",
         "line 11: SPC sets that no subcase selects are left out: 1, 2 (4 entries)",
-        "line 15: SPCD sets that no subcase selects are left out: 4 (1 entries)",
+        "line 15: SPCD sets that no subcase selects are left out: 4 (1 entry)",
     ];
     assert_eq!(warnings(&model), expected);
 }

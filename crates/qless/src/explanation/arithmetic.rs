@@ -68,6 +68,7 @@ impl Part {
     fn words(&self, is_first: bool) -> String {
         let Self { factor, value, place } = self;
         let sign = match (is_first, *factor < 0.0) {
+            (true, true) if *value == 0.0 => "",
             (true, false) => "",
             (true, true) => "-",
             (false, false) => " + ",
