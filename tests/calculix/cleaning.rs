@@ -33,7 +33,8 @@ fn text_of(deck: &Deck) -> String {
 fn a_redundant_equation_leaves_a_comment_and_nothing_else_changes() {
     let text =
         brick("*EQUATION\n2\n5,3,1.,8,3,-1.\n2\n6,3,1.,8,3,-1.\n** kept\n2\n7,3,1.,5,3,-1.\n2\n7,3,2.,6,3,-2.\n");
-    let comment = "** qless: equation of line 30 removed, redundant: it is 2 * line 23 - 2 * line 25 + 2 * line 28";
+    let comment = "** qless: equation of line 30 removed, redundant: line 30 *EQUATION 7:3 = \
+                   2 * (line 23 *EQUATION 5:3) - 2 * (line 25 *EQUATION 6:3) + 2 * (line 28 *EQUATION 7:3)";
     let expected = text.replace("2\n7,3,2.,6,3,-2.", comment);
     assert_eq!(text_of(&parse(text.as_bytes())), expected);
 }

@@ -103,15 +103,11 @@ fn diff_names_what_tells_two_sets_apart() {
     assert_eq!((same.code, same.out.as_str()), (0, "Both sets have the same solutions.\n"));
     let values = place.run("diff -q a b");
     assert_eq!(values.code, 1);
-    assert!(values.out.contains("a asks for 1 thing that the other does not:\n  DOF 1 = 0.5\n"), "{}", values.out);
+    assert!(values.out.contains("a has 1 relation that the other does not imply:\n  DOF 1 = 0.5\n"), "{}", values.out);
     let fewer = place.run("diff -q a d");
-    assert!(
-        fewer.code == 1 && fewer.out.contains("row 4\n  row 5\n") && !fewer.out.contains("d asks"),
-        "{}",
-        fewer.out
-    );
+    assert!(fewer.code == 1 && fewer.out.contains("row 4\n  row 5\n") && !fewer.out.contains("d has"), "{}", fewer.out);
     let more = place.run("diff -q d a");
-    assert!(more.code == 1 && more.out.contains("a asks for 2 things"), "{}", more.out);
+    assert!(more.code == 1 && more.out.contains("a has 2 relations"), "{}", more.out);
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn a_sound_deck_stays_as_it_is() {
 #[test]
 fn a_repeated_equation_becomes_a_comment() {
     let text = format!("CEND\nMPC=1\nBEGIN BULK\n{GRIDS}MPC,1,3,1,1.,4,1,-1.\nMPC,1,4,1,2.,3,1,-2.\n");
-    let comment = "$ qless: line 9 MPC 1 removed, redundant: line 9 MPC 1 4:1 is -2 * (line 8 MPC 1 3:1)\n";
+    let comment = "$ qless: line 9 MPC 1 removed, redundant: line 9 MPC 1 4:1 = -2 * (line 8 MPC 1 3:1)\n";
     let expected = text.replace("MPC,1,4,1,2.,3,1,-2.\n", comment);
     assert_eq!(cleaned(&text, &[]), expected);
 }
@@ -110,7 +110,7 @@ fn a_grid_point_that_two_elements_share_leaves_one_of_them() {
         (format!("RBE2,12,2,123456,3,{}\n", many.join(",")), wide(&long)),
     ] {
         let text = format!("SOL 101\nCEND\nBEGIN BULK\n{GRIDS}{grids}RBE2,11,1,123456,2,3\n{second}ENDDATA\n");
-        let comment = "$ qless: 3 of line 35 RBE2 12 removed, redundant: line 35 RBE2 12 3:1 is \
+        let comment = "$ qless: 3 of line 35 RBE2 12 removed, redundant: line 35 RBE2 12 3:1 = \
                        -1 * (line 34 RBE2 11 2:1) + 2 * (line 34 RBE2 11 2:6) + 1 * (line 34 RBE2 11 3:1)\n";
         assert_eq!(cleaned(&text, &[]), text.replace(&second, &(comment.to_owned() + &expected)));
     }
@@ -137,7 +137,7 @@ fn an_included_file_that_changes_is_written_in() {
     let after = cleaned("CEND\nMPC=1\nBEGIN BULK\nINCLUDE 'ties.inc'\nENDDATA\n", &files);
     let expected = format!(
         "CEND\nMPC=1\nBEGIN BULK\n$ qless: included here, because it was changed\n$ qless: included here, because it was changed\n{GRIDS}MPC,1,3,1,1.,4,1,-1.\n\
-         $ qless: ties.inc:3 MPC 1 removed, redundant: ties.inc:3 MPC 1 4:1 is -2 * (ties.inc:2 MPC 1 3:1)\nENDDATA\n"
+         $ qless: ties.inc:3 MPC 1 removed, redundant: ties.inc:3 MPC 1 4:1 = -2 * (ties.inc:2 MPC 1 3:1)\nENDDATA\n"
     );
     assert_eq!(after, expected);
 }

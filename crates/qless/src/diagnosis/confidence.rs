@@ -94,9 +94,10 @@ impl Confidence {
         Self { ambiguous: true, doubt, ..self }
     }
 
-    /// Removes a doubt that exact arithmetic settles: it decides what the numbers say, but not which numbers are meant.
+    /// Removes a doubt about the computation, which agreement with exact arithmetic settles. Doubts about the numbers stay: only their
+    /// author knows whether they were rounded.
     pub(crate) fn settled(self) -> Self {
-        let doubt = self.doubt.filter(|doubt| *doubt == Doubt::Noise);
+        let doubt = self.doubt.filter(|doubt| !matches!(doubt, Doubt::NoGap | Doubt::Elimination));
         Self { ambiguous: doubt.is_some(), doubt, ..self }
     }
 

@@ -118,7 +118,11 @@ fn warn_unused(kind: &str, uses: &SetUses, used: impl Fn(u32) -> bool, model: &m
     if unused.len() > SHOWN {
         names.push("...".into());
     }
-    let text = format!("{kind} sets that no subcase selects are left out: {} ({cards} {})", names.join(", "), if cards == 1 { "entry" } else { "entries" });
+    let text = format!(
+        "{kind} sets that no subcase selects are left out: {} ({cards} {})",
+        names.join(", "),
+        if cards == 1 { "entry" } else { "entries" }
+    );
     model.warn(place.file, place.line, text);
 }
 
