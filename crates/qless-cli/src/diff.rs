@@ -1,14 +1,13 @@
 //! `qless diff`: compares the solutions of two sets of equations, and lists the equations in which the sets differ.
 //!
-//! Every equation and prescribed value of one set is evaluated at solutions of the other: at its particular solution and at random ones. An
-//! equation that follows from the other set holds at all of them to rounding; any other equation fails at a random one with probability 1.
+//! The equations of both sets are analysed together, with prescribed values as equations and the equations of one set preferred. An equation
+//! of the other set follows from them if it is redundant then; it tells the sets apart if it is independent or conflicts.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::process::ExitCode;
 
-use qless::common::SplitMix64;
-use qless::{Elimination, Form, analyse};
+use qless::{Kind, SystemBuilder, analyse};
 
 use crate::args::{DiffArgs, ModelArgs};
 use crate::deck_input::LoadCaseChoice;
@@ -20,13 +19,6 @@ use crate::terminal::{self, Progress};
 use crate::wording::printable;
 use crate::wording::{count, equation, label, number};
 
-/// Number of random solutions, in addition to the one whose masters are zero.
-const RANDOM: usize = 2;
-/// An equation holds if its residual is at most this fraction of its largest term. The residual of an equation that follows from the other
-/// set is rounding error times the growth of T.
-const HOLDS: f64 = 1e-9;
-/// Rounding of a solution, relative to its largest entry.
-const ROUNDING: f64 = 1e-13;
 /// Most equations that are listed for each set.
 const SHOWN: usize = 20;
 
@@ -42,19 +34,16 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     let first = diagnose(&args.model, question(), &progress)?;
     let second = diagnose(&other, question(), &progress)?;
     progress.stage("comparing");
-    let lines = match (solvable(&first)?, solvable(&second)?) {
-        (Some(a), Some(b)) => {
-            let mut lines = beyond(&first, &b);
-            lines.extend(beyond(&second, &a));
-            lines
-        }
-        (a, b) => [(a.is_none(), &first), (b.is_none(), &second)]
-            .into_iter()
-            .filter(|(conflicts, _)| *conflicts)
-            .map(|(_, diagnosis)| {
-                format!("{} has conflicting equations: see `qless check`.", name(&diagnosis.args.input))
-            })
-            .collect(),
+    let conflicting: Vec<String> = [&first, &second]
+        .into_iter()
+        .filter(|diagnosis| diagnosis.is_conflicting())
+        .map(|diagnosis| format!("{} has conflicting equations: see `qless check`.", name(&diagnosis.args.input)))
+        .collect();
+    let lines = if conflicting.is_empty() {
+        let [a, b] = [&first, &second].map(Relations::new);
+        [a.beyond(&b, &first)?, b.beyond(&a, &second)?].concat()
+    } else {
+        conflicting
     };
     drop(progress);
     let same = lines.is_empty();
@@ -63,112 +52,79 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(exit_code::REFUSED) })
 }
 
-/// Sample solutions of one set of equations.
-struct Solutions {
-    /// Index of a DOF in each sample, by the label of the DOF, or by its number without a label.
-    columns: HashMap<String, usize>,
-    samples: Vec<Vec<f64>>,
+/// Terms on DOFs, each by its label in small letters, and the right-hand side.
+type Relation = (Vec<(String, f64)>, f64);
+
+/// The equations and prescribed values of a set, each with its name.
+struct Relations {
+    relations: Vec<Relation>,
+    names: Vec<String>,
 }
 
-/// Computes sample solutions of a set; `None` if its equations conflict.
-fn solvable(diagnosis: &Diagnosis) -> Result<Option<Solutions>, CliFailure> {
-    if diagnosis.is_conflicting() {
-        return Ok(None);
-    }
-    let system = &diagnosis.system;
-    let failed =
-        |error: &dyn std::fmt::Display| CliFailure::Resource(format!("{}: {error}", diagnosis.args.input.display()));
-    let analysis = analyse(system, &diagnosis.options).map_err(|error| failed(&error))?;
-    let elimination = Elimination::from_analysis(analysis, Form::Auto).map_err(|error| failed(&error))?;
-    let mut random = SplitMix64::new(1);
-    let mut samples = Vec::new();
-    for sample in 0..=RANDOM {
-        let mut entry = || if sample == 0 { 0.0 } else { (random.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0 };
-        let masters: Vec<f64> = elimination.masters().iter().map(|_| entry()).collect();
-        let mut u = vec![0.0; system.dofs()];
-        elimination.expand_into(&masters, &mut u).map_err(|error| failed(&error))?;
-        samples.push(u);
-    }
-    let alone = alone(diagnosis);
-    samples.iter_mut().for_each(|u| u.extend(alone.iter().map(|given| given.value)));
-    let labels = (0..system.dofs()).map(|dof| system.dof_label(dof)).chain(alone.into_iter().map(|given| given.label));
-    let columns = labels.map(|label| label.to_lowercase()).zip(0..).collect();
-    Ok(Some(Solutions { columns, samples }))
-}
-
-/// A prescribed value, with its place in the input if that is known.
-struct Given {
-    label: String,
-    value: f64,
-    place: Option<String>,
-}
-
-/// The prescribed values of a deck's load case on DOFs that occur in no equation: the system does not have them.
-fn alone(diagnosis: &Diagnosis) -> Vec<Given> {
-    let Some(input) = &diagnosis.deck else { return Vec::new() };
-    let model = input.deck.model();
-    let known: HashSet<String> = (0..diagnosis.system.dofs()).map(|dof| diagnosis.system.dof_label(dof)).collect();
-    let given = model.cases()[input.case].prescribed.iter().map(|given| Given {
-        label: model.dof_name(given.dof),
-        value: given.value,
-        place: Some(model.place(given.origin)),
-    });
-    given.filter(|given| !known.contains(&given.label)).collect()
-}
-
-/// Lists the equations and prescribed values of a set that the solutions of the other set do not satisfy, below a heading.
-fn beyond(of: &Diagnosis, solutions: &Solutions) -> Vec<String> {
-    let system = &of.system;
-    let label_of = |dof: usize| system.dof_label(dof);
-    let mut found: Vec<String> = (0..system.equations())
-        .filter(|&row| {
-            let terms = system.matrix().row(row).map(|(dof, factor)| (label_of(dof), factor));
-            !solutions.satisfy(&terms.collect::<Vec<_>>(), system.rhs()[row])
-        })
-        .map(|row| equation(system, row))
-        .collect();
-    let given = system.prescribed().iter().map(|&(dof, value)| {
-        let place = system.prescribed_place(dof).map(str::to_owned);
-        Given { label: label_of(dof), value, place }
-    });
-    for Given { label: dof, value, place } in given.chain(alone(of)) {
-        let terms = [(dof, 1.0)];
-        if !solutions.satisfy(&terms, value) {
-            let place = place.map_or_else(String::new, |place| format!(", {}", label(&place)));
-            found.push(format!("{} = {}{place}", label(&terms[0].0), number(value)));
+impl Relations {
+    fn new(diagnosis: &Diagnosis) -> Self {
+        let system = &diagnosis.system;
+        let labels: Vec<String> = (0..system.dofs()).map(|dof| system.dof_label(dof)).collect();
+        let mut all = Self { relations: Vec::new(), names: Vec::new() };
+        for row in 0..system.equations() {
+            let terms = system.matrix().row(row).map(|(dof, factor)| (labels[dof].to_lowercase(), factor)).collect();
+            all.relations.push((terms, system.rhs()[row]));
+            all.names.push(equation(system, row));
         }
-    }
-    if found.is_empty() {
-        return Vec::new();
-    }
-    let relations = count(found.len(), "relation");
-    let mut lines = vec![format!("{} has {relations} that the other does not imply:", name(&of.args.input))];
-    let more = found.len().saturating_sub(SHOWN);
-    lines.extend(found.into_iter().take(SHOWN).map(|item| format!("  {item}")));
-    if more > 0 {
-        lines.push(format!("  and {more} more"));
-    }
-    lines
-}
-
-impl Solutions {
-    /// Whether an equation holds at all samples. DOFs have labels; one that these solutions do not have is free.
-    fn satisfy(&self, terms: &[(String, f64)], b: f64) -> bool {
-        let places: Vec<Option<usize>> =
-            terms.iter().map(|(label, _)| self.columns.get(&label.to_lowercase()).copied()).collect();
-        self.samples.iter().enumerate().all(|(k, u)| {
-            let largest = u.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            let (mut left, mut size, mut rounding) = (-b, b.abs(), 0.0_f64);
-            for (at, (place, (_, factor))) in places.iter().zip(terms).enumerate() {
-                // A different number for each DOF and sample.
-                let free = if k == 0 { 0.0 } else { ((at * 7 + k * 3) as f64).sin() };
-                let part = factor * place.map_or(free, |j| u[j]);
-                left += part;
-                size = size.max(part.abs());
-                rounding = rounding.max(factor.abs() * largest);
+        for &(dof, value) in system.prescribed() {
+            all.prescribe(&labels[dof], value, system.prescribed_place(dof));
+        }
+        // The system does not have the values of a deck on DOFs that occur in no equation.
+        if let Some(input) = &diagnosis.deck {
+            let (model, known) = (input.deck.model(), labels.iter().collect::<HashSet<_>>());
+            for given in &model.cases()[input.case].prescribed {
+                let dof = model.dof_name(given.dof);
+                if !known.contains(&dof) {
+                    all.prescribe(&dof, given.value, Some(&model.place(given.origin)));
+                }
             }
-            left.abs() <= HOLDS * size + ROUNDING * rounding
-        })
+        }
+        all
+    }
+
+    fn prescribe(&mut self, dof: &str, value: f64, place: Option<&str>) {
+        let place = place.map_or_else(String::new, |place| format!(", {}", label(place)));
+        self.relations.push((vec![(dof.to_lowercase(), 1.0)], value));
+        self.names.push(format!("{} = {}{place}", label(dof), number(value)));
+    }
+
+    /// Lists the relations that do not follow from `other`, below a heading. `of` is the diagnosis of this set.
+    fn beyond<'a>(&'a self, other: &'a Self, of: &Diagnosis) -> Result<Vec<String>, CliFailure> {
+        let mut numbers: HashMap<&'a str, usize> = HashMap::new();
+        let mut equations = Vec::new();
+        for (terms, b) in other.relations.iter().chain(&self.relations) {
+            let number = |(dof, factor): &'a (String, f64)| {
+                let next = numbers.len();
+                (*numbers.entry(dof).or_insert(next), *factor)
+            };
+            equations.push((terms.iter().map(number).collect::<Vec<_>>(), *b));
+        }
+        let count_of_other = other.relations.len();
+        let mut builder = SystemBuilder::new(numbers.len().max(1));
+        equations.into_iter().for_each(|(terms, b)| _ = builder.equation(terms, b));
+        let mut options = of.options.clone();
+        options.preferences.equations = (0..count_of_other).collect();
+        let failed =
+            |error: &dyn std::fmt::Display| CliFailure::Resource(format!("{}: {error}", of.args.input.display()));
+        let system = builder.build().map_err(|error| failed(&error))?;
+        let analysis = analyse(&system, &options).map_err(|error| failed(&error))?;
+        let own = analysis.kinds()[count_of_other..].iter().zip(&self.names);
+        let found: Vec<&String> = own.filter(|(kind, _)| **kind != Kind::Redundant).map(|(_, name)| name).collect();
+        if found.is_empty() {
+            return Ok(Vec::new());
+        }
+        let relations = count(found.len(), "relation");
+        let mut lines = vec![format!("{} has {relations} that the other does not imply:", name(&of.args.input))];
+        lines.extend(found.iter().take(SHOWN).map(|item| format!("  {item}")));
+        if found.len() > SHOWN {
+            lines.push(format!("  and {} more", found.len() - SHOWN));
+        }
+        Ok(lines)
     }
 }
 

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::certificate::History;
 use super::classify::{Dependent, Kind, MismatchRule, classify};
 use super::confidence::{Confidence, Doubt};
-use super::consistent::{not_redundant, side, to_give_up};
+use super::consistent::{classify_by_certificates, not_redundant, side, to_give_up};
 use super::distance::{CoreDistance, KeptRows};
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
@@ -198,7 +198,8 @@ impl Pipeline<'_> {
     }
 
     /// Runs without the equations in `gone`. Keeps them in components where one of them is then not redundant, or where the number of
-    /// dependent or conflicting equations changes. Returns the result and the equations left out.
+    /// dependent equations changes or that of conflicting ones falls. Conflicts may appear: a large right-hand side hid them. Returns the
+    /// result and the equations left out.
     fn without(
         &self,
         mut gone: BTreeSet<usize>,
@@ -215,7 +216,10 @@ impl Pipeline<'_> {
             let mut is_worse = vec![false; labels.count];
             bad.iter().for_each(|&row| is_worse[labels.of_row[row] as usize] = true);
             let [before, after] = [&first, &other].map(|one| one.pass.counts_by_component(&labels));
-            is_worse.iter_mut().zip(before.iter().zip(&after)).for_each(|(is_worse, (a, b))| *is_worse |= a != b);
+            is_worse
+                .iter_mut()
+                .zip(before.iter().zip(&after))
+                .for_each(|(is_worse, (a, b))| *is_worse |= a.0 != b.0 || b.1 < a.1);
             let count = gone.len();
             gone.retain(|&row| !is_worse[labels.of_row[row] as usize]);
             if gone.len() == count {
@@ -294,8 +298,8 @@ impl Pipeline<'_> {
         let members = terms.iter().map(|term| term.row).chain([d.row]);
         let precision = typed_precision(members.map(|row| self.local.row(row).map(|(_, value)| value)));
         // Only right-hand sides of the certificate count: the elimination may have added larger ones and subtracted them again.
-        let sides = terms.iter().map(|term| (term.coefficient * side(self.local, term.row).size).abs());
-        let size = sides.fold(side(self.local, d.row).size, f64::max);
+        let sides = terms.iter().map(|term| (term.coefficient * side(self.rule, term.row).size).abs());
+        let size = sides.fold(side(self.rule, d.row).size, f64::max);
         d.mismatch.abs() < precision * size
     }
 
@@ -326,11 +330,14 @@ impl Pipeline<'_> {
         let (diagnosed, triangles): (Vec<Diagnosed>, Vec<Triangle>) = diagnosed.into_iter().unzip();
         let factored = Instant::now();
         let presolve = statistics(&peeled, &eliminated, &blocks);
-        let dependent = classify(&eliminated, &diagnosed, rule);
+        let mut dependent = classify(&eliminated, &diagnosed, rule);
         let far_dependent = eliminated.dead.iter().filter(|dead| is_far(dead.reach)).map(|dead| dead.row).collect();
         let steps = eliminated.steps.iter().map(|step| step.row).collect();
         let (rows, factors) = (eliminated.names, eliminated.factors);
         let history = History { rows, factors, steps, exponents: scaling.row.clone() };
+        if noise.is_none() && !is_absolute {
+            classify_by_certificates(&mut dependent, &history, rule);
+        }
         let mut basis = peeled.basis;
         let dofs = blocks.iter().map(|block| block.dofs.clone());
         basis.extend(eliminated.steps, dofs.zip(diagnosed), scaling);

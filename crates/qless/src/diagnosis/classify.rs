@@ -1,5 +1,6 @@
 //! Classifies dependent equations as redundant or conflicting by `b_k - sum c_i b_i`, with prescribed DOFs moved into b (Eq. 27, 28).
 
+use std::collections::HashMap;
 use std::sync::OnceLock;
 
 use crate::Options;
@@ -53,6 +54,8 @@ pub(crate) struct MismatchRule<'a> {
     is_auto: bool,
     /// The result of [`rounding_of_sides`], computed when it is needed.
     rounding: OnceLock<Vec<f64>>,
+    /// The values of prescribed DOFs, collected when they are needed.
+    prescribed: OnceLock<HashMap<usize, f64>>,
     pub scaling: &'a Scaling,
     pub system: LocalSystem<'a>,
 }
@@ -60,12 +63,19 @@ pub(crate) struct MismatchRule<'a> {
 impl<'a> MismatchRule<'a> {
     pub fn new(system: LocalSystem<'a>, scaling: &'a Scaling, options: &Options) -> Self {
         let is_auto = options.noise == Noise::Auto && !options.tolerance.is_absolute();
-        Self { tolerance: options.tolerance.value(), is_auto, rounding: OnceLock::new(), scaling, system }
+        let (rounding, prescribed) = (OnceLock::new(), OnceLock::new());
+        Self { tolerance: options.tolerance.value(), is_auto, rounding, prescribed, scaling, system }
     }
 
     /// Returns true if numbers that were typed with few digits may be rounded.
     pub fn reads_digits(&self) -> bool {
         self.is_auto
+    }
+
+    /// The value of a prescribed DOF; 0 for any other.
+    pub fn prescribed_value(&self, dof: usize) -> f64 {
+        let values = self.prescribed.get_or_init(|| self.system.prescribed().iter().copied().collect());
+        values.get(&dof).copied().unwrap_or(0.0)
     }
 
     fn suspects(&self, row: usize, mismatch: f64) -> bool {

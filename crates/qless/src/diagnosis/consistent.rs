@@ -6,12 +6,12 @@
 //! kept equation i of the certificate is given up so that k can be kept. The coefficient of i must be at least half of the largest one, so
 //! that the kept equations come nearer to dependence by a factor of two at most. Among the equations with such a coefficient, i has the
 //! largest right-hand side term, and this term must exceed the terms of k. The exchange is undone in components where an equation that was
-//! given up is then not redundant, or where the number of dependent or conflicting equations changes.
+//! given up is then not redundant, or where the number of dependent equations changes or that of conflicting ones falls.
 
 use std::collections::BTreeSet;
 
 use super::AnalysisError;
-use super::certificate::CertificateTerm;
+use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
 use super::generated::{Explainer, times};
 use super::pass_result::PassResult;
@@ -32,11 +32,11 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
     for d in dependent.iter().filter(|d| d.kind == Kind::Redundant) {
         let (left, size) = left_of(system, d.row, &u);
         // An equation whose terms are only rounding is not examined.
-        let has_parts = side(system, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
+        let has_parts = side(rule, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
         // The residual of one solution may be small by chance: that of another differs by a rounding of the largest term.
         let most_left = left.max(f64::EPSILON * d.rest.size);
         if has_parts && most_left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
-            let part = |term: &CertificateTerm| (term.coefficient * side(system, term.row).size).abs();
+            let part = |term: &CertificateTerm| (term.coefficient * side(rule, term.row).size).abs();
             let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
             let terms = d.source.explain(history);
             let most = terms.iter().map(scaled).fold(0.0, f64::max);
@@ -67,8 +67,8 @@ pub(crate) fn not_redundant(
         let explainer = Explainer { system, basis, blocks, history, scaling: rule.scaling, backend, time: &time };
         let free = system.row(row).filter(|&(j, _)| system.free()[j]).map(|(j, v)| (j as u32, v));
         let because = explainer.because(free)?;
-        let mut rest = side(system, row);
-        because.iter().for_each(|term| rest.subtract(term.coefficient, side(system, term.row)));
+        let mut rest = side(rule, row);
+        because.iter().for_each(|term| rest.subtract(term.coefficient, side(rule, term.row)));
         let found = Dependent::new(row, rest, 0.0, Source::Given(because), rule);
         if found.kind != Kind::Redundant {
             others.push(row);
@@ -88,10 +88,46 @@ fn left_of(system: LocalSystem, row: usize, u: &[f64]) -> (f64, f64) {
 }
 
 /// `b - C_p u_p` of an equation.
-pub(crate) fn side(system: LocalSystem, row: usize) -> Mismatch {
+pub(crate) fn side(rule: &MismatchRule, row: usize) -> Mismatch {
+    let MismatchRule { system, .. } = *rule;
     let mut side = WorkingRow::new(system.rhs()[row]);
-    for &(j, value) in system.prescribed() {
-        system.row(row).filter(|&(k, _)| k == j).for_each(|(_, v)| side.prescribe(v * value));
+    for (j, v) in system.row(row).filter(|&(j, _)| !system.free()[j]) {
+        side.prescribe(v * rule.prescribed_value(j));
     }
     Mismatch::of_row(&side)
+}
+
+/// Classifies redundant equations again by the right-hand sides of their certificates.
+///
+/// The elimination measures a mismatch against the largest right-hand side that it met, also if that side cancelled and is not in the
+/// certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. Only equations with a mismatch above the tolerance of
+/// their own side are examined, or above rounding if they have none.
+pub(crate) fn classify_by_certificates(dependent: &mut [Dependent], history: &History, rule: &MismatchRule) {
+    for d in dependent.iter_mut().filter(|d| d.kind == Kind::Redundant && !d.is_suspect && d.mismatch != 0.0) {
+        let (own, mismatch) = (side(rule, d.row), d.mismatch.abs());
+        let limit = if own.size > 0.0 { rule.tolerance * own.size } else { MORE_THAN_ROUNDING * d.rest.error };
+        if mismatch > limit {
+            reclassify(d, own, history, rule);
+        }
+    }
+}
+
+/// Classifies an equation by its certificate without terms that are rounding of the largest one. If the rounding of the coefficients may be
+/// as large as the mismatch, the equation stays redundant, in doubt.
+fn reclassify(d: &mut Dependent, own: Mismatch, history: &History, rule: &MismatchRule) {
+    let terms = d.source.explain(history);
+    let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
+    let rounding = f64::EPSILON * terms.len() as f64 * terms.iter().map(scaled).fold(0.0, f64::max);
+    let (mut rest, mut uncertain) = (own, 0.0);
+    for term in &terms {
+        let other = side(rule, term.row);
+        uncertain += other.size * ldexp(rounding, rule.scaling.row[term.row]);
+        if scaled(term) > rounding {
+            rest.subtract(term.coefficient, other);
+        }
+    }
+    let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
+    if found.kind == Kind::Conflicting || found.is_suspect {
+        *d = if uncertain < rest.value.abs() { found } else { Dependent { is_suspect: true, ..d.clone() } };
+    }
 }

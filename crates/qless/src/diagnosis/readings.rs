@@ -73,11 +73,18 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
 const BYTES: usize = 48;
 
 impl Analysis {
-    /// Adds the exact rank of the system as given; sets a doubt if a part has another result.
+    /// Adds the exact rank of the system as given; sets a doubt if a part has another result, or if the equations that do not conflict have
+    /// no solution.
     fn compare_with_exact(&mut self, system: &ConstraintSystem) -> Result<(), AnalysisError> {
         let settings = Settings { fill: self.options.memory / BYTES, ..self.options.numbers.into() };
         let exact = exact::rank(system, settings)?;
-        let is_same = analysed_parts(&self.kinds, &exact) == exact.parts;
+        let has_solution = || {
+            let agrees = |row: usize| self.kinds[row] != Kind::Conflicting;
+            let agreeing = system.only(|row, _| agrees(row), agrees);
+            exact::rank(&agreeing, settings).map(|exact| exact.parts.iter().all(|part| part.solvable))
+        };
+        let is_conflicting = self.kinds.contains(&Kind::Conflicting);
+        let is_same = analysed_parts(&self.kinds, &exact) == exact.parts && (!is_conflicting || has_solution()?);
         self.confidence = if is_same { self.confidence.settled() } else { self.confidence.or(Doubt::Exact) };
         self.exact = Some(exact);
         // If exact arithmetic agrees, a missing proof is no doubt.
