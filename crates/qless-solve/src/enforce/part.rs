@@ -1,20 +1,21 @@
-//! One connected part of K and C: its free DOFs and its equations, scaled by powers of two.
+//! One connected part of K and C: its free DOFs and its equations, in dimensionless numbers.
 //!
 //! ```text
-//! K' = K / 4^k    C_r' = C_r / 2^e_r    u' = u / 2^t    lambda_r' = lambda_r 2^e_r / (4^k 2^t)    whole numbers k, e_r, t
+//! K' = S K S    C' = R C S    u = 2^t S u'    lambda = 2^t R lambda'        S, R of super::scale; whole number t
 //! ```
 //!
-//! Prescribed DOFs are moved to the right-hand side, `f - K u_p` and `b - C u_p`. The powers of two bring the numbers of the part near one,
-//! so that products do not leave the range of doubles; they change no digit. Cost: one copy of K and C.
+//! Prescribed DOFs are moved to the right-hand side, `f - K u_p` and `b - C u_p`. Cost: one copy of K and C.
 
 use qless::{ConstraintSystem, SystemBuilder};
 
+use super::EnforceError;
+use super::equations::{BALANCED, ROUNDING};
 use super::matrix::{entries, from_triplets};
 use super::problem::{Method, Problem, Solution};
-use super::{EnforceError, stiffness, units};
+use super::scale::{Entry, parts, power, scales, times_power};
 use crate::common::SparseMatrix;
 
-/// One connected part, in its own scale.
+/// One connected part, dimensionless.
 pub struct EnforcedPart<'a> {
     /// The constraint system that it is part of.
     whole: &'a ConstraintSystem,
@@ -29,9 +30,13 @@ pub struct EnforcedPart<'a> {
     pub rhs: (Vec<f64>, Vec<f64>),
     /// How each equation is enforced.
     pub methods: Vec<Method>,
-    /// Exponents of the powers of two that were divided out: of K, of each equation, of u.
-    stiffness: i32,
-    equations: Vec<i32>,
+    /// The relative error of u that penalties may cause.
+    pub accuracy: f64,
+    /// The largest residual of augmented equations, relative to their terms.
+    pub tolerance: f64,
+    /// The exponents of S, then those of R.
+    pub scale: Vec<i32>,
+    /// t.
     size: i32,
 }
 
@@ -44,34 +49,36 @@ impl EnforcedPart<'_> {
         }
     }
 
-    /// Writes u, lambda and `-C^T lambda` of the part in the caller's scale. Forces are computed here, since lambda alone may leave the
+    /// All entries of C.
+    pub fn equations(&self) -> impl Iterator<Item = Entry> + '_ {
+        (0..self.rows.len()).flat_map(|i| self.system.matrix().row(i).map(move |(j, v)| (i, j, v)))
+    }
+
+    /// Writes u, lambda and `-C^T lambda` of the part in the caller's units. Forces are computed here, since lambda alone may leave the
     /// range of doubles.
     pub fn place(&self, x: &[f64], solution: &mut Solution) {
-        let (of_dofs, of_rows) = x.split_at(self.dofs.len());
-        self.dofs.iter().zip(of_dofs).for_each(|(&j, x)| solution.u[j] = times_power(*x, self.size));
-        let force = self.stiffness + self.size;
-        for ((&row, x), power) in self.rows.iter().zip(of_rows).zip(&self.equations) {
-            solution.multipliers[row] = times_power(*x, force - power);
-            let terms = self.whole.matrix().row(row).map(|(j, v)| (j, times_power(v, -power) * x));
-            terms.for_each(|(j, v)| solution.forces[j] -= times_power(v, force));
+        let (n, mut forces) = (self.dofs.len(), vec![0.0; self.dofs.len()]);
+        self.equations().for_each(|(i, j, v)| forces[j] -= v * x[n + i]);
+        for (j, &dof) in self.dofs.iter().enumerate() {
+            solution.u[dof] = times_power(x[j], self.scale[j] + self.size);
+            solution.forces[dof] = times_power(forces[j], self.size - self.scale[j]);
         }
+        let of_rows = self.rows.iter().zip(&x[n..]).zip(&self.scale[n..]);
+        of_rows.for_each(|((&row, x), e)| solution.multipliers[row] = times_power(*x, e + self.size));
     }
 }
-
-/// Free DOFs and equations of a part, ascending.
-type PartMembers = (Vec<usize>, Vec<usize>);
 
 /// Splits a problem into its connected parts.
 pub struct PartSplitter<'a> {
     problem: &'a Problem<'a>,
-    /// In the order of their first DOFs.
-    members: Vec<PartMembers>,
+    /// Free DOFs and equations of each part, ascending; in the order of their first DOFs.
+    members: Vec<(Vec<usize>, Vec<usize>)>,
     /// The index of each DOF within its part; none if it is prescribed.
     place: Vec<Option<u32>>,
     /// Values of prescribed DOFs; zero for others.
     prescribed: Vec<f64>,
-    /// Entries of K in rows of free DOFs and columns of prescribed ones: `(row, column, value)`, ascending.
-    prescribed_columns: Vec<(usize, usize, f64)>,
+    /// Entries of K in rows of free DOFs and columns of prescribed ones, ascending.
+    prescribed_columns: Vec<Entry>,
 }
 
 impl<'a> PartSplitter<'a> {
@@ -79,7 +86,7 @@ impl<'a> PartSplitter<'a> {
         let n = problem.system.dofs();
         let (mut prescribed, mut free) = (vec![0.0; n], vec![true; n]);
         problem.system.prescribed().iter().for_each(|&(j, value)| (prescribed[j], free[j]) = (value, false));
-        let joins = |&(i, j, v): &(usize, usize, f64)| v != 0.0 && free[i] && !free[j];
+        let joins = |&(i, j, v): &Entry| v != 0.0 && free[i] && !free[j];
         let mut prescribed_columns: Vec<_> = entries(&problem.k).filter(joins).collect();
         prescribed_columns.sort_by_key(|&(i, j, _)| (i, j));
         let (members, mut place) = (members(problem, &free), vec![None; n]);
@@ -90,72 +97,72 @@ impl<'a> PartSplitter<'a> {
     }
 
     /// All parts, one after the other.
-    pub fn parts(&self, methods: &[Method]) -> impl Iterator<Item = Result<EnforcedPart<'a>, EnforceError>> {
-        self.members.iter().map(|(dofs, rows)| self.part(dofs, rows, methods))
+    pub fn parts(
+        &self,
+        methods: &[Method],
+        accuracy: f64,
+    ) -> impl Iterator<Item = Result<EnforcedPart<'a>, EnforceError>> {
+        self.members.iter().map(move |(dofs, rows)| self.part((dofs, rows), methods, accuracy))
     }
 
-    fn part(&self, dofs: &[usize], rows: &[usize], methods: &[Method]) -> Result<EnforcedPart<'a>, EnforceError> {
+    fn part(
+        &self,
+        (dofs, rows): (&[usize], &[usize]),
+        methods: &[Method],
+        accuracy: f64,
+    ) -> Result<EnforcedPart<'a>, EnforceError> {
+        let (n, m) = (dofs.len(), rows.len());
         let own = || dofs.iter().flat_map(|&j| self.column(j));
-        // An even exponent: the square root of the scale is a power of two as well, so that units keep their digits.
-        let stiffness = 2 * middle(own().map(|(_, _, v)| v)).div_euclid(2);
-        let scaled = own().map(|(i, j, v)| (i, j, times_power(v, -stiffness)));
-        let k = from_triplets(dofs.len(), dofs.len(), scaled)?;
-        let largest = |row: usize| self.row(row).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
-        let equations: Vec<i32> = rows.iter().map(|&row| power(largest(row))).collect();
-        let mut builder = SystemBuilder::new(dofs.len());
-        for (&row, &power) in rows.iter().zip(&equations) {
-            builder.equation(self.row(row).map(|(j, v)| (j, times_power(v, -power))), 0.0);
+        let of_rows = || rows.iter().enumerate().flat_map(|(i, &row)| self.row(row).map(move |(j, v)| (i, j, v)));
+        let scale = scales(own(), of_rows(), (n, m));
+        let k = from_triplets(n, n, own().map(|(i, j, v)| (i, j, times_power(v, scale[i] + scale[j]))))?;
+        let mut builder = SystemBuilder::new(n);
+        for (i, &row) in rows.iter().enumerate() {
+            builder.equation(self.row(row).map(|(j, v)| (j, times_power(v, scale[n + i] + scale[j]))), 0.0);
         }
-        let (mut sums, mut sizes) = self.right_hand_side(dofs, rows, stiffness, &equations);
+        let (mut sums, mut sizes) = self.right_hand_side(dofs, rows, &scale);
         if !sizes.iter().all(|v| v.is_finite()) {
             return Err(EnforceError::OutOfRange);
         }
-        let size = middle(sizes.iter().copied());
+        let size = middle(&sizes);
         sums.iter_mut().chain(&mut sizes).for_each(|v| *v = times_power(*v, -size));
-        let symmetric = self.problem.declared || stiffness::is_symmetric(&k);
-        let methods = rows.iter().map(|&row| methods[row]).collect();
-        let (dofs, rows, system) = (dofs.to_vec(), rows.to_vec(), builder.build()?);
-        let whole = self.problem.system;
         Ok(EnforcedPart {
-            whole,
-            dofs,
-            rows,
+            whole: self.problem.system,
+            dofs: dofs.to_vec(),
+            rows: rows.to_vec(),
+            symmetric: self.problem.declared || is_symmetric(&k),
             k,
-            symmetric,
-            system,
+            system: builder.build()?,
             rhs: (sums, sizes),
-            methods,
-            stiffness,
-            equations,
+            methods: rows.iter().map(|&row| methods[row]).collect(),
+            accuracy,
+            tolerance: accuracy.min(BALANCED),
+            scale,
             size,
         })
     }
 
     /// `f - K u_p` and `b - C u_p`, and the sizes of their terms.
-    fn right_hand_side(&self, dofs: &[usize], rows: &[usize], k: i32, equations: &[i32]) -> (Vec<f64>, Vec<f64>) {
-        let (mut sums, mut sizes) = (Vec::new(), Vec::new());
-        let mut add = |terms: &mut dyn Iterator<Item = f64>| {
-            let (mut sum, mut size) = (0.0, 0.0);
-            terms.for_each(|v| (sum, size) = (sum + v, size + v.abs()));
-            sums.push(sum);
-            sizes.push(size);
+    fn right_hand_side(&self, dofs: &[usize], rows: &[usize], scale: &[i32]) -> (Vec<f64>, Vec<f64>) {
+        let (of_dofs, of_rows) = scale.split_at(dofs.len());
+        let moved = |(j, v, e): (usize, f64, i32)| times_power(-v, e) * self.prescribed[j];
+        let sum = |start: f64, terms: &mut dyn Iterator<Item = f64>| {
+            terms.fold((start, start.abs()), |(sum, size), v| (sum + v, size + v.abs()))
         };
-        for &i in dofs {
+        let forces = dofs.iter().zip(of_dofs).map(|(&i, &e)| {
             let first = self.prescribed_columns.partition_point(|&(row, _, _)| row < i);
             let of_row = self.prescribed_columns[first..].iter().take_while(|&&(row, _, _)| row == i);
-            let prescribed = of_row.map(|&(_, j, v)| times_power(-v, -k) * self.prescribed[j]);
-            add(&mut std::iter::once(times_power(self.problem.f[i], -k)).chain(prescribed));
-        }
-        for (&row, &power) in rows.iter().zip(equations) {
+            sum(times_power(self.problem.f[i], e), &mut of_row.map(|&(_, j, v)| moved((j, v, e))))
+        });
+        let equations = rows.iter().zip(of_rows).map(|(&row, &e)| {
             let whole = self.problem.system.matrix().row(row).filter(|&(j, _)| self.place[j].is_none());
-            let prescribed = whole.map(|(j, v)| times_power(-v, -power) * self.prescribed[j]);
-            add(&mut std::iter::once(times_power(self.problem.system.rhs()[row], -power)).chain(prescribed));
-        }
-        (sums, sizes)
+            sum(times_power(self.problem.system.rhs()[row], e), &mut whole.map(|(j, v)| moved((j, v, e))))
+        });
+        forces.chain(equations).unzip()
     }
 
     /// A column of K on free DOFs, with indices within its part.
-    fn column(&self, j: usize) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+    fn column(&self, j: usize) -> impl Iterator<Item = Entry> + '_ {
         let (k, at): (&SparseMatrix, _) = (&self.problem.k, self.place[j]);
         let column = k.symbolic().row_idx_of_col(j).zip(k.val_of_col(j)).filter(|(_, v)| **v != 0.0);
         column.filter_map(move |(i, &v)| Some((self.place[i]? as usize, at? as usize, v)))
@@ -169,18 +176,18 @@ impl<'a> PartSplitter<'a> {
 }
 
 /// Connected components of free DOFs and equations, by nonzero entries of K and C.
-fn members(problem: &Problem, free: &[bool]) -> Vec<PartMembers> {
+fn members(problem: &Problem, free: &[bool]) -> Vec<(Vec<usize>, Vec<usize>)> {
     let (n, m) = (problem.system.dofs(), problem.system.equations());
     let of_k = entries(&problem.k).filter(|&(i, j, v)| v != 0.0 && free[i] && free[j]).map(|(i, j, _)| (i, j));
     let row = |&row: &usize| problem.system.matrix().row(row).map(move |(j, v)| (n + row, j, v));
     let of_c = problem.kept.iter().flat_map(row).filter(|&(_, j, v)| v != 0.0 && free[j]).map(|(row, j, _)| (row, j));
-    let names = units::parts(n + m, of_k.chain(of_c));
-    let (mut index, mut members) = (vec![None; n + m], Vec::<PartMembers>::new());
+    let names = parts(n + m, of_k.chain(of_c));
+    let (mut index, mut members) = (vec![None; n + m], Vec::<(Vec<usize>, Vec<usize>)>::new());
     let dofs = (0..n).filter(|&j| free[j]);
     for member in dofs.chain(problem.kept.iter().map(|row| n + row)) {
         let part = *index[names[member]].get_or_insert(members.len());
         if part == members.len() {
-            members.push(PartMembers::default());
+            members.push(Default::default());
         }
         let (dofs, rows) = &mut members[part];
         if member < n { dofs.push(member) } else { rows.push(member - n) }
@@ -188,23 +195,14 @@ fn members(problem: &Problem, free: &[bool]) -> Vec<PartMembers> {
     members
 }
 
+/// Whether `K_ij - K_ji` is rounding of the entry or of the diagonal, which is one.
+fn is_symmetric(k: &SparseMatrix) -> bool {
+    let off = |i: usize, j: usize, v: f64| (v - k.get(j, i).copied().unwrap_or_default()).abs();
+    entries(k).all(|(i, j, v)| off(i, j, v) <= ROUNDING * v.abs().max(1.0))
+}
+
 /// The exponent half way between those of the smallest and the largest nonzero number; 0 without any.
-pub fn middle(values: impl Iterator<Item = f64>) -> i32 {
-    let powers = values.filter(|v| *v != 0.0).map(power);
-    let ends = powers.fold(None, |ends: Option<(i32, i32)>, e| match ends {
-        None => Some((e, e)),
-        Some((least, most)) => Some((least.min(e), most.max(e))),
-    });
-    ends.map_or(0, |(least, most)| (least + most).div_euclid(2))
-}
-
-/// e with `2^e <= |v| < 2^(e + 1)`, except for rounding of log2; 0 for zero.
-pub fn power(v: f64) -> i32 {
-    if v == 0.0 { 0 } else { v.abs().log2().floor() as i32 }
-}
-
-/// `v 2^e`, in two steps, since 2^e may leave the range of doubles.
-pub fn times_power(v: f64, e: i32) -> f64 {
-    let half = e.div_euclid(2);
-    v * f64::from(half).exp2() * f64::from(e - half).exp2()
+fn middle(values: &[f64]) -> i32 {
+    let powers = || values.iter().filter(|v| **v != 0.0).map(|v| power(*v));
+    powers().min().zip(powers().max()).map_or(0, |(least, most)| (least + most).div_euclid(2))
 }

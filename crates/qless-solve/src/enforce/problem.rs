@@ -180,34 +180,14 @@ pub enum Method {
 }
 
 impl Method {
-    /// Factor of the spring; none if the method has no spring.
-    pub(super) fn factor(self) -> Option<f64> {
-        match self {
-            Self::Penalty { factor } | Self::Augmented { factor } => Some(factor),
-            Self::Elimination | Self::Multiplier => None,
-        }
-    }
-
     /// Validates the factor.
     pub(super) fn checked(self) -> Result<(), EnforceError> {
-        match self.factor() {
-            Some(factor) if !(factor > 0.0 && factor.is_finite()) => Err(EnforceError::Factor(factor)),
+        match self {
+            Self::Penalty { factor } | Self::Augmented { factor } if !(factor > 0.0 && factor.is_finite()) => {
+                Err(EnforceError::Factor(factor))
+            }
             _ => Ok(()),
         }
-    }
-
-    /// The same method with the spring factor multiplied by `share`.
-    pub(super) fn times(self, share: f64) -> Self {
-        match self {
-            Self::Penalty { factor } => Self::Penalty { factor: factor * share },
-            Self::Augmented { factor } => Self::Augmented { factor: factor * share },
-            other => other,
-        }
-    }
-
-    /// The same method with a multiplier instead of a spring.
-    pub(super) fn without_spring(self) -> Self {
-        if self.factor().is_some() { Self::Multiplier } else { self }
     }
 }
 

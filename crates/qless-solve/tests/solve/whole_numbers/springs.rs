@@ -86,8 +86,10 @@ fn check(case: &Case, counts: &mut Counts) {
                 assert!(solution.accuracy < 1.0, "{name}: {:e}", solution.accuracy);
                 counts.right += 1;
             }
-            Err(EnforceError::PenaltyTooSmall { .. }) => {
+            Err(EnforceError::PenaltyTooSmall { cost, .. }) => {
                 let off = measure.off(&penalised(case.model, kept, &methods), right, 1.0);
+                // Units of two DOFs are rounded to powers of two.
+                assert!(cost >= 1.0 || (cost <= 4.0 * off && off <= 4.0 * cost), "{name}: {cost:e} of {off:e}");
                 // In between, an estimate decides.
                 counts.rightly += usize::from(off > accuracy / MARGIN);
                 counts.wrongly += usize::from(off <= accuracy / MARGIN);
