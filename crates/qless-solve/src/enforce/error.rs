@@ -19,8 +19,8 @@ pub enum EnforceError {
         /// How many there should be.
         dofs: usize,
     },
-    /// A number of K, f or a prescribed value is not finite.
-    #[error("K, f or a prescribed value is {value}; every number must be finite")]
+    /// A number of K or f is not finite.
+    #[error("K or f contains {value}; every number must be finite")]
     NotFinite {
         /// The number.
         value: f64,

@@ -9,7 +9,7 @@ use faer::sparse::SparseColMat;
 use qless::ArgumentError;
 
 use super::equations::BALANCED;
-use super::matrix::{entries, from_triplets};
+use super::matrix::{bordered, entries, from_triplets};
 use super::problem::{Problem, Solution};
 use super::saddle::elimination_of;
 use super::scale::parts;
@@ -126,17 +126,14 @@ impl Problem<'_> {
         if let Some(&found) = rows.iter().find(|&&row| row >= count) {
             return Err(ArgumentError::OutOfRange { what: "equation", found, count }.into());
         }
-        let n = self.system.dofs();
-        let mut free = vec![true; n];
-        self.system.prescribed().iter().for_each(|&(j, _)| free[j] = false);
-        let of_row = |(i, &row): (usize, &usize)| self.system.matrix().row(row).map(move |(j, v)| (n + i, j, v));
-        let border = rows.iter().enumerate().flat_map(of_row).flat_map(|(i, j, v)| [(i, j, v), (j, i, v)]);
-        free.resize(n + rows.len(), true);
-        let place: Vec<usize> =
-            free.iter().scan(0, |next, &free| Some(std::mem::replace(next, *next + usize::from(free)))).collect();
-        let size = free.iter().filter(|free| **free).count();
-        let all = entries(&self.k).chain(border).filter(|&(i, j, _)| free[i] && free[j]);
-        from_triplets(size, size, all.map(|(i, j, v)| (place[i], place[j], v)))
+        let of_row = |(i, &row): (usize, &usize)| self.system.matrix().row(row).map(move |(j, v)| (i, j, v));
+        let all = bordered(&self.k, rows.iter().enumerate().flat_map(of_row), &vec![0.0; rows.len()])?;
+        let mut place = vec![Some(0); all.nrows()];
+        self.system.prescribed().iter().for_each(|&(j, _)| place[j] = None);
+        place.iter_mut().flatten().enumerate().for_each(|(next, place)| *place = next);
+        let size = place.iter().flatten().count();
+        let free = entries(&all).filter_map(|(i, j, v)| Some((place[i]?, place[j]?, v)));
+        from_triplets(size, size, free)
     }
 }
 

@@ -4,7 +4,7 @@
 //! K' = S K S    C' = R C S    u = 2^t S u'    lambda = 2^t R lambda'        S, R of super::scale; whole number t
 //! ```
 //!
-//! Prescribed DOFs are moved to the right-hand side, `f - K u_p` and `b - C u_p`. Cost: one copy of K and C.
+//! Prescribed DOFs are moved to the right-hand side, `f - K u_p` and `b - C u_p`. Cost: two copies of K and C.
 
 use qless::{ConstraintSystem, SystemBuilder};
 
@@ -68,131 +68,92 @@ impl EnforcedPart<'_> {
     }
 }
 
-/// Splits a problem into its connected parts.
-pub struct PartSplitter<'a> {
-    problem: &'a Problem<'a>,
-    /// Free DOFs and equations of each part, ascending; in the order of their first DOFs.
-    members: Vec<(Vec<usize>, Vec<usize>)>,
-    /// The index of each DOF within its part; none if it is prescribed.
-    place: Vec<Option<u32>>,
-    /// Values of prescribed DOFs; zero for others.
-    prescribed: Vec<f64>,
-    /// Entries of K in rows of free DOFs and columns of prescribed ones, ascending.
-    prescribed_columns: Vec<Entry>,
+/// Free DOFs and equations of a part, ascending, and their terms in the caller's units with indices within the part.
+#[derive(Default)]
+pub struct PartTerms {
+    dofs: Vec<usize>,
+    rows: Vec<usize>,
+    k: Vec<Entry>,
+    c: Vec<Entry>,
+    /// `(row of A, coefficient, value)` of the terms with prescribed DOFs.
+    moved: Vec<(usize, f64, f64)>,
 }
 
-impl<'a> PartSplitter<'a> {
-    pub fn new(problem: &'a Problem<'a>) -> Self {
-        let n = problem.system.dofs();
-        let (mut prescribed, mut free) = (vec![0.0; n], vec![true; n]);
-        problem.system.prescribed().iter().for_each(|&(j, value)| (prescribed[j], free[j]) = (value, false));
-        let joins = |&(i, j, v): &Entry| v != 0.0 && free[i] && !free[j];
-        let mut prescribed_columns: Vec<_> = entries(&problem.k).filter(joins).collect();
-        prescribed_columns.sort_by_key(|&(i, j, _)| (i, j));
-        let (members, mut place) = (members(problem, &free), vec![None; n]);
-        for (dofs, _) in &members {
-            dofs.iter().enumerate().for_each(|(at, &j)| place[j] = Some(at as u32));
+/// The connected parts of a problem, by nonzero entries of K and C, in the order of their first DOFs.
+pub fn split(problem: &Problem) -> Vec<PartTerms> {
+    let (system, n) = (problem.system, problem.system.dofs());
+    let mut prescribed = vec![None; n];
+    system.prescribed().iter().for_each(|&(j, value)| prescribed[j] = Some(value));
+    let row = |&row: &usize| system.matrix().row(row).map(move |(j, v)| (n + row, j, v));
+    let of_k = || entries(&problem.k).filter(|&(i, ..)| prescribed[i].is_none());
+    let terms = || of_k().chain(problem.kept.iter().flat_map(row)).filter(|&(_, _, v)| v != 0.0);
+    let joins = terms().filter(|&(_, j, _)| prescribed[j].is_none()).map(|(i, j, _)| (i, j));
+    let names = parts(n + system.equations(), joins);
+    let (mut part_of, mut place, mut all) = (vec![None; names.len()], vec![0; names.len()], Vec::<PartTerms>::new());
+    let free = (0..n).filter(|&j| prescribed[j].is_none());
+    for member in free.chain(problem.kept.iter().map(|row| n + row)) {
+        let part = *part_of[names[member]].get_or_insert(all.len());
+        if part == all.len() {
+            all.push(PartTerms::default());
         }
-        Self { problem, members, place, prescribed, prescribed_columns }
+        let members = if member < n { &mut all[part].dofs } else { &mut all[part].rows };
+        place[member] = members.len();
+        members.push(if member < n { member } else { member - n });
     }
-
-    /// All parts, one after the other.
-    pub fn parts(
-        &self,
-        methods: &[Method],
-        accuracy: f64,
-    ) -> impl Iterator<Item = Result<EnforcedPart<'a>, EnforceError>> {
-        self.members.iter().map(move |(dofs, rows)| self.part((dofs, rows), methods, accuracy))
+    for (i, j, v) in terms() {
+        let Some(part) = part_of[names[i]].map(|part: usize| &mut all[part]) else { continue };
+        match prescribed[j] {
+            Some(value) => part.moved.push((place[i] + if i < n { 0 } else { part.dofs.len() }, v, value)),
+            None if i < n => part.k.push((place[i], place[j], v)),
+            None => part.c.push((place[i], place[j], v)),
+        }
     }
+    all
+}
 
-    fn part(
-        &self,
-        (dofs, rows): (&[usize], &[usize]),
+impl PartTerms {
+    /// The part in dimensionless numbers.
+    pub fn scaled<'a>(
+        self,
+        problem: &'a Problem,
         methods: &[Method],
         accuracy: f64,
     ) -> Result<EnforcedPart<'a>, EnforceError> {
+        let Self { dofs, rows, k, c, moved } = self;
         let (n, m) = (dofs.len(), rows.len());
-        let own = || dofs.iter().flat_map(|&j| self.column(j));
-        let of_rows = || rows.iter().enumerate().flat_map(|(i, &row)| self.row(row).map(move |(j, v)| (i, j, v)));
-        let scale = scales(own(), of_rows(), (n, m));
-        let k = from_triplets(n, n, own().map(|(i, j, v)| (i, j, times_power(v, scale[i] + scale[j]))))?;
+        let scale = scales(k.iter().copied(), c.iter().copied(), (n, m));
+        let k = from_triplets(n, n, k.into_iter().map(|(i, j, v)| (i, j, times_power(v, scale[i] + scale[j]))))?;
+        let mut equations = vec![Vec::new(); m];
+        c.into_iter().for_each(|(i, j, v)| equations[i].push((j, times_power(v, scale[n + i] + scale[j]))));
         let mut builder = SystemBuilder::new(n);
-        for (i, &row) in rows.iter().enumerate() {
-            builder.equation(self.row(row).map(|(j, v)| (j, times_power(v, scale[n + i] + scale[j]))), 0.0);
+        equations.into_iter().for_each(|terms| _ = builder.equation(terms, 0.0));
+        let own = dofs.iter().map(|&j| problem.f[j]).chain(rows.iter().map(|&row| problem.system.rhs()[row]));
+        let mut sums: Vec<f64> = own.zip(&scale).map(|(v, e)| times_power(v, *e)).collect();
+        let mut sizes: Vec<f64> = sums.iter().map(|v| v.abs()).collect();
+        for (i, v, value) in moved {
+            let term = times_power(v, scale[i]) * value;
+            (sums[i], sizes[i]) = (sums[i] - term, sizes[i] + term.abs());
         }
-        let (mut sums, mut sizes) = self.right_hand_side(dofs, rows, &scale);
         if !sizes.iter().all(|v| v.is_finite()) {
             return Err(EnforceError::OutOfRange);
         }
         let size = middle(&sizes);
         sums.iter_mut().chain(&mut sizes).for_each(|v| *v = times_power(*v, -size));
         Ok(EnforcedPart {
-            whole: self.problem.system,
-            dofs: dofs.to_vec(),
-            rows: rows.to_vec(),
-            symmetric: self.problem.declared || is_symmetric(&k),
+            whole: problem.system,
+            symmetric: problem.declared || is_symmetric(&k),
             k,
             system: builder.build()?,
             rhs: (sums, sizes),
             methods: rows.iter().map(|&row| methods[row]).collect(),
+            dofs,
+            rows,
             accuracy,
             tolerance: accuracy.min(BALANCED),
             scale,
             size,
         })
     }
-
-    /// `f - K u_p` and `b - C u_p`, and the sizes of their terms.
-    fn right_hand_side(&self, dofs: &[usize], rows: &[usize], scale: &[i32]) -> (Vec<f64>, Vec<f64>) {
-        let (of_dofs, of_rows) = scale.split_at(dofs.len());
-        let moved = |(j, v, e): (usize, f64, i32)| times_power(-v, e) * self.prescribed[j];
-        let sum = |start: f64, terms: &mut dyn Iterator<Item = f64>| {
-            terms.fold((start, start.abs()), |(sum, size), v| (sum + v, size + v.abs()))
-        };
-        let forces = dofs.iter().zip(of_dofs).map(|(&i, &e)| {
-            let first = self.prescribed_columns.partition_point(|&(row, _, _)| row < i);
-            let of_row = self.prescribed_columns[first..].iter().take_while(|&&(row, _, _)| row == i);
-            sum(times_power(self.problem.f[i], e), &mut of_row.map(|&(_, j, v)| moved((j, v, e))))
-        });
-        let equations = rows.iter().zip(of_rows).map(|(&row, &e)| {
-            let whole = self.problem.system.matrix().row(row).filter(|&(j, _)| self.place[j].is_none());
-            sum(times_power(self.problem.system.rhs()[row], e), &mut whole.map(|(j, v)| moved((j, v, e))))
-        });
-        forces.chain(equations).unzip()
-    }
-
-    /// A column of K on free DOFs, with indices within its part.
-    fn column(&self, j: usize) -> impl Iterator<Item = Entry> + '_ {
-        let (k, at): (&SparseMatrix, _) = (&self.problem.k, self.place[j]);
-        let column = k.symbolic().row_idx_of_col(j).zip(k.val_of_col(j)).filter(|(_, v)| **v != 0.0);
-        column.filter_map(move |(i, &v)| Some((self.place[i]? as usize, at? as usize, v)))
-    }
-
-    /// A row of C on free DOFs, with indices within its part.
-    fn row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let row = self.problem.system.matrix().row(row).filter(|(_, v)| *v != 0.0);
-        row.filter_map(|(j, v)| Some((self.place[j]? as usize, v)))
-    }
-}
-
-/// Connected components of free DOFs and equations, by nonzero entries of K and C.
-fn members(problem: &Problem, free: &[bool]) -> Vec<(Vec<usize>, Vec<usize>)> {
-    let (n, m) = (problem.system.dofs(), problem.system.equations());
-    let of_k = entries(&problem.k).filter(|&(i, j, v)| v != 0.0 && free[i] && free[j]).map(|(i, j, _)| (i, j));
-    let row = |&row: &usize| problem.system.matrix().row(row).map(move |(j, v)| (n + row, j, v));
-    let of_c = problem.kept.iter().flat_map(row).filter(|&(_, j, v)| v != 0.0 && free[j]).map(|(row, j, _)| (row, j));
-    let names = parts(n + m, of_k.chain(of_c));
-    let (mut index, mut members) = (vec![None; n + m], Vec::<(Vec<usize>, Vec<usize>)>::new());
-    let dofs = (0..n).filter(|&j| free[j]);
-    for member in dofs.chain(problem.kept.iter().map(|row| n + row)) {
-        let part = *index[names[member]].get_or_insert(members.len());
-        if part == members.len() {
-            members.push(Default::default());
-        }
-        let (dofs, rows) = &mut members[part];
-        if member < n { dofs.push(member) } else { rows.push(member - n) }
-    }
-    members
 }
 
 /// Whether `K_ij - K_ji` is rounding of the entry or of the diagonal, which is one.

@@ -3,7 +3,7 @@
 use faer::sparse::SparseColMat;
 use qless::{Reduction, ReductionError, SystemBuilder};
 
-use super::problem::{Problem, check_arguments};
+use super::problem::Problem;
 use super::transform_noise::TransformNoise;
 use super::{EnforceError, Stiffness};
 
@@ -28,8 +28,7 @@ use super::{EnforceError, Stiffness};
 /// ```
 ///
 /// # Errors
-/// [`EnforceError::Size`] if K, f or the values do not match the reduction, [`EnforceError::NotFinite`], and as
-/// [`Problem::transformation`].
+/// [`EnforceError::Argument`] if the values do not match the reduction, and as [`Problem::new`] and [`Problem::transformation`].
 pub fn reduced(
     k: &SparseColMat<usize, f64>,
     f: &[f64],
@@ -37,8 +36,6 @@ pub fn reduced(
     prescribed: &[f64],
 ) -> Result<Vec<f64>, EnforceError> {
     let dofs = reduction.slaves().len() + reduction.masters().len() + reduction.prescribed().len();
-    let with_values = dofs - reduction.prescribed().len() + prescribed.len();
-    check_arguments(k, f, (prescribed, with_values), dofs)?;
     let constant = reduction.expand(&vec![0.0; reduction.masters().len()], prescribed)?;
     let mut builder = SystemBuilder::new(dofs);
     reduction.prescribed().iter().zip(prescribed).for_each(|(&dof, &value)| builder.prescribe(dof, value));
@@ -54,13 +51,13 @@ type Row = Vec<(usize, f64)>;
 
 /// `u_s - T u_q` of explicit slaves.
 fn explicit_rows(reduction: &Reduction) -> impl Iterator<Item = Row> + '_ {
-    let noise = TransformNoise::new(reduction.t());
+    let (noise, rows) = (TransformNoise::new(reduction.t()), reduction.t().rows());
     let mut is_factored = vec![false; reduction.slaves().len()];
     let factored = reduction.factored().iter().flat_map(|block| block.slaves());
     factored.for_each(|dof| is_factored[reduction.slaves().partition_point(|slave| slave < dof)] = true);
     let slaves = reduction.slaves().iter().enumerate().filter(move |&(i, _)| !is_factored[i]);
     slaves.map(move |(i, &slave)| {
-        let real = reduction.t().row(i).filter(|&(q, v)| noise.size(i, q, v) == v.abs());
+        let real = reduction.t().row(i).filter(|&(q, v)| noise.size((i, q, rows), v) == v.abs());
         std::iter::once((slave, 1.0)).chain(real.map(|(q, v)| (reduction.masters()[q], -v))).collect()
     })
 }

@@ -12,7 +12,7 @@
 //! every row, then a matrix that differs from A by rounding is singular (Rigal and Gaches).
 //!
 //! If the load is incompatible with a singular A, g can stay small, for example if the zero pattern alone makes A singular. The factors are
-//! then not an inverse: `M^-1 A v` differs from v. This is tested for the first v, whatever g is.
+//! then not an inverse: `M^-1 A v` differs from v. Such a v is a candidate for a null vector, whatever g is.
 
 use qless::{Form, Options, SystemBuilder, analyse};
 
@@ -53,7 +53,7 @@ pub fn check_support(equations: &Equations, solve: &mut Solve<'_>) -> Result<Sup
     })
 }
 
-/// g, and candidates for null vectors of A: the vector that grew most, and the first one if the factors do not invert A along it.
+/// g, and candidates for null vectors of A: the vector that grew most, and the first one if the factors do not invert A.
 fn rounding_growth(equations: &Equations, solve: &mut Solve<'_>) -> Result<(f64, Vec<Vec<f64>>), EnforceError> {
     let (mut v, mut growth, mut candidates) = (vec![1.0; equations.parts.len()], 0.0_f64, Vec::new());
     let mut random = RandomForces::default();
@@ -71,7 +71,7 @@ fn rounding_growth(equations: &Equations, solve: &mut Solve<'_>) -> Result<(f64,
         }
         growth = if step == 0 { 1.0 } else { growth.max(largest) };
         v = y.iter().map(|y| y / largest).collect();
-        if step == 0 && is_not_inverted(equations, solve, &v) {
+        if step == 0 && is_not_inverted(equations, solve, (&v, largest), &forces) {
             candidates.push(v.clone());
         }
     }
@@ -79,12 +79,16 @@ fn rounding_growth(equations: &Equations, solve: &mut Solve<'_>) -> Result<(f64,
     Ok((growth, candidates))
 }
 
-/// Whether `M^-1 A v` differs from v, which has size one, by more than a half: such factors are no inverse, and refinement diverges.
-fn is_not_inverted(equations: &Equations, solve: &mut Solve<'_>, v: &[f64]) -> bool {
-    let Ok(again) = solve(&equations.apply(v)) else { return true };
-    let off: Vec<f64> = again.iter().zip(v).map(|(again, v)| again - v).collect();
-    let off = largest(&off);
-    off.is_nan() || off > 0.5
+/// Whether `M^-1 A v` differs from v, the first solution of size one, by more than a half: such factors are no inverse, and refinement
+/// diverges. It can only if the solution is huge or its residual is as large as half of the forces, so that the solve is seldom needed.
+fn is_not_inverted(equations: &Equations, solve: &mut Solve<'_>, (v, size): (&[f64], f64), forces: &[f64]) -> bool {
+    let off = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
+    let product = equations.apply(v);
+    let residual = off(&product, &forces.iter().map(|f| f / size).collect::<Vec<_>>());
+    if size < SUSPICIOUS && residual * size <= 0.5 * largest(forces) {
+        return false;
+    }
+    solve(&product).map_or(true, |again| off(&again, v) > 0.5)
 }
 
 /// A refined null vector, and the relative force that resists it.

@@ -15,7 +15,7 @@ use super::EnforceError::{self, PenaltyTooSmall, Unsupported};
 use super::FreeMotion;
 use super::accuracy::DisplacementErrors;
 use super::equations::{Equations, Refined};
-use super::part::{EnforcedPart, PartSplitter};
+use super::part::{EnforcedPart, split};
 use super::problem::{Method, Problem, Solution};
 use super::saddle::{SaddleInverse, compliance, saddle_equations};
 use super::scale::times_power;
@@ -28,8 +28,8 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
     let (u, forces, multipliers) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);
     let mut solution = Solution { u, multipliers, forces, reactions: Vec::new(), accuracy: 0.0, imbalance: 0.0 };
     let mut refused = None;
-    for part in PartSplitter::new(problem).parts(methods, accuracy) {
-        let part = part?;
+    for terms in split(problem) {
+        let part = terms.scaled(problem, methods, accuracy)?;
         match solve_part(&part) {
             Ok((found, accuracy)) => {
                 part.place(&found.x, &mut solution);
@@ -49,101 +49,62 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
 
 /// A solution of one part in balance, and its estimated relative error of u.
 fn solve_part(part: &EnforcedPart) -> Result<(Refined, f64), EnforceError> {
-    let mut exact = FactoredPart::new(part, |method| *method != Method::Multiplier)?;
-    let growth = exact.growth()?;
-    let mut refined = exact.refined()?;
+    let (model, b) = (saddle_equations(part, &vec![0.0; part.rows.len()])?, (&part.rhs.0[..], &part.rhs.1[..]));
+    let mut inverse = SaddleInverse::new(part, |method| *method != Method::Multiplier)
+        .map_err(|error| singular(part, &model, error))?;
+    let growth = match check_support(&model, &mut |r| inverse.solve(r)) {
+        Ok(SupportVerdict::Supported(growth)) => growth,
+        Ok(SupportVerdict::Mechanism(motion, resistance)) => return Err(unsupported(part, (motion, resistance))),
+        Err(error) => return Err(singular(part, &model, error)),
+    };
+    let mut refined = model.refine(&mut |r| inverse.solve(r), b)?;
     // Terms that are zero stay zero with T, but become rounding with factors of the saddle matrix.
     if refined.share > 1.0
-        && let Ok(mut other) = FactoredPart::new(part, |_| true)
-        && let Ok(found) = other.refined()
-        && found.share <= 1.0
+        && let Ok(mut other) = SaddleInverse::new(part, |_| true)
+        && let Ok(found) = model.refine(&mut |r| other.solve(r), b)
     {
-        (exact, refined) = (other, found);
+        (inverse, refined) = (other, found);
     }
-    let FactoredPart { model, inverse, .. } = &mut exact;
-    if refined.share > 1.0 {
-        return Err(singular(part, model, residual_error(part, &refined)));
-    }
-    let errors = DisplacementErrors::new(part, model, &mut |r| inverse.solve(r), (&refined.x, growth));
-    let Some(errors) = errors.filter(|errors| errors.share() < 1.0) else { return Err(residual_error(part, &refined)) };
-    let of_rounding = errors.share();
+    let errors = DisplacementErrors::new(part, &model, &mut |r| inverse.solve(r), (&refined.x, growth));
+    let Some(errors) = errors.filter(|errors| refined.share <= 1.0 && errors.share() < 1.0) else {
+        return Err(singular(part, &model, residual_error(part, &refined)));
+    };
     if !part.methods.iter().any(|method| matches!(method, Method::Penalty { .. })) {
-        return Ok((refined, of_rounding));
+        return Ok((refined, errors.share()));
     }
-    let (found, of_penalties) = exact.penalised(&refined.x, &errors)?;
-    let accuracy = of_rounding + of_penalties;
+    let (found, of_penalties) = penalised(part, &mut inverse, (&refined.x, &errors))?;
+    let accuracy = errors.share() + of_penalties;
     if accuracy < 1.0 { Ok((found, accuracy)) } else { Err(residual_error(part, &found)) }
 }
 
-/// The exact equations of a part, and their factors.
-struct FactoredPart<'a> {
-    part: &'a EnforcedPart<'a>,
-    model: Equations,
-    inverse: SaddleInverse<'a>,
-}
-
-impl<'a> FactoredPart<'a> {
-    fn new(part: &'a EnforcedPart<'a>, is_eliminated: impl Fn(&Method) -> bool) -> Result<Self, EnforceError> {
-        let model = saddle_equations(part, &vec![0.0; part.rows.len()])?;
-        match SaddleInverse::new(part, is_eliminated) {
-            Ok(inverse) => Ok(Self { part, model, inverse }),
-            Err(error @ EnforceError::Solver(_)) => Err(singular(part, &model, error)),
-            Err(error) => Err(error),
-        }
-    }
-
-    /// The growth of rounding; an error with the free motion if the part is not supported.
-    fn growth(&mut self) -> Result<f64, EnforceError> {
-        let Self { part, model, inverse } = self;
-        match check_support(model, &mut |r| inverse.solve(r)) {
-            Ok(SupportVerdict::Supported(growth)) => Ok(growth),
-            Ok(SupportVerdict::Mechanism(motion, resistance)) => Err(unsupported(part, (motion, resistance))),
-            Err(error) => Err(singular(part, model, error)),
-        }
-    }
-
-    /// x in balance, or as close as refinement gets.
-    fn refined(&mut self) -> Result<Refined, EnforceError> {
-        let Self { part, model, inverse } = self;
-        model.refine(&mut |r| inverse.solve(r), (&part.rhs.0, &part.rhs.1))
-    }
-
-    /// Penalties to the requested accuracy with their error of u, or an error with a sufficient factor.
-    fn penalised(&mut self, exact: &[f64], errors: &DisplacementErrors) -> Result<(Refined, f64), EnforceError> {
-        let accuracy = self.part.accuracy;
-        let is_enough = |error: f64| error <= accuracy && error < 1.0;
-        let (found, cost) = self.softened(exact, errors, 1.0)?;
-        if is_enough(cost) {
-            return Ok((found, cost));
-        }
-        // The error falls as 1 / factor once it is small; from there on, powers of ten are tried.
-        let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
-        let mut shares = (0..6).map(|digits| first * 10_f64.powi(digits));
-        let share =
-            shares.find(|&share| matches!(self.softened(exact, errors, share), Ok((_, error)) if is_enough(error)));
-        let factors = self.part.methods.iter().filter_map(|method| match method {
-            Method::Penalty { factor } => Some(*factor),
-            _ => None,
-        });
-        let factor = factors.fold(0.0, f64::max);
-        Err(PenaltyTooSmall { factor, accuracy, cost, smallest: share.map(|share| share * factor) })
-    }
-
-    /// The solution with all factors multiplied by `share`, and its relative error: 1 if the iteration does not converge.
-    fn softened(
-        &mut self,
-        exact: &[f64],
-        errors: &DisplacementErrors,
-        share: f64,
-    ) -> Result<(Refined, f64), EnforceError> {
-        let Self { part, inverse, .. } = self;
+/// Penalties to the requested accuracy with their error of u, or an error with a sufficient factor.
+fn penalised(
+    part: &EnforcedPart,
+    inverse: &mut SaddleInverse,
+    (exact, errors): (&[f64], &DisplacementErrors),
+) -> Result<(Refined, f64), EnforceError> {
+    // The solution with all factors multiplied by `share`, and its relative error: 1 if the iteration does not converge.
+    let mut softened = |share: f64| -> Result<(Refined, f64), EnforceError> {
         let z: Vec<f64> = compliance(part).into_iter().map(|z| z / share).collect();
         let model = saddle_equations(part, &z)?;
         let refined = model.refine(&mut |r| inverse.solve(r), (&part.rhs.0, &part.rhs.1))?;
         // Two solutions cannot show a smaller difference.
         let error = if refined.share <= 1.0 { errors.between(exact, &refined.x).max(f64::EPSILON) } else { 1.0 };
         Ok((refined, error))
+    };
+    let accuracy = part.accuracy;
+    let is_enough = |error: f64| error <= accuracy && error < 1.0;
+    let (found, cost) = softened(1.0)?;
+    if is_enough(cost) {
+        return Ok((found, cost));
     }
+    // The error falls as 1 / factor once it is small; from there on, powers of ten are tried.
+    let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
+    let mut shares = (0..6).map(|digits| first * 10_f64.powi(digits));
+    let share = shares.find(|&share| matches!(softened(share), Ok((_, error)) if is_enough(error)));
+    let factors = part.methods.iter().map(|method| if let Method::Penalty { factor } = *method { factor } else { 0.0 });
+    let factor = factors.fold(0.0, f64::max);
+    Err(PenaltyTooSmall { factor, accuracy, cost, smallest: share.map(|share| share * factor) })
 }
 
 /// The error for a residual that rounding keeps above its limit.

@@ -224,7 +224,9 @@ impl<S: Solver> Steps<S> {
 /// T with the sizes of its entries, G and g being zero.
 fn sizes_of(reduction: &Reduction) -> Result<Reduction, EnforceError> {
     let (t, noise) = (reduction.t(), TransformNoise::new(reduction.t()));
-    let sizes = (0..t.rows()).flat_map(|i| t.row(i).map(move |(q, v)| (i, q, v))).map(|(i, q, v)| noise.size(i, q, v));
+    let sizes = (0..t.rows())
+        .flat_map(|i| t.row(i).map(move |(q, v)| (i, q, v)))
+        .map(|(i, q, v)| noise.size((i, q, t.rows()), v));
     let sizes = Csr::from_parts(t.cols(), t.starts().to_vec(), t.columns().to_vec(), sizes.collect())?;
     let dofs = [reduction.slaves(), reduction.masters(), reduction.prescribed()].map(<[usize]>::to_vec);
     let none = Csr::zero(t.rows(), dofs[2].len())?;
