@@ -19,8 +19,8 @@ pub enum EnforceError {
         /// How many there should be.
         dofs: usize,
     },
-    /// A number of K, f or a prescribed value is not finite.
-    #[error("K, f or a prescribed value is {value}; every number must be finite")]
+    /// A number of K or f is not finite.
+    #[error("K or f contains {value}; every number must be finite")]
     NotFinite {
         /// The number.
         value: f64,
@@ -109,7 +109,7 @@ pub enum EnforceError {
         factor: f64,
         /// Requested relative accuracy of u.
         accuracy: f64,
-        /// Relative error of u that the springs cause.
+        /// Relative error of u that the springs cause; 1 if they are too soft for an estimate.
         cost: f64,
         /// A factor that reaches the accuracy, if one was found.
         smallest: Option<f64>,
@@ -189,11 +189,10 @@ pub struct FreeMotion {
 }
 
 impl FreeMotion {
-    /// From a null vector of all DOFs and the unit of each DOF.
-    pub(super) fn new(u: &[f64], units: &[f64], resistance: f64) -> Self {
-        let sizes: Vec<f64> = u.iter().zip(units).map(|(u, s)| u.abs() / s).collect();
-        let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
-        let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j] > SHARE * most).collect();
+    /// From a motion of all DOFs, and the same motion in dimensionless numbers.
+    pub(super) fn new(u: &[f64], sizes: &[f64], resistance: f64) -> Self {
+        let most = sizes.iter().fold(0.0, |most: f64, size| most.max(size.abs()));
+        let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j].abs() > SHARE * most).collect();
         let largest =
             dofs.iter().fold(0.0, |largest: f64, &j| if u[j].abs() > f64::abs(largest) { u[j] } else { largest });
         let motion = dofs.iter().map(|&j| u[j] / largest).collect();

@@ -3,14 +3,16 @@
 //! A block is a connected component of independent equations and free DOFs. Its fill is predicted before any product is formed: an entry
 //! `K_ij` becomes up to `t_i t_j` entries of `T^T K T`, where `t_i` is the number of entries in row i of T.
 
+use std::collections::BTreeMap;
+
 use faer::sparse::SparseColMat;
 use qless::ArgumentError;
-use qless::common::DisjointSets;
 
-use super::condensation::elimination_of;
-use super::matrix::{entries, from_triplets};
+use super::equations::BALANCED;
+use super::matrix::{bordered, entries, from_triplets};
 use super::problem::{Problem, Solution};
-use super::refinement::BALANCED;
+use super::saddle::elimination_of;
+use super::scale::parts;
 use super::{EnforceError, Method, solve};
 
 impl Problem<'_> {
@@ -79,8 +81,8 @@ impl Problem<'_> {
         self.all(Method::Multiplier, BALANCED)
     }
 
-    /// Replaces independent equations by stiff springs, `lambda = D (C u - b)`. The error falls as 1 / factor. If the factor is so large
-    /// that K loses digits in `K + C^T D C`, the same springs are solved as `[K C^T; C -1/D]`.
+    /// Replaces independent equations by stiff springs, `lambda = D (C u - b)`. The error falls as 1 / factor. The springs are solved as
+    /// `[K C^T; C -1/D]`, so that K loses no digits in `K + C^T D C`.
     ///
     /// # Errors
     /// As [`Problem::enforce`]; u may differ from the exact solution by a fraction of `accuracy`.
@@ -88,9 +90,8 @@ impl Problem<'_> {
         self.all(Method::Penalty { factor }, accuracy)
     }
 
-    /// Penalty with multipliers that take over the forces of the springs: `lambda += D (C u - b)`, until the forces are in balance and
-    /// every equation holds to `tolerance`, relative to its terms. Springs that close less than nine tenths of a gap per step are replaced
-    /// by multipliers at once.
+    /// The limit of penalties with multipliers that take over the forces of the springs, `lambda += D (C u - b)`: every equation holds to
+    /// `tolerance`, relative to its terms, whatever the factor is.
     ///
     /// # Errors
     /// As [`Problem::enforce`].
@@ -125,17 +126,14 @@ impl Problem<'_> {
         if let Some(&found) = rows.iter().find(|&&row| row >= count) {
             return Err(ArgumentError::OutOfRange { what: "equation", found, count }.into());
         }
-        let n = self.system.dofs();
-        let mut free = vec![true; n];
-        self.system.prescribed().iter().for_each(|&(j, _)| free[j] = false);
-        let of_row = |(i, &row): (usize, &usize)| self.system.matrix().row(row).map(move |(j, v)| (n + i, j, v));
-        let border = rows.iter().enumerate().flat_map(of_row).flat_map(|(i, j, v)| [(i, j, v), (j, i, v)]);
-        free.resize(n + rows.len(), true);
-        let place: Vec<usize> =
-            free.iter().scan(0, |next, &free| Some(std::mem::replace(next, *next + usize::from(free)))).collect();
-        let size = free.iter().filter(|free| **free).count();
-        let all = entries(&self.k).chain(border).filter(|&(i, j, _)| free[i] && free[j]);
-        from_triplets(size, size, all.map(|(i, j, v)| (place[i], place[j], v)))
+        let of_row = |(i, &row): (usize, &usize)| self.system.matrix().row(row).map(move |(j, v)| (i, j, v));
+        let all = bordered(&self.k, rows.iter().enumerate().flat_map(of_row), &vec![0.0; rows.len()])?;
+        let mut place = vec![Some(0); all.nrows()];
+        self.system.prescribed().iter().for_each(|&(j, _)| place[j] = None);
+        place.iter_mut().flatten().enumerate().for_each(|(next, place)| *place = next);
+        let size = place.iter().flatten().count();
+        let free = entries(&all).filter_map(|(i, j, v)| Some((place[i]?, place[j]?, v)));
+        from_triplets(size, size, free)
     }
 }
 
@@ -179,68 +177,42 @@ impl Problem<'_> {
         if limit.is_nan() || limit < 0.0 {
             return Err(EnforceError::Limit(limit));
         }
-        let block_of = self.blocks();
-        let mut names: Vec<usize> = block_of.iter().copied().filter(|&b| b != NONE).collect();
-        names.sort_unstable();
-        names.dedup();
-        let fills = self.fills(&block_of)?;
-        let mut plans: Vec<BlockPlan> = names
-            .iter()
-            .map(|&b| BlockPlan { rows: Vec::new(), fill: fills[b], eliminate: fills[b] <= limit })
-            .collect();
-        for &row in &self.kept {
-            let free = self.free_dofs(row).next();
-            let name = free.map_or(0, |dof| names.partition_point(|&b| b < block_of[dof]));
-            plans[name].rows.push(row);
-        }
-        plans.retain(|plan| !plan.rows.is_empty());
-        Ok(plans)
-    }
-
-    fn free_dofs(&self, row: usize) -> impl Iterator<Item = usize> + '_ {
-        let prescribed = self.system.prescribed();
-        let free = move |dof: &usize| prescribed.binary_search_by_key(dof, |&(j, _)| j).is_err();
-        self.system.matrix().row(row).map(|(dof, _)| dof).filter(free)
-    }
-
-    /// The block of each DOF, named by its smallest DOF; [`NONE`] if no equation has the DOF.
-    fn blocks(&self) -> Vec<usize> {
-        let mut sets = DisjointSets::new(self.system.dofs());
-        let mut acts = vec![false; self.system.dofs()];
-        for &row in &self.kept {
-            let mut first = None;
-            for dof in self.free_dofs(row) {
-                acts[dof] = true;
-                sets.join(*first.get_or_insert(dof), dof);
+        let (n, prescribed) = (self.system.dofs(), self.system.prescribed());
+        let is_free = |dof: usize| prescribed.binary_search_by_key(&dof, |&(j, _)| j).is_err();
+        let terms = self.kept.iter().flat_map(|&row| self.system.matrix().row(row).map(move |(j, _)| (n + row, j)));
+        let block = parts(n + self.system.equations(), terms.filter(|&(_, j)| is_free(j)));
+        let (length, is_slave) = self.lengths_of_t()?;
+        // Entries of T^T K T and of K on slaves, by block.
+        let mut counts = vec![(0.0, 0.0); n];
+        for (i, j, _) in entries(&self.k) {
+            for dof in [i, j].into_iter().take(if i == j { 1 } else { 2 }).filter(|&dof| is_slave[dof]) {
+                let (after, before): &mut (f64, f64) = &mut counts[block[dof]];
+                *after += length[i] * length[j];
+                *before += 1.0;
             }
         }
-        (0..acts.len()).map(|dof| if acts[dof] { sets.root(dof) } else { NONE }).collect()
+        let mut plans = BTreeMap::<usize, BlockPlan>::new();
+        for &row in &self.kept {
+            let (after, before) = counts[block[n + row]];
+            let fill = if before > 0.0 { after / before } else { 0.0 };
+            let new = || BlockPlan { rows: Vec::new(), fill, eliminate: fill <= limit };
+            plans.entry(block[n + row]).or_insert_with(new).rows.push(row);
+        }
+        Ok(plans.into_values().collect())
     }
 
-    /// The predicted fill of each block, indexed by its smallest DOF.
-    fn fills(&self, block_of: &[usize]) -> Result<Vec<f64>, EnforceError> {
+    /// The number of entries in each DOF's row of T, 1 for masters; and which DOFs are slaves.
+    fn lengths_of_t(&self) -> Result<(Vec<f64>, Vec<bool>), EnforceError> {
         let elimination = elimination_of(self.system, &self.kept)?;
         let reduction = elimination.reduction();
-        let mut weight = vec![1.0; self.system.dofs()];
-        let mut slave = vec![false; self.system.dofs()];
+        let (mut length, mut is_slave) = (vec![1.0; self.system.dofs()], vec![false; self.system.dofs()]);
         for (i, &dof) in reduction.slaves().iter().enumerate() {
-            weight[dof] = reduction.t().row(i).len() as f64;
-            slave[dof] = true;
+            (length[dof], is_slave[dof]) = (reduction.t().row(i).len() as f64, true);
         }
         for block in reduction.factored() {
             let mean = block.predicted() as f64 / block.slaves().len() as f64;
-            block.slaves().iter().for_each(|&dof| weight[dof] = mean);
+            block.slaves().iter().for_each(|&dof| length[dof] = mean);
         }
-        let (mut after, mut before) = (vec![0.0; weight.len()], vec![0.0; weight.len()]);
-        for (i, j, _) in entries(&self.k) {
-            for dof in [i, j].into_iter().take(if i == j { 1 } else { 2 }).filter(|&dof| slave[dof]) {
-                after[block_of[dof]] += weight[i] * weight[j];
-                before[block_of[dof]] += 1.0;
-            }
-        }
-        Ok(after.iter().zip(before).map(|(a, b): (&f64, f64)| if b > 0.0 { a / b } else { 0.0 }).collect())
+        Ok((length, is_slave))
     }
 }
-
-/// Marks a DOF without equations.
-const NONE: usize = usize::MAX;

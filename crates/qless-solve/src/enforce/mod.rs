@@ -5,12 +5,11 @@
 //! | transformation | `T^T K T q = T^T (f - K u_0)` (Eq. 7-9) | rounding |
 //! | Lagrange | `[K C^T; C 0] [u; lambda] = [f; b]` (Eq. 10), scaled by powers of two | rounding |
 //! | penalty | `(K + C^T D C) u = f + C^T D b`, `D` scaled from K (Eq. 11) | `C u - b = lambda / D`, at most the accuracy, or an error |
-//! | augmented Lagrange | penalty, and `lambda += D (C u - b)` until C u = b | the requested tolerance |
+//! | augmented Lagrange | the limit of `lambda += D (C u - b)`: C u = b | the requested tolerance |
 //! | mixed | any of these, equation by equation ([`Problem::enforce`]) | that of each method |
 //!
-//! A spring may be so stiff that K loses its digits, or so soft that it cannot be told from no support. Then its connected part is solved
-//! with multipliers instead, and the exact solution is corrected for penalties by `[K C^T; C -1/D]`. The result is the same as with
-//! springs; the cost is one more factorization.
+//! One pipeline serves all methods: scale, factor, refine, estimate the condition. Every equation is first enforced exactly, and penalties
+//! are corrections of the exact solution. A spring may thus be arbitrarily stiff, and its error of u is known.
 //!
 //! Connected parts of K and C are solved one by one, each in its own scale. The result of a part does not depend on other parts, to the
 //! last bit.
@@ -35,26 +34,27 @@
 //! Redundant equations are left out. If the analysis is not sure that an equation is redundant, u must satisfy it as well, to 1e-9 of its
 //! terms and those of the equations that it depends on ([`EnforceError::Doubtful`]).
 
-mod condensation;
+mod accuracy;
+mod equations;
 mod error;
 mod matrix;
 mod methods;
 mod part;
 mod problem;
 mod reduced;
-mod refinement;
 mod saddle;
+mod scale;
 mod singularity;
 mod solve;
 mod solver;
 mod steps;
 mod stiffness;
-mod units;
+mod transform_noise;
 
 pub use error::{EnforceError, FreeMotion};
 pub use methods::BlockPlan;
 pub use problem::{Method, Problem, Solution};
 pub use reduced::reduced;
-pub use solver::{Ldlt, Llt, Lu, Solver, SolverError, SolverMatrix};
+pub use solver::{Cholesky, Ldlt, Llt, Lu, Solver, SolverError, SolverMatrix};
 pub use steps::Steps;
 pub use stiffness::Stiffness;

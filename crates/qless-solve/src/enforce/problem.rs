@@ -66,7 +66,7 @@ impl<'a> Problem<'a> {
     /// or equations conflict; the error has their labels.
     pub fn new(k: impl Into<Stiffness<'a>>, f: &'a [f64], system: &'a ConstraintSystem) -> Result<Self, EnforceError> {
         let stiffness = k.into();
-        check_arguments(stiffness.matrix(), f, (&[], system.dofs()), system.dofs())?;
+        check_arguments(stiffness.matrix(), f, system.dofs())?;
         let (k, declared) = stiffness.whole()?;
         let analysis = analyse(system, &Options::default())?;
         let of_kind = |kind| (0..system.equations()).filter(|&row| analysis.kinds()[row] == kind).collect::<Vec<_>>();
@@ -119,21 +119,13 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Checks that sizes match and all numbers are finite; `with_values` is the number of DOFs if each prescribed value belongs to one
-/// prescribed DOF.
-pub fn check_arguments(
-    k: &SparseMatrix,
-    f: &[f64],
-    (prescribed, with_values): (&[f64], usize),
-    dofs: usize,
-) -> Result<(), EnforceError> {
+/// Checks that sizes match and all numbers are finite.
+fn check_arguments(k: &SparseMatrix, f: &[f64], dofs: usize) -> Result<(), EnforceError> {
     let sizes = [("rows of K", k.nrows()), ("columns of K", k.ncols()), ("loads", f.len())];
-    for (what, found) in sizes.into_iter().chain([("DOFs with the prescribed values", with_values)]) {
-        if found != dofs {
-            return Err(EnforceError::Size { what, found, dofs });
-        }
+    if let Some((what, found)) = sizes.into_iter().find(|&(_, found)| found != dofs) {
+        return Err(EnforceError::Size { what, found, dofs });
     }
-    let mut numbers = k.val().iter().chain(f).chain(prescribed);
+    let mut numbers = k.val().iter().chain(f);
     numbers.find(|value| !value.is_finite()).map_or(Ok(()), |&value| Err(EnforceError::NotFinite { value }))
 }
 
@@ -172,7 +164,7 @@ pub enum Method {
         /// Stiffness of the spring relative to that of its DOFs.
         factor: f64,
     },
-    /// The same spring with a multiplier that takes over its force step by step, so that the equation is satisfied.
+    /// The same spring with a multiplier that takes over its force (the limit of those steps), so that the equation is satisfied.
     Augmented {
         /// Stiffness of the spring relative to that of its DOFs.
         factor: f64,
@@ -180,34 +172,14 @@ pub enum Method {
 }
 
 impl Method {
-    /// Factor of the spring; none if the method has no spring.
-    pub(super) fn factor(self) -> Option<f64> {
-        match self {
-            Self::Penalty { factor } | Self::Augmented { factor } => Some(factor),
-            Self::Elimination | Self::Multiplier => None,
-        }
-    }
-
     /// Validates the factor.
     pub(super) fn checked(self) -> Result<(), EnforceError> {
-        match self.factor() {
-            Some(factor) if !(factor > 0.0 && factor.is_finite()) => Err(EnforceError::Factor(factor)),
+        match self {
+            Self::Penalty { factor } | Self::Augmented { factor } if !(factor > 0.0 && factor.is_finite()) => {
+                Err(EnforceError::Factor(factor))
+            }
             _ => Ok(()),
         }
-    }
-
-    /// The same method with the spring factor multiplied by `share`.
-    pub(super) fn times(self, share: f64) -> Self {
-        match self {
-            Self::Penalty { factor } => Self::Penalty { factor: factor * share },
-            Self::Augmented { factor } => Self::Augmented { factor: factor * share },
-            other => other,
-        }
-    }
-
-    /// The same method with a multiplier instead of a spring.
-    pub(super) fn without_spring(self) -> Self {
-        if self.factor().is_some() { Self::Multiplier } else { self }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Whether a matrix is singular up to rounding: how far the unknowns move if each entry of A is wrong in its last place.
 //!
 //! ```text
-//! v <- A^-1 (r |A| |v|),  g = max |v after| / max |v before|       random r in +-[1/2, 1], in units of super::units
+//! v <- A^-1 (r |A| |v|),  g = max |v after| / max |v before|       random r in +-[1/2, 1], dimensionless
 //! ```
 //!
 //! g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A changes x by a fraction of about
@@ -12,28 +12,21 @@
 //! every row, then a matrix that differs from A by rounding is singular (Rigal and Gaches).
 //!
 //! If the load is incompatible with a singular A, g can stay small, for example if the zero pattern alone makes A singular. The factors are
-//! then not an inverse: `M^-1 A v` differs from v. This is tested for the first v, whatever g is.
+//! then not an inverse: `M^-1 A v` differs from v. Such a v is a candidate for a null vector, whatever g is.
 
-use super::refinement::{MeasuredEquations, Solve, largest_of_parts, levelled};
+use qless::{Form, Options, SystemBuilder, analyse};
+
+use super::equations::{Equations, ROUNDING, Solve, WRONG};
+use super::matrix::{ScaledFactor, entries};
 use super::{EnforceError, SolverError};
 use crate::common::RandomForces;
 
-/// Shifts that make a singular matrix regular, dimensionless: far above rounding, far below any support.
-pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
 /// Power iterations; the growth in the first one depends on the start vector and does not count.
 const STEPS: usize = 3;
 /// Most refinements of a null vector.
 const SHARPENINGS: usize = 6;
-/// Relative error assumed for the entries of A, which were rounded several times before.
-pub const WRONG: f64 = 16.0 * f64::EPSILON;
-/// A is singular if relative errors of its entries up to this size can make it so.
-pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Growth at which a null vector is searched for; factors may have larger errors than A.
-pub const SUSPICIOUS: f64 = 1e-4 / f64::EPSILON;
-/// `M^-1 A v` may differ from v by this fraction.
-const LOST: f64 = 0.5;
-/// Growth at which u has no correct digit.
-const HOPELESS: f64 = 1.0 / WRONG;
+/// Growth at which a null vector is searched for. A singular A has `g > 1 / ROUNDING`; a few power steps find a hundredth of it.
+const SUSPICIOUS: f64 = 0.01 / ROUNDING;
 
 /// Whether the model is supported.
 pub enum SupportVerdict {
@@ -44,52 +37,32 @@ pub enum SupportVerdict {
 }
 
 /// Decides whether the model is supported; returns the error of `solve`, if there is one.
-pub fn check_support(
-    equations: &impl MeasuredEquations,
-    solve: &mut Solve<'_>,
-) -> Result<SupportVerdict, EnforceError> {
-    let RoundingGrowth { growth, mode, lost } = rounding_growth(equations, solve)?;
-    if growth < SUSPICIOUS && lost.is_none() {
+pub fn check_support(equations: &Equations, solve: &mut Solve<'_>) -> Result<SupportVerdict, EnforceError> {
+    let (growth, candidates) = rounding_growth(equations, solve)?;
+    if growth < SUSPICIOUS && candidates.len() < 2 {
         return Ok(SupportVerdict::Supported(growth));
     }
-    let (motion, resistance) = better_null_vector(equations, solve, lost, mode);
-    Ok(if resistance <= ROUNDING || growth >= HOPELESS {
-        SupportVerdict::Mechanism(motion, resistance)
-    } else {
-        SupportVerdict::Supported(growth)
+    let refined = candidates.into_iter().map(|v| refined_null_vector(equations, solve, v));
+    let best = refined.min_by(|a, b| a.1.total_cmp(&b.1));
+    Ok(match best {
+        // A growth of 1 / WRONG leaves u without a correct digit.
+        Some((motion, resistance)) if resistance <= ROUNDING || growth * WRONG >= 1.0 => {
+            SupportVerdict::Mechanism(motion, resistance)
+        }
+        _ => SupportVerdict::Supported(growth),
     })
 }
 
-/// The free motion of a singular model, from the inverse of a slightly shifted matrix.
-pub fn null_motion(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
-    let RoundingGrowth { mode, lost, .. } = rounding_growth(equations, solve).ok()?;
-    let (motion, resistance) = better_null_vector(equations, solve, lost, mode);
-    (resistance <= ROUNDING).then_some((motion, resistance))
-}
-
-/// Sensitivity of the unknowns to rounding.
-pub struct RoundingGrowth {
-    /// g.
-    pub growth: f64,
-    /// The vector that grew most.
-    mode: Vec<f64>,
-    /// The first vector, if the factors do not invert A along it.
-    pub lost: Option<Vec<f64>>,
-}
-
-/// Computes g and the candidates for null vectors of A.
-pub fn rounding_growth(
-    equations: &impl MeasuredEquations,
-    solve: &mut Solve<'_>,
-) -> Result<RoundingGrowth, EnforceError> {
-    let (mut v, mut growth, mut lost) = (equations.units().to_vec(), 0.0_f64, None);
+/// g, and candidates for null vectors of A: the vector that grew most, and the first one if the factors do not invert A.
+fn rounding_growth(equations: &Equations, solve: &mut Solve<'_>) -> Result<(f64, Vec<Vec<f64>>), EnforceError> {
+    let (mut v, mut growth, mut candidates) = (vec![1.0; equations.parts.len()], 0.0_f64, Vec::new());
     let mut random = RandomForces::default();
     for step in 0..STEPS {
         // A row without terms gets a force of size one, which reveals that it has no stiffness.
-        let force = |(size, unit): (f64, &f64)| random.next() * if size > 0.0 { size } else { unit.recip() };
-        let forces: Vec<f64> = equations.size(&v).into_iter().zip(equations.units()).map(force).collect();
+        let force = |size: f64| random.next() * if size > 0.0 { size } else { 1.0 };
+        let forces: Vec<f64> = equations.size(&v).into_iter().map(force).collect();
         let y = solve(&forces)?;
-        let largest = largest(equations, &y);
+        let largest = largest(&y);
         if largest == 0.0 {
             break;
         }
@@ -98,45 +71,36 @@ pub fn rounding_growth(
         }
         growth = if step == 0 { 1.0 } else { growth.max(largest) };
         v = y.iter().map(|y| y / largest).collect();
-        if step == 0 && is_not_inverted(equations, solve, &v) {
-            lost = Some(v.clone());
+        if step == 0 && is_not_inverted(equations, solve, (&v, largest), &forces) {
+            candidates.push(v.clone());
         }
     }
-    Ok(RoundingGrowth { growth, mode: v, lost })
+    candidates.push(v);
+    Ok((growth, candidates))
 }
 
-/// Whether `M^-1 A v` differs from v, which has size one.
-fn is_not_inverted(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v: &[f64]) -> bool {
-    let Ok(again) = solve(&equations.apply(v)) else { return true };
-    let off: Vec<f64> = again.iter().zip(v).map(|(again, v)| again - v).collect();
-    let off = largest(equations, &off);
-    off.is_nan() || off > LOST
-}
-
-/// The null vector with the smaller relative force.
-fn better_null_vector(
-    equations: &impl MeasuredEquations,
-    solve: &mut Solve<'_>,
-    lost: Option<Vec<f64>>,
-    mode: Vec<f64>,
-) -> (Vec<f64>, f64) {
-    let (a, b) = (lost.map(|v| refined_null_vector(equations, solve, v)), refined_null_vector(equations, solve, mode));
-    match a {
-        Some(a) if a.1 < b.1 => a,
-        _ => b,
+/// Whether `M^-1 A v` differs from v, the first solution of size one, by more than a half: such factors are no inverse, and refinement
+/// diverges. It can only if the solution is huge or its residual is as large as half of the forces, so that the solve is seldom needed.
+fn is_not_inverted(equations: &Equations, solve: &mut Solve<'_>, (v, size): (&[f64], f64), forces: &[f64]) -> bool {
+    let off = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
+    let product = equations.apply(v);
+    let residual = off(&product, &forces.iter().map(|f| f / size).collect::<Vec<_>>());
+    if size < SUSPICIOUS && residual * size <= 0.5 * largest(forces) {
+        return false;
     }
+    solve(&product).map_or(true, |again| off(&again, v) > 0.5)
 }
 
 /// A refined null vector, and the relative force that resists it.
-fn refined_null_vector(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
+fn refined_null_vector(equations: &Equations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
     let mut best = unsupported_part(equations, &v);
     for _ in 0..SHARPENINGS {
-        if best.1 <= 4.0 * f64::EPSILON {
+        if best.1 <= f64::EPSILON {
             break;
         }
         let Ok(wrong) = solve(&equations.apply(&v)) else { break };
         v.iter_mut().zip(wrong).for_each(|(v, wrong)| *v -= wrong);
-        let largest = largest(equations, &v);
+        let largest = largest(&v);
         if !(largest > 0.0 && largest.is_finite()) {
             break;
         }
@@ -151,21 +115,45 @@ fn refined_null_vector(equations: &impl MeasuredEquations, solve: &mut Solve<'_>
 
 /// Restricts v to the connected parts without support, and returns the largest `|A v|_i / (|A| |v'|)_i` there, where every entry of v' is
 /// as large as the largest of its part. If all parts are supported, restricts v to the part with the weakest support.
-pub fn unsupported_part(equations: &impl MeasuredEquations, v: &[f64]) -> (Vec<f64>, f64) {
-    let (residual, size) = (equations.apply(v), equations.size(&levelled(equations, v)));
-    let parts = equations.parts();
-    let mut worst: Vec<f64> = largest_of_parts(equations, v);
-    worst.iter_mut().for_each(|moves| *moves = if *moves > 0.0 { 0.0 } else { f64::INFINITY });
+fn unsupported_part(equations: &Equations, v: &[f64]) -> (Vec<f64>, f64) {
+    let levels = equations.levelled(v);
+    let (residual, size, parts) = (equations.apply(v), equations.size(&levels), &equations.parts);
+    let mut worst = vec![f64::INFINITY; v.len()];
+    (0..v.len()).filter(|&j| levels[j] > 0.0).for_each(|j| worst[parts[j]] = 0.0);
     for (i, residual) in residual.iter().enumerate().filter(|(_, residual)| **residual != 0.0) {
         worst[parts[i]] = worst[parts[i]].max(residual.abs() / size[i]);
     }
-    let least = worst.iter().copied().fold(f64::INFINITY, f64::min);
-    let limit = least.max(ROUNDING);
+    let limit = worst.iter().copied().fold(f64::INFINITY, f64::min).max(ROUNDING);
     let of_part = |(v, &part): (&f64, &usize)| if worst[part] <= limit { *v } else { 0.0 };
     let most = worst.iter().copied().filter(|worst| *worst <= limit).fold(0.0, f64::max);
     (v.iter().zip(parts).map(of_part).collect(), most)
 }
 
-fn largest(equations: &impl MeasuredEquations, x: &[f64]) -> f64 {
-    x.iter().zip(equations.units()).fold(0.0, |most: f64, (x, s)| most.max(x.abs() / s))
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// The free motion of a model whose factorization failed, and the relative force that resists it: by LU of A, which has other pivots, or
+/// by a rank-revealing elimination with the rows of A as equations. The first `dofs` unknowns are DOFs, one of which must move.
+pub fn free_motion(equations: &Equations, dofs: usize) -> Option<(Vec<f64>, f64)> {
+    let n = equations.parts.len();
+    if let Ok(mut factor) = ScaledFactor::new(&equations.a, vec![0; n], false)
+        && let Ok(SupportVerdict::Mechanism(motion, resistance)) = check_support(equations, &mut |r| factor.solve(r))
+    {
+        return Some((motion, resistance));
+    }
+    let mut rows = vec![Vec::new(); n];
+    entries(&equations.a).for_each(|(i, j, v)| rows[i].push((j, v)));
+    let mut builder = SystemBuilder::new(n);
+    rows.into_iter().for_each(|row| {
+        builder.equation(row, 0.0);
+    });
+    let reduction = analyse(&builder.build().ok()?, &Options::default()).ok()?.reduction_in(Form::Explicit).ok()?;
+    let mode = |master: usize| {
+        let mut masters = vec![0.0; reduction.masters().len()];
+        masters[master] = 1.0;
+        let (motion, resistance) = unsupported_part(equations, &reduction.expand(&masters, &[]).ok()?);
+        (resistance <= ROUNDING && motion[..dofs].iter().any(|u| *u != 0.0)).then_some((motion, resistance))
+    };
+    (0..reduction.masters().len()).find_map(mode)
 }

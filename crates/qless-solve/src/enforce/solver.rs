@@ -2,7 +2,7 @@
 //!
 //! The factorizations of faer run on one thread, so that results do not depend on the number of threads.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
@@ -83,64 +83,53 @@ impl<'a> SolverMatrix<'a> {
 }
 
 /// faer's `L L^T`, for symmetric positive definite matrices.
-#[derive(Debug, Default)]
-pub struct Llt(Cholesky);
+pub type Llt = Cholesky<false>;
 
 /// faer's `L D L^T` without pivoting, for symmetric matrices.
 ///
 /// An indefinite matrix may have no such factors, or factors with large entries: [`super::Steps`] measures the error, and refines or
 /// refuses the solution. For a saddle matrix use [`Lu`].
-#[derive(Debug, Default)]
-pub struct Ldlt(Cholesky);
+pub type Ldlt = Cholesky<true>;
 
-/// Symbolic factorization, made at the first call, and the values of the factors, if there are any.
+/// Factors of a symmetric matrix, [`Llt`] or [`Ldlt`]: the symbolic factorization of the first call, and values, if there are any.
 #[derive(Debug, Default)]
-struct Cholesky {
+pub struct Cholesky<const DIAGONAL: bool> {
     symbolic: Option<SymbolicCholesky<u32>>,
     values: Option<Vec<f64>>,
 }
 
-impl Cholesky {
-    fn factor(&mut self, matrix: SolverMatrix, diagonal: bool) -> Result<(), SolverError> {
-        let symbolic = if let Some(symbolic) = self.symbolic.take() {
-            symbolic
-        } else {
-            let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
-            factorize_symbolic_cholesky(matrix.pattern(), matrix.side(), order, params)
-                .map_err(SolverError::from_debug)?
-        };
+impl<const DIAGONAL: bool> Solver for Cholesky<DIAGONAL> {
+    fn factor(&mut self, matrix: SolverMatrix) -> Result<(), SolverError> {
+        let (a, side, par) = (matrix.matrix(), matrix.side(), Par::Seq);
+        let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
+        let new = || factorize_symbolic_cholesky(matrix.pattern(), side, order, params);
+        let symbolic = self.symbolic.take().map_or_else(new, Ok).map_err(SolverError::from_debug)?;
         let symbolic = &*self.symbolic.insert(symbolic);
         let mut values = self.values.take().unwrap_or_default();
         values.resize(symbolic.len_val(), 0.0);
-        let (a, side, par) = (matrix.matrix(), matrix.side(), Par::Seq);
-        if diagonal {
-            let room = symbolic.factorize_numeric_ldlt_scratch::<f64>(par, Spec::default());
-            let (mut room, none) =
-                (MemBuffer::try_new(room).map_err(SolverError::from_debug)?, LdltRegularization::default());
-            let stack = MemStack::new(&mut room);
+        let done = if DIAGONAL {
+            let mut room = room(symbolic.factorize_numeric_ldlt_scratch::<f64>(par, Spec::default()))?;
+            let (stack, none) = (MemStack::new(&mut room), LdltRegularization::default());
             let done = symbolic.factorize_numeric_ldlt(&mut values, a, side, none, par, stack, Spec::default());
-            done.map(drop).map_err(SolverError::from_debug)?;
+            done.map(drop).map_err(SolverError::from_debug)
         } else {
-            let room = symbolic.factorize_numeric_llt_scratch::<f64>(par, Spec::default());
-            let (mut room, none) =
-                (MemBuffer::try_new(room).map_err(SolverError::from_debug)?, LltRegularization::default());
-            let stack = MemStack::new(&mut room);
+            let mut room = room(symbolic.factorize_numeric_llt_scratch::<f64>(par, Spec::default()))?;
+            let (stack, none) = (MemStack::new(&mut room), LltRegularization::default());
             let done = symbolic.factorize_numeric_llt(&mut values, a, side, none, par, stack, Spec::default());
-            done.map(drop).map_err(SolverError::from_debug)?;
-        }
-        self.values = Some(values);
-        Ok(())
+            done.map(drop).map_err(SolverError::from_debug)
+        };
+        self.values = done.is_ok().then_some(values);
+        done
     }
 
-    fn solve(&self, b: &mut [f64], diagonal: bool) -> Result<(), SolverError> {
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), SolverError> {
         let (Some(symbolic), Some(values)) = (&self.symbolic, &self.values) else {
             return Err(SolverError::not_factored());
         };
-        let room = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let mut room = MemBuffer::try_new(room).map_err(SolverError::from_debug)?;
+        let mut room = room(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq))?;
         let (rows, stack) = (b.len(), MemStack::new(&mut room));
         let b = MatMut::from_column_major_slice_mut(b, rows, 1);
-        if diagonal {
+        if DIAGONAL {
             LdltRef::new(symbolic, values).solve_in_place_with_conj(Conj::No, b, Par::Seq, stack);
         } else {
             LltRef::new(symbolic, values).solve_in_place_with_conj(Conj::No, b, Par::Seq, stack);
@@ -149,24 +138,9 @@ impl Cholesky {
     }
 }
 
-impl Solver for Llt {
-    fn factor(&mut self, matrix: SolverMatrix) -> Result<(), SolverError> {
-        self.0.factor(matrix, false)
-    }
-
-    fn solve(&mut self, b: &mut [f64]) -> Result<(), SolverError> {
-        self.0.solve(b, false)
-    }
-}
-
-impl Solver for Ldlt {
-    fn factor(&mut self, matrix: SolverMatrix) -> Result<(), SolverError> {
-        self.0.factor(matrix, true)
-    }
-
-    fn solve(&mut self, b: &mut [f64]) -> Result<(), SolverError> {
-        self.0.solve(b, true)
-    }
+/// Memory for one call of faer.
+fn room(request: StackReq) -> Result<MemBuffer, SolverError> {
+    MemBuffer::try_new(request).map_err(SolverError::from_debug)
 }
 
 /// faer's LU with partial pivoting, for any nonsingular matrix; all entries must be stored.
@@ -181,15 +155,10 @@ impl Solver for Lu {
         if matrix.storage != Storage::Full {
             return Err(SolverError("LU needs all entries of the matrix, not one half".into()));
         }
-        let symbolic = match self.symbolic.take() {
-            Some(symbolic) => symbolic,
-            None => {
-                factorize_symbolic_lu(matrix.pattern(), LuSymbolicParams::default()).map_err(SolverError::from_debug)?
-            }
-        };
+        let new = || factorize_symbolic_lu(matrix.pattern(), LuSymbolicParams::default());
+        let symbolic = self.symbolic.take().map_or_else(new, Ok).map_err(SolverError::from_debug)?;
         let symbolic = &*self.symbolic.insert(symbolic);
-        let room = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::default());
-        let mut room = MemBuffer::try_new(room).map_err(SolverError::from_debug)?;
+        let mut room = room(symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::default()))?;
         let mut factors = self.factors.take().unwrap_or_default();
         let stack = MemStack::new(&mut room);
         let done = symbolic.factorize_numeric_lu(&mut factors, matrix.matrix(), Par::Seq, stack, Spec::default());
@@ -202,11 +171,9 @@ impl Solver for Lu {
         let (Some(symbolic), Some(factors)) = (&self.symbolic, &self.factors) else {
             return Err(SolverError::not_factored());
         };
-        let room = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let mut room = MemBuffer::try_new(room).map_err(SolverError::from_debug)?;
-        let rows = b.len();
+        let mut room = room(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq))?;
+        let (rows, stack) = (b.len(), MemStack::new(&mut room));
         let b = MatMut::from_column_major_slice_mut(b, rows, 1);
-        let stack = MemStack::new(&mut room);
         LuRef::new_unchecked(symbolic, factors).solve_in_place_with_conj(Conj::No, b, Par::Seq, stack);
         Ok(())
     }

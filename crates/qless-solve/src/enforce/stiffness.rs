@@ -6,11 +6,8 @@ use faer::sparse::SparseColMat;
 use qless::elimination::Storage;
 
 use super::EnforceError;
-use super::matrix::{compressed, entries, from_triplets};
+use super::matrix::{entries, from_triplets};
 use crate::common::SparseMatrix;
-
-/// Entries `K_ij` and `K_ji` are equal if they differ by less than this, relative to the larger of the entry and the diagonal.
-const SAME: f64 = 64.0 * f64::EPSILON;
 
 /// A stiffness matrix, and which entries are stored. `&k` alone is [`Stiffness::full`].
 ///
@@ -82,7 +79,7 @@ impl<'a> Stiffness<'a> {
         if !self.triangular && first(true).is_some() != first(false).is_some() {
             return Err(EnforceError::Triangle { lower: first(true).is_some() });
         }
-        Ok((compressed(self.matrix)?, false))
+        Ok((Cow::Borrowed(self.matrix), false))
     }
 }
 
@@ -96,15 +93,4 @@ impl<'a> From<&'a SparseColMat<usize, f64>> for Stiffness<'a> {
 fn mirrored(half: &SparseMatrix) -> Result<SparseMatrix, EnforceError> {
     let others = entries(half).filter(|&(i, j, _)| i != j).map(|(i, j, v)| (j, i, v));
     from_triplets(half.nrows(), half.ncols(), entries(half).chain(others))
-}
-
-/// Whether `|K_ij - K_ji|` is rounding of the entries or of the diagonal.
-pub(super) fn is_symmetric(k: &SparseMatrix) -> bool {
-    let mut diagonal = vec![0.0_f64; k.ncols()];
-    entries(k).filter(|&(i, j, _)| i == j).for_each(|(i, _, v)| diagonal[i] += v.abs());
-    let other = |i: usize, j: usize| k.get(j, i).copied().unwrap_or_default();
-    entries(k).filter(|&(i, j, _)| i != j).all(|(i, j, v)| {
-        let w = other(i, j);
-        (v - w).abs() <= SAME * v.abs().max(diagonal[i].sqrt() * diagonal[j].sqrt())
-    })
 }

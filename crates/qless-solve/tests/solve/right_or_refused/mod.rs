@@ -1,6 +1,5 @@
 //! Solutions are right to their stated accuracy, and unsupported models are refused with their free motion.
 
-mod costs;
 mod dense;
 mod extremes;
 mod half;

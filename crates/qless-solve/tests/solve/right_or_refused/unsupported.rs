@@ -5,7 +5,7 @@ use qless::{ConstraintSystem, SystemBuilder};
 use qless::{Options, analyse};
 use qless_solve::enforce::{EnforceError, FreeMotion, Method, Problem, Solution, reduced};
 
-use super::models::{Kind, Lack, Model, PLAIN, Units, all_units, model};
+use super::models::{Kind, Lack, Model, Units, all_units, model};
 use crate::linkages::Outcome;
 
 type Solved = Result<Solution, EnforceError>;
@@ -76,21 +76,15 @@ fn two_hundred_models_are_refused_by_all_methods() -> Outcome {
     for case in 0..200 {
         let lack = [Lack::Ground, Lack::Tie, Lack::Stiffness][case / 3 % 3];
         let kind = [Kind::Symmetric, Kind::Unsymmetric, Kind::Indefinite][case / 9 % 3];
-        let Model { k, f, system, name, .. } = model(case, kind, lack, units[case / 27 % 9])?;
+        let Model { k, mut f, system, name, .. } = model(case, kind, lack, units[case / 27 % 9])?;
+        // A balanced load does not hide a free motion, although u would be finite.
+        if case % 5 == 0 {
+            f.fill(0.0);
+        }
         let motion = refused(&name, &k, &f, &system)?;
         if lack == Lack::Stiffness {
             assert_eq!(motion.dofs, [k.ncols() - 1], "{name}");
         }
-    }
-    Ok(())
-}
-
-/// A balanced load does not hide a free motion, although u would be finite.
-#[test]
-fn loads_do_not_decide() -> Outcome {
-    for case in 0..9 {
-        let Model { k, f, system, name, .. } = model(case, Kind::Symmetric, Lack::Ground, PLAIN)?;
-        refused(&name, &k, &vec![0.0; f.len()], &system)?;
     }
     Ok(())
 }

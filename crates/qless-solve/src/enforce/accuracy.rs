@@ -1,0 +1,109 @@
+//! Relative errors of u, in dimensionless numbers. Each DOF is compared with a reference:
+//!
+//! ```text
+//! known unit        the largest DOF with a known unit, or the largest displacement that a load would cause on the stiffness of its DOF
+//! no known unit     the DOF itself
+//! rounding only     the terms of its equations, max_r (|C| |u| + |b|)_r / |C_rj|; if they are rounding as well, those of its forces
+//! ```
+//!
+//! Rounding of a solution is estimated by random errors of the terms, e being the share by which terms are wrong:
+//!
+//! ```text
+//! y = M^-1 (r (|b - A x| + e (|A| |x| + |b|)))        random r in +-[1/2, 1]
+//! ```
+//!
+//! The error of the DOFs with known units is the larger of y and `e g` times their reference, where g is the growth of rounding. The growth
+//! describes all unknowns together; if dimensionless multipliers are far larger than u, their rounding is a larger fraction of u, which y
+//! shows. Cost: one solve, and a few more if units are unknown.
+
+use super::equations::{Equations, Solve, WRONG};
+use super::matrix::entries;
+use super::part::EnforcedPart;
+use crate::common::RandomForces;
+
+/// Random solves if a DOF has no known unit: the largest of so many random errors of one DOF is seldom far below the largest possible.
+const TRIALS: usize = 4;
+
+/// The rounding of one solution, and the references of its DOFs.
+pub struct DisplacementErrors {
+    known: Vec<bool>,
+    rounding: Vec<f64>,
+    references: Vec<f64>,
+}
+
+impl DisplacementErrors {
+    /// The errors of the solution x, given M^-1 and the growth of rounding; none if a solve fails.
+    pub fn new(
+        part: &EnforcedPart,
+        model: &Equations,
+        solve: &mut Solve<'_>,
+        (x, growth): (&[f64], f64),
+    ) -> Option<Self> {
+        let known = model.known[..part.dofs.len()].to_vec();
+        let mut errors = Self { known, rounding: Vec::new(), references: Vec::new() };
+        let mut sizes = errors.levelled(x.iter().copied());
+        // Without any stiffness there is no unit of energy, and loads do not count.
+        if part.k.val().iter().any(|v| *v != 0.0) {
+            let loads = errors.known.iter().zip(&part.rhs.0).map(|(known, f)| if *known { *f } else { 0.0 });
+            let loads = errors.levelled(loads);
+            sizes.iter_mut().zip(loads).for_each(|(size, load)| *size = size.max(load));
+        }
+        let known = errors.known.iter().zip(&sizes);
+        errors.rounding = known.map(|(known, size)| if *known { WRONG * growth * size } else { 0.0 }).collect();
+        let terms: Vec<f64> = model.size(x).iter().zip(&part.rhs.1).map(|(ax, b)| ax + b).collect();
+        let off: Vec<f64> = model.apply(x).iter().zip(&part.rhs.0).map(|(ax, b)| (ax - b).abs()).collect();
+        let mut random = RandomForces::default();
+        for _ in 0..if errors.known.contains(&false) { TRIALS } else { 1 } {
+            let forces: Vec<f64> = terms.iter().zip(&off).map(|(t, off)| random.next() * (off + WRONG * t)).collect();
+            let moved = errors.levelled(solve(&forces).ok()?.into_iter());
+            errors.rounding.iter_mut().zip(moved).for_each(|(most, moved)| *most = most.max(moved));
+        }
+        errors.references = errors.referenced(sizes, model, &terms);
+        Some(errors)
+    }
+
+    /// Sizes of DOFs, or of others in their place if they are rounding.
+    fn referenced(&self, mut sizes: Vec<f64>, model: &Equations, terms: &[f64]) -> Vec<f64> {
+        let n = sizes.len();
+        let is_zero: Vec<bool> = sizes.iter().zip(&self.rounding).map(|(size, rounding)| size <= rounding).collect();
+        for of_forces in [false, true] {
+            for (i, j, v) in entries(&model.a).filter(|&(i, j, v)| j < n && (i < n) == of_forces && v != 0.0) {
+                let term = terms[i] / v.abs();
+                // Terms of forces count only if those of equations are rounding as well.
+                if is_zero[j] && term > self.rounding[j] && (!of_forces || sizes[j] <= self.rounding[j]) {
+                    sizes[j] = sizes[j].max(term);
+                }
+            }
+        }
+        let sizes = self.levelled(sizes.into_iter());
+        // Without any scale of its own, a DOF is compared with the largest one.
+        let top = sizes.iter().copied().fold(0.0, f64::max);
+        sizes.into_iter().map(|size| if size > 0.0 { size } else { top }).collect()
+    }
+
+    /// `|a - b|` of the DOF where it is largest, relative to its reference.
+    pub fn between(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.relative(&self.levelled(a.iter().zip(b).map(|(a, b)| a - b)))
+    }
+
+    /// Relative error of u by rounding, of the DOF where it is largest.
+    pub fn share(&self) -> f64 {
+        self.relative(&self.rounding).max(WRONG)
+    }
+
+    /// The largest ratio to a reference; NaN counts as infinite.
+    fn relative(&self, sizes: &[f64]) -> f64 {
+        let shares = sizes.iter().zip(&self.references).filter(|(size, _)| **size != 0.0);
+        shares.fold(0.0, |most: f64, (size, reference)| {
+            let share = size / reference;
+            if share.is_nan() { f64::INFINITY } else { most.max(share) }
+        })
+    }
+
+    /// Absolute values of the DOFs, those with known units being as large as the largest one.
+    fn levelled(&self, values: impl Iterator<Item = f64>) -> Vec<f64> {
+        let pairs: Vec<_> = values.zip(&self.known).collect();
+        let largest = pairs.iter().filter(|(_, known)| **known).fold(0.0, |most: f64, (v, _)| most.max(v.abs()));
+        pairs.into_iter().map(|(v, known)| if *known { largest } else { v.abs() }).collect()
+    }
+}

@@ -1,0 +1,130 @@
+//! `A x = b` in dimensionless numbers ([`super::scale`]), the sizes of its terms, and iterative refinement.
+//!
+//! The residual `|A x - b|_i` is measured by its terms `(|A| |x| + |b|)_i`, row by row. If all terms of a row are rounding of larger
+//! unknowns elsewhere, the row cannot satisfy this measure. Its terms therefore count as at least [`FLOOR`] times what they would be if
+//! every unknown of its connected part were as large as the largest one. Cost of one residual: three passes over the entries.
+
+use super::EnforceError;
+use super::matrix::entries;
+use crate::common::{SparseMatrix, times};
+
+/// Relative error assumed for the entries of A, which were rounded several times before.
+pub const WRONG: f64 = 16.0 * f64::EPSILON;
+/// Relative errors up to this size are rounding: those of an entry, and of the few products that it takes part in.
+pub const ROUNDING: f64 = 4.0 * WRONG;
+/// The largest relative residual that a row may have: a million times rounding, so that sums of many terms reach it.
+pub const BALANCED: f64 = 1e-10;
+/// Floor for the terms of a row, relative to the largest of its part: `BALANCED FLOOR` is rounding of a sum of hundreds of terms.
+pub const FLOOR: f64 = 1e-3;
+/// Most solves: corrections by a fraction of 0.8 reach [`BALANCED`] from any start, and slower ones are not worth their cost.
+const SOLVES: usize = 200;
+
+/// `M^-1 r`, where M is A up to rounding.
+pub type Solve<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, EnforceError> + 'a;
+
+/// A square matrix that knows the sizes of its terms.
+#[derive(Debug)]
+pub struct Equations {
+    pub a: SparseMatrix,
+    /// For each entry of A the size of the terms that it was summed from; `0.1 + 0.2 - 0.3` has the size 0.6.
+    pub sizes: Vec<f64>,
+    /// The connected part of each unknown, given by one of its members.
+    pub parts: Vec<usize>,
+    /// Whether the size of an unknown can be compared with those of others ([`super::scale::known_units`]).
+    pub known: Vec<bool>,
+    /// For each row the floor for its terms, relative to the largest, and the largest relative residual allowed.
+    pub limits: Vec<(f64, f64)>,
+}
+
+impl Equations {
+    /// A connected system whose entries are no sums.
+    pub fn connected(a: SparseMatrix, known: Vec<bool>, limits: Vec<(f64, f64)>) -> Self {
+        let sizes = a.val().iter().map(|v| v.abs()).collect();
+        Self { sizes, parts: vec![0; a.nrows()], a, known, limits }
+    }
+
+    /// `A x`.
+    pub fn apply(&self, x: &[f64]) -> Vec<f64> {
+        times(&self.a, x)
+    }
+
+    /// The sizes of all terms of A x, before they cancel.
+    pub fn size(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        let mut sizes = self.sizes.iter();
+        for (j, x) in x.iter().enumerate() {
+            self.a.symbolic().row_idx_of_col(j).zip(&mut sizes).for_each(|(i, size)| y[i] += size * x.abs());
+        }
+        y
+    }
+
+    /// The sizes of the terms of A x, and their floor: the sizes if every unknown were as large as the largest of its part. An unknown that
+    /// cannot be compared counts as the largest size at which its term alone equals the terms of a row.
+    fn sizes_and_floor(&self, x: &[f64], b: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let size: Vec<f64> = self.size(x).iter().zip(b).map(|(ax, b)| ax + b).collect();
+        let of_known: Vec<f64> = x.iter().zip(&self.known).map(|(x, known)| if *known { *x } else { 0.0 }).collect();
+        let mut levels = self.levelled(&of_known);
+        if self.known.contains(&false) {
+            (0..x.len()).filter(|&j| !self.known[j]).for_each(|j| levels[j] = 0.0);
+            for (i, j, v) in entries(&self.a).filter(|&(_, j, v)| v != 0.0 && !self.known[j]) {
+                levels[j] = levels[j].max(size[i] / v.abs());
+            }
+        }
+        let floor = self.size(&levels);
+        (size, floor)
+    }
+
+    /// x with every unknown as large as the largest of its part.
+    pub fn levelled(&self, x: &[f64]) -> Vec<f64> {
+        let mut most = vec![0.0_f64; x.len()];
+        x.iter().zip(&self.parts).for_each(|(x, &part)| most[part] = most[part].max(x.abs()));
+        self.parts.iter().map(|&part| most[part]).collect()
+    }
+
+    /// Solves `A x = b.0` and refines, `x += M^-1 (b - A x)`, until residuals are rounding or do not fall; `b.1` are the sizes of the terms
+    /// of b. An error of the first solve is returned; an error of a correction ends the refinement.
+    pub fn refine(&self, solve: &mut Solve<'_>, b: (&[f64], &[f64])) -> Result<Refined, EnforceError> {
+        let (mut residual, mut best) = self.measured(solve(b.0)?, b);
+        for _ in 1..SOLVES {
+            if best.imbalance <= ROUNDING {
+                break;
+            }
+            let Ok(correction) = solve(&residual) else { break };
+            let x = best.x.iter().zip(correction).map(|(x, more)| x + more).collect();
+            let (rest, found) = self.measured(x, b);
+            if found.share >= best.share {
+                break;
+            }
+            (residual, best) = (rest, found);
+        }
+        Ok(best)
+    }
+
+    /// `b - A x`, and x with its worst row.
+    fn measured(&self, x: Vec<f64>, b: (&[f64], &[f64])) -> (Vec<f64>, Refined) {
+        let residual: Vec<f64> = b.0.iter().zip(self.apply(&x)).map(|(b, ax)| b - ax).collect();
+        let (size, floor) = self.sizes_and_floor(&x, b.1);
+        let mut worst = Refined { x, row: 0, imbalance: 0.0, share: 0.0 };
+        for (i, residual) in residual.iter().enumerate().filter(|(_, residual)| **residual != 0.0) {
+            let (of_largest, limit) = self.limits[i];
+            let imbalance = residual.abs() / size[i].max(of_largest * floor[i]);
+            // NaN is worse than any number.
+            let imbalance = if imbalance.is_nan() { f64::INFINITY } else { imbalance };
+            if imbalance / limit > worst.share {
+                (worst.row, worst.imbalance, worst.share) = (i, imbalance, imbalance / limit);
+            }
+        }
+        (residual, worst)
+    }
+}
+
+/// x, and the row with the largest residual relative to its limit.
+#[derive(Clone, Debug)]
+pub struct Refined {
+    pub x: Vec<f64>,
+    /// Index of that row, and its relative residual.
+    pub row: usize,
+    pub imbalance: f64,
+    /// The largest residual relative to its limit; at most 1 is allowed.
+    pub share: f64,
+}
