@@ -1,25 +1,25 @@
 //! The reduced form: slaves, masters, T, G, g, and its uses.
 
 use std::ffi::c_int;
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{Arc, RwLock, RwLockReadGuard};
 
 use qless::{Csr, Elimination, Form};
 
 use crate::analysis;
 use crate::arrays::{CIndex, IndexBase, length, read, set, write};
-use crate::handles::{get, insert, qless_analysis, qless_elimination, remove};
+use crate::handles::{get, insert, qless_analysis, qless_elimination, remove, unharmed};
 use crate::status::{CallFailure, OK, guard};
 
 /// Calls that only read share the lock; a refresh holds it exclusively.
 #[derive(Debug)]
-struct HeldElimination {
+pub(crate) struct HeldElimination {
     elimination: RwLock<Elimination>,
-    base: IndexBase,
+    pub(crate) base: IndexBase,
 }
 
 impl HeldElimination {
-    fn read(&self) -> RwLockReadGuard<'_, Elimination> {
-        self.elimination.read().unwrap_or_else(PoisonError::into_inner)
+    pub(crate) fn read(&self) -> Result<RwLockReadGuard<'_, Elimination>, CallFailure> {
+        unharmed(self.elimination.read())
     }
 }
 
@@ -35,10 +35,9 @@ pub unsafe extern "C" fn qless_eliminate(
     guard(|| {
         let held: Arc<analysis::HeldAnalysis> = get(analysis)?;
         let made = Elimination::from_analysis(Arc::clone(&held.analysis), Form::Explicit)?;
-        let handle = insert(HeldElimination { elimination: RwLock::new(made), base: held.base });
+        let made = HeldElimination { elimination: RwLock::new(made), base: held.base };
         // SAFETY: the caller upholds the contract.
-        let written = unsafe { set("elimination", elimination, handle) };
-        written.inspect_err(|_| _ = remove::<_, HeldElimination>(handle))?;
+        unsafe { insert("elimination", elimination, made) }?;
         Ok(OK)
     })
 }
@@ -46,7 +45,7 @@ pub unsafe extern "C" fn qless_eliminate(
 /// Frees an elimination; null is allowed.
 #[unsafe(no_mangle)]
 pub extern "C" fn qless_elimination_free(elimination: *mut qless_elimination) -> c_int {
-    guard(|| remove::<_, HeldElimination>(elimination).map(|()| OK))
+    guard(|| remove::<_, HeldElimination>(elimination))
 }
 
 /// Numbers of slaves, masters and prescribed DOFs, and of the entries of T and G.
@@ -64,7 +63,7 @@ pub unsafe extern "C" fn qless_sizes(
 ) -> c_int {
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
-        let known = held.read();
+        let known = held.read()?;
         let reduction = known.reduction();
         let sizes = [
             ("slaves", slaves, known.slaves().len()),
@@ -83,7 +82,7 @@ pub unsafe extern "C" fn qless_sizes(
 /// The arrays have room for as many numbers as [`qless_sizes`] says.
 unsafe fn dofs<I: CIndex>(elimination: *const qless_elimination, arrays: [*mut I; 3]) -> Result<c_int, CallFailure> {
     let held: Arc<HeldElimination> = get(elimination)?;
-    let known = held.read();
+    let known = held.read()?;
     let lists = [("slaves", known.slaves()), ("masters", known.masters()), ("prescribed", known.prescribed())];
     for ((what, list), array) in lists.into_iter().zip(arrays).filter(|(_, array)| !array.is_null()) {
         // SAFETY: the caller upholds the contract.
@@ -161,7 +160,7 @@ pub unsafe extern "C" fn qless_t(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read().reduction().t(), held.base, starts, columns, values) }
+        unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
     })
 }
 
@@ -179,7 +178,7 @@ pub unsafe extern "C" fn qless_t_64(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read().reduction().t(), held.base, starts, columns, values) }
+        unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
     })
 }
 
@@ -197,7 +196,7 @@ pub unsafe extern "C" fn qless_g_matrix(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read().reduction().g_matrix(), held.base, starts, columns, values) }
+        unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
     })
 }
 
@@ -215,7 +214,7 @@ pub unsafe extern "C" fn qless_g_matrix_64(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read().reduction().g_matrix(), held.base, starts, columns, values) }
+        unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
     })
 }
 
@@ -227,7 +226,7 @@ pub unsafe extern "C" fn qless_g_matrix_64(
 pub unsafe extern "C" fn qless_g(elimination: *const qless_elimination, g: *mut f64, length: i64) -> c_int {
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
-        let known = held.read();
+        let known = held.read()?;
         // SAFETY: the caller upholds the contract.
         let out = unsafe { write("g", g, length, known.reduction().g().len()) }?;
         out.copy_from_slice(known.reduction().g());
@@ -252,7 +251,7 @@ pub unsafe extern "C" fn qless_refresh(
         let lengths = (length("rhs", rhs_length)?, length("prescribed", prescribed_length)?);
         // SAFETY: the caller upholds the contract.
         let (rhs, prescribed) = unsafe { (read("rhs", rhs, lengths.0)?, read("prescribed", prescribed, lengths.1)?) };
-        let mut known = held.elimination.write().unwrap_or_else(PoisonError::into_inner);
+        let mut known = unharmed(held.elimination.write())?;
         known.update(rhs, prescribed)?;
         Ok(OK)
     })
@@ -274,7 +273,7 @@ unsafe fn apply(
     // SAFETY: the caller upholds the contract. `work` checks the lengths.
     let (input, output) =
         unsafe { (read("the input", input, input_length)?, write("the output", output, output_length, room)?) };
-    work(&held.read(), input, output)?;
+    work(&*held.read()?, input, output)?;
     Ok(OK)
 }
 
@@ -355,4 +354,66 @@ pub unsafe extern "C" fn qless_multipliers(
     };
     // SAFETY: the caller upholds the contract.
     guard(|| unsafe { apply(elimination, (residual, residual_length), (lambda, lambda_length), work) })
+}
+
+/// The reactions `C^T lambda - (f - K u)` at the prescribed DOFs, from `residual = f - K u` and lambda.
+///
+/// # Safety
+/// The arrays have the lengths that are given and do not overlap.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn qless_reactions(
+    elimination: *const qless_elimination,
+    residual: *const f64,
+    residual_length: i64,
+    lambda: *const f64,
+    lambda_length: i64,
+    reactions: *mut f64,
+    reactions_length: i64,
+) -> c_int {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
+        let lengths = (length("residual", residual_length)?, length("lambda", lambda_length)?);
+        // SAFETY: the caller upholds the contract, here and below.
+        let (residual, lambda) =
+            unsafe { (read("residual", residual, lengths.0)?, read("lambda", lambda, lengths.1)?) };
+        let found = held.read()?.reactions(residual, lambda)?;
+        unsafe { write("reactions", reactions, reactions_length, found.len()) }?.copy_from_slice(&found);
+        Ok(OK)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use qless::{Options, SystemBuilder, analyse};
+
+    use super::*;
+
+    #[test]
+    fn a_change_that_panicked_fails_later_calls_on_the_handle() {
+        let mut builder = SystemBuilder::new(2);
+        builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+        let analysis = analyse(&builder.build().expect("a system"), &Options::default()).expect("an analysis");
+        let made = Elimination::from_analysis(analysis, Form::Explicit).expect("no conflict");
+        let held = HeldElimination { elimination: RwLock::new(made), base: IndexBase::new(0).expect("a base") };
+        let mut handle = std::ptr::null_mut();
+        // SAFETY: the addresses are those of local variables, here and below.
+        unsafe { insert("elimination", &raw mut handle, held) }.expect("an address");
+        let held: Arc<HeldElimination> = get(handle).expect("a handle");
+        let mut u = [0.0; 2];
+        let mut expand = || unsafe { qless_expand(handle, [1.0].as_ptr(), 1, u.as_mut_ptr(), 2) };
+        assert_eq!(expand(), OK);
+        std::thread::scope(|scope| {
+            let change = scope.spawn(|| {
+                let _change = held.elimination.write();
+                panic!("on purpose");
+            });
+            change.join().expect_err("a panic");
+        });
+        assert_eq!(expand(), -4);
+        assert_eq!(unsafe { qless_refresh(handle, [0.0].as_ptr(), 1, std::ptr::null(), 0) }, -4);
+        // SAFETY: the message is valid until the next call.
+        let message = unsafe { std::ffi::CStr::from_ptr(crate::qless_message()) }.to_string_lossy().into_owned();
+        assert!(message.contains("free the handle and make it again"), "{message}");
+        assert_eq!(qless_elimination_free(handle), OK);
+    }
 }
