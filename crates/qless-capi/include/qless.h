@@ -110,7 +110,7 @@ QLESS_API int qless_options_set_number(qless_options *options, const char *name,
 QLESS_API int qless_options_set_word(qless_options *options, const char *name, const char *value);
 
 /* Diagnoses C u = b. starts: equations + 1 numbers; columns, values: as many as starts says, in any order, summed if they repeat;
- * rhs: equations numbers, or null for zeros; prescribed_dofs, prescribed_values: prescribed_count numbers; options: null for the defaults. */
+ * rhs: equations numbers, or null for zeros; prescribed_dofs, prescribed_values: prescribed_count numbers; options: null for defaults. */
 QLESS_API int qless_analyse(int64_t equations, int64_t dofs, int base, const int32_t *starts, const int32_t *columns, const double *values,
                             const double *rhs, int64_t prescribed_count, const int32_t *prescribed_dofs, const double *prescribed_values,
                             const qless_options *options, qless_analysis **analysis);
@@ -163,7 +163,8 @@ QLESS_API int qless_repair(const qless_analysis *analysis, int64_t group, int64_
 QLESS_API int qless_doubt(const qless_analysis *analysis, int *doubt, char *text, int64_t room, int64_t *length);
 
 /* The label of an equation (QLESS_EQUATION) or DOF (QLESS_DOF), or the place of a prescribed value (QLESS_PRESCRIBED; empty if there is
- * none). Those of a deck name card and line: "line 7 *EQUATION 1:1", "4:2", "line 20 *BOUNDARY". */
+ * none). Those of a deck name card and line, or node and component: "line 7 *EQUATION 1:1", "4:2", "line 20 *BOUNDARY". Without a deck they
+ * are "row 1", "DOF 1", counted from 1. */
 QLESS_API int qless_label(const qless_analysis *analysis, int what, int64_t index, char *text, int64_t room, int64_t *length);
 
 /* Reads a deck of CalculiX, Abaqus, Nastran or ANSYS with the files that it includes. Its first cards decide the format. solver: "ccx",

@@ -13,6 +13,7 @@
 #![expect(unsafe_code, reason = "arrays of C come as addresses and lengths; `arrays` turns them into slices")]
 
 mod analysis;
+mod apply;
 mod arrays;
 mod deck;
 mod elements;
@@ -21,9 +22,11 @@ mod findings;
 mod handles;
 mod options;
 mod pattern;
+mod repairs;
 mod status;
 
 pub use analysis::*;
+pub use apply::*;
 pub use deck::*;
 pub use elements::*;
 pub use elimination::*;
@@ -31,4 +34,5 @@ pub use findings::*;
 pub use handles::{qless_analysis, qless_deck, qless_elimination, qless_options, qless_pattern};
 pub use options::*;
 pub use pattern::*;
+pub use repairs::*;
 pub use status::{qless_message, qless_version};

@@ -78,7 +78,7 @@ fn number_of(storage: Storage) -> c_int {
 
 /// Dense elements of two or three DOFs, whose numbers depend on the element only.
 fn elements(n: usize, random: &mut SplitMix64) -> Vec<Vec<usize>> {
-    (0..1 + random.next() % 6)
+    (0..=random.next() % 6)
         .map(|_| (0..2 + random.next() % 2).map(|_| (random.next() % n as u64) as usize).collect())
         .collect()
 }

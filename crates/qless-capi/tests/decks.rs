@@ -2,7 +2,6 @@
 
 mod support;
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use qless::explanation::{Change, Explanation, Member, Number};
@@ -46,14 +45,14 @@ fn decks() -> (tempfile::TempDir, Vec<PathBuf>) {
 #[test]
 fn decks_through_c_are_those_of_rust() {
     let (_place, paths) = decks();
-    let input: String = paths.iter().map(|path| format!("{}\n", path.display())).collect();
+    let input = paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join("\n");
     let program = compile("deck", &[]);
     let found = output(&program, &input);
-    let expected: String = paths.iter().map(|path| of_path(path)).collect();
-    for (k, (found, expected)) in found.lines().zip(expected.lines()).enumerate() {
+    let expected: Vec<String> = paths.iter().flat_map(|path| of_path(path)).collect();
+    for (k, (found, expected)) in found.lines().zip(&expected).enumerate() {
         assert_eq!(found, expected, "line {k}");
     }
-    assert_eq!(found.lines().count(), expected.lines().count());
+    assert_eq!(found.lines().count(), expected.len());
     for wanted in [
         "deck 2 ",
         "malformed.inp:5: *EQUATION",
@@ -68,28 +67,32 @@ fn decks_through_c_are_those_of_rust() {
     valgrind(&program, &input);
 }
 
-/// What the program prints for a deck. The file that it wrote is the cleaned deck of Rust.
-fn of_path(path: &Path) -> String {
+/// The lines that the program prints for a deck. The file that it wrote is the cleaned deck of Rust.
+fn of_path(path: &Path) -> Vec<String> {
     let deck = match read(path) {
         Ok(deck) => deck,
-        Err(error) => return format!("error -5 {error}\n"),
+        Err(error) => return vec![format!("error -5 {error}")],
     };
     let model = deck.model();
     let left_out = model.left_out().count();
     let status = if left_out > 0 { 2 } else { 0 };
-    let mut text = format!("deck {status} {} {left_out}\n", model.equations());
+    let mut lines = vec![format!("deck {status} {} {left_out}", model.equations())];
     let (first, rest): (Vec<_>, Vec<_>) = model.warnings().iter().partition(|warning| warning.leaves_out);
-    for warning in first.into_iter().chain(rest) {
-        writeln!(text, "warning {}: {}", model.place_of(warning), warning.text).expect("memory");
-    }
+    let warnings = first.into_iter().chain(rest);
+    lines.extend(warnings.map(|warning| format!("warning {}: {}", model.place_of(warning), warning.text)));
     for case in model.cases() {
-        writeln!(text, "case {}", case.name).expect("memory");
+        lines.push(format!("case {}", case.name));
         let analysed = |history| analyse(&model.system_at(case, history).expect("a system"), &Options::default());
         let (history, analysis) = model.at_all_times(case, analysed).expect("an analysis");
-        let name = history.map(|history| model.histories().nth(history as usize).flatten());
-        text += &of_analysis(&analysis, name);
+        let remark = history.map(|history| {
+            let name = model.histories().nth(history as usize).flatten();
+            let values = name.map_or("without an amplitude".to_owned(), |name| format!("of amplitude {name}"));
+            format!("amplitudes differ in time: the verdict is that of the prescribed values {values} alone")
+        });
+        lines.extend(of_analysis(&analysis, &remark.unwrap_or_default()));
     }
-    text + &cleaned(&deck, path, status)
+    lines.push(cleaned(&deck, path, status));
+    lines
 }
 
 fn cleaned(deck: &Deck, path: &Path, status: i32) -> String {
@@ -97,46 +100,40 @@ fn cleaned(deck: &Deck, path: &Path, status: i32) -> String {
     match clean::clean(deck, &Options::default()) {
         Ok((plan, text)) => {
             assert_eq!(std::fs::read(written).expect("a cleaned deck"), text);
-            format!("clean {status} {} {}\n", plan.removed.len(), plan.written.len())
+            format!("clean {status} {} {}", plan.removed.len(), plan.written.len())
         }
         Err(error) => {
             assert!(!written.exists());
             let number = if matches!(error, clean::CleanError::Conflicting { .. }) { -2 } else { -5 };
-            format!("clean {number} {error}\n")
+            format!("clean {number} {error}")
         }
     }
 }
 
-fn of_analysis(analysis: &Analysis, history: Option<Option<&str>>) -> String {
+fn of_analysis(analysis: &Analysis, remark: &str) -> Vec<String> {
     let (system, kinds) = (analysis.system(), analysis.kinds());
     let count = |kind| kinds.iter().filter(|&&k| k == kind).count();
-    let mut text = format!("rank {} {} {}\n", analysis.rank(), count(Kind::Redundant), count(Kind::Conflicting));
+    let mut lines = vec![format!("rank {} {} {}", analysis.rank(), count(Kind::Redundant), count(Kind::Conflicting))];
     for row in 0..kinds.len() {
-        text += &format!("equation {}\n", system.equation_label(row));
-        text += &reason(0, row, analysis.explain(row).expect("a row"));
+        lines.push(format!("equation {}", system.equation_label(row)));
+        lines.push(reason(0, row, analysis.explain(row).expect("a row")));
     }
     for dof in 0..system.dofs() {
         let place = system.prescribed_place(dof).unwrap_or_default();
-        text += &format!("dof {} at {place}\n", system.dof_label(dof));
+        lines.push(format!("dof {} at {place}", system.dof_label(dof)));
     }
     for &(dof, value) in analysis.generated() {
-        text += &format!("fixed {} {}\n", dof + 1, printed(value));
-        text += &reason(1, dof, analysis.explain_fixed(dof).expect("factors"));
+        lines.push(format!("fixed {} {}", dof + 1, printed(value)));
+        lines.push(reason(1, dof, analysis.explain_fixed(dof).expect("factors")));
     }
     assert_eq!(analysis.confidence().doubt, None, "no deck of the corpus is in doubt");
-    let remark = history.map(|name| {
-        let values = name.map_or("without an amplitude".to_owned(), |name| format!("of amplitude {name}"));
-        format!("amplitudes differ in time: the verdict is that of the prescribed values {values} alone")
-    });
-    text += &format!("doubt 0 {}\n", remark.unwrap_or_default());
+    lines.push(format!("doubt 0 {remark}"));
     for repair in analysis.repairs().expect("factors") {
         let rows: Vec<String> = repair.conflicts.iter().map(|row| format!(" {}", row + 1)).collect();
-        text += &format!("repair{}\n", rows.concat());
-        for way in repair.ways {
-            text += &format!("way{}\n", way.iter().map(change).collect::<String>());
-        }
+        lines.push(format!("repair{}", rows.concat()));
+        lines.extend(repair.ways.iter().map(|way| format!("way{}", way.iter().map(change).collect::<String>())));
     }
-    text
+    lines
 }
 
 fn reason(what: usize, index: usize, found: Option<Explanation>) -> String {
@@ -146,7 +143,7 @@ fn reason(what: usize, index: usize, found: Option<Explanation>) -> String {
         Member::Prescribed { dof, coefficient, .. } => format!(" 2:{}:{}", dof + 1, printed(coefficient)),
         _ => unreachable!("two kinds of members"),
     };
-    format!("reason {what} {} {}{}\n", index + 1, printed(rhs), members.iter().map(member).collect::<String>())
+    format!("reason {what} {} {}{}", index + 1, printed(rhs), members.iter().map(member).collect::<String>())
 }
 
 fn change(&Change { number, from, to, .. }: &Change) -> String {

@@ -94,10 +94,10 @@ fn the_header_declares_every_function_as_it_is() {
 #[test]
 fn the_header_has_the_structures_of_the_source() {
     let text = header();
-    let file = std::fs::read_to_string(format!("{HERE}/src/findings.rs")).expect("a file");
-    let source = syn::parse_file(&file).expect("Rust");
+    let files =
+        ["findings", "repairs"].map(|name| std::fs::read_to_string(format!("{HERE}/src/{name}.rs")).expect("a file"));
     let mut count = 0;
-    for item in source.items {
+    for item in files.iter().flat_map(|file| syn::parse_file(file).expect("Rust").items) {
         let syn::Item::Struct(one) = item else { continue };
         let field = |field: &syn::Field| {
             let name = field.ident.as_ref().expect("a name").to_string();

@@ -1,4 +1,4 @@
-//! C programs against the header and the shared library: the example, misuse, CalculiX's arrays, Eigen, decks, and the corpus to the last bit.
+//! C programs against the header and the shared library: the example, misuse, CalculiX, Eigen, PETSc, and the corpus to the last bit.
 
 mod support;
 

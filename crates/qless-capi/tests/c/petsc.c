@@ -1,5 +1,5 @@
 /* A periodic plate of springs on the ranks of PETSc: L holds T and the identity, K_q = L^T K L is computed by MatPtAP, u = L u_q + u_0.
- * Every rank diagnoses all equations, with the same bits, and owns some rows of K and L. Prints numbers that must not depend on the ranks. */
+ * Every rank diagnoses all equations, with the same bits, and owns some rows of K and L. The model is that of eigen.cpp. */
 #include <petscksp.h>
 
 #include "qless.h"
