@@ -1,11 +1,12 @@
 //! The diagnosis: rank, kinds, explanations, digits.
 
 use std::ffi::c_int;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use qless::explanation::Repair;
 use qless::{Analysis, Kind, SystemBuilder, analyse};
 
-use crate::arrays::{CIndex, IndexBase, length, read, set, write};
+use crate::arrays::{CIndex, IndexBase, has_room, length, read, set, write};
 use crate::handles::{get, insert, qless_analysis, qless_options, remove};
 use crate::options;
 use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
@@ -15,6 +16,27 @@ use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
 pub(crate) struct HeldAnalysis {
     pub(crate) analysis: Arc<Analysis>,
     pub(crate) base: IndexBase,
+    /// What limits the verdict, beside its doubt.
+    pub(crate) remark: Option<String>,
+    /// Computed when they are needed.
+    pub(crate) repairs: OnceLock<Vec<Repair>>,
+}
+
+impl HeldAnalysis {
+    pub(crate) fn new(analysis: Analysis, base: IndexBase) -> Self {
+        Self { analysis: Arc::new(analysis), base, remark: None, repairs: OnceLock::new() }
+    }
+
+    /// Makes a handle of it; the status says whether the verdict is ambiguous.
+    ///
+    /// # Safety
+    /// `place` is null or may be written.
+    pub(crate) unsafe fn hold(self, place: *mut *mut qless_analysis) -> Result<c_int, CallFailure> {
+        let status = if self.analysis.confidence().ambiguous { AMBIGUOUS } else { OK };
+        // SAFETY: the caller upholds the contract.
+        unsafe { insert("analysis", place, self) }?;
+        Ok(status)
+    }
 }
 
 /// The equations of the caller.
@@ -43,11 +65,7 @@ impl<I: CIndex> Given<I> {
         let rows = length("the number of equations", rows)?;
         let mut builder = SystemBuilder::new(length("the number of DOFs", dofs)?);
         // SAFETY: the caller upholds the contract, here and below.
-        let starts = unsafe { read("starts", self.starts, rows + 1) }?;
-        let starts = starts.iter().map(|&start| base.read(start, "a start")).collect::<Result<Vec<_>, _>>()?;
-        if starts[0] != 0 || starts.windows(2).any(|pair| pair[0] > pair[1]) {
-            return Err(CallFailure::input("starts must begin at the base and never decrease"));
-        }
+        let starts = base.starts(unsafe { read("starts", self.starts, rows + 1) }?)?;
         let nnz = starts[rows];
         let (columns, values) = unsafe { (read("columns", self.columns, nnz)?, read("values", self.values, nnz)?) };
         let rhs = if self.rhs.is_null() { None } else { Some(unsafe { read("rhs", self.rhs, rows) }?) };
@@ -61,12 +79,8 @@ impl<I: CIndex> Given<I> {
         for (&dof, &value) in given.0.iter().zip(given.1) {
             builder.prescribe(base.read(dof, "a prescribed DOF")?, value);
         }
-        let found = Arc::new(analyse(&builder.build()?, &options::of(options)?)?);
-        let status = if found.confidence().ambiguous { AMBIGUOUS } else { OK };
-        let handle = insert(HeldAnalysis { analysis: found, base });
-        let written = unsafe { set("analysis", analysis, handle) };
-        written.inspect_err(|_| _ = remove::<_, HeldAnalysis>(handle))?;
-        Ok(status)
+        let found = analyse(&builder.build()?, &options::of(options)?)?;
+        unsafe { HeldAnalysis::new(found, base).hold(analysis) }
     }
 }
 
@@ -123,7 +137,7 @@ pub unsafe extern "C" fn qless_analyse_64(
 /// Frees an analysis; null is allowed. Eliminations made from it stay valid.
 #[unsafe(no_mangle)]
 pub extern "C" fn qless_analysis_free(analysis: *mut qless_analysis) -> c_int {
-    guard(|| remove::<_, HeldAnalysis>(analysis).map(|()| OK))
+    guard(|| remove::<_, HeldAnalysis>(analysis))
 }
 
 /// Number of equations, of DOFs, the rank, and the numbers of redundant and conflicting equations.
@@ -213,21 +227,13 @@ unsafe fn explain<I: CIndex>(
     let held: Arc<HeldAnalysis> = get(analysis)?;
     let terms = held.analysis.because(held.base.read(row, "the row")?)?;
     // SAFETY: the caller upholds the contract, here and below.
-    unsafe { set("count", count, terms.len() as i64) }?;
-    if length("rows", room)? < terms.len() {
-        // With room 0 the caller asks only for the number of terms.
-        return if room == 0 {
-            Ok(OK)
-        } else {
-            Err(CallFailure::input(format!("there is room for {room} terms; {} are needed", terms.len())))
-        };
+    if unsafe { has_room(terms.len(), room, "count", count) }? {
+        let needed = terms.len() as i64;
+        let rows = unsafe { write("rows", rows, needed, terms.len()) }?;
+        held.base.write(terms.iter().map(|term| term.row), rows)?;
+        let out = unsafe { write("coefficients", coefficients, needed, terms.len()) }?;
+        out.iter_mut().zip(&terms).for_each(|(out, term)| *out = term.coefficient);
     }
-    let needed = terms.len();
-    let out = unsafe {
-        (write("rows", rows, needed as i64, needed)?, write("coefficients", coefficients, needed as i64, needed)?)
-    };
-    held.base.write(terms.iter().map(|term| term.row), out.0)?;
-    out.1.iter_mut().zip(&terms).for_each(|(out, term)| *out = term.coefficient);
     Ok(OK)
 }
 

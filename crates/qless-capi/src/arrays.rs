@@ -1,11 +1,13 @@
-//! Converts arrays of C to slices, and indices of 32 or 64 bits that count from 0 or 1 to `usize`.
+//! Converts arrays and texts of C to slices, and indices of 32 or 64 bits that count from 0 or 1 to `usize`.
 
-use std::ffi::c_int;
+use std::ffi::{CStr, c_char, c_int};
 
-use crate::status::CallFailure;
+use qless::elimination::Index;
+
+use crate::status::{CallFailure, OK};
 
 /// An index type of C.
-pub trait CIndex: Copy {
+pub trait CIndex: Index {
     /// Converts to a 64-bit number.
     fn wide(self) -> i64;
     /// Converts from a 64-bit number; `None` if it does not fit.
@@ -31,7 +33,7 @@ impl CIndex for i64 {
 }
 
 /// Whether indices count from 0 or from 1.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexBase(usize);
 
 impl IndexBase {
@@ -42,11 +44,30 @@ impl IndexBase {
         }
     }
 
+    /// Returns true if indices count from 1.
+    pub fn is_one(self) -> bool {
+        self.0 == 1
+    }
+
+    /// Converts a 0-based index to the base of the caller.
+    pub fn shown(self, index: usize) -> i64 {
+        (index + self.0) as i64
+    }
+
     /// Converts an index of the caller to one that counts from 0.
     pub fn read<I: CIndex>(self, index: I, what: &str) -> Result<usize, CallFailure> {
         let from_zero = index.wide() - self.0 as i64;
         let below = || CallFailure::input(format!("{what} is {}; it counts from {}", index.wide(), self.0));
         usize::try_from(from_zero).map_err(|_| below())
+    }
+
+    /// Converts starts of compressed lines; they ascend from the base.
+    pub fn starts<I: CIndex>(self, starts: &[I]) -> Result<Vec<usize>, CallFailure> {
+        let starts = starts.iter().map(|&start| self.read(start, "a start")).collect::<Result<Vec<_>, _>>()?;
+        if starts[0] != 0 || starts.windows(2).any(|pair| pair[0] > pair[1]) {
+            return Err(CallFailure::input("starts must begin at the base and never decrease"));
+        }
+        Ok(starts)
     }
 
     /// Converts 0-based indices to the base of the caller, and writes them into an array of the caller.
@@ -56,7 +77,7 @@ impl IndexBase {
         out: &mut [I],
     ) -> Result<(), CallFailure> {
         for (place, value) in out.iter_mut().zip(list) {
-            let index = I::narrow((value + self.0) as i64);
+            let index = I::narrow(self.shown(value));
             *place = index.ok_or_else(|| {
                 CallFailure::input("a number does not fit into 32 bits; call the function that ends in _64")
             })?;
@@ -126,4 +147,46 @@ pub unsafe fn set<T>(what: &str, place: *mut T, value: T) -> Result<(), CallFail
     // SAFETY: not null, and the caller guarantees that it may be written.
     unsafe { place.write(value) };
     Ok(())
+}
+
+/// An input text of the caller.
+///
+/// # Safety
+/// `start` is null or a zero-terminated text that lives longer than the result.
+pub unsafe fn text<'a>(what: &str, start: *const c_char) -> Result<&'a str, CallFailure> {
+    if start.is_null() {
+        return Err(CallFailure::input(format!("{what} is null")));
+    }
+    // SAFETY: not null, and the caller upholds the contract.
+    let text = unsafe { CStr::from_ptr(start) };
+    text.to_str().map_err(|_| CallFailure::input(format!("{what} is no UTF-8 text")))
+}
+
+/// Sets the size of a result whose size the caller does not know. Returns false if the caller, with room 0, asks only for the size.
+///
+/// # Safety
+/// `size` is null or may be written.
+pub unsafe fn has_room(needed: usize, room: i64, what: &str, size: *mut i64) -> Result<bool, CallFailure> {
+    // SAFETY: the caller upholds the contract.
+    unsafe { set(what, size, needed as i64) }?;
+    if room != 0 && length("room", room)? < needed {
+        return Err(CallFailure::input(format!("there is room for {room}; {needed} are needed")));
+    }
+    Ok(room != 0)
+}
+
+/// Writes a text with its closing zero, and sets `length` to the bytes of both.
+///
+/// # Safety
+/// `out` is null or has room for `room` bytes, and `length` is null or may be written.
+pub unsafe fn write_text(text: &str, out: *mut c_char, room: i64, length: *mut i64) -> Result<c_int, CallFailure> {
+    let needed = text.len() + 1;
+    // SAFETY: the caller upholds the contract, here and below.
+    if unsafe { has_room(needed, room, "length", length) }? {
+        let out = unsafe { write("text", out, needed as i64, needed) }?;
+        // A zero would end the text early.
+        let bytes = text.bytes().map(|byte| if byte == 0 { b' ' } else { byte });
+        out.iter_mut().zip(bytes.chain([0])).for_each(|(out, byte)| *out = byte as c_char);
+    }
+    Ok(OK)
 }

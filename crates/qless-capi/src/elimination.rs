@@ -1,25 +1,25 @@
-//! The reduced form: slaves, masters, T, G, g, and its uses.
+//! The reduced form: slaves, masters, T, G, g.
 
 use std::ffi::c_int;
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{Arc, RwLock, RwLockReadGuard};
 
 use qless::{Csr, Elimination, Form};
 
 use crate::analysis;
-use crate::arrays::{CIndex, IndexBase, length, read, set, write};
-use crate::handles::{get, insert, qless_analysis, qless_elimination, remove};
+use crate::arrays::{CIndex, IndexBase, set, write};
+use crate::handles::{get, insert, qless_analysis, qless_elimination, remove, unharmed};
 use crate::status::{CallFailure, OK, guard};
 
 /// Calls that only read share the lock; a refresh holds it exclusively.
 #[derive(Debug)]
-struct HeldElimination {
-    elimination: RwLock<Elimination>,
-    base: IndexBase,
+pub(crate) struct HeldElimination {
+    pub(crate) elimination: RwLock<Elimination>,
+    pub(crate) base: IndexBase,
 }
 
 impl HeldElimination {
-    fn read(&self) -> RwLockReadGuard<'_, Elimination> {
-        self.elimination.read().unwrap_or_else(PoisonError::into_inner)
+    pub(crate) fn read(&self) -> Result<RwLockReadGuard<'_, Elimination>, CallFailure> {
+        unharmed(self.elimination.read())
     }
 }
 
@@ -35,10 +35,9 @@ pub unsafe extern "C" fn qless_eliminate(
     guard(|| {
         let held: Arc<analysis::HeldAnalysis> = get(analysis)?;
         let made = Elimination::from_analysis(Arc::clone(&held.analysis), Form::Explicit)?;
-        let handle = insert(HeldElimination { elimination: RwLock::new(made), base: held.base });
+        let made = HeldElimination { elimination: RwLock::new(made), base: held.base };
         // SAFETY: the caller upholds the contract.
-        let written = unsafe { set("elimination", elimination, handle) };
-        written.inspect_err(|_| _ = remove::<_, HeldElimination>(handle))?;
+        unsafe { insert("elimination", elimination, made) }?;
         Ok(OK)
     })
 }
@@ -46,7 +45,7 @@ pub unsafe extern "C" fn qless_eliminate(
 /// Frees an elimination; null is allowed.
 #[unsafe(no_mangle)]
 pub extern "C" fn qless_elimination_free(elimination: *mut qless_elimination) -> c_int {
-    guard(|| remove::<_, HeldElimination>(elimination).map(|()| OK))
+    guard(|| remove::<_, HeldElimination>(elimination))
 }
 
 /// Numbers of slaves, masters and prescribed DOFs, and of the entries of T and G.
@@ -64,7 +63,7 @@ pub unsafe extern "C" fn qless_sizes(
 ) -> c_int {
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
-        let known = held.read();
+        let known = held.read()?;
         let reduction = known.reduction();
         let sizes = [
             ("slaves", slaves, known.slaves().len()),
@@ -83,7 +82,7 @@ pub unsafe extern "C" fn qless_sizes(
 /// The arrays have room for as many numbers as [`qless_sizes`] says.
 unsafe fn dofs<I: CIndex>(elimination: *const qless_elimination, arrays: [*mut I; 3]) -> Result<c_int, CallFailure> {
     let held: Arc<HeldElimination> = get(elimination)?;
-    let known = held.read();
+    let known = held.read()?;
     let lists = [("slaves", known.slaves()), ("masters", known.masters()), ("prescribed", known.prescribed())];
     for ((what, list), array) in lists.into_iter().zip(arrays).filter(|(_, array)| !array.is_null()) {
         // SAFETY: the caller upholds the contract.
@@ -161,7 +160,7 @@ pub unsafe extern "C" fn qless_t(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read().reduction().t(), held.base, starts, columns, values) }
+        unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
     })
 }
 
@@ -179,7 +178,7 @@ pub unsafe extern "C" fn qless_t_64(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read().reduction().t(), held.base, starts, columns, values) }
+        unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
     })
 }
 
@@ -197,7 +196,7 @@ pub unsafe extern "C" fn qless_g_matrix(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read().reduction().g_matrix(), held.base, starts, columns, values) }
+        unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
     })
 }
 
@@ -215,7 +214,7 @@ pub unsafe extern "C" fn qless_g_matrix_64(
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
         // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read().reduction().g_matrix(), held.base, starts, columns, values) }
+        unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
     })
 }
 
@@ -227,132 +226,10 @@ pub unsafe extern "C" fn qless_g_matrix_64(
 pub unsafe extern "C" fn qless_g(elimination: *const qless_elimination, g: *mut f64, length: i64) -> c_int {
     guard(|| {
         let held: Arc<HeldElimination> = get(elimination)?;
-        let known = held.read();
+        let known = held.read()?;
         // SAFETY: the caller upholds the contract.
         let out = unsafe { write("g", g, length, known.reduction().g().len()) }?;
         out.copy_from_slice(known.reduction().g());
         Ok(OK)
     })
-}
-
-/// Sets new b and prescribed values; slaves and T stay. If equations then conflict, nothing changes.
-///
-/// # Safety
-/// The arrays have the lengths that are given.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_refresh(
-    elimination: *mut qless_elimination,
-    rhs: *const f64,
-    rhs_length: i64,
-    prescribed: *const f64,
-    prescribed_length: i64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        let lengths = (length("rhs", rhs_length)?, length("prescribed", prescribed_length)?);
-        // SAFETY: the caller upholds the contract.
-        let (rhs, prescribed) = unsafe { (read("rhs", rhs, lengths.0)?, read("prescribed", prescribed, lengths.1)?) };
-        let mut known = held.elimination.write().unwrap_or_else(PoisonError::into_inner);
-        known.update(rhs, prescribed)?;
-        Ok(OK)
-    })
-}
-
-/// A method of [`Elimination`] that maps an input array to an output array.
-type ApplyCall = fn(&Elimination, &[f64], &mut [f64]) -> Result<(), CallFailure>;
-
-/// # Safety
-/// The arrays have the lengths that are given and do not overlap.
-unsafe fn apply(
-    elimination: *const qless_elimination,
-    (input, input_length): (*const f64, i64),
-    (output, output_length): (*mut f64, i64),
-    work: ApplyCall,
-) -> Result<c_int, CallFailure> {
-    let held: Arc<HeldElimination> = get(elimination)?;
-    let (input_length, room) = (length("the input", input_length)?, length("the output", output_length)?);
-    // SAFETY: the caller upholds the contract. `work` checks the lengths.
-    let (input, output) =
-        unsafe { (read("the input", input, input_length)?, write("the output", output, output_length, room)?) };
-    work(&held.read(), input, output)?;
-    Ok(OK)
-}
-
-/// `u = L u_q + u_0`: all DOFs from the masters.
-///
-/// # Safety
-/// The arrays have the lengths that are given and do not overlap.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_expand(
-    elimination: *const qless_elimination,
-    masters: *const f64,
-    masters_length: i64,
-    u: *mut f64,
-    u_length: i64,
-) -> c_int {
-    let work: ApplyCall = |known, masters, u| Ok(known.expand_into(masters, u)?);
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { apply(elimination, (masters, masters_length), (u, u_length), work) })
-}
-
-/// `du = L du_q`: an increment of all DOFs from one of the masters.
-///
-/// # Safety
-/// As [`qless_expand`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_expand_increment(
-    elimination: *const qless_elimination,
-    masters: *const f64,
-    masters_length: i64,
-    du: *mut f64,
-    du_length: i64,
-) -> c_int {
-    let work: ApplyCall = |known, masters, du| Ok(known.expand_increment_into(masters, du)?);
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { apply(elimination, (masters, masters_length), (du, du_length), work) })
-}
-
-/// `f_q = L^T f`: forces on all DOFs, transferred to the masters.
-///
-/// # Safety
-/// As [`qless_expand`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_restrict(
-    elimination: *const qless_elimination,
-    forces: *const f64,
-    forces_length: i64,
-    masters: *mut f64,
-    masters_length: i64,
-) -> c_int {
-    let work: ApplyCall = |known, forces, masters| Ok(known.restrict_into(forces, masters)?);
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { apply(elimination, (forces, forces_length), (masters, masters_length), work) })
-}
-
-/// Computes lambda of `K u + C^T lambda = f`, one number for each equation, from `residual = f - K u`.
-///
-/// # Safety
-/// As [`qless_expand`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_multipliers(
-    elimination: *const qless_elimination,
-    residual: *const f64,
-    residual_length: i64,
-    lambda: *mut f64,
-    lambda_length: i64,
-) -> c_int {
-    let work: ApplyCall = |known, residual, out| {
-        let found = known.multipliers(residual)?;
-        if found.len() != out.len() {
-            return Err(CallFailure::input(format!(
-                "lambda has room for {} numbers; {} are needed",
-                out.len(),
-                found.len()
-            )));
-        }
-        out.copy_from_slice(&found);
-        Ok(())
-    };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { apply(elimination, (residual, residual_length), (lambda, lambda_length), work) })
 }

@@ -1,14 +1,16 @@
 //! Handles: numbers in the form of pointers. A table maps each number to its object.
 //!
 //! No number is used twice, so a handle that is null, freed or of another kind is detected. An object that a call uses lives until the call
-//! returns, even if another thread frees the handle.
+//! returns, even if another thread frees the handle. If a panic interrupts a change of an object, later calls on its handle fail.
 
 use std::any::Any;
 use std::collections::HashMap;
+use std::ffi::c_int;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock, PoisonError, RwLock};
+use std::sync::{Arc, LockResult, OnceLock, RwLock};
 
-use crate::status::CallFailure;
+use crate::arrays::set;
+use crate::status::{CallFailure, OK};
 
 macro_rules! opaque {
     ($($(#[$doc:meta])* $name:ident)*) => {$(
@@ -28,6 +30,10 @@ opaque! {
     qless_analysis
     /// A handle of an elimination.
     qless_elimination
+    /// A handle of the pattern of a condensed matrix.
+    qless_pattern
+    /// A handle of a deck.
+    qless_deck
 }
 
 type HandleTable = RwLock<HashMap<usize, Arc<dyn Any + Send + Sync>>>;
@@ -37,29 +43,41 @@ fn table() -> &'static HandleTable {
     TABLE.get_or_init(HandleTable::default)
 }
 
-/// Adds an object to the table and returns its handle. Numbers ascend, so none is used twice.
-pub fn insert<H>(value: impl Any + Send + Sync) -> *mut H {
+/// What a lock guards; an error if a panic interrupted a call that held it exclusively.
+pub fn unharmed<G>(lock: LockResult<G>) -> Result<G, CallFailure> {
+    lock.map_err(|_| CallFailure::half_changed())
+}
+
+/// Adds an object to the table and writes its handle. Numbers ascend, so none is used twice.
+///
+/// # Safety
+/// `place` is null or may be written.
+pub unsafe fn insert<H>(what: &str, place: *mut *mut H, value: impl Any + Send + Sync) -> Result<(), CallFailure> {
     static NEXT: AtomicUsize = AtomicUsize::new(1);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
-    table().write().unwrap_or_else(PoisonError::into_inner).insert(number, Arc::new(value));
-    std::ptr::without_provenance_mut(number)
+    let mut table = unharmed(table().write())?;
+    // SAFETY: the caller upholds the contract.
+    unsafe { set(what, place, std::ptr::without_provenance_mut(number)) }?;
+    table.insert(number, Arc::new(value));
+    Ok(())
 }
 
 /// The object of a handle.
 pub fn get<H, T: Any + Send + Sync>(handle: *const H) -> Result<Arc<T>, CallFailure> {
-    let found = table().read().unwrap_or_else(PoisonError::into_inner).get(&handle.addr()).cloned();
+    let found = unharmed(table().read())?.get(&handle.addr()).cloned();
     found.and_then(|found| found.downcast().ok()).ok_or_else(|| unknown(handle.is_null()))
 }
 
 /// Removes a handle from the table; null is no error, as with `free`.
-pub fn remove<H, T: Any + Send + Sync>(handle: *mut H) -> Result<(), CallFailure> {
+pub fn remove<H, T: Any + Send + Sync>(handle: *mut H) -> Result<c_int, CallFailure> {
     if handle.is_null() {
-        return Ok(());
+        return Ok(OK);
     }
+    // The object is dropped after the table is unlocked.
     let kept = get::<H, T>(handle)?;
-    table().write().unwrap_or_else(PoisonError::into_inner).remove(&handle.addr());
+    unharmed(table().write())?.remove(&handle.addr());
     drop(kept);
-    Ok(())
+    Ok(OK)
 }
 
 fn unknown(is_null: bool) -> CallFailure {

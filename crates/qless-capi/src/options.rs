@@ -1,12 +1,12 @@
 //! Sets options by name, so that a new option does not change the interface.
 
-use std::ffi::{CStr, c_char, c_int};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::ffi::{c_char, c_int};
+use std::sync::{Arc, RwLock};
 
 use qless::{BackendChoice, Effort, Noise, Options, Tolerance};
 
-use crate::arrays::set;
-use crate::handles::{get, insert, qless_options, remove};
+use crate::arrays::text;
+use crate::handles::{get, insert, qless_options, remove, unharmed};
 use crate::status::{CallFailure, OK, guard};
 
 type HeldOptions = RwLock<Options>;
@@ -17,7 +17,7 @@ pub(crate) fn of(handle: *const qless_options) -> Result<Options, CallFailure> {
         return Ok(Options::default());
     }
     let held: Arc<HeldOptions> = get(handle)?;
-    let options = held.read().unwrap_or_else(PoisonError::into_inner);
+    let options = unharmed(held.read())?;
     Ok(options.clone())
 }
 
@@ -28,10 +28,8 @@ pub(crate) fn of(handle: *const qless_options) -> Result<Options, CallFailure> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_options_create(options: *mut *mut qless_options) -> c_int {
     guard(|| {
-        let handle = insert(HeldOptions::default());
         // SAFETY: the caller upholds the contract.
-        let written = unsafe { set("options", options, handle) };
-        written.inspect_err(|_| _ = remove::<_, HeldOptions>(handle))?;
+        unsafe { insert("options", options, HeldOptions::default()) }?;
         Ok(OK)
     })
 }
@@ -39,7 +37,7 @@ pub unsafe extern "C" fn qless_options_create(options: *mut *mut qless_options) 
 /// Frees options; null is allowed.
 #[unsafe(no_mangle)]
 pub extern "C" fn qless_options_free(options: *mut qless_options) -> c_int {
-    guard(|| remove::<_, HeldOptions>(options).map(|()| OK))
+    guard(|| remove::<_, HeldOptions>(options))
 }
 
 /// Sets a number: "tolerance", "noise" (relative), "growth", "memory" (bytes), "presolve" (0 or 1).
@@ -115,20 +113,9 @@ fn change(
     change: impl FnOnce(&mut Options) -> Result<(), CallFailure>,
 ) -> Result<c_int, CallFailure> {
     let held: Arc<HeldOptions> = get(handle)?;
-    let mut options = held.write().unwrap_or_else(PoisonError::into_inner);
+    let mut options = unharmed(held.write())?;
     let mut changed = options.clone();
     change(&mut changed)?;
     *options = changed;
     Ok(OK)
-}
-
-/// # Safety
-/// `start` is null or a zero-terminated text that lives longer than the result.
-unsafe fn text<'a>(what: &str, start: *const c_char) -> Result<&'a str, CallFailure> {
-    if start.is_null() {
-        return Err(CallFailure::input(format!("{what} is null")));
-    }
-    // SAFETY: not null, and the caller upholds the contract.
-    let text = unsafe { CStr::from_ptr(start) };
-    text.to_str().map_err(|_| CallFailure::input(format!("{what} is no UTF-8 text")))
 }

@@ -4,13 +4,18 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use qless::backend::BackendError;
 use qless::elimination::EliminationError;
 use qless::{AnalysisError, ArgumentError, SystemError};
+use qless_io::deck::clean::CleanError;
+use qless_io::{ReadError, WriteError};
 
 /// The call succeeded.
 pub const OK: c_int = 0;
 /// The call succeeded, but the verdict is ambiguous.
 pub const AMBIGUOUS: c_int = 1;
+/// The call succeeded, but constraints of the deck were left out.
+pub const INCOMPLETE: c_int = 2;
 /// An argument is not valid.
 const INPUT: c_int = -1;
 /// Equations conflict.
@@ -19,6 +24,8 @@ const CONFLICT: c_int = -2;
 const NUMERICAL: c_int = -3;
 /// A bug of the library.
 const INTERNAL: c_int = -4;
+/// A file cannot be read or written, or a deck is malformed or cannot be cleaned.
+const FILE: c_int = -5;
 
 /// A call that failed.
 #[derive(Debug)]
@@ -31,6 +38,12 @@ impl CallFailure {
     pub fn input(message: impl Into<String>) -> Self {
         Self { status: INPUT, message: message.into() }
     }
+
+    /// A panic ended an earlier call while it changed the object of a handle.
+    pub fn half_changed() -> Self {
+        let found = "a bug of the library ended an earlier call on this handle and left its object half changed";
+        Self { status: INTERNAL, message: format!("{found}; free the handle and make it again") }
+    }
 }
 
 impl From<SystemError> for CallFailure {
@@ -42,6 +55,36 @@ impl From<SystemError> for CallFailure {
 impl From<ArgumentError> for CallFailure {
     fn from(error: ArgumentError) -> Self {
         Self::input(error.to_string())
+    }
+}
+
+impl From<BackendError> for CallFailure {
+    fn from(error: BackendError) -> Self {
+        Self { status: NUMERICAL, message: error.to_string() }
+    }
+}
+
+impl From<ReadError> for CallFailure {
+    fn from(error: ReadError) -> Self {
+        Self { status: FILE, message: error.to_string() }
+    }
+}
+
+impl From<WriteError> for CallFailure {
+    fn from(error: WriteError) -> Self {
+        Self { status: FILE, message: error.to_string() }
+    }
+}
+
+impl From<CleanError> for CallFailure {
+    fn from(error: CleanError) -> Self {
+        let status = match error {
+            CleanError::Conflicting { .. } => CONFLICT,
+            CleanError::Doubtful { .. } | CleanError::Analysis(_) | CleanError::Reduction(_) => NUMERICAL,
+            CleanError::Unproven { .. } => INTERNAL,
+            _ => FILE,
+        };
+        Self { status, message: error.to_string() }
     }
 }
 
@@ -72,7 +115,7 @@ thread_local! {
 
 /// Runs the work of a call; a failure or panic becomes a status with a message.
 pub fn guard(work: impl FnOnce() -> Result<c_int, CallFailure>) -> c_int {
-    // Unwind safety: except for `qless_refresh`, no call changes an object that later calls can see before its work is done.
+    // Unwind safety: a call that changes the object of a handle holds its lock exclusively, and a panic poisons the lock.
     let failure = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(status)) => return status,
         Ok(Err(failure)) => failure,

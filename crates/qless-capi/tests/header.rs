@@ -70,6 +70,7 @@ fn in_c(kind: &syn::Type) -> String {
                 "i64" => "int64_t",
                 "c_int" => "int",
                 "c_char" => "char",
+                "c_void" => "void",
                 handle if handle.starts_with("qless_") => handle,
                 other => panic!("{other} has no name in C"),
             }
@@ -87,6 +88,27 @@ fn the_header_declares_every_function_as_it_is() {
         assert_eq!(declared.get(name), Some(declaration), "{name}");
     }
     assert_eq!(declared.len(), defined.len());
+}
+
+/// The structures of the source: a line for each field, as in the header.
+#[test]
+fn the_header_has_the_structures_of_the_source() {
+    let text = header();
+    let files =
+        ["findings", "repairs"].map(|name| std::fs::read_to_string(format!("{HERE}/src/{name}.rs")).expect("a file"));
+    let mut count = 0;
+    for item in files.iter().flat_map(|file| syn::parse_file(file).expect("Rust").items) {
+        let syn::Item::Struct(one) = item else { continue };
+        let field = |field: &syn::Field| {
+            let name = field.ident.as_ref().expect("a name").to_string();
+            format!("    {};\n", joined(&in_c(&field.ty), &name))
+        };
+        let fields: String = one.fields.iter().map(field).collect();
+        let declaration = format!("typedef struct {0} {{\n{fields}}} {0};\n", one.ident);
+        assert!(text.contains(&declaration), "the header lacks\n{declaration}");
+        count += 1;
+    }
+    assert_eq!(count, 2);
 }
 
 #[test]

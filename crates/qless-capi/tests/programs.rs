@@ -1,12 +1,13 @@
-//! C programs against the header and the shared library: the example, misuse, CalculiX's arrays, and the corpus to the last bit.
+//! C programs against the header and the shared library: the example, misuse, CalculiX, Eigen, PETSc, and the corpus to the last bit.
 
 mod support;
 
 use std::fmt::Write;
 
+use qless::elimination::{PrescribedDofs, View};
 use qless::{Analysis, ConstraintSystem, Elimination, Form, Kind, Options, analyse};
 use qless_io::read_case;
-use support::{build, compile, output, valgrind};
+use support::{build, compile, on_ranks, output, valgrind};
 
 #[test]
 fn the_example_prints_what_its_page_says() {
@@ -25,8 +26,8 @@ fn misuse_is_an_error_and_no_crash() {
 
 #[test]
 fn no_program_leaks_or_reads_what_is_not_its_own() {
-    valgrind(&compile("misuse", &["-pthread"]));
-    valgrind(&compile("calculix", &[]));
+    valgrind(&compile("misuse", &["-pthread"]), "");
+    valgrind(&compile("calculix", &[]), "");
 }
 
 #[test]
@@ -34,7 +35,7 @@ fn owners_of_cpp_free_what_they_make() {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/c/owners.cpp");
     let program = build("c++", &["-std=c++17"], source, &["-pedantic"]);
     assert_eq!(output(&program, ""), "owners: as expected\n");
-    valgrind(&program);
+    valgrind(&program, "");
 }
 
 #[test]
@@ -43,18 +44,83 @@ fn the_fortran_module_counts_from_one() {
     let objects = tempfile::tempdir().expect("a folder");
     let folder = format!("-J{}", objects.path().display());
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/c/module.f90");
-    let program = build("gfortran", &["-std=f2018"], source, &["-Wno-compare-reals", module, &folder]);
+    let program = build(
+        "gfortran",
+        &["-std=f2018"],
+        source,
+        &["-cpp", "-ffree-line-length-none", "-Wno-compare-reals", module, &folder],
+    );
     // No valgrind: gfortran does not free texts that functions return.
     assert_eq!(output(&program, ""), "module: as expected\n");
 }
 
-/// The third equation follows from the others, and 1:1 is the slave of two.
+/// A cube on four fixed nodes with these equations; 7:1 is prescribed.
+fn cube(equations: &str) -> String {
+    let corners = [(0, 0), (1, 0), (1, 1), (0, 1)];
+    let nodes = (0..8).map(|k| format!("{},{}.,{}.,{}.\n", k + 1, corners[k % 4].0, corners[k % 4].1, k / 4));
+    format!(
+        "*NODE, NSET=ALL\n{}*ELEMENT, TYPE=C3D8, ELSET=E\n1,1,2,3,4,5,6,7,8\n{equations}*MATERIAL, NAME=M\n*ELASTIC\n1000.,0.3\n\
+         *SOLID SECTION, ELSET=E, MATERIAL=M\n*STEP\n*STATIC\n*BOUNDARY\n1,1,3\n2,1,3\n3,1,3\n4,1,3\n7,1,1,0.01\n*CLOAD\n6,2,1.\n\
+         *NODE PRINT, NSET=ALL\nU\n*END STEP\n",
+        nodes.collect::<String>()
+    )
+}
+
+/// The displacements that ccx prints for a deck, by node; an error is its exit code.
+fn ccx(deck: &str) -> Result<Vec<[f64; 3]>, Option<i32>> {
+    let place = tempfile::tempdir().expect("a folder");
+    std::fs::write(place.path().join("deck.inp"), deck).expect("a file");
+    let mut command = std::process::Command::new("ccx");
+    command.args(["-i", "deck"]).current_dir(place.path()).env("OMP_NUM_THREADS", "1");
+    let output = command.output().expect("ccx, which scripts/install installs");
+    if !output.status.success() {
+        return Err(output.status.code());
+    }
+    let printed = std::fs::read_to_string(place.path().join("deck.dat")).expect("results");
+    let numbers = |line: &str| line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>().ok();
+    let of_node = |line: &str| numbers(line).and_then(|list| <[f64; 4]>::try_from(list).ok());
+    Ok(printed.lines().filter_map(of_node).map(|[_, x, y, z]| [x, y, z]).collect())
+}
+
+/// ccx refuses the equations as they are: two have one slave, and another slave is prescribed.
 #[test]
-fn arrays_of_calculix_become_independent_with_one_slave_each() {
+fn arrays_of_calculix_become_equations_that_ccx_accepts() {
     let text = output(&compile("calculix", &[]), "");
-    let first: Vec<&str> = text.lines().filter_map(|line| line.split(' ').nth(2)).collect();
-    assert_eq!(first.len(), 2, "{text}");
-    assert_ne!(first[0], first[1], "{text}");
+    let (before, after) = text.split_once("**\n").expect("two sets of equations");
+    assert_eq!((before.matches("*EQUATION").count(), after.matches("*EQUATION").count()), (4, 3));
+    assert_eq!(ccx(&cube(before)), Err(Some(201)));
+    let u = ccx(&cube(after)).unwrap_or_else(|code| panic!("ccx ends with {code:?}:\n{after}"));
+    assert_eq!(u.len(), 8);
+    // ccx prints seven digits.
+    assert!(u[4..].iter().all(|u| (u[0] - 0.01).abs() < 1e-8), "{u:?}");
+    assert!(u[5][1] > 1e-4, "the load moves node 6: {u:?}");
+}
+
+/// What `pkg-config` says; headers of the package are system headers, so that their own warnings are no errors.
+fn package(name: &str) -> Vec<String> {
+    let found =
+        std::process::Command::new("pkg-config").args(["--cflags", "--libs", name]).output().expect("pkg-config");
+    assert!(found.status.success(), "{name}: install what scripts/install names");
+    String::from_utf8_lossy(&found.stdout).split_whitespace().map(|flag| flag.replace("-I", "-isystem")).collect()
+}
+
+/// Each program compares with multipliers or checks equilibrium to 1e-10; PETSC prints the same on one and on four ranks.
+#[test]
+fn eigen_and_petsc_solve_the_same_condensed_matrix() {
+    let flags = package("eigen3");
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/c/eigen.cpp");
+    let eigen = output(&build("c++", &["-std=c++17"], source, &borrowed(&flags)), "");
+    assert!(eigen.contains(" masters, |u| = "), "{eigen}");
+    let flags = package("petsc");
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/c/petsc.c");
+    let program = build("mpicc", &["-std=c11"], source, &borrowed(&flags));
+    for ranks in [1, 4] {
+        assert_eq!(on_ranks(&program, ranks), eigen, "{ranks} ranks");
+    }
+}
+
+fn borrowed(flags: &[String]) -> Vec<&str> {
+    flags.iter().map(String::as_str).collect()
 }
 
 #[test]
@@ -122,7 +188,25 @@ fn results(system: &ConstraintSystem, base: usize) -> String {
     ] {
         text += &numbers(name, list);
     }
-    text
+    text + &condensed(&elimination, base)
+}
+
+/// K as the program makes it.
+fn condensed(elimination: &Elimination, base: usize) -> String {
+    let n = elimination.dofs();
+    let starts: Vec<usize> = (0..=n).map(|i| 2 * i).collect();
+    let index: Vec<u32> = (0..n as u32).flat_map(|i| [i, (i + 1).min(n as u32 - 1)]).collect();
+    let k: Vec<f64> = (0..n).flat_map(|i| [2.0 + i as f64, -1.0]).collect();
+    let f: Vec<f64> = (0..n).map(|i| i as f64).collect();
+    let pattern = elimination.condensed(View::rows(&starts, &index), PrescribedDofs::Eliminated).expect("a pattern");
+    let (mut k_q, mut f_q) = (vec![0.0; pattern.nnz()], vec![0.0; pattern.unknowns()]);
+    pattern.condense_into(elimination, &k, &f, &mut k_q, &mut f_q).expect("finite");
+    let wide = |list: &[u32]| list.iter().map(|&k| k as usize).collect::<Vec<_>>();
+    integers("lines", wide(pattern.starts()).into_iter(), base)
+        + &integers("index", wide(pattern.index()).into_iter(), base)
+        + &integers("unknowns", pattern.dofs().iter().copied(), base)
+        + &numbers("K_q", &k_q)
+        + &numbers("f_q", &f_q)
 }
 
 fn diagnosis(analysis: &Analysis, base: usize) -> String {

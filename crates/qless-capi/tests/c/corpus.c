@@ -12,6 +12,8 @@ typedef int64_t integer;
 #define T qless_t_64
 #define G qless_g_matrix_64
 #define EXPLANATION qless_explanation_64
+#define CONDENSED qless_condensed_64
+#define ARRAYS qless_pattern_arrays_64
 #define FORMAT SCNd64
 #else
 typedef int32_t integer;
@@ -20,6 +22,8 @@ typedef int32_t integer;
 #define T qless_t
 #define G qless_g_matrix
 #define EXPLANATION qless_explanation
+#define CONDENSED qless_condensed
+#define ARRAYS qless_pattern_arrays
 #define FORMAT SCNd32
 #endif
 
@@ -107,6 +111,32 @@ static void print_elimination(const qless_elimination *e, int64_t equations, int
     free(s), free(q), free(starts), free(columns), free(values), free(u), free(x), free(lambda);
 }
 
+/* K has 2 + i on its diagonal and -1 above it, and f_i = i. */
+static void print_condensed(const qless_elimination *e, int64_t n, int base)
+{
+    int64_t nq, entries;
+    integer *starts = integers(n + 1), *index = integers(2 * n);
+    double *k = numbers(2 * n), *f = numbers(n);
+    for (int64_t i = 0; i < n; i++) {
+        starts[i] = (integer)(2 * i + base);
+        index[2 * i] = (integer)(i + base), k[2 * i] = 2.0 + (double)i;
+        index[2 * i + 1] = (integer)(i + 1 < n ? i + 1 + base : i + base), k[2 * i + 1] = -1;
+        f[i] = (double)i;
+    }
+    starts[n] = (integer)(2 * n + base);
+    qless_pattern *pattern = NULL;
+    need(CONDENSED(e, n, QLESS_ROWS, QLESS_FULL, QLESS_ELIMINATED, starts, index, &pattern));
+    need(qless_pattern_sizes(pattern, &nq, &entries));
+    integer *of_q = integers(nq + 1), *columns = integers(entries), *dofs = integers(nq);
+    double *k_q = numbers(entries), *f_q = numbers(nq);
+    need(ARRAYS(pattern, of_q, columns, dofs));
+    need(qless_condense(pattern, k, 2 * n, f, n, k_q, entries, f_q, nq));
+    print_integers("lines", of_q, nq + 1), print_integers("index", columns, entries), print_integers("unknowns", dofs, nq);
+    print_numbers("K_q", k_q, entries), print_numbers("f_q", f_q, nq);
+    need(qless_pattern_free(pattern));
+    free(starts), free(index), free(k), free(f), free(of_q), free(columns), free(dofs), free(k_q), free(f_q);
+}
+
 int main(void)
 {
     int64_t m, n, nnz, count;
@@ -138,7 +168,7 @@ int main(void)
         }
         qless_elimination *elimination = NULL;
         if (qless_eliminate(analysis, &elimination) == QLESS_OK)
-            print_elimination(elimination, m, n);
+            print_elimination(elimination, m, n), print_condensed(elimination, n, base);
         need(qless_elimination_free(elimination)), need(qless_analysis_free(analysis));
         free(starts), free(columns), free(values), free(rhs), free(dofs), free(given), free(kinds);
     }

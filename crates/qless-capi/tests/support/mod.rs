@@ -20,6 +20,9 @@ pub fn libraries() -> PathBuf {
     folder
 }
 
+/// A deck with three equations, of which the third follows from the others.
+pub const DECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/corpus/decks/two_ties.inp");
+
 /// Compiles `tests/c/<name>.c` with warnings as errors.
 pub fn compile(name: &str, flags: &[&str]) -> Program {
     build("cc", &["-std=c11"], &format!("{HERE}/tests/c/{name}.c"), flags)
@@ -31,8 +34,11 @@ pub fn build(compiler: &str, standard: &[&str], source: &str, flags: &[&str]) ->
     let path = folder.path().join("program");
     let libraries = libraries();
     let mut command = Command::new(compiler);
-    command.args(standard).args(["-Wall", "-Wextra", "-Werror", "-g", "-O1", "-D_POSIX_C_SOURCE=200809L"]).args(flags);
+    command.args(standard).args(["-Wall", "-Wextra", "-Werror", "-g", "-O1", "-D_POSIX_C_SOURCE=200809L"]);
+    command.arg(format!("-DDECK=\"{DECK}\"")).args(flags);
     command.arg(format!("-I{HERE}/include")).arg(source).arg("-o").arg(&path);
+    // The linker takes from a library what the files before it need.
+    command.args(flags.iter().filter(|flag| flag.starts_with("-l")));
     // The file by its name here; programs look for it by its number.
     let number = folder.path().join("libqless.so.0");
     std::os::unix::fs::symlink(libraries.join("libqless_capi.so"), number).expect("a link");
@@ -47,14 +53,24 @@ pub fn output(program: &Program, input: &str) -> String {
     run(Command::new(&program.path), &program.path, input)
 }
 
+/// Runs a program on MPI ranks, also as root and on fewer cores, as in containers.
+#[allow(dead_code, reason = "not every test has ranks")]
+pub fn on_ranks(program: &Program, ranks: usize) -> String {
+    let mut command = Command::new("mpirun");
+    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command.env("OMPI_MCA_rmaps_base_oversubscribe", "1").env("OMPI_MCA_btl_vader_single_copy_mechanism", "none");
+    command.env("OPENBLAS_NUM_THREADS", "1").args(["-n", &ranks.to_string()]).arg(&program.path);
+    run(command, &program.path, "")
+}
+
 /// Runs a program under valgrind, which fails on leaks and on invalid access.
-pub fn valgrind(program: &Program) {
+pub fn valgrind(program: &Program, input: &str) {
     let mut command = Command::new("valgrind");
     command.args(["--quiet", "--leak-check=full", "--show-leak-kinds=definite", "--errors-for-leak-kinds=definite"]);
     command.args(["--error-exitcode=9", "--track-origins=no"]).arg(&program.path);
     // A library that was built with every feature loads OpenBLAS, whose threads valgrind would report.
     command.env("OPENBLAS_NUM_THREADS", "1");
-    run(command, &program.path, "");
+    run(command, &program.path, input);
 }
 
 fn run(mut command: Command, path: &Path, input: &str) -> String {

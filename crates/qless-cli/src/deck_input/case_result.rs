@@ -1,5 +1,7 @@
 //! The analysis of one load case.
 
+use std::borrow::Borrow;
+
 use qless::report::{Counts, DependentEquation};
 use qless::{Analysis, ConstraintSystem, Kind, Options, Report, Status};
 use qless_io::deck::{Deck, LoadCase};
@@ -28,6 +30,12 @@ pub struct CaseResult {
     pub claims: Claims,
     /// The times for which the result holds; `None` if it holds at all times.
     pub when: Option<String>,
+}
+
+impl Borrow<Analysis> for CaseAnalysis {
+    fn borrow(&self) -> &Analysis {
+        &self.analysis
+    }
 }
 
 impl CaseResult {
@@ -68,25 +76,15 @@ impl CaseResult {
     }
 }
 
-/// Analyses a load case at its end. If some equations are redundant and the prescribed values have several time histories, also
-/// analyses the values of each history alone, and returns the first analysis with a conflict.
+/// The analysis of a load case that holds at all times, or of the first time history whose values conflict.
 pub fn analyse_case(deck: &Deck, case: &LoadCase, analyse: AnalyseCase) -> Result<CaseAnalysis, CliFailure> {
     let model = deck.model();
-    let refused = |error| CliFailure::from_deck(deck, &error);
-    let system = model.system(case).map_err(refused)?;
-    let analysis = analyse(&system, (deck, case))?;
-    let histories = model.histories_of(case);
-    // Independent equations are consistent with every right-hand side.
-    if histories.len() > 1 && !analysis.dependent().is_empty() && count_kinds(&analysis).0 == 0 {
-        for history in histories {
-            let system = model.system_of_history(case, history).map_err(refused)?;
-            let analysis = analyse(&system, (deck, case))?;
-            if count_kinds(&analysis).0 > 0 {
-                return Ok(CaseAnalysis { system, analysis, history: Some(history) });
-            }
-        }
-    }
-    Ok(CaseAnalysis { system, analysis, history: None })
+    let analysed = |history| {
+        let system = model.system_at(case, history).map_err(|error| CliFailure::from_deck(deck, &error))?;
+        let analysis = analyse(&system, (deck, case))?;
+        Ok(CaseAnalysis { system, analysis, history })
+    };
+    Ok(model.at_all_times(case, analysed)?.1)
 }
 
 fn describe_times(deck: &Deck, history: u32) -> String {

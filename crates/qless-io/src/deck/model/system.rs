@@ -5,7 +5,9 @@
 //! of consistent right-hand sides is consistent. One test at the end does not suffice: values may cancel at one time
 //! and conflict at all others.
 
-use qless::{ConstraintSystem, SystemBuilder, SystemError};
+use std::borrow::Borrow;
+
+use qless::{Analysis, ConstraintSystem, Kind, SystemBuilder, SystemError};
 
 use super::{Dof, LoadCase, Model, Prescribed};
 
@@ -37,6 +39,40 @@ impl Model {
     pub fn system_of_history(&self, case: &LoadCase, history: u32) -> Result<ConstraintSystem, SystemError> {
         let has_rhs = self.histories_of(case).first().is_none_or(|&first| first == history);
         self.system_with(case, has_rhs, |given| if given.history == history { given.value } else { 0.0 })
+    }
+
+    /// [`Model::system_of_history`] for a time history, [`Model::system`] for `None`.
+    ///
+    /// # Errors
+    /// As [`Model::system`].
+    pub fn system_at(&self, case: &LoadCase, history: Option<u32>) -> Result<ConstraintSystem, SystemError> {
+        history.map_or_else(|| self.system(case), |history| self.system_of_history(case, history))
+    }
+
+    /// Analyses a load case at its end. If equations are redundant there and prescribed values have several time histories, also analyses
+    /// the values of each history alone. Returns the first history whose values conflict although all values at the end do not, and its
+    /// analysis; else `None` and the analysis at the end. `analyse` gets the argument of [`Model::system_at`].
+    ///
+    /// # Errors
+    /// Those of `analyse`.
+    pub fn at_all_times<T: Borrow<Analysis>, E>(
+        &self,
+        case: &LoadCase,
+        mut analyse: impl FnMut(Option<u32>) -> Result<T, E>,
+    ) -> Result<(Option<u32>, T), E> {
+        let conflicts = |analysis: &Analysis| analysis.dependent().iter().any(|found| found.kind == Kind::Conflicting);
+        let at_end = analyse(None)?;
+        let (histories, found) = (self.histories_of(case), at_end.borrow());
+        // Independent equations are consistent with every right-hand side.
+        if histories.len() > 1 && !found.dependent().is_empty() && !conflicts(found) {
+            for history in histories {
+                let alone = analyse(Some(history))?;
+                if conflicts(alone.borrow()) {
+                    return Ok((Some(history), alone));
+                }
+            }
+        }
+        Ok((None, at_end))
     }
 
     fn system_with(
@@ -88,7 +124,7 @@ impl Model {
 mod tests {
     use std::path::PathBuf;
 
-    use qless::{Kind, Options, analyse};
+    use qless::{Options, analyse};
 
     use super::*;
     use crate::deck::Origin;
@@ -117,6 +153,9 @@ mod tests {
         for history in [0, 1] {
             assert_eq!(kind(&model.system_of_history(&case, history).expect("a system")), Kind::Conflicting);
         }
+        let analysed = |history| analyse(&model.system_at(&case, history).expect("a system"), &Options::default());
+        let (history, found) = model.at_all_times(&case, analysed).expect("an analysis");
+        assert_eq!((history, found.kinds()[0]), (Some(0), Kind::Conflicting));
     }
 
     #[test]
@@ -126,6 +165,8 @@ mod tests {
             let [history] = model.histories_of(&case)[..] else { panic!("one history") };
             let whole = model.system(&case).expect("a system");
             assert_eq!(model.system_of_history(&case, history).expect("a system"), whole);
+            let analysed = |history| analyse(&model.system_at(&case, history).expect("a system"), &Options::default());
+            assert_eq!(model.at_all_times(&case, analysed).expect("an analysis").0, None);
         }
         let (model, case) = two_ends([(0.0, 0), (0.0, 1)]);
         assert!(model.histories_of(&case).is_empty());
