@@ -16,7 +16,7 @@ use crate::{clean, exit_code};
 /// Prints the report; exit code 0, 1 or 4. An input that cannot be read ends the run only if it is the only one.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     check_options(args)?;
-    let joined = Joined::new(args.model.format, args.more.len() + 1);
+    let joined = Joined::new(args.report.format, args.more.len() + 1);
     let (mut pieces, mut codes) = (Vec::new(), Vec::new());
     for input in args.inputs() {
         let model = ModelArgs { input: input.clone(), ..args.model.clone() };
@@ -51,11 +51,11 @@ fn check_options(args: &CheckArgs) -> Result<(), CliFailure> {
         }
         drop(OneFile::at(file, args.files())?);
     }
-    let ModelArgs { rhs, prescribed, format, .. } = &args.model;
+    let ModelArgs { rhs, prescribed, .. } = &args.model;
     if args.is_several() && (rhs.is_some() || prescribed.is_some()) {
         return refused("--rhs and --prescribed belong to one input: check the others in runs of their own");
     }
-    if args.is_several() && matches!(format, ReportFormat::Html | ReportFormat::Vtu) {
+    if args.is_several() && matches!(args.report.format, ReportFormat::Html | ReportFormat::Vtu) {
         return refused("a page or a file of nodes shows one input: check the others in runs of their own");
     }
     if args.inputs().filter(|input| input.as_os_str() == "-").count() > 1 {
@@ -67,7 +67,12 @@ fn check_options(args: &CheckArgs) -> Result<(), CliFailure> {
 /// The report of one input, and its exit code.
 fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8), CliFailure> {
     let progress = Progress::new(model.quiet);
-    let question = Question { options: model.options(), preferences: model.preferences(), choice: args.choice() };
+    let question = Question {
+        report: &args.report,
+        options: model.options(),
+        preferences: args.keep.preferences(),
+        choice: args.choice(),
+    };
     let mut diagnosis = diagnose(model, question, &progress)?;
     diagnosis.is_one_of_several = args.is_several();
     diagnosis.add_near_dependence();
@@ -75,8 +80,12 @@ fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8), CliFailu
         // Includes of a deck are inputs too.
         drop(OneFile::at(file, diagnosis.inputs())?);
     }
-    // The plan takes time, and only the text report shows it.
-    let obstacle = if model.format == ReportFormat::Text { clean::obstacle(&diagnosis) } else { None };
+    // The plan takes time, and only reports for people show it.
+    let obstacle = if matches!(args.report.format, ReportFormat::Text | ReportFormat::Html) {
+        clean::obstacle(&diagnosis)
+    } else {
+        None
+    };
     let outcome = CommandOutcome::Checked(obstacle.as_deref());
     progress.stage("explaining");
     let bytes = diagnosis.render(None, &outcome)?;

@@ -4,18 +4,20 @@
 //! equation that follows from the other set holds at all of them to rounding; any other equation fails at a random one with probability 1.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::process::ExitCode;
 
 use qless::common::SplitMix64;
 use qless::{ConstraintSystem, Elimination, Form, analyse};
+use serde::Serialize;
+use serde_json::json;
 
-use crate::args::{DiffArgs, ModelArgs};
+use crate::args::{AnswerFormat, DiffArgs, ModelArgs, ReportArgs};
 use crate::deck_input::LoadCaseChoice;
 use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::exit_code;
 use crate::failure::CliFailure;
 use crate::preferences::PreferenceLists;
+use crate::report::json;
 use crate::terminal::{self, Progress};
 use crate::wording::printable;
 use crate::wording::{count, equation, label, number};
@@ -34,7 +36,9 @@ const SHOWN: usize = 20;
 pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     let progress = Progress::new(args.model.quiet);
     let other = ModelArgs { input: args.other.clone(), rhs: None, prescribed: None, ..args.model.clone() };
+    let report = ReportArgs::default();
     let question = || Question {
+        report: &report,
         options: args.model.options(),
         preferences: PreferenceLists::default(),
         choice: LoadCaseChoice::new(args.case.as_deref(), LoadCaseChoice::Any),
@@ -42,25 +46,59 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     let first = diagnose(&args.model, question(), &progress)?;
     let second = diagnose(&other, question(), &progress)?;
     progress.stage("comparing");
-    let lines = match (solvable(&first)?, solvable(&second)?) {
-        (Some(a), Some(b)) => {
-            let mut lines = beyond(&first, &b);
-            lines.extend(beyond(&second, &a));
-            lines
-        }
-        (a, b) => [(a.is_none(), &first), (b.is_none(), &second)]
-            .into_iter()
-            .filter(|(conflicts, _)| *conflicts)
-            .map(|(_, diagnosis)| {
-                format!("{} has conflicting equations: see `qless check`.", name(&diagnosis.args.input))
-            })
-            .collect(),
+    let (a, b) = (solvable(&first)?, solvable(&second)?);
+    let is_solvable = a.is_some() && b.is_some();
+    let set = |of: &Diagnosis, own: &Option<Solutions>, other: &Option<Solutions>| DiffSet {
+        file: of.args.input.to_string_lossy().into_owned(),
+        conflicting: own.is_none(),
+        not_implied: other.as_ref().filter(|_| is_solvable).map_or_else(Vec::new, |other| beyond(of, other)),
     };
+    let sets = [set(&first, &a, &b), set(&second, &b, &a)];
     drop(progress);
-    let same = lines.is_empty();
-    let text = if same { "Both sets have the same solutions.\n".to_owned() } else { lines.join("\n") + "\n" };
-    terminal::write(|out| out.write_all(text.as_bytes()))?;
+    let same = is_solvable && sets.iter().all(|set| set.not_implied.is_empty());
+    match args.format {
+        AnswerFormat::Json => {
+            let answer = json!({"schema": "qless.diff/1", "same": same, "sets": sets});
+            terminal::show_json(|out| json::lines(out, &answer))?;
+        }
+        AnswerFormat::Text if same => {
+            terminal::write(|out| writeln!(out, "Both sets have the same solutions."))?;
+        }
+        AnswerFormat::Text => {
+            let lines = sets.iter().flat_map(DiffSet::lines).map(|line| line + "\n");
+            terminal::write(|out| out.write_all(lines.collect::<String>().as_bytes()))?;
+        }
+    }
     Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(exit_code::REFUSED) })
+}
+
+/// One of the two sets.
+#[derive(Serialize)]
+struct DiffSet {
+    file: String,
+    /// Whether its equations conflict; then nothing is compared.
+    conflicting: bool,
+    /// The equations and prescribed values that do not follow from the other set.
+    not_implied: Vec<String>,
+}
+
+impl DiffSet {
+    /// A heading and the first equations, if there is something to say.
+    fn lines(&self) -> Vec<String> {
+        let name = printable::line(&self.file);
+        if self.conflicting {
+            return vec![format!("{name} has conflicting equations: see `qless check`.")];
+        }
+        if self.not_implied.is_empty() {
+            return Vec::new();
+        }
+        let mut lines =
+            vec![format!("{name} asks for {} that the other does not:", count(self.not_implied.len(), "thing"))];
+        lines.extend(self.not_implied.iter().take(SHOWN).map(|item| format!("  {item}")));
+        let more = self.not_implied.len().saturating_sub(SHOWN);
+        lines.extend((more > 0).then(|| format!("  and {more} more (all of them: --format json)")));
+        lines
+    }
 }
 
 /// Sample solutions of one set of equations.
@@ -93,7 +131,7 @@ fn solvable(diagnosis: &Diagnosis) -> Result<Option<Solutions>, CliFailure> {
     Ok(Some(Solutions { columns, samples }))
 }
 
-/// Lists the equations and prescribed values of a set that the solutions of the other set do not satisfy, below a heading.
+/// Lists the equations and prescribed values of a set that the solutions of the other set do not satisfy.
 fn beyond(of: &Diagnosis, solutions: &Solutions) -> Vec<String> {
     let system = &of.system;
     let mut found: Vec<String> = (0..system.equations())
@@ -106,17 +144,7 @@ fn beyond(of: &Diagnosis, solutions: &Solutions) -> Vec<String> {
             found.push(format!("{} = {}{place}", label(&system.dof_label(dof)), number(value)));
         }
     }
-    if found.is_empty() {
-        return Vec::new();
-    }
-    let mut lines =
-        vec![format!("{} asks for {} that the other does not:", name(&of.args.input), count(found.len(), "thing"))];
-    let more = found.len().saturating_sub(SHOWN);
-    lines.extend(found.into_iter().take(SHOWN).map(|item| format!("  {item}")));
-    if more > 0 {
-        lines.push(format!("  and {more} more"));
-    }
-    lines
+    found
 }
 
 /// Whether an equation holds at all samples. A DOF that the other set does not have is free there.
@@ -140,8 +168,4 @@ fn holds(
         }
         left.abs() <= HOLDS * size + ROUNDING * rounding
     })
-}
-
-fn name(path: &Path) -> String {
-    printable::line(&path.display().to_string())
 }

@@ -18,6 +18,13 @@ pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(),
     show(printable::text(&String::from_utf8_lossy(&text)).as_bytes())
 }
 
+/// Calls `write` with a buffer, and writes its JSON to standard output with unprintable characters escaped.
+pub fn show_json(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
+    let mut json = Vec::new();
+    write(&mut json).map_err(|error| CliFailure::from_stdout(&error))?;
+    show(&printable::report(json, true))
+}
+
 /// Writes a report to standard output. Its characters must be printable.
 pub fn show(report: &[u8]) -> Result<(), CliFailure> {
     stream(|out| out.write_all(report))
