@@ -73,7 +73,7 @@ fn a_browser_shows_the_page() {
     for part in [
         "1 of 2 equations is redundant; the other one is independent.",
         ">line 11 *EQUATION 3:1</td>",
-        "-2 \u{b7} line 9 *EQUATION 2:1",
+        "-2&nbsp;\u{b7}&nbsp;line 9 *EQUATION 2:1",
         "1 of 1</span>",
         "<section id=\"space\">",
     ] {

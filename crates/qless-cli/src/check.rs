@@ -7,6 +7,7 @@ use qless_io::case_files;
 use qless_io::write::{Inputs, OneFile};
 
 use crate::args::{CheckArgs, ModelArgs, ReportFormat};
+use crate::deck_input::DeckInput;
 use crate::diagnose::{Question, diagnose};
 use crate::failure::{CliFailure, say};
 use crate::report::{CommandOutcome, Joined};
@@ -80,12 +81,13 @@ fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8), CliFailu
         // Includes of a deck are inputs too.
         drop(OneFile::at(file, diagnosis.inputs())?);
     }
-    // The plan takes time, and only reports for people show it.
-    let obstacle = if matches!(args.report.format, ReportFormat::Text | ReportFormat::Html) {
-        clean::obstacle(&diagnosis)
-    } else {
-        None
+    // The plan takes time, and only reports for people show it. A page has all redundant equations, so that it may be large.
+    let is_planned = match args.report.format {
+        ReportFormat::Text => true,
+        ReportFormat::Html => diagnosis.deck.as_ref().is_some_and(DeckInput::needs_cleaning),
+        _ => false,
     };
+    let obstacle = if is_planned { clean::obstacle(&diagnosis) } else { None };
     let outcome = CommandOutcome::Checked(obstacle.as_deref());
     progress.stage("explaining");
     let bytes = diagnosis.render(None, &outcome)?;

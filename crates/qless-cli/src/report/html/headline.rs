@@ -20,7 +20,7 @@ pub struct Headline {
 enum Colour {
     /// Nothing was found.
     Good,
-    /// The solver's result is right, or whether it is right is not known.
+    /// Redundant equations, claims that are dropped without effect, an ambiguous rank, or constraints that were left out.
     Doubtful,
     /// Equations conflict, or the solver stops or solves another problem.
     Bad,

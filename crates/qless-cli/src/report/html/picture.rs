@@ -78,9 +78,11 @@ fn parts(system: &ConstraintSystem) -> Vec<(usize, usize)> {
 
 type Nodes = (Vec<(u32, f64, f64, f64)>, Vec<(usize, Vec<u32>)>);
 
-/// Nodes of dependent equations and of their explanations, and some of the others.
+/// Nodes of dependent equations and of their explanations, and some of the others; none if no equation is dependent.
 fn nodes(diagnosis: &Diagnosis, report: &Report) -> Nodes {
-    let Some(deck) = &diagnosis.deck else { return (Vec::new(), Vec::new()) };
+    let Some(deck) = diagnosis.deck.as_ref().filter(|_| !report.dependent.is_empty()) else {
+        return (Vec::new(), Vec::new());
+    };
     let node = |j: usize| deck.deck.model().dofs().get(j).map(|dof| dof.node);
     let of_row =
         |row: usize| -> BTreeSet<u32> { diagnosis.system.matrix().row(row).filter_map(|(j, _)| node(j)).collect() };
