@@ -25,6 +25,7 @@ mod cli {
     pub mod memory;
     #[cfg(unix)]
     pub mod outputs;
+    pub mod page;
     pub mod preferences;
     pub mod report;
     pub mod several;

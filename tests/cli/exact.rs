@@ -177,12 +177,6 @@ fn the_page_for_a_browser_has_it_too() {
     let place = Place::new();
     typed(&place, "third", &["0.333333 1 0", "1 3 0"], "");
     let run = place.run("check third --effort exact --format html");
-    assert_says(
-        &run,
-        &[
-            "\"exact\":[\"Exact arithmetic on the numbers as typed: rank 2 of 2",
-            "list(\"Exact arithmetic\", data.exact)",
-        ],
-    );
-    assert_says(&place.run("check third --format html"), &["\"exact\":[]"]);
+    assert_says(&run, &["\"Exact arithmetic on the numbers as typed: rank 2 of 2"]);
+    assert!(!place.run("check third --format html").out.contains("Exact arithmetic"));
 }

@@ -86,6 +86,72 @@ fn explain_finds_lines_and_nodes_of_decks() {
 }
 
 #[test]
+fn explain_lists_the_repairs_of_a_conflict() {
+    let place = Place::new();
+    chain(&place);
+    let report = place.run("check -q chain.inp --format json").json();
+    let row = report["dependent"][0]["row"].as_u64().expect("a row");
+    let text = place.run_words(&["explain", "-q", "chain.inp", &format!("row {row}")]).out;
+    for part in ["Each of these 5 ways cures it:\n", "\n  change 4:1 in line 18 *BOUNDARY from 0.25 to 0\n"] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    assert_eq!(text.matches("\n  change ").count(), 5, "{text}");
+    let json = place.run_words(&["explain", "-q", "chain.inp", &format!("row {row}"), "--format", "json"]).out;
+    let answers: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let answer = &answers["answers"][0];
+    assert_eq!((&answer["verdict"], &answer["row"]), (&json!("conflicting"), &json!(row)));
+    assert_eq!((&answer["because"], &answer["repairs"]), (&report["dependent"][0]["because"], &report["repairs"]));
+}
+
+#[test]
+fn explain_says_what_the_solver_does() {
+    let place = Place::new();
+    let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n4,0.,0.,1.\n*NSET,NSET=A\n2\n";
+    let body = |node: u32| format!("*RIGID BODY,NSET=A,REF NODE={node},ROT NODE=1\n");
+    place.file("bodies.inp", format!("{nodes}{}{}", body(3), body(4)));
+    place.file("claim.inp", format!("{nodes}*EQUATION\n2\n2,1,1.,1,1,-1.\n*BOUNDARY\n2,1,1\n"));
+    for (deck, what, part, count) in [
+        (
+            "bodies.inp",
+            "line 9",
+            "ccx drops this equation of line 9 *RIGID BODY in every step, although what it keeps does not imply it.",
+            3,
+        ),
+        ("bodies.inp", "2:3", "2:3 is the slave of line 8 *RIGID BODY, and of line 9 *RIGID BODY: ccx drops", 1),
+        ("bodies.inp", "3:1", "ccx", 0),
+        (
+            "claim.inp",
+            "2:1",
+            "2:1 is the slave of line 10 *EQUATION, and prescribed in line 12 *BOUNDARY: ccx stops.",
+            1,
+        ),
+        ("claim.inp", "line 10", "prescribed in line 12 *BOUNDARY: ccx stops.", 1),
+    ] {
+        let run = place.run_words(&["explain", "-q", deck, what]);
+        assert_eq!((run.code, run.out.matches(part).count()), (0, count), "{deck} {what}: {} {}", run.out, run.err);
+    }
+}
+
+#[test]
+fn only_options_with_an_effect_are_offered() {
+    let place = Place::new();
+    circle(&place, "a", 0.5);
+    circle(&place, "b", 0.25);
+    for options in ["--format sarif", "--format html", "--deny redundant", "--allow-incomplete"] {
+        for command in ["explain a row-1", "diff a b"] {
+            let run = place.run(&format!("{command} {options}"));
+            assert_eq!((run.code, run.out.as_str()), (2, ""), "{command} {options}");
+        }
+    }
+    assert_eq!(place.run("diff a b --keep 1").code, 2);
+    let run = place.run("diff -q a b --format json");
+    let answer: serde_json::Value = serde_json::from_str(&run.out).expect("JSON");
+    let set = |file: &str, value: &str| json!({"file": file, "conflicting": false, "not_implied": [format!("DOF 1 = {value}")]});
+    assert_eq!((run.code, &answer["same"]), (1, &json!(false)));
+    assert_eq!(answer["sets"], json!([set("a", "0.5"), set("b", "0.25")]));
+}
+
+#[test]
 fn diff_names_what_tells_two_sets_apart() {
     let place = Place::new();
     circle(&place, "a", 0.5);

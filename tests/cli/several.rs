@@ -82,6 +82,30 @@ fn sarif_has_the_lines_of_findings_and_of_their_causes() {
 }
 
 #[test]
+fn claims_have_both_of_their_cards_and_conflicts_their_cure() {
+    let place = place();
+    // 1:1 is the slave of an equation, and prescribed in an included file.
+    place.file("claim.inp", format!("{GOOD}*INCLUDE,INPUT=bc.inc\n*STEP\n*STATIC\n*END STEP\n"));
+    place.file("bc.inc", "** supports\n*BOUNDARY\n1,1,1\n");
+    let document: Value =
+        serde_json::from_str(&place.run("check -q claim.inp bad.inp --format sarif").out).expect("JSON");
+    let results = |run: usize| document["runs"][run]["results"].as_array().expect("results").clone();
+    let refused = results(0).into_iter().find(|result| result["ruleId"] == "refused").expect("found");
+    let place_of = |location: &Value| {
+        let physical = &location["physicalLocation"];
+        (physical["artifactLocation"]["uri"].clone(), physical["region"]["startLine"].clone())
+    };
+    assert_eq!(place_of(&refused["locations"][0]), ("claim.inp".into(), 5.into()));
+    assert_eq!(refused["relatedLocations"].as_array().map(Vec::len), Some(1), "{refused}");
+    assert_eq!(place_of(&refused["relatedLocations"][0]), ("bc.inc".into(), 2.into()));
+    let cure = "; cure: change 2:1 in line 10 *BOUNDARY from 0.5 to 0 (2 other ways cure too)";
+    let message = results(1)[0]["message"]["text"].clone();
+    assert!(message.as_str().is_some_and(|text| text.ends_with(cure)), "{message}");
+    let junit = place.run("check -q bad.inp --format junit").out;
+    assert!(junit.contains(&format!("{cure}</failure>")), "{junit}");
+}
+
+#[test]
 fn junit_fails_what_the_exit_code_fails_and_escapes_names() {
     let place = place();
     place.file("a & <b>.inp", BAD);

@@ -84,6 +84,10 @@ impl Command {
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
+    #[command(flatten)]
+    pub keep: KeepArgs,
+    #[command(flatten)]
+    pub report: ReportArgs,
     /// More inputs, checked with the same options; the exit code is that of the worst, and json is a list
     pub more: Vec<PathBuf>,
     /// Load case of a deck: its name (`step 2`), the number in the name, or `all`, which reports the worst one [default: all]
@@ -115,6 +119,10 @@ a search found. Files block<k>_* of an earlier run are removed.";
 pub struct ReduceArgs {
     #[command(flatten)]
     pub model: ModelArgs,
+    #[command(flatten)]
+    pub keep: KeepArgs,
+    #[command(flatten)]
+    pub report: ReportArgs,
     /// Folder for T.mtx, G.mtx, g.txt, slaves.txt, masters.txt, prescribed.txt (columns of G) and, if the DOFs have names,
     /// cols.txt; indices count from 1
     #[arg(short, long, value_name = "DIR")]
@@ -141,6 +149,10 @@ pub struct ReduceArgs {
 pub struct CleanArgs {
     #[command(flatten)]
     pub model: ModelArgs,
+    #[command(flatten)]
+    pub keep: KeepArgs,
+    #[command(flatten)]
+    pub report: ReportArgs,
     /// Deck to write, in the format of the input; it may be the input itself
     #[arg(short, long, value_name = "DECK")]
     pub output: PathBuf,
@@ -150,6 +162,11 @@ pub struct CleanArgs {
 pub struct ExplainArgs {
     #[command(flatten)]
     pub model: ModelArgs,
+    #[command(flatten)]
+    pub keep: KeepArgs,
+    /// Format of the answer
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: AnswerFormat,
     /// What to explain: `row 17`, `column 3`, a label; in a deck also `5:3` (node:component) or `line 41`
     #[arg(value_name = "WHAT")]
     pub what: String,
@@ -162,6 +179,9 @@ pub struct ExplainArgs {
 pub struct DiffArgs {
     #[command(flatten)]
     pub model: ModelArgs,
+    /// Format of the answer
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: AnswerFormat,
     /// The set to compare with: a deck, a matrix or a folder
     #[arg(value_name = "OTHER")]
     pub other: PathBuf,
@@ -172,7 +192,6 @@ pub struct DiffArgs {
 
 /// The model, and options of its analysis.
 #[derive(Args, Clone)]
-#[expect(clippy::struct_excessive_bools, reason = "the options are independent of each other")]
 pub struct ModelArgs {
     /// Deck (CalculiX, Abaqus, Nastran or ANSYS; its first cards decide), matrix C (.mtx), or folder with C.mtx and, if needed, b.txt,
     /// prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is standard input
@@ -212,14 +231,27 @@ pub struct ModelArgs {
     /// Skip presolve: the backend factors all equations
     #[arg(long, help_heading = FOR_COMPARISON)]
     pub no_presolve: bool,
-    /// Equations to keep if others can be called dependent instead, such as 3,7,10-20 (rows, from 1). For a deck also line 41, 5:3
-    /// (equations that begin with this DOF), and names of node sets; for a folder also labels of rows.txt
-    #[arg(long, value_name = "LIST", value_parser = words)]
-    pub keep: Option<WordList>,
     /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct or ansys [default: ccx, nastran or ansys, by the
     /// format of the deck]
     #[arg(long, value_name = "NAME")]
     pub solver: Option<Solver>,
+    /// No progress display
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Equations to keep.
+#[derive(Args)]
+pub struct KeepArgs {
+    /// Equations to keep if others can be called dependent instead, such as 3,7,10-20 (rows, from 1). For a deck also line 41, 5:3
+    /// (equations that begin with this DOF), and names of node sets; for a folder also labels of rows.txt
+    #[arg(long, value_name = "LIST", value_parser = words)]
+    pub keep: Option<WordList>,
+}
+
+/// The report, and what its findings do to the exit code.
+#[derive(Args, Default)]
+pub struct ReportArgs {
     /// Take the exit code from the equations that were read, even if other constraints were left out; reduce then writes its files
     #[arg(long)]
     pub allow_incomplete: bool,
@@ -229,14 +261,21 @@ pub struct ModelArgs {
     /// Also exit with 1 if one of these is found, such as redundant,ambiguous; reduce and clean then write nothing
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     pub deny: Vec<Deny>,
-    /// No progress display
-    #[arg(long, short)]
-    pub quiet: bool,
 }
 
+/// Format of an answer of `explain` and `diff`.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AnswerFormat {
+    /// For people
+    Text,
+    /// Everything, as JSON
+    Json,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub enum ReportFormat {
     /// For people, at most 24 lines
+    #[default]
     Text,
     /// Everything, as one JSON object
     Json,
@@ -334,8 +373,9 @@ impl ModelArgs {
         let noise = self.noise.clone();
         Options { backend: self.backend, tolerance, noise, presolve, effort, numbers, ..standard }
     }
+}
 
-    /// Equations to keep.
+impl KeepArgs {
     pub fn preferences(&self) -> PreferenceLists<'_> {
         PreferenceLists { keep: self.keep.as_ref(), ..PreferenceLists::default() }
     }
@@ -349,7 +389,7 @@ impl ReduceArgs {
     /// Equations to keep, and DOFs that should or should not be slaves.
     pub fn preferences(&self) -> PreferenceLists<'_> {
         let (prefer_slaves, avoid_slaves) = (self.prefer_slaves.as_ref(), self.avoid_slaves.as_ref());
-        PreferenceLists { prefer_slaves, avoid_slaves, ..self.model.preferences() }
+        PreferenceLists { prefer_slaves, avoid_slaves, ..self.keep.preferences() }
     }
 
     /// The load case; the user has to name it if load cases constrain differently.

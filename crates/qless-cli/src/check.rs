@@ -7,6 +7,7 @@ use qless_io::case_files;
 use qless_io::write::{Inputs, OneFile};
 
 use crate::args::{CheckArgs, ModelArgs, ReportFormat};
+use crate::deck_input::DeckInput;
 use crate::diagnose::{Question, diagnose};
 use crate::failure::{CliFailure, say};
 use crate::report::{CommandOutcome, Joined};
@@ -17,7 +18,7 @@ use crate::{clean, exit_code};
 /// failures.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     check_options(args)?;
-    let joined = Joined::new(args.model.format, args.more.len() + 1);
+    let joined = Joined::new(args.report.format, args.more.len() + 1);
     let (mut pieces, mut codes, mut summary) = (Vec::new(), Vec::new(), Vec::new());
     for input in args.inputs() {
         let model = ModelArgs { input: input.clone(), ..args.model.clone() };
@@ -35,7 +36,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     }
     let text = joined.whole(pieces);
     match &args.output {
-        None => terminal::show(&text, args.model.format)?,
+        None => terminal::show(&text, args.report.format)?,
         Some(file) => OneFile::at(file, args.files())?.write(&text)?,
     }
     if args.is_several() {
@@ -53,11 +54,11 @@ fn check_options(args: &CheckArgs) -> Result<(), CliFailure> {
         }
         drop(OneFile::at(file, args.files())?);
     }
-    let ModelArgs { rhs, prescribed, format, .. } = &args.model;
+    let ModelArgs { rhs, prescribed, .. } = &args.model;
     if args.is_several() && (rhs.is_some() || prescribed.is_some()) {
         return refused("--rhs and --prescribed belong to one input: check the others in runs of their own");
     }
-    if args.is_several() && matches!(format, ReportFormat::Html | ReportFormat::Vtu) {
+    if args.is_several() && matches!(args.report.format, ReportFormat::Html | ReportFormat::Vtu) {
         return refused("a page or a file of nodes shows one input: check the others in runs of their own");
     }
     if args.inputs().filter(|input| input.as_os_str() == "-").count() > 1 {
@@ -69,7 +70,12 @@ fn check_options(args: &CheckArgs) -> Result<(), CliFailure> {
 /// The report of one input, its exit code, and its findings in words.
 fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8, Vec<String>), CliFailure> {
     let progress = Progress::new(model.quiet);
-    let question = Question { options: model.options(), preferences: model.preferences(), choice: args.choice() };
+    let question = Question {
+        report: &args.report,
+        options: model.options(),
+        preferences: args.keep.preferences(),
+        choice: args.choice(),
+    };
     let mut diagnosis = diagnose(model, question, &progress)?;
     diagnosis.is_one_of_several = args.is_several();
     diagnosis.add_near_dependence();
@@ -77,8 +83,13 @@ fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8, Vec<Strin
         // The output must not replace a file that the deck includes either.
         drop(OneFile::at(file, diagnosis.inputs())?);
     }
-    // The plan takes time, and only the text report shows it.
-    let obstacle = if model.format == ReportFormat::Text { clean::obstacle(&diagnosis) } else { None };
+    // The plan takes time, and only reports for people show it. A page has all redundant equations, so that it may be large.
+    let is_planned = match args.report.format {
+        ReportFormat::Text => true,
+        ReportFormat::Html => diagnosis.deck.as_ref().is_some_and(DeckInput::needs_cleaning),
+        _ => false,
+    };
+    let obstacle = if is_planned { clean::obstacle(&diagnosis) } else { None };
     let outcome = CommandOutcome::Checked(obstacle.as_deref());
     progress.stage("explaining");
     let bytes = diagnosis.render(None, &outcome)?;

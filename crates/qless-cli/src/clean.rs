@@ -25,8 +25,12 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     }
     drop(OneFile::at(output, Inputs::default())?);
     let progress = Progress::new(args.model.quiet);
-    let question =
-        Question { options: args.model.options(), preferences: args.model.preferences(), choice: LoadCaseChoice::All };
+    let question = Question {
+        report: &args.report,
+        options: args.model.options(),
+        preferences: args.keep.preferences(),
+        choice: LoadCaseChoice::All,
+    };
     let diagnosis = diagnose(&args.model, question, &progress)?;
     let Some(deck) = &diagnosis.deck else { return Err(no_deck(input)) };
     check_format(input, deck.deck.format(), output)?;

@@ -9,7 +9,7 @@ use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
 use qless_io::{FileContent, Opened, read_case};
 
-use crate::args::{Deny, ModelArgs};
+use crate::args::{Deny, ModelArgs, ReportArgs};
 use crate::deck_input::{DeckInput, LoadCaseChoice};
 use crate::failure::{CliFailure, say};
 use crate::preferences::PreferenceLists;
@@ -19,6 +19,7 @@ use crate::{exit_code, memory};
 /// A model and its analysis.
 pub struct Diagnosis<'a> {
     pub args: &'a ModelArgs,
+    pub report_args: &'a ReportArgs,
     pub options: Options,
     pub system: ConstraintSystem,
     pub analysis: Analysis,
@@ -32,8 +33,9 @@ pub struct Diagnosis<'a> {
     pub read: Duration,
 }
 
-/// Options, preferences and load cases of an analysis.
+/// Options, preferences and load cases of an analysis, and the report that it is for.
 pub struct Question<'a> {
+    pub report: &'a ReportArgs,
     pub options: Options,
     pub preferences: PreferenceLists<'a>,
     /// Load cases of a deck; other models have none.
@@ -41,9 +43,13 @@ pub struct Question<'a> {
 }
 
 /// Reads the model and analyses it.
-pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress) -> Result<Diagnosis<'a>, CliFailure> {
+pub fn diagnose<'a>(
+    args: &'a ModelArgs,
+    question: Question<'a>,
+    progress: &Progress,
+) -> Result<Diagnosis<'a>, CliFailure> {
     let start = Instant::now();
-    let Question { mut options, preferences, choice } = question;
+    let Question { report: report_args, mut options, preferences, choice } = question;
     let refused = |error, system: Option<&ConstraintSystem>| CliFailure::from_analysis(error, &args.input, system);
     // Refuse before the work begins.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
@@ -54,9 +60,11 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     progress.stage("analysing");
     // The analysis may use the memory that remains.
     options.memory = memory::remaining().map_or(options.memory, |left| left.min(options.memory));
-    let (system, analysis, deck) = input.analyse(&choice, &options, args.format.terms(), &|system, place| {
-        analyse(system, &preferences.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
-    })?;
+    let (system, analysis, deck) =
+        input.analyse(&choice, &options, report_args.format.case_terms(), &|system, place| {
+            analyse(system, &preferences.resolve(&options, system, place)?)
+                .map_err(|error| refused(error, Some(system)))
+        })?;
     if let Some(deck) = deck.as_ref().filter(|_| !preferences.is_empty()) {
         // Rows are numbered as in the deck, even if a load case removes some equations.
         let all = LoadCase::default();
@@ -70,6 +78,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     }
     Ok(Diagnosis {
         args,
+        report_args,
         options,
         system,
         analysis,
@@ -162,14 +171,14 @@ impl Diagnosis<'_> {
     /// Whether constraints were left out without `--allow-incomplete`.
     pub fn is_incomplete(&self) -> bool {
         let is_left_out = |deck: &DeckInput| deck.deck.model().left_out().next().is_some();
-        !self.args.allow_incomplete && self.deck.as_ref().is_some_and(is_left_out)
+        !self.report_args.allow_incomplete && self.deck.as_ref().is_some_and(is_left_out)
     }
 
     /// Returns the exit code, and writes to standard error what `--deny` has found.
     pub fn code(&self) -> u8 {
         let denied = self.denied();
         // The first line of every report already says that equations are redundant.
-        if !denied.is_empty() && self.args.deny.iter().any(|what| *what != Deny::Redundant) {
+        if !denied.is_empty() && self.report_args.deny.iter().any(|what| *what != Deny::Redundant) {
             say(format_args!("error: found what --deny names: {}", denied.join(", ")));
         }
         exit_code::for_diagnosis(self.is_refused(), self.is_incomplete())

@@ -4,17 +4,19 @@
 //! of the other set follows from them if it is redundant then; it tells the sets apart if it is independent or conflicts.
 
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
 use std::process::ExitCode;
 
 use qless::{Kind, SystemBuilder, analyse};
+use serde::Serialize;
+use serde_json::json;
 
-use crate::args::{DiffArgs, ModelArgs};
+use crate::args::{AnswerFormat, DiffArgs, ModelArgs, ReportArgs};
 use crate::deck_input::LoadCaseChoice;
 use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::exit_code;
 use crate::failure::CliFailure;
 use crate::preferences::PreferenceLists;
+use crate::report::json;
 use crate::terminal::{self, Progress};
 use crate::wording::printable;
 use crate::wording::{count, equation, label, number};
@@ -26,7 +28,9 @@ const SHOWN: usize = 20;
 pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     let progress = Progress::new(args.model.quiet);
     let other = ModelArgs { input: args.other.clone(), rhs: None, prescribed: None, ..args.model.clone() };
+    let report = ReportArgs::default();
     let question = || Question {
+        report: &report,
         options: args.model.options(),
         preferences: PreferenceLists::default(),
         choice: LoadCaseChoice::new(args.case.as_deref(), LoadCaseChoice::Any),
@@ -34,22 +38,61 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     let first = diagnose(&args.model, question(), &progress)?;
     let second = diagnose(&other, question(), &progress)?;
     progress.stage("comparing");
-    let conflicting: Vec<String> = [&first, &second]
-        .into_iter()
-        .filter(|diagnosis| diagnosis.is_conflicting())
-        .map(|diagnosis| format!("{} has conflicting equations: see `qless check`.", name(&diagnosis.args.input)))
-        .collect();
-    let lines = if conflicting.is_empty() {
-        let [a, b] = [&first, &second].map(Relations::new);
-        [a.beyond(&b, &first)?, b.beyond(&a, &second)?].concat()
-    } else {
-        conflicting
+    let is_solvable = !first.is_conflicting() && !second.is_conflicting();
+    let [a, b] = [&first, &second].map(Relations::new);
+    let set = |of: &Diagnosis, own: &Relations, other: &Relations| -> Result<DiffSet, CliFailure> {
+        Ok(DiffSet {
+            file: of.args.input.to_string_lossy().into_owned(),
+            conflicting: of.is_conflicting(),
+            not_implied: if is_solvable { own.beyond(other, of)? } else { Vec::new() },
+        })
     };
+    let sets = [set(&first, &a, &b)?, set(&second, &b, &a)?];
     drop(progress);
-    let same = lines.is_empty();
-    let text = if same { "Both sets have the same solutions.\n".to_owned() } else { lines.join("\n") + "\n" };
-    terminal::write(|out| out.write_all(text.as_bytes()))?;
+    let same = is_solvable && sets.iter().all(|set| set.not_implied.is_empty());
+    match args.format {
+        AnswerFormat::Json => {
+            let answer = json!({"schema": "qless.diff/1", "same": same, "sets": sets});
+            terminal::show_json(|out| json::lines(out, &answer))?;
+        }
+        AnswerFormat::Text if same => {
+            terminal::write(|out| writeln!(out, "Both sets have the same solutions."))?;
+        }
+        AnswerFormat::Text => {
+            let lines = sets.iter().flat_map(DiffSet::lines).map(|line| line + "\n");
+            terminal::write(|out| out.write_all(lines.collect::<String>().as_bytes()))?;
+        }
+    }
     Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(exit_code::REFUSED) })
+}
+
+/// One of the two sets.
+#[derive(Serialize)]
+struct DiffSet {
+    file: String,
+    /// Whether its equations conflict; then nothing is compared.
+    conflicting: bool,
+    /// The equations and prescribed values that do not follow from the other set.
+    not_implied: Vec<String>,
+}
+
+impl DiffSet {
+    /// A heading and the first equations, if there is something to say.
+    fn lines(&self) -> Vec<String> {
+        let name = printable::line(&self.file);
+        if self.conflicting {
+            return vec![format!("{name} has conflicting equations: see `qless check`.")];
+        }
+        if self.not_implied.is_empty() {
+            return Vec::new();
+        }
+        let relations = count(self.not_implied.len(), "relation");
+        let mut lines = vec![format!("{name} has {relations} that the other does not imply:")];
+        lines.extend(self.not_implied.iter().take(SHOWN).map(|item| format!("  {item}")));
+        let more = self.not_implied.len().saturating_sub(SHOWN);
+        lines.extend((more > 0).then(|| format!("  and {more} more (all of them: --format json)")));
+        lines
+    }
 }
 
 /// Terms on DOFs, each by its label in small letters, and the right-hand side.
@@ -93,7 +136,7 @@ impl Relations {
         self.names.push(format!("{} = {}{place}", label(dof), number(value)));
     }
 
-    /// Lists the relations that do not follow from `other`, below a heading. `of` is the diagnosis of this set.
+    /// The names of the relations that do not follow from `other`. `of` is the diagnosis of this set.
     fn beyond<'a>(&'a self, other: &'a Self, of: &Diagnosis) -> Result<Vec<String>, CliFailure> {
         let mut numbers: HashMap<&'a str, usize> = HashMap::new();
         let mut equations = Vec::new();
@@ -114,20 +157,6 @@ impl Relations {
         let system = builder.build().map_err(|error| failed(&error))?;
         let analysis = analyse(&system, &options).map_err(|error| failed(&error))?;
         let own = analysis.kinds()[count_of_other..].iter().zip(&self.names);
-        let found: Vec<&String> = own.filter(|(kind, _)| **kind != Kind::Redundant).map(|(_, name)| name).collect();
-        if found.is_empty() {
-            return Ok(Vec::new());
-        }
-        let relations = count(found.len(), "relation");
-        let mut lines = vec![format!("{} has {relations} that the other does not imply:", name(&of.args.input))];
-        lines.extend(found.iter().take(SHOWN).map(|item| format!("  {item}")));
-        if found.len() > SHOWN {
-            lines.push(format!("  and {} more", found.len() - SHOWN));
-        }
-        Ok(lines)
+        Ok(own.filter(|(kind, _)| **kind != Kind::Redundant).map(|(_, name)| name.clone()).collect())
     }
-}
-
-fn name(path: &Path) -> String {
-    printable::line(&path.display().to_string())
 }

@@ -3,122 +3,222 @@
 use std::process::ExitCode;
 
 use qless::explanation::{Explanation, Freed, Member, Number};
-use qless::{Analysis, ConstraintSystem, Elimination, Form, Kind};
+use qless::report::{Certificate, RepairFinding, Term};
+use qless::{Analysis, ConstraintSystem, Elimination, Form, Kind, Report};
+use serde::Serialize;
 
-use crate::args::ExplainArgs;
+use crate::args::{AnswerFormat, ExplainArgs, ReportArgs};
+use crate::deck_input::Reaction;
 use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::failure::CliFailure;
 use crate::preferences::Place;
 use crate::report::text::member_name;
+use crate::report::{RepairWords, json};
 use crate::terminal::{self, Progress};
-use crate::wording::{self, count, label, number};
+use crate::wording::{self, count, label, number, printable};
 
-/// Most members or terms in a list; `--format json` of `check` has all.
+/// Most answers, and most members or terms in a list of the text.
 const SHOWN: usize = 200;
 
 /// Prints an explanation for each equation and DOF that is named; exit code 0.
 pub fn run(args: &ExplainArgs) -> Result<ExitCode, CliFailure> {
     let progress = Progress::new(args.model.quiet);
-    let question =
-        Question { options: args.model.options(), preferences: args.model.preferences(), choice: args.choice() };
+    let report = &ReportArgs::default();
+    let (options, preferences) = (args.model.options(), args.keep.preferences());
+    let question = Question { report, options, preferences, choice: args.choice() };
     let diagnosis = diagnose(&args.model, question, &progress)?;
     let deck = diagnosis.deck.as_ref().map(|input| (&input.deck, &input.deck.model().cases()[input.case]));
     let places = crate::preferences::find(&args.what, &diagnosis.system, deck)?;
     progress.stage("explaining");
-    let teller = Teller { system: &diagnosis.system, analysis: &diagnosis.analysis };
-    let mut lines = Vec::new();
-    for (k, &place) in places.iter().take(SHOWN).enumerate() {
-        if k > 0 {
-            lines.push(String::new());
-        }
-        lines.extend(match place {
-            Place::Equation(row) => teller.equation(row)?,
-            Place::Dof(dof) => teller.dof(&diagnosis, dof)?,
-        });
-    }
-    if places.len() > SHOWN {
-        lines.push(format!("and {} more: name one of them", places.len() - SHOWN));
-    }
+    let teller = Teller::new(&diagnosis, &places)?;
+    let answers = places.iter().take(SHOWN).map(|&place| teller.answer(place)).collect::<Result<_, _>>()?;
     drop(progress);
-    let text: String = lines.into_iter().map(|line| line + "\n").collect();
-    terminal::write(|out| out.write_all(text.as_bytes()))?;
+    let answers = Answers { schema: "qless.explain/1", more: places.len().saturating_sub(SHOWN), answers };
+    match args.format {
+        AnswerFormat::Text => terminal::write(|out| out.write_all(answers.text().as_bytes()))?,
+        AnswerFormat::Json => terminal::show_json(|out| json::lines(out, &answers))?,
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+#[derive(Serialize)]
+struct Answers {
+    schema: &'static str,
+    answers: Vec<Answer>,
+    /// Number of equations or DOFs without an answer, because too many are named.
+    more: usize,
+}
+
+/// The answer about one equation or DOF.
+#[derive(Default, Serialize)]
+struct Answer {
+    /// The row of an equation, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    row: Option<usize>,
+    /// The column of a DOF, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dof: Option<usize>,
+    label: String,
+    verdict: &'static str,
+    /// The members of the explanation.
+    because: Vec<Term>,
+    /// What would free it, if it alone were left out.
+    freed_by: Vec<String>,
+    /// The repairs that cure it.
+    repairs: Vec<RepairFinding>,
+    /// The solver's reactions.
+    solver: Vec<String>,
+    /// All of it in words.
+    text: Vec<String>,
+}
+
+impl Answers {
+    fn text(&self) -> String {
+        let answers: Vec<String> = self.answers.iter().map(|answer| answer.text.join("\n") + "\n").collect();
+        let more = match self.more {
+            0 => String::new(),
+            more => format!("and {more} more: name one of them\n"),
+        };
+        answers.join("\n") + &more
+    }
+}
+
+impl Answer {
+    fn new(verdict: &'static str, first_line: String) -> Self {
+        Self { verdict, text: vec![first_line], ..Self::default() }
+    }
 }
 
 /// Explains equations and DOFs of one analysis.
 struct Teller<'a> {
+    diagnosis: &'a Diagnosis<'a>,
     system: &'a ConstraintSystem,
     analysis: &'a Analysis,
+    repairs: Vec<RepairFinding>,
+    reactions: Vec<Reaction>,
 }
 
-impl Teller<'_> {
-    fn equation(&self, row: usize) -> Result<Vec<String>, CliFailure> {
+impl<'a> Teller<'a> {
+    fn new(diagnosis: &'a Diagnosis, places: &[Place]) -> Result<Self, CliFailure> {
+        let (system, analysis) = (&diagnosis.system, &diagnosis.analysis);
+        let conflicts =
+            |place: &Place| matches!(place, Place::Equation(row) if analysis.kinds()[*row] == Kind::Conflicting);
+        let failed = |error| CliFailure::Resource(format!("repairs cannot be computed: {error}"));
+        let repairs = if places.iter().any(conflicts) {
+            Report::new(analysis, 0).with_repairs(analysis).map_err(failed)?.repairs
+        } else {
+            Vec::new()
+        };
+        let reactions = diagnosis.deck.as_ref().map(|deck| deck.reactions(&diagnosis.options)).unwrap_or_default();
+        Ok(Self { diagnosis, system, analysis, repairs, reactions })
+    }
+
+    fn answer(&self, place: Place) -> Result<Answer, CliFailure> {
+        let answer = match place {
+            Place::Equation(row) => {
+                Answer { row: Some(row + 1), label: self.system.equation_label(row), ..self.equation(row)? }
+            }
+            Place::Dof(dof) => Answer { dof: Some(dof + 1), label: self.system.dof_label(dof), ..self.dof(dof)? },
+        };
+        let concerns = |reaction: &&Reaction| match place {
+            Place::Equation(row) => reaction.rows.contains(&row),
+            Place::Dof(dof) => reaction.dofs.contains(&dof),
+        };
+        let solver: Vec<String> =
+            self.reactions.iter().filter(concerns).map(|reaction| printable::line(&reaction.words)).collect();
+        let mut text = answer.text;
+        text.extend(solver.iter().map(|words| format!("{words}.")));
+        Ok(Answer { solver, text, ..answer })
+    }
+
+    fn equation(&self, row: usize) -> Result<Answer, CliFailure> {
         let name = wording::equation(self.system, row);
         let explanation = self.analysis.explain(row).map_err(|error| CliFailure::Input(error.to_string()))?;
         let Some(explanation) = explanation else {
-            return Ok(vec![format!("{name} is independent: the other kept equations do not give it.")]);
+            let line = format!("{name} is independent: the other kept equations do not give it.");
+            return Ok(Answer::new("independent", line));
         };
-        let (verdict, kind) = match self.analysis.kinds()[row] {
-            Kind::Conflicting => {
-                ("conflicts: these give its left side, but another right-hand side.", Kind::Conflicting)
-            }
-            kind => ("is redundant: these already say the same.", kind),
+        let is_conflict = self.analysis.kinds()[row] == Kind::Conflicting;
+        let mut answer = if is_conflict {
+            let line = format!("{name} conflicts: these give its left side, but another right-hand side.");
+            Answer::new("conflicting", line)
+        } else {
+            Answer::new("redundant", format!("{name} is redundant: these already say the same."))
         };
-        let mut lines = vec![format!("{name} {verdict}")];
-        lines.extend(self.members(&explanation));
-        if kind == Kind::Conflicting {
-            lines.push(format!("  {}", explanation.arithmetic(self.system, row)));
+        self.add_members(&mut answer, &explanation);
+        if is_conflict {
+            answer.text.push(format!("  {}", explanation.arithmetic(self.system, row)));
+            self.add_repairs(&mut answer, row + 1);
         }
-        let frees = self.frees(Freed::Equation(row))?;
-        lines.push(match frees.as_slice() {
-            [] => {
-                "No single equation or prescribed value makes it independent if left out: others imply each.".to_owned()
-            }
-            _ => format!("It is independent without any one of: {}.", self.list(&frees)),
-        });
-        Ok(lines)
+        answer.freed_by = self.freed_by(Freed::Equation(row))?;
+        match &answer.freed_by[..] {
+            [] if is_conflict => {}
+            [] => answer.text.push(
+                "No single equation or prescribed value makes it independent if left out: others imply each."
+                    .to_owned(),
+            ),
+            names => answer.text.push(format!("It is independent without any one of: {}.", list(names))),
+        }
+        Ok(answer)
     }
 
-    fn dof(&self, diagnosis: &Diagnosis, dof: usize) -> Result<Vec<String>, CliFailure> {
+    /// Adds the repairs that cure a row, from 1.
+    fn add_repairs(&self, answer: &mut Answer, row: usize) {
+        answer.repairs = self.repairs.iter().filter(|repair| repair.conflicts.contains(&row)).cloned().collect();
+        for words in answer.repairs.iter().filter_map(RepairWords::new) {
+            answer.text.push(words.heading(row));
+            answer.text.extend(words.ways.iter().map(|way| format!("  {way}")));
+            answer.text.extend((words.more > 0).then(|| format!("  and {} more", words.more)));
+        }
+    }
+
+    fn dof(&self, dof: usize) -> Result<Answer, CliFailure> {
         let name = label(&self.system.dof_label(dof));
         if let Some(value) = self.system.prescribed_value(dof) {
             let place =
                 self.system.prescribed_place(dof).map_or_else(String::new, |place| format!(", {}", label(place)));
-            return Ok(vec![format!("{name} is prescribed: {}{place}.", number(value))]);
+            return Ok(Answer::new("prescribed", format!("{name} is prescribed: {}{place}.", number(value))));
         }
-        let failed =
-            |error: &dyn std::fmt::Display| CliFailure::Resource(format!("{name} cannot be explained: {error}"));
-        if let Some(explanation) = self.analysis.explain_fixed(dof).map_err(|error| failed(&error))? {
+        let explanation = self.analysis.explain_fixed(dof).map_err(|error| unexplained(&name, &error))?;
+        if let Some(explanation) = explanation {
             let value = number(explanation.right_hand_side);
-            let mut lines = vec![format!("{name} is fixed to {value}: these leave it no other value.")];
-            lines.extend(self.members(&explanation));
-            let frees = self.frees(Freed::Dof(dof))?;
-            lines.push(match frees.as_slice() {
+            let mut answer =
+                Answer::new("fixed", format!("{name} is fixed to {value}: these leave it no other value."));
+            self.add_members(&mut answer, &explanation);
+            answer.freed_by = self.freed_by(Freed::Dof(dof))?;
+            answer.text.push(match &answer.freed_by[..] {
                 [] => "No single equation or prescribed value frees it if left out: others imply each.".to_owned(),
-                _ => format!("It is free without any one of: {}.", self.list(&frees)),
+                names => format!("It is free without any one of: {}.", list(names)),
             });
-            return Ok(lines);
+            return Ok(answer);
         }
         if !(0..self.system.equations()).any(|row| self.system.matrix().row(row).any(|(j, _)| j == dof)) {
-            return Ok(vec![format!("{name} is in no equation.")]);
+            return Ok(Answer::new("unused", format!("{name} is in no equation.")));
         }
-        if diagnosis.is_conflicting() {
-            return Ok(vec![format!("{name} is free. The equations conflict, so that none is chosen as a slave.")]);
+        if self.diagnosis.is_conflicting() {
+            let line = format!("{name} is free. The equations conflict, so that none is chosen as a slave.");
+            return Ok(Answer::new("free", line));
         }
-        let analysis = qless::analyse(self.system, &diagnosis.options).map_err(|error| failed(&error))?;
+        self.slave_or_master(dof, &name)
+    }
+
+    fn slave_or_master(&self, dof: usize, name: &str) -> Result<Answer, CliFailure> {
+        let failed = |error: &dyn std::fmt::Display| unexplained(name, error);
+        let analysis = qless::analyse(self.system, &self.diagnosis.options).map_err(|error| failed(&error))?;
         let elimination = Elimination::from_analysis(analysis, Form::Explicit).map_err(|error| failed(&error))?;
         let Some((terms, constant)) = elimination.row(dof).filter(|_| elimination.is_slave(dof)) else {
-            return Ok(vec![format!("{name} is a master: free, and no equation is needed to compute it.")]);
+            let line = format!("{name} is a master: free, and no equation is needed to compute it.");
+            return Ok(Answer::new("master", line));
         };
-        let mut lines = vec![format!("{name} is a slave: {name} = {}.", self.sum(&terms, constant))];
+        let mut answer = Answer::new("slave", format!("{name} is a slave: {name} = {}.", self.sum(&terms, constant)));
         let relation: Vec<(usize, f64)> =
             std::iter::once((dof, 1.0)).chain(terms.iter().map(|&(j, factor)| (j, -factor))).collect();
         if let Some(explanation) = self.analysis.explain_sum(&relation).map_err(|error| failed(&error))? {
-            lines.push("These give that relation:".to_owned());
-            lines.extend(self.members(&explanation));
+            answer.text.push("These give that relation:".to_owned());
+            self.add_members(&mut answer, &explanation);
         }
-        lines.push(format!("Another DOF becomes the slave with `qless reduce --avoid-slaves {}`.", dof + 1));
-        Ok(lines)
+        answer.text.push(format!("Another DOF becomes the slave with `qless reduce --avoid-slaves {}`.", dof + 1));
+        Ok(answer)
     }
 
     /// ` 2 * 7:1 - 1 * 8:1 + 0.5`.
@@ -148,37 +248,40 @@ impl Teller<'_> {
         if terms.len() > SHOWN { format!("{text} + {} more", terms.len() - SHOWN) } else { text }
     }
 
-    /// One line for each member.
-    fn members(&self, explanation: &Explanation) -> Vec<String> {
+    /// Adds the members of an explanation, one line for each.
+    fn add_members(&self, answer: &mut Answer, explanation: &Explanation) {
         let members = &explanation.members;
         let line = |&member: &Member| {
             let factor = member.coefficient();
             let sign = if factor < 0.0 { "-" } else { "+" };
             format!("  {sign} {} * {}", number(factor.abs()), member_name(self.system, member))
         };
-        let mut lines: Vec<String> = members.iter().take(SHOWN).map(line).collect();
+        answer.because = Certificate::of_members(self.system, members).because;
+        answer.text.extend(members.iter().take(SHOWN).map(line));
         if members.len() > SHOWN {
-            lines.push(format!("  and {} more (all of them: qless check --format json)", members.len() - SHOWN));
+            answer.text.push(format!("  and {} more (all of them: --format json)", members.len() - SHOWN));
         }
-        lines
     }
 
-    fn frees(&self, freed: Freed) -> Result<Vec<Number>, CliFailure> {
+    fn freed_by(&self, freed: Freed) -> Result<Vec<String>, CliFailure> {
         let failed = |error| CliFailure::Resource(format!("what would free it cannot be computed: {error}"));
-        self.analysis.what_frees(freed).map_err(failed)
-    }
-
-    fn list(&self, numbers: &[Number]) -> String {
-        /// Most names in one sentence.
-        const NAMES: usize = 12;
         let name = |number: &Number| match *number {
             Number::RightHandSide(row) => wording::equation(self.system, row),
             Number::Prescribed(dof) => format!("the value of {}", label(&self.system.dof_label(dof))),
             _ => String::new(),
         };
-        let names: Vec<String> = numbers.iter().take(NAMES).map(name).collect();
-        let more = numbers.len().saturating_sub(NAMES);
-        let tail = if more > 0 { format!(" and {}", count(more, "other")) } else { String::new() };
-        format!("{}{tail}", names.join(", "))
+        Ok(self.analysis.what_frees(freed).map_err(failed)?.iter().map(name).collect())
     }
+}
+
+fn unexplained(name: &str, error: &dyn std::fmt::Display) -> CliFailure {
+    CliFailure::Resource(format!("{name} cannot be explained: {error}"))
+}
+
+fn list(names: &[String]) -> String {
+    /// Most names in one sentence.
+    const NAMES: usize = 12;
+    let more = names.len().saturating_sub(NAMES);
+    let tail = if more > 0 { format!(" and {}", count(more, "other")) } else { String::new() };
+    format!("{}{tail}", names[..names.len() - more].join(", "))
 }

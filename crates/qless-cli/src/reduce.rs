@@ -22,7 +22,12 @@ const FILES: [&str; 8] =
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, CliFailure> {
     check_place(args)?;
     let progress = Progress::new(args.model.quiet);
-    let question = Question { options: args.options(), preferences: args.preferences(), choice: args.choice() };
+    let question = Question {
+        report: &args.report,
+        options: args.options(),
+        preferences: args.preferences(),
+        choice: args.choice(),
+    };
     let diagnosis = diagnose(&args.model, question, &progress)?;
     if diagnosis.is_refused() || diagnosis.is_incomplete() {
         let way = if diagnosis.is_refused() { "" } else { ", or write what was read with --allow-incomplete" };

@@ -20,6 +20,13 @@ pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(),
     show(printable::text(&String::from_utf8_lossy(&text)).as_bytes(), ReportFormat::Text)
 }
 
+/// Calls `write` with a buffer, and writes its JSON to standard output with unprintable characters escaped.
+pub fn show_json(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
+    let mut json = Vec::new();
+    write(&mut json).map_err(|error| CliFailure::from_stdout(&error))?;
+    show(&printable::report(json, true), ReportFormat::Json)
+}
+
 /// Writes a report to standard output. Its characters must be printable. Text breaks at the width of a terminal, and nowhere else.
 pub fn show(report: &[u8], format: ReportFormat) -> Result<(), CliFailure> {
     match terminal_size::terminal_size_of(io::stdout()).filter(|_| format == ReportFormat::Text) {

@@ -118,7 +118,7 @@ fn dropped(finding: &Finding, model: &Model) -> String {
 }
 
 /// Pairs of different prescribed values for one DOF.
-fn contradicting_values(case: &LoadCase) -> impl Iterator<Item = (&Prescribed, &Prescribed)> {
+pub(super) fn contradicting_values(case: &LoadCase) -> impl Iterator<Item = (&Prescribed, &Prescribed)> {
     case.clashes.iter().filter_map(|second| {
         let first = case.prescribed.binary_search_by_key(&second.dof, |given| given.dof).ok()?;
         Some((&case.prescribed[first], second))

@@ -3,6 +3,7 @@
 mod case_result;
 mod choice;
 mod claims;
+mod reactions;
 mod report;
 mod sections;
 
@@ -14,6 +15,7 @@ use qless_io::deck::{Deck, LoadCase};
 use case_result::{CaseAnalysis, CaseResult, analyse_case};
 pub use choice::LoadCaseChoice;
 use claims::Claims;
+pub use reactions::Reaction;
 pub use report::DeckReport;
 
 use crate::failure::{CliFailure, say};

@@ -11,7 +11,7 @@ use crate::wording::count;
 impl Diagnosis<'_> {
     /// The findings that `--deny` names, in words.
     pub fn denied(&self) -> Vec<String> {
-        let mut denied = self.args.deny.clone();
+        let mut denied = self.report_args.deny.clone();
         denied.sort_unstable();
         denied.dedup();
         denied.into_iter().filter_map(|what| self.found(what)).collect()

@@ -33,7 +33,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     let read = start.elapsed();
     progress.stage("analysing");
     let mut options = model.options();
-    options.preferences.equations = all(ranks, numbers(model.keep.as_ref()))?;
+    options.preferences.equations = all(ranks, numbers(args.keep.keep.as_ref()))?;
     check_kept(&options, case.rows() as usize, &model.input)?;
     options.memory = minimum(ranks, memory::remaining().map_or(options.memory, |left| left.min(options.memory)));
     let analysis = analyse(ranks, case.share(), &options).map_err(|error| from_analysis(error, &model.input))?;
@@ -43,7 +43,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     let written = if is_first {
         let findings =
             Findings { case: &case, analysis: &analysis, found: &found, options: &options, ranks: ranks.size() };
-        let rendered = findings.render(model, (start, read));
+        let rendered = findings.render(&args.model.input, args.report.format, (start, read));
         drop(progress);
         rendered.and_then(|bytes| write(args, bytes))
     } else {
@@ -52,7 +52,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     all(ranks, written)?;
     let counts = analysis.counts();
     // A matrix or a case has no cards and no solver, so that the other findings cannot occur.
-    let denied = model.deny.iter().any(|deny| match deny {
+    let denied = args.report.deny.iter().any(|deny| match deny {
         Deny::Redundant => counts.redundant > 0,
         Deny::Ambiguous => analysis.confidence().ambiguous,
         Deny::Refused | Deny::Dropped | Deny::Lost | Deny::Incomplete => false,
@@ -69,7 +69,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
             "--effort exact runs in one process only: use another, or leave out mpirun".to_owned(),
         ));
     }
-    if !matches!(model.format, ReportFormat::Text | ReportFormat::Json) {
+    if !matches!(args.report.format, ReportFormat::Text | ReportFormat::Json) {
         return Err(CliFailure::Input(
             "on several ranks the formats are text and json; for the others run without mpirun".to_owned(),
         ));
@@ -100,9 +100,9 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
 }
 
 fn write(args: &CheckArgs, bytes: Vec<u8>) -> Result<(), CliFailure> {
-    let bytes = printable::report(bytes, matches!(args.model.format, ReportFormat::Json | ReportFormat::Html));
+    let bytes = printable::report(bytes, matches!(args.report.format, ReportFormat::Json | ReportFormat::Html));
     match &args.output {
-        None => terminal::show(&bytes, args.model.format),
+        None => terminal::show(&bytes, args.report.format),
         Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(&bytes)?),
     }
 }

@@ -13,7 +13,7 @@ use qless::{Options, Report};
 use qless_io::chunk::find_labels;
 use qless_mpi::{Analysis, Case, Equation, GatheredFindings};
 
-use crate::args::{ModelArgs, ReportFormat};
+use crate::args::ReportFormat;
 use crate::failure::CliFailure;
 use crate::report::text::{DependentRow, EquationList};
 use crate::report::{CommandOutcome, json, text};
@@ -48,12 +48,17 @@ impl EquationLookup for RankEquations<'_> {
 
 impl Findings<'_> {
     /// The report in the requested format; `times` are the start of the run and the duration of reading.
-    pub fn render(&self, model: &ModelArgs, times: (Instant, Duration)) -> Result<Vec<u8>, CliFailure> {
+    pub fn render(
+        &self,
+        input: &Path,
+        format: ReportFormat,
+        times: (Instant, Duration),
+    ) -> Result<Vec<u8>, CliFailure> {
         let rows: Vec<usize> = self.found.facts.keys().map(|&row| row as usize).collect();
         let known = RankEquations { found: self.found, labels: labels(self.case.files().rows.as_deref(), &rows)? };
         let report = self.report(&known)?.with_timings(times.1, Duration::ZERO, times.0.elapsed());
-        if model.format == ReportFormat::Text {
-            return Ok(self.text(&known, &report, &model.input).into_bytes());
+        if format == ReportFormat::Text {
+            return Ok(self.text(&known, &report, input).into_bytes());
         }
         let mut bytes = Vec::new();
         json::write(&mut bytes, None, &report, None).map_err(|error| CliFailure::from_stdout(&error))?;

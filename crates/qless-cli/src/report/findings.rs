@@ -3,6 +3,7 @@
 use qless::report::{DependentEquation, Term};
 use qless::{Kind, Report};
 
+use super::repairs::RepairWords;
 use crate::args::Deny;
 use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
@@ -48,7 +49,7 @@ impl Rule {
 
     /// Whether a finding of this rule ends the program with another exit code than 0.
     pub fn is_failure(self, diagnosis: &Diagnosis) -> bool {
-        let denied = |what| diagnosis.args.deny.contains(&what);
+        let denied = |what| diagnosis.report_args.deny.contains(&what);
         match self {
             Self::Conflicting => true,
             Self::Unsound => false,
@@ -57,7 +58,7 @@ impl Rule {
             Self::Dropped => denied(Deny::Dropped),
             Self::Redundant => denied(Deny::Redundant),
             Self::Ambiguous => denied(Deny::Ambiguous),
-            Self::Incomplete => denied(Deny::Incomplete) || !diagnosis.args.allow_incomplete,
+            Self::Incomplete => denied(Deny::Incomplete) || !diagnosis.report_args.allow_incomplete,
         }
     }
 }
@@ -77,7 +78,10 @@ const NAMED: usize = 5;
 
 /// All findings of a diagnosis, in the order of [`Rule::ALL`].
 pub fn findings(diagnosis: &Diagnosis, report: &Report) -> Vec<Finding> {
-    let mut all: Vec<Finding> = report.dependent.iter().map(of_equation).collect();
+    let repairs = RepairWords::all(report);
+    let cure =
+        |row: usize| repairs.iter().find(|repair| repair.rows.binary_search(&row).is_ok()).map(RepairWords::short);
+    let mut all: Vec<Finding> = report.dependent.iter().map(|equation| of_equation(equation, &cure)).collect();
     let plain = |rule, text: String| Finding { rule, label: text.clone(), message: text, because: Vec::new() };
     let claims = diagnosis.deck.as_ref().map(DeckInput::claims).unwrap_or_default();
     all.extend(claims.refused.iter().map(|words| plain(Rule::Refused, words.clone())));
@@ -93,7 +97,8 @@ pub fn findings(diagnosis: &Diagnosis, report: &Report) -> Vec<Finding> {
     all
 }
 
-fn of_equation(equation: &DependentEquation) -> Finding {
+/// `cure` names the repair of a conflicting row.
+fn of_equation(equation: &DependentEquation, cure: &dyn Fn(usize) -> Option<String>) -> Finding {
     let name = |term: &Term| match term {
         Term::Prescribed { label, value, place, .. } => {
             format!("[{label} = {value}{}]", place.as_ref().map_or_else(String::new, |place| format!(", {place}")))
@@ -106,8 +111,11 @@ fn of_equation(equation: &DependentEquation) -> Finding {
     let named = if because.len() > NAMED { format!("{first} and {} more", because.len() - NAMED) } else { first };
     let label = equation.label.clone();
     let (rule, message) = match (equation.kind, &equation.arithmetic) {
-        (Kind::Conflicting, Some(sum)) => (Rule::Conflicting, format!("{label} contradicts {named}: {sum}")),
-        (Kind::Conflicting, None) => (Rule::Conflicting, format!("{label} contradicts {named}")),
+        (Kind::Conflicting, sum) => {
+            let sum = sum.as_ref().map_or_else(String::new, |sum| format!(": {sum}"));
+            let cure = cure(equation.row).map_or_else(String::new, |cure| format!("; {cure}"));
+            (Rule::Conflicting, format!("{label} contradicts {named}{sum}{cure}"))
+        }
         _ if named.is_empty() => (Rule::Redundant, format!("{label} has no free DOF, and holds")),
         _ => (Rule::Redundant, format!("{label} follows from {named}")),
     };

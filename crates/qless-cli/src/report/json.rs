@@ -21,8 +21,12 @@ struct JsonReport<'a> {
 
 /// Writes the report and a line break; `file` is the input, if there are several.
 pub fn write(out: &mut dyn Write, file: Option<&str>, report: &Report, deck: Option<DeckReport>) -> io::Result<()> {
-    let report = JsonReport { file, report, deck };
-    report.serialize(&mut Serializer::with_formatter(&mut *out, JsonLines { depth: 0 }))?;
+    lines(out, &JsonReport { file, report, deck })
+}
+
+/// Writes an object and a line break.
+pub fn lines(out: &mut dyn Write, object: &impl Serialize) -> io::Result<()> {
+    object.serialize(&mut Serializer::with_formatter(&mut *out, JsonLines { depth: 0 }))?;
     writeln!(out)
 }
 
@@ -93,9 +97,8 @@ mod tests {
     fn one_line_for_each_key_and_each_element() {
         let value = serde_json::json!({"a": {"x": 1, "y": []}, "b": [{"c": [1, 2]}, {"d": null}], "e": []});
         let mut out = Vec::new();
-        value.serialize(&mut Serializer::with_formatter(&mut out, JsonLines { depth: 0 })).expect("written");
-        let expected =
-            "{\n  \"a\": {\"x\": 1, \"y\": []},\n  \"b\": [\n    {\"c\": [1, 2]},\n    {\"d\": null}],\n  \"e\": []\n}";
+        lines(&mut out, &value).expect("written");
+        let expected = "{\n  \"a\": {\"x\": 1, \"y\": []},\n  \"b\": [\n    {\"c\": [1, 2]},\n    {\"d\": null}],\n  \"e\": []\n}\n";
         assert_eq!(String::from_utf8(out).expect("UTF-8"), expected);
     }
 }

@@ -5,6 +5,7 @@ mod html;
 mod joined;
 pub mod json;
 mod junit;
+mod repairs;
 mod sarif;
 pub mod text;
 mod vtu;
@@ -15,6 +16,7 @@ use std::time::Duration;
 use qless::{ArgumentError, Form, Reduction, Report};
 
 pub use joined::Joined;
+pub use repairs::RepairWords;
 
 use crate::args::ReportFormat;
 use crate::deck_input::DeckInput;
@@ -58,6 +60,11 @@ impl ReportFormat {
         if matches!(self, Self::Text | Self::Vtu) { 0 } else { Report::TERMS }
     }
 
+    /// Bound of the terms of explanations for each load case; only JSON has those of load cases that are not shown.
+    pub fn case_terms(self) -> usize {
+        if self == Self::Json { Report::TERMS } else { 0 }
+    }
+
     /// Makes a report safe to show.
     fn printable(self, bytes: Vec<u8>) -> Vec<u8> {
         printable::report(bytes, matches!(self, Self::Json | Self::Html | Self::Sarif))
@@ -76,29 +83,29 @@ impl Diagnosis<'_> {
         let bytes = self.render(reduced, outcome)?;
         drop(progress);
         self.warn();
-        let joined = Joined::new(self.args.format, 1);
-        terminal::show(&joined.whole(vec![(&self.args.input, bytes)]), self.args.format)
+        let format = self.report_args.format;
+        terminal::show(&Joined::new(format, 1).whole(vec![(&self.args.input, bytes)]), format)
     }
 
     /// Writes the warnings of a deck to standard error, if the report does not list them.
     pub fn warn(&self) {
-        if self.args.format == ReportFormat::Text {
+        if self.report_args.format == ReportFormat::Text {
             self.deck.iter().for_each(DeckInput::warn);
         }
     }
 
     /// The report in the requested format; control characters in names are replaced or escaped.
     pub fn render(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
-        Ok(self.args.format.printable(self.render_as_named(reduced, outcome)?))
+        Ok(self.report_args.format.printable(self.render_as_named(reduced, outcome)?))
     }
 
     /// The report with all names as they are in the files.
     fn render_as_named(&self, reduced: Option<Reduced>, outcome: &CommandOutcome) -> Result<Vec<u8>, CliFailure> {
         let misfit =
             |error: &dyn std::fmt::Display| CliFailure::Resource(format!("the report cannot be made: {error}"));
-        let report = self.report(reduced, self.args.format.terms()).map_err(|error| misfit(&error))?;
+        let report = self.report(reduced, self.report_args.format.terms()).map_err(|error| misfit(&error))?;
         let report = report.with_repairs(&self.analysis).map_err(|error| misfit(&error))?;
-        match self.args.format {
+        match self.report_args.format {
             ReportFormat::Text => Ok(text::render(self, &report, outcome).into_bytes()),
             ReportFormat::Json => {
                 let mut bytes = Vec::new();
@@ -111,7 +118,7 @@ impl Diagnosis<'_> {
             ReportFormat::Sarif => Ok(sarif::run(self, &report).into_bytes()),
             ReportFormat::Junit => Ok(junit::suite(self, &report).into_bytes()),
             ReportFormat::Vtu => vtu::render(self, reduced.map(|reduced| reduced.reduction)),
-            ReportFormat::Html => html::render(self, &report)
+            ReportFormat::Html => html::render(self, &report, outcome)
                 .map(String::into_bytes)
                 .map_err(|error| CliFailure::Resource(format!("the page cannot be made: {error}"))),
         }

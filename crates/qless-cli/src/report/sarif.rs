@@ -1,5 +1,6 @@
 //! SARIF 2.1.0, which code hosts and editors show beside the lines of a deck: one run for each input.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use qless::Report;
@@ -51,21 +52,24 @@ fn result(diagnosis: &Diagnosis, files: &[&Path], finding: &Finding) -> Value {
         Rule::Redundant => "note",
         _ => "warning",
     };
-    let related: Vec<Value> = finding.because.iter().map(|label| location(files, label)).collect();
+    let because = finding.because.iter().map(|label| location(place(files, label), label));
+    // A claim names two cards: the first is its place.
+    let own = places(files, &finding.label);
+    let others = own.iter().skip(1).filter(|&place| *place != own[0]).map(|&place| location(place, ""));
+    let related: Vec<Value> = others.chain(because).collect();
     let mut result = json!({
         "ruleId": finding.rule.words().0, "level": level, "message": {"text": finding.message},
-        "locations": [location(files, &finding.label)]});
+        "locations": [location(place(files, &finding.label), &finding.label)]});
     if !related.is_empty() {
         result["relatedLocations"] = Value::Array(related);
     }
     result
 }
 
-/// The file, the line if the label has one, and the label as the name of the place.
-fn location(files: &[&Path], label: &str) -> Value {
-    let (file, line) = place(files, label);
+/// A file, a line if it is known, and the label as the name of the place.
+fn location((file, line): (&Path, usize), label: &str) -> Value {
     let mut physical = json!({"artifactLocation": {"uri": uri(file)}});
-    if let Some(line) = line {
+    if line > 0 {
         physical["region"] = json!({"startLine": line});
     }
     let mut location = json!({"physicalLocation": physical});
@@ -75,19 +79,27 @@ fn location(files: &[&Path], label: &str) -> Value {
     location
 }
 
-/// The file and line that a label names: `part.inc:41`, or else `line 41` of the main file.
-fn place<'a>(files: &[&'a Path], label: &str) -> (&'a Path, Option<usize>) {
-    let number = |text: &str| {
-        let digits = text.bytes().take_while(u8::is_ascii_digit).count();
-        text[..digits].parse::<usize>().ok().filter(|&line| line > 0)
-    };
-    let named = files.iter().find_map(|&file| {
-        let name = format!("{}:", file.file_name()?.to_string_lossy());
-        let line = number(&label[label.find(&name)? + name.len()..])?;
-        Some((file, Some(line)))
-    });
-    let main = || (files[0], label.find("line ").and_then(|at| number(&label[at + "line ".len()..])));
-    named.unwrap_or_else(main)
+/// The first place that a label names, or else the main file with line 0.
+fn place<'a>(files: &[&'a Path], label: &str) -> (&'a Path, usize) {
+    places(files, label).first().copied().unwrap_or((files[0], 0))
+}
+
+/// The files and lines that a text names, in its order: `part.inc:41`, and `line 41` of the main file.
+fn places<'a>(files: &[&'a Path], text: &str) -> Vec<(&'a Path, usize)> {
+    let named = files.iter().filter_map(|&file| Some((file, format!("{}:", file.file_name()?.to_string_lossy()))));
+    let mut found = BTreeMap::new();
+    for (file, name) in named.chain([(files[0], "line ".to_owned())]) {
+        for (at, _) in text.match_indices(&name) {
+            let number = &text[at + name.len()..];
+            let digits = number.bytes().take_while(u8::is_ascii_digit).count();
+            let starts =
+                text[..at].chars().next_back().is_none_or(|before| before.is_whitespace() || "/\\".contains(before));
+            if let Some(line) = number[..digits].parse().ok().filter(|&line| starts && line > 0) {
+                found.entry(at).or_insert((file, line));
+            }
+        }
+    }
+    found.into_values().collect()
 }
 
 /// A relative or absolute reference; what a URI reserves is written in hexadecimal.
@@ -107,13 +119,19 @@ mod tests {
     fn places_are_read_from_labels() {
         let files = [Path::new("models/plate.inp"), Path::new("models/part.inc")];
         let cases = [
-            ("line 41 *TIE 3:1", (files[0], Some(41))),
-            ("part.inc:7 *EQUATION 2:3", (files[1], Some(7))),
-            ("1:3 is the slave of line 9 *EQUATION and prescribed in line 12 *BOUNDARY", (files[0], Some(9))),
-            ("tie 7", (files[0], None)),
-            ("line zero", (files[0], None)),
+            ("line 41 *TIE 3:1", vec![(files[0], 41)]),
+            ("part.inc:7 *EQUATION 2:3", vec![(files[1], 7)]),
+            (
+                "1:3 is the slave of line 9 *EQUATION, and prescribed in part.inc:12 *BOUNDARY",
+                vec![(files[0], 9), (files[1], 12)],
+            ),
+            ("models/plate.inp:14: *MPC is not known", vec![(files[0], 14)]),
+            ("[4:1 = 0.5, line 17 *BOUNDARY]", vec![(files[0], 17)]),
+            ("tie 7 of beamline 4", vec![]),
+            ("line zero, counterpart.inc:3", vec![]),
         ];
-        cases.into_iter().for_each(|(label, expected)| assert_eq!(place(&files, label), expected, "{label}"));
+        cases.into_iter().for_each(|(label, expected)| assert_eq!(places(&files, label), expected, "{label}"));
+        assert_eq!(place(&files, "tie 7"), (files[0], 0));
         assert_eq!(uri(Path::new("a b/ä%.inp")), "a%20b/%C3%A4%25.inp");
     }
 }

@@ -4,6 +4,7 @@ pub mod layout;
 pub mod printable;
 
 use qless::ConstraintSystem;
+use qless::report::ChangeFinding;
 
 /// Labels and facts of equations, by index.
 pub trait EquationLookup {
@@ -56,6 +57,26 @@ pub fn equation(equations: &dyn EquationLookup, row: usize) -> String {
 /// A label without control characters.
 pub fn label(text: &str) -> String {
     printable::line(text)
+}
+
+/// `change 4:1 in line 17 *BOUNDARY from 0.5 to 0`; `name` makes a label fit its space.
+pub fn change(change: &ChangeFinding, name: fn(&str) -> String) -> String {
+    match change {
+        ChangeFinding::Prescribed { label: dof, place, from, to, .. } => {
+            let place = place.as_ref().map_or_else(String::new, |place| format!(" in {}", name(place)));
+            format!("change {}{place} from {} to {}", name(dof), number(*from), number(*to))
+        }
+        ChangeFinding::Equation { row, label, from, to } => {
+            let row = format!("row {row}");
+            let equation = if *label == row { row } else { format!("{row} \"{}\"", name(label)) };
+            format!(
+                "change the right-hand side of {equation} from {} to {}, or leave it out",
+                number(*from),
+                number(*to)
+            )
+        }
+        _ => String::new(),
+    }
 }
 
 /// `1 equation`, `2 equations`.

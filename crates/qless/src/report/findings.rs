@@ -182,8 +182,8 @@ impl Certificate {
         Self::complete(because.iter().map(term).collect())
     }
 
-    /// An explanation with the labels of a system.
-    pub(super) fn of_members(system: &ConstraintSystem, members: &[Member]) -> Self {
+    /// An explanation with the labels of its system.
+    pub fn of_members(system: &ConstraintSystem, members: &[Member]) -> Self {
         let term = |&member: &Member| match member {
             Member::Equation { row, coefficient } => Term::equation(row + 1, system.equation_label(row), coefficient),
             Member::Prescribed { dof, value, coefficient } => Term::Prescribed {

@@ -1,13 +1,16 @@
 //! The report as one self-contained HTML page: a template with the report and a picture of the system as JSON.
 
+mod headline;
 mod picture;
 
 use qless::Report;
 use serde::Serialize;
 
+use super::repairs::RepairWords;
+use super::{CommandOutcome, text};
 use crate::deck_input::DeckReport;
 use crate::diagnose::Diagnosis;
-use crate::report::text;
+use headline::Headline;
 use picture::Picture;
 
 const PAGE: &str = include_str!("page.html");
@@ -16,26 +19,34 @@ const PAGE: &str = include_str!("page.html");
 #[derive(Serialize)]
 struct PageData<'a> {
     name: String,
-    verdict: String,
     version: &'static str,
+    headline: Headline,
+    repairs: Vec<RepairWords>,
+    /// Advice, if no repair is known.
+    next: Vec<String>,
+    /// Certainty, method and time.
+    facts: Vec<String>,
     report: &'a Report,
-    exact: Vec<String>,
     #[serde(flatten)]
     deck: Option<DeckReport<'a>>,
     picture: Picture,
 }
 
 /// The page.
-pub fn render(diagnosis: &Diagnosis, report: &Report) -> Result<String, serde_json::Error> {
+pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> Result<String, serde_json::Error> {
     let input = &diagnosis.args.input;
+    let repairs = RepairWords::all(report);
+    let [facts, next] = text::last_lines(diagnosis, report, outcome);
     let data = PageData {
         name: input.file_name().unwrap_or(input.as_os_str()).to_string_lossy().into_owned(),
-        verdict: text::verdict(report, diagnosis.deck.as_ref()),
         version: env!("CARGO_PKG_VERSION"),
+        headline: Headline::new(diagnosis, report),
+        next: if repairs.is_empty() { next } else { Vec::new() },
+        repairs,
+        facts,
         report,
-        exact: text::exact_rank(diagnosis, report),
         deck: diagnosis.deck.as_ref().map(|deck| deck.report(&diagnosis.analysis)),
-        picture: Picture::new(diagnosis),
+        picture: Picture::new(diagnosis, report),
     };
     Ok(PAGE.replacen("__DATA__", &in_script(&serde_json::to_string(&data)?), 1))
 }

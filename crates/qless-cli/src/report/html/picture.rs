@@ -3,18 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use qless::common::DisjointSets;
-use qless::explanation::Member;
-use qless::{ConstraintSystem, Kind};
+use qless::report::Term;
+use qless::{ConstraintSystem, Kind, Report};
 use serde::Serialize;
 
 use crate::diagnose::Diagnosis;
 
 /// Most cells of the pattern along each side.
 const CELLS: usize = 160;
-/// Most nodes drawn.
-const NODES: usize = 5000;
-/// Most equations whose nodes are listed.
-const ROWS: usize = 5000;
+/// Most nodes drawn that no dependent equation has; they show the shape of the model.
+const OTHERS: usize = 5000;
 
 #[derive(Serialize)]
 pub struct Picture {
@@ -35,8 +33,8 @@ struct Spy {
 }
 
 impl Picture {
-    pub fn new(diagnosis: &Diagnosis) -> Self {
-        let (nodes, rows) = nodes(diagnosis);
+    pub fn new(diagnosis: &Diagnosis, report: &Report) -> Self {
+        let (nodes, rows) = nodes(diagnosis, report);
         Self { spy: spy(diagnosis), parts: parts(&diagnosis.system), nodes, rows }
     }
 }
@@ -80,36 +78,34 @@ fn parts(system: &ConstraintSystem) -> Vec<(usize, usize)> {
 
 type Nodes = (Vec<(u32, f64, f64, f64)>, Vec<(usize, Vec<u32>)>);
 
-/// Nodes of the equations, those of dependent equations first.
-fn nodes(diagnosis: &Diagnosis) -> Nodes {
-    let Some(deck) = &diagnosis.deck else { return (Vec::new(), Vec::new()) };
+/// Nodes of dependent equations and of their explanations, and some of the others; none if no equation is dependent.
+fn nodes(diagnosis: &Diagnosis, report: &Report) -> Nodes {
+    let Some(deck) = diagnosis.deck.as_ref().filter(|_| !report.dependent.is_empty()) else {
+        return (Vec::new(), Vec::new());
+    };
     let node = |j: usize| deck.deck.model().dofs().get(j).map(|dof| dof.node);
     let of_row =
         |row: usize| -> BTreeSet<u32> { diagnosis.system.matrix().row(row).filter_map(|(j, _)| node(j)).collect() };
     let mut rows: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
-    for dependent in diagnosis.analysis.dependent() {
-        if rows.len() >= ROWS {
-            break;
-        }
-        let members =
-            diagnosis.analysis.explain(dependent.row).ok().flatten().map_or_else(Vec::new, |found| found.members);
-        let equations = members.iter().filter_map(|member| match *member {
-            Member::Equation { row, .. } => Some(row),
+    for dependent in &report.dependent {
+        let equations = dependent.certificate.because.iter().filter_map(|term| match term {
+            Term::Equation { row, .. } => Some(*row),
             _ => None,
         });
         for row in std::iter::once(dependent.row).chain(equations) {
-            rows.entry(row).or_insert_with(|| of_row(row));
+            rows.entry(row).or_insert_with(|| of_row(row - 1));
         }
     }
-    let mut shown: BTreeSet<u32> = rows.values().flatten().copied().take(NODES).collect();
+    let mut shown: BTreeSet<u32> = rows.values().flatten().copied().collect();
+    let most = shown.len() + OTHERS;
     for dof in deck.deck.model().dofs() {
-        if shown.len() >= NODES {
+        if shown.len() >= most {
             break;
         }
         shown.insert(dof.node);
     }
     let positions = deck.deck.positions();
     let place = |node: u32| positions.get(&node).map(|[x, y, z]| (node, *x, *y, *z));
-    let rows = rows.into_iter().map(|(row, nodes)| (row + 1, nodes.into_iter().collect())).collect();
+    let rows = rows.into_iter().map(|(row, nodes)| (row, nodes.into_iter().collect())).collect();
     (shown.into_iter().filter_map(place).collect(), rows)
 }

@@ -18,7 +18,7 @@ use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
 use crate::wording::EquationLookup;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs};
-pub use confidence::exact_rank;
+use confidence::exact_rank;
 pub use summary::verdict;
 
 /// Columns of lists of rows, members and DOFs; sentences are not limited.
@@ -63,20 +63,36 @@ pub fn member_name(system: &ConstraintSystem, member: Member) -> String {
 /// The report of one process.
 pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> String {
     let explain = |row| diagnosis.analysis.explain(row).ok().flatten();
-    let list = EquationList {
+    let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
+    whole(&list(diagnosis, &explain), report, outcome, &sections, doubts(diagnosis, report))
+}
+
+/// The last lines of the text report, without their indentation: certainty, presolve, backend and time, and what to do next.
+pub fn last_lines(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> [Vec<String>; 2] {
+    let list = list(diagnosis, &|_| None);
+    let plain = |lines: Vec<String>| lines.iter().map(|line| line.trim().to_owned()).collect();
+    let facts = std::iter::once(summary::input(report)).chain(facts(&list, report, doubts(diagnosis, report)));
+    [plain(facts.collect()), plain(next::lines(&list, report, outcome))]
+}
+
+fn list<'a>(diagnosis: &'a Diagnosis, explain: &'a dyn Fn(usize) -> Option<Explanation>) -> EquationList<'a> {
+    EquationList {
         input: &diagnosis.args.input,
         deck: diagnosis.deck.as_ref(),
         tolerance: diagnosis.options.tolerance,
         equations: &diagnosis.system,
         dependent: diagnosis.analysis.dependent().iter().map(DependentRow::from).collect(),
         system: Some(&diagnosis.system),
-        explain: &explain,
-    };
-    let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
+        explain,
+    }
+}
+
+/// Lines about doubts, which may be none.
+fn doubts(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let mut doubts = confidence::near_dependence(diagnosis, report);
     doubts.extend(exact_rank(diagnosis, report));
     doubts.extend(confidence::noise(diagnosis, report));
-    whole(&list, report, outcome, &sections, doubts)
+    doubts
 }
 
 /// The report with sections of a deck and lines about doubts, which may be empty.
@@ -88,7 +104,8 @@ pub fn whole(
     doubts: Vec<String>,
 ) -> String {
     let first = [verdict(report, list.deck), summary::input(report)];
-    let last = rest(list, report, outcome, doubts);
+    let mut last = facts(list, report, doubts);
+    last.extend(next::lines(list, report, outcome));
     let generated = dependent::generated_conditions(report);
     let room = LINES.saturating_sub(first.len() + generated.len() + last.len());
     let (least, wanted) = section_needs(sections);
@@ -108,8 +125,8 @@ fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
     lines
 }
 
-/// The last lines: confidence, backend, time and advice.
-fn rest(list: &EquationList, report: &Report, outcome: &CommandOutcome, doubts: Vec<String>) -> Vec<String> {
+/// Lines about confidence, backend and time.
+fn facts(list: &EquationList, report: &Report, doubts: Vec<String>) -> Vec<String> {
     let mut lines = Vec::new();
     if report.input.rows > 0 {
         lines.extend(confidence::rank(list, report));
@@ -122,6 +139,5 @@ fn rest(list: &EquationList, report: &Report, outcome: &CommandOutcome, doubts: 
     lines.extend(summary::unmet_preferences(report));
     lines.extend(summary::factored_blocks(report));
     lines.push(summary::time(report));
-    lines.extend(next::lines(list, report, outcome));
     lines
 }

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use qless::report::{ChangeFinding, RepairFinding};
+use qless::report::RepairFinding;
 use qless::{Effort, Report, Status};
 
 use super::super::CommandOutcome;
 use super::EquationList;
 use crate::deck_input::DeckInput;
-use crate::wording::count;
 use crate::wording::layout::width;
 use crate::wording::printable;
+use crate::wording::{change, count};
 use crate::wording::{label, number, rough};
 
 /// The files that the command wrote, or advice for the next step.
@@ -95,7 +95,7 @@ fn next(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Vec<Str
 /// The most plausible way to cure some conflicts, and the number of other ways.
 fn repair_lines(repair: &RepairFinding) -> Vec<String> {
     let way = &repair.ways[0];
-    let shown = way.iter().take(REPAIRS).map(change);
+    let shown = way.iter().take(REPAIRS).map(|one| change(one, label));
     let mut lines: Vec<String> = shown.map(|change| format!("  {change}")).collect();
     let more = way.len().saturating_sub(REPAIRS);
     let more = if more > 0 { format!(" with {} more (--format json)", count(more, "change")) } else { String::new() };
@@ -119,23 +119,6 @@ fn repair_lines(repair: &RepairFinding) -> Vec<String> {
         }
     }
     lines
-}
-
-/// `change 4:1 in line 17 *BOUNDARY from 0.5 to 0`.
-fn change(change: &ChangeFinding) -> String {
-    match change {
-        ChangeFinding::Prescribed { label: dof, place, from, to, .. } => {
-            let place = place.as_ref().map_or_else(String::new, |place| format!(" in {}", label(place)));
-            format!("change {}{place} from {} to {}", label(dof), number(*from), number(*to))
-        }
-        ChangeFinding::Equation { row, label: name, from, to } => {
-            let number_of_row = format!("row {row}");
-            let name =
-                if *name == number_of_row { number_of_row } else { format!("{number_of_row} \"{}\"", label(name)) };
-            format!("change the right-hand side of {name} from {} to {}, or leave it out", number(*from), number(*to))
-        }
-        _ => String::new(),
-    }
 }
 
 fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> String {

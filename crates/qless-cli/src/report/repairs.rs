@@ -1,0 +1,63 @@
+//! Repairs of conflicts in words, for all reports but the text, which has less room.
+
+use qless::Report;
+use qless::report::{ChangeFinding, RepairFinding};
+use serde::Serialize;
+
+use crate::wording::{change, printable};
+
+/// Ways to cure conflicts that have numbers in common.
+#[derive(Serialize)]
+pub struct RepairWords {
+    /// The conflicting rows that each way cures, from 1.
+    pub rows: Vec<usize>,
+    /// The ways, the most plausible one first.
+    pub ways: Vec<String>,
+    /// Number of ways that are not listed.
+    pub more: usize,
+}
+
+impl RepairWords {
+    /// The repairs of a report, as far as ways are known.
+    pub fn all(report: &Report) -> Vec<Self> {
+        report.repairs.iter().filter_map(Self::new).collect()
+    }
+
+    /// `None` if no way is known.
+    pub fn new(repair: &RepairFinding) -> Option<Self> {
+        let of_way = |way: &Vec<ChangeFinding>| {
+            let changes: Vec<String> = way.iter().map(|one| change(one, printable::line)).collect();
+            changes.join("; and ")
+        };
+        let ways: Vec<String> = repair.ways.iter().map(of_way).collect();
+        let more = repair.count.saturating_sub(ways.len());
+        (!ways.is_empty()).then(|| Self { rows: repair.conflicts.clone(), more, ways })
+    }
+
+    /// `cure: change 4:1 from 0.5 to 0 (4 other ways cure too)`.
+    pub fn short(&self) -> String {
+        let others = match self.ways.len() - 1 + self.more {
+            0 => String::new(),
+            1 => " (1 other way cures too)".to_owned(),
+            n => format!(" ({n} other ways cure too)"),
+        };
+        format!("cure: {}{others}", self.ways[0])
+    }
+
+    /// `Each of these 5 ways cures it, and rows 52, 79:` for one of its rows.
+    pub fn heading(&self, row: usize) -> String {
+        /// Most rows that are named.
+        const NAMED: usize = 12;
+        let these = match self.ways.len() + self.more {
+            1 => "This cures it".to_owned(),
+            n => format!("Each of these {n} ways cures it"),
+        };
+        let others: Vec<String> = self.rows.iter().filter(|&&other| other != row).map(usize::to_string).collect();
+        match others.len() {
+            0 => format!("{these}:"),
+            1 => format!("{these}, and row {}:", others[0]),
+            2..=NAMED => format!("{these}, and rows {}:", others.join(", ")),
+            n => format!("{these}, and {n} other conflicts:"),
+        }
+    }
+}
