@@ -174,8 +174,9 @@ pub struct DiffArgs {
 #[derive(Args, Clone)]
 #[expect(clippy::struct_excessive_bools, reason = "the options are independent of each other")]
 pub struct ModelArgs {
-    /// Deck (CalculiX, Abaqus, Nastran or ANSYS; its first cards decide), matrix C (.mtx), or folder with C.mtx and, if needed, b.txt,
-    /// prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is standard input
+    /// Deck (CalculiX, Abaqus, Nastran, ANSYS or LS-DYNA; its first cards decide), matrix C (.mtx), relations with names (.rel), or
+    /// folder with C.mtx and, if needed, b.txt, prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is
+    /// standard input
     pub input: PathBuf,
     /// Right-hand side b, one number per line [default: b.txt of a folder, else zeros]
     #[arg(long, value_name = "FILE")]
@@ -216,8 +217,8 @@ pub struct ModelArgs {
     /// (equations that begin with this DOF), and names of node sets; for a folder also labels of rows.txt
     #[arg(long, value_name = "LIST", value_parser = words)]
     pub keep: Option<WordList>,
-    /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct or ansys [default: ccx, nastran or ansys, by the
-    /// format of the deck]
+    /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct, ansys or lsdyna [default: ccx, nastran, ansys or
+    /// lsdyna, by the format of the deck]
     #[arg(long, value_name = "NAME")]
     pub solver: Option<Solver>,
     /// Take the exit code from the equations that were read, even if other constraints were left out; reduce then writes its files
