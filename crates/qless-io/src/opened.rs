@@ -90,8 +90,8 @@ impl Opened {
         Ok(deck::parse(solver, &path, text, &mut |file: &Path| bytes::read(file))?)
     }
 
-    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`] does; or relations, which have
-    /// both in their own file.
+    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`] does; or relations, which
+    /// have both in their own file.
     ///
     /// # Errors
     /// [`ReadError`]: the file is a deck, is malformed, or needs no other files.

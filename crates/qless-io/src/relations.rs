@@ -1,5 +1,5 @@
-//! Named relations: `sum a_j u_j = b`, one a line, with names of DOFs and relations. Codes whose decks are programs, such as `code_aster` or
-//! scripts of Abaqus, can print their assembled relations in this form.
+//! Named relations: `sum a_j u_j = b`, one a line, with names of DOFs and relations. Codes whose decks are programs, such as
+//! `code_aster` or scripts of Abaqus, can print their assembled relations in this form.
 //!
 //! ```text
 //! # relations
@@ -16,8 +16,9 @@
 //! | right-hand side | `=` and a number |
 //! | comment | from a word that starts with `#` or `%` to the end of the line |
 //!
-//! Blanks separate words, because names may contain most characters: `a - b` is a difference, `a-b` a name. A sign may also be part of a
-//! number. A DOF may have several prescribed values; those that contradict the first become relations, so that they are reported as conflicts.
+//! Blanks separate words, because names may contain most characters: `a - b` is a difference, `a-b` a name. A sign may also be
+//! part of a number. A DOF may have several prescribed values; those that contradict the first become relations, so that they are
+//! reported as conflicts.
 //!
 //! A file holds relations if its name ends with `.rel`, or if its first line is `# relations`.
 //!

@@ -36,7 +36,9 @@ fn shells_and_free_nodes_rotate_and_releases_are_left_out() {
 fn supports_of_the_centre_of_mass_need_the_centre() {
     let held =
         "*CONSTRAINED_NODAL_RIGID_BODY_SPC_INERTIA\n3\n1,7,0\n.5,.5,1.,2.\n1.,0.,0.,1.,0.,1.\n0.,0.,0.,0.,0.,0.\n";
-    assert_eq!(prescribed(&cube(held)), ["body 3:1=0", "body 3:2=0", "body 3:3=0"]);
+    for cards in [held.to_owned(), held.replace("1.,2.\n", "1.,2.,1\n") + "1.5,0.,0.,0.,1.,0.\n"] {
+        assert_eq!(prescribed(&cube(&cards)), ["body 3:1=0", "body 3:2=0", "body 3:3=0"]);
+    }
     // Without the centre, translations are known only if the body cannot rotate.
     let fixed = cube("*CONSTRAINED_NODAL_RIGID_BODY_SPC\n3\n1,7,7\n");
     assert_eq!((prescribed(&fixed).len(), left_out(&fixed).len()), (6, 0));

@@ -165,3 +165,55 @@ fn order_line_ends_includes_and_field_formats_change_nothing() {
         }
     }
 }
+
+/// Packed and encoded files are read as plain ones.
+#[test]
+fn compression_and_encoding_change_nothing() {
+    let text = format!("*KEYWORD\n{}*END\n", blocks(&mut Rng::new(3)).concat());
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    std::io::Write::write_all(&mut packed, text.as_bytes()).expect("packed");
+    let utf16 = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    for (name, bytes) in
+        [("a.k.gz", packed.finish().expect("packed")), ("a.key", utf16), ("a.dyn", text.replace('\n', "\r").into())]
+    {
+        let path = place.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        let deck = qless_io::deck::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(content(deck.model()), content(&model(&text)), "{name}");
+    }
+}
+
+/// Ties on a plane surface reproduce every linear field.
+#[test]
+fn tied_nodes_follow_linear_fields() {
+    let mut rng = Rng::new(23);
+    for seed in 0..COUNT {
+        let mut text = "*KEYWORD\n*NODE\n".to_owned();
+        let mut positions: Vec<[f64; 3]> = (0..16).map(|k| [f64::from(k % 4), f64::from(k / 4), 0.0]).collect();
+        // Points inside of the surface, at small distances from it.
+        let mut at = |count: usize, scale: f64| rng.below(count) as f64 * scale;
+        let points = (0..10).map(|_| [at(301, 0.01), at(301, 0.01), at(11, 0.001)]);
+        positions.extend(points.collect::<Vec<_>>());
+        for (k, [x, y, z]) in positions.iter().enumerate() {
+            writeln!(text, "{},{x},{y},{z}", k + 1).expect("a string");
+        }
+        text += "*SET_SEGMENT\n1\n";
+        for k in (1..=11).filter(|k| k % 4 != 0) {
+            writeln!(text, "{k},{},{},{}", k + 1, k + 5, k + 4).expect("a string");
+        }
+        let nodes: Vec<String> = (17..=26).map(|node| node.to_string()).collect();
+        text += &format!("*SET_NODE\n2\n{}\n{}\n", nodes[..8].join(","), nodes[8..].join(","));
+        let model = model(&(text + "*CONTACT_TIED_NODES_TO_SURFACE\n2,1,4,0\n"));
+        assert_eq!((model.equations(), analysis(&model).rank()), (30, 30), "seed {seed}");
+        for i in 0..30 {
+            let equation = model.equation(i).expect("an equation");
+            let field = |&j: &u32| {
+                let [x, y, _] = positions[model.dofs()[j as usize].node as usize - 1];
+                1.0 + 0.5 * x - 2.0 * y
+            };
+            let sum: f64 = equation.columns.iter().zip(equation.coefficients).map(|(j, a)| a * field(j)).sum();
+            assert!(sum.abs() < 1e-12, "seed {seed}, equation {i}: {sum}");
+        }
+    }
+}

@@ -34,8 +34,9 @@ pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Unreco
     let mut is_possible = false;
     for line in lines(text).take(LINES) {
         let says = |format: Format| evidence(format, line);
-        if let Some(format) = expected.filter(|&format| says(format) == Evidence::Shared) {
-            return Ok(format);
+        if expected.is_some_and(|format| says(format) == Evidence::Shared) {
+            is_possible = true;
+            continue;
         }
         let certain: Vec<Format> = Format::ALL.into_iter().filter(|&f| says(f) == Evidence::Certain).collect();
         match (certain.as_slice(), expected) {
@@ -215,7 +216,9 @@ mod tests {
         assert!(format_of(both, None).is_err());
         // *NODE is a card of CalculiX and of LS-DYNA.
         assert_eq!(format_of(b"*NODE\n1,0.,0.,0.\n", Some(Format::LsDyna)), Ok(Format::LsDyna));
-        assert_eq!(format_of(b"*NODE, NSET=A\n1,0.,0.,0.\n", Some(Format::LsDyna)), Ok(Format::Calculix));
+        for certain in ["*NODE, NSET=A\n1,0.,0.,0.\n", "*NODE\n1,0.,0.,0.\n*EQUATION\n2\n"] {
+            assert_eq!(format_of(certain.as_bytes(), Some(Format::LsDyna)), Ok(Format::Calculix), "{certain}");
+        }
         // A keyword that is in none of the lists.
         assert_eq!(format_of(b"*NOVELTY\n", Some(Format::Calculix)), Ok(Format::Calculix));
         assert!(format_of(b"*NOVELTY\n", None).is_err());

@@ -52,15 +52,15 @@ const WHOLE: usize = usize::MAX;
 /// What is left out if the lines that follow are not understood either.
 const REST: &str = "left out, with the rest of the card";
 
-/// The reader of a keyword without `_ID` and `_TITLE`. `*PART` and `*BOUNDARY_SPC` with times have more lines.
+/// The reader of a keyword without `_ID` and `_TITLE`. The lines of a `*PART` depend on its options: see [`part_lines`].
 fn card_reader(name: &str) -> Option<CardReader> {
     Some(match name {
         "NODE" => (1, prescribed::node),
         "MAT_RIGID" | "MAT_020" => (WHOLE, body::material),
         "CONSTRAINED_NODAL_RIGID_BODY" => (1, body::nodal),
         "CONSTRAINED_NODAL_RIGID_BODY_SPC" => (2, body::nodal_held),
-        "CONSTRAINED_NODAL_RIGID_BODY_INERTIA" => (4, body::nodal),
-        "CONSTRAINED_NODAL_RIGID_BODY_SPC_INERTIA" => (5, body::nodal_held),
+        "CONSTRAINED_NODAL_RIGID_BODY_INERTIA" => (WHOLE, body::nodal),
+        "CONSTRAINED_NODAL_RIGID_BODY_SPC_INERTIA" => (WHOLE, body::nodal_held),
         "CONSTRAINED_EXTRA_NODES_NODE" => (1, body::extra_node),
         "CONSTRAINED_EXTRA_NODES_SET" => (1, body::extra_set),
         "CONSTRAINED_RIGID_BODIES" => (1, body::merged),

@@ -3,7 +3,7 @@
 //! ```text
 //! *CONSTRAINED_NODAL_RIGID_BODY    PID, CID, NSID, PNODE, IPRT, DRFLAG, RRFLAG
 //!   with _SPC                      CMO, CON1, CON2
-//!   with _INERTIA                  XC, YC, ZC, TM, IRCS, NODEID; 2 more lines
+//!   with _INERTIA                  XC, YC, ZC, TM, IRCS, NODEID; 2 or 3 more lines; one body a card
 //! *CONSTRAINED_EXTRA_NODES_NODE    PID, NID, IFLAG
 //! *CONSTRAINED_EXTRA_NODES_SET     PID, NSID, IFLAG
 //! *CONSTRAINED_RIGID_BODIES        PIDL, PIDC, IFLAG
@@ -65,8 +65,8 @@ pub fn nodal_held(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<Group
 fn held_at_centre(line: &DynaLine) -> Result<Components, Gap> {
     match line.number(0)?.unwrap_or(0.0) {
         0.0 => Ok(Components::default()),
-        option if option > 0.0 => Ok(coded(line, 1, 1)?.or(coded(line, 2, 4)?)),
-        _ => Err(Gap::Unread("holds the body in local directions".into())),
+        1.0 => Ok(coded(line, 1, 1)?.or(coded(line, 2, 4)?)),
+        other => Err(Gap::Unread(format!("holds the body with CMO = {other}"))),
     }
 }
 

@@ -1,5 +1,5 @@
-//! `*CONTACT_TIED_NODES_TO_SURFACE` and `*CONTACT_TIED_SURFACE_TO_SURFACE`: the translations of each slave node follow the nearest point of a
-//! master segment, `u_s = sum N_i u_i`. The solver moves the node to this point.
+//! `*CONTACT_TIED_NODES_TO_SURFACE` and `*CONTACT_TIED_SURFACE_TO_SURFACE`: the translations of each slave node follow the nearest
+//! point of a master segment, `u_s = sum N_i u_i`. The solver moves the node to this point.
 //!
 //! ```text
 //! line 1   SSID, MSID, SSTYP, MSTYP     types: 0 segment set, 2 part set, 3 part, 4 node set

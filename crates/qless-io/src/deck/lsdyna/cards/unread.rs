@@ -16,7 +16,7 @@ const CHANGES: &str = "changes which parts are rigid, and is not understood";
 const ELSEWHERE: &str = "includes a file in a way that is not understood";
 
 /// Starts of keywords, the first match counts; without a reason, the card is no constraint.
-const STARTS: [(&str, &str); 14] = [
+const STARTS: [(&str, &str); 13] = [
     ("CONSTRAINED_JOINT_STIFFNESS", ""),
     ("CONSTRAINED_RIGID_BODY_STOPPERS", ""),
     ("CONSTRAINED_", UNKNOWN),
@@ -29,6 +29,5 @@ const STARTS: [(&str, &str); 14] = [
     ("PART_MODES", UNKNOWN),
     ("MAT_RIGID_DISCRETE", UNKNOWN),
     ("NODE_", MOVES),
-    ("INCLUDE_PATH", ""),
     ("INCLUDE_", ELSEWHERE),
 ];

@@ -87,7 +87,7 @@ impl DynaMesh {
                 Ok(())
             }
             _ if name.starts_with("ELEMENT_") => self.elements(card, lines),
-            _ if name.starts_with("PART") => {
+            _ if name == "PART" || name.starts_with("PART_") => {
                 part_lines(card, parameters)?.into_iter().try_for_each(|(line, inertia)| {
                     let centre = inertia.map(|line| self.centre(&line)).transpose()?;
                     self.parts.insert(line.id(0)?, DynaPart { material: line.id(2)?, centre });
@@ -244,7 +244,8 @@ fn option_lines(kind: ElementKind, option: &str) -> Option<usize> {
 /// The line with the numbers of a part, and the line with its centre of mass.
 pub type PartLines<'a> = (DynaLine<'a>, Option<DynaLine<'a>>);
 
-/// Parts of a card: a line with a title, a line with numbers, and more lines for options. Other options than these do not make a part rigid.
+/// Parts of a card: a line with a title, a line with numbers, and more lines for options. Cards with other options than these make
+/// no part rigid.
 pub fn part_lines<'a>(card: &'a DynaCard, parameters: &'a Parameters) -> Result<Vec<PartLines<'a>>, LineFault> {
     let options: Vec<&str> = card.keyword.split('_').skip(1).collect();
     if options.iter().any(|option| !["INERTIA", "REPOSITION", "CONTACT", "PRINT"].contains(option)) {

@@ -56,6 +56,8 @@ fn raw_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
 pub struct DynaCards {
     pub all: Vec<DynaCard>,
     pub parameters: Parameters,
+    /// Folders of `*INCLUDE_PATH`.
+    folders: Vec<String>,
 }
 
 impl DynaCards {
@@ -100,11 +102,22 @@ impl DynaCards {
                 "KEYWORD" => width = deck_width(&words, width),
                 "INCLUDE" => {
                     for (name, line) in file_names(&card) {
-                        let inner = sources.include(&name, file, line as usize, depth)?;
+                        let mut find = |name: &str| sources.include(name, file, line as usize, depth);
+                        let inner = match find(&name) {
+                            Ok(inner) => inner,
+                            Err(error) => {
+                                let below = self.folders.iter().map(|folder| format!("{folder}/{name}"));
+                                below.into_iter().find_map(|name| find(&name).ok()).ok_or(error)?
+                            }
+                        };
                         self.file(sources, (inner, depth + 1), width)?;
                     }
                 }
-                "PARAMETER" | "PARAMETER_LOCAL" => self.parameters(&card),
+                "INCLUDE_PATH" | "INCLUDE_PATH_RELATIVE" => {
+                    self.folders.extend(file_names(&card).into_iter().map(|(name, _)| name))
+                }
+                "PARAMETER" | "PARAMETER_LOCAL" => self.parameters(&card, 4),
+                "PARAMETER_EXPRESSION" | "PARAMETER_EXPRESSION_LOCAL" => self.parameters(&card, 1),
                 _ => self.all.push(card),
             }
             line += memchr::memchr_iter(b'\n', &text[at..next]).count();
@@ -113,11 +126,11 @@ impl DynaCards {
         Ok(())
     }
 
-    /// `*PARAMETER`: pairs of a name, which starts with the letter of its type, and a value.
-    fn parameters(&mut self, card: &DynaCard) {
+    /// `*PARAMETER`: pairs of a name, which starts with the letter of its type, and a value. An expression is a value only if it is a number.
+    fn parameters(&mut self, card: &DynaCard, pairs: usize) {
         let none = Parameters::default();
         for line in card.filled(&none) {
-            for pair in 0..4 {
+            for pair in 0..pairs {
                 let [_, name @ ..] = line.field(2 * pair) else { continue };
                 self.parameters.insert(name.trim_ascii().to_ascii_uppercase(), line.field(2 * pair + 1).to_vec());
             }
