@@ -54,6 +54,16 @@ fn ansys_decks() {
 }
 
 #[test]
+fn lsdyna_decks() {
+    replay("lsdyna", checks::lsdyna);
+}
+
+#[test]
+fn named_relations() {
+    replay("relations", checks::relations);
+}
+
+#[test]
 fn calls_of_the_library() {
     replay("api", checks::api);
 }

@@ -11,6 +11,7 @@ use super::harness::{HEADER, Place};
 const CALCULIX: &str = "** a deck\n*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n2\n2,1,2.,1,1,-2.\n";
 const NASTRAN: &str =
     "SOL 101\nCEND\nMPC = 1\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMPC,1,1,1,1.,2,1,-1.\nENDDATA\n";
+const LS_DYNA: &str = "*KEYWORD\n*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*CONSTRAINED_LINEAR_GLOBAL\n4\n1,1,1.\n2,1,-1.\n*END\n";
 const ANSYS: &str = "/PREP7\nN,1,0,0,0\nN,2,1,0,0\nCE,1,0,1,UX,1,2,UX,-1\n";
 
 fn packed(bytes: &[u8]) -> Vec<u8> {
@@ -27,9 +28,16 @@ fn utf16(text: &str, mark: [u8; 2], unit: fn(u16) -> [u8; 2]) -> Vec<u8> {
 fn the_first_cards_decide_and_not_the_ending() {
     let place = Place::new();
     let matrix = format!("{HEADER}1 2 2\n1 1 1\n1 2 -1\n");
-    for (text, solver) in [(CALCULIX, Some("ccx")), (NASTRAN, Some("nastran")), (ANSYS, Some("ansys")), (&matrix, None)]
-    {
-        for name in ["a.inp", "a.dat", "a.bdf", "a.cdb", "a.mtx", "a.txt", "a"] {
+    let relations = "# relations\na - b = 0\n";
+    for (text, solver) in [
+        (CALCULIX, Some("ccx")),
+        (NASTRAN, Some("nastran")),
+        (ANSYS, Some("ansys")),
+        (LS_DYNA, Some("lsdyna")),
+        (&matrix, None),
+        (relations, None),
+    ] {
+        for name in ["a.inp", "a.dat", "a.bdf", "a.cdb", "a.mtx", "a.key", "a.txt", "a"] {
             place.file(name, text);
             let run = place.run(&format!("check -q {name} --format json"));
             assert_eq!(run.code, 0, "{name}: {}", run.err);
@@ -113,7 +121,7 @@ fn what_is_nothing_known_says_what_was_seen() {
         (&noise, "starts with the bytes"),
         (b"Dear all,\nhere is the deck.\n", "line 1 is `Dear all,`"),
         (b"** comments\n** alone\n", "line 1 is `** comments`"),
-        (b"*KEYWORD\n*NODE\n1,0.,0.,0.\n", "an LS-DYNA deck"),
+        (b"#RADIOSS STARTER\n/BEGIN\n", "a Radioss deck"),
         (&utf16(CALCULIX, *b"**", u16::to_le_bytes), "zero bytes, as in UTF-16"),
         (b"\xff\xfe*\0N", "ends within a character"),
         (&packed(CALCULIX.as_bytes())[..40], "gzip data, which are damaged"),
@@ -145,11 +153,14 @@ fn a_bomb_is_left_unread() {
 #[test]
 fn a_solver_reads_its_own_format() {
     let place = Place::new();
-    place.file("a.inp", CALCULIX).file("a.bdf", NASTRAN).file("a.cdb", ANSYS).paper("case", 1.0);
-    for (deck, solvers) in
-        [("a.inp", &["ccx", "abaqus"][..]), ("a.bdf", &["nastran", "mystran", "optistruct"]), ("a.cdb", &["ansys"])]
-    {
-        for solver in ["ccx", "abaqus", "nastran", "mystran", "optistruct", "ansys"] {
+    place.file("a.inp", CALCULIX).file("a.bdf", NASTRAN).file("a.cdb", ANSYS).file("a.k", LS_DYNA).paper("case", 1.0);
+    for (deck, solvers) in [
+        ("a.inp", &["ccx", "abaqus"][..]),
+        ("a.bdf", &["nastran", "mystran", "optistruct"]),
+        ("a.cdb", &["ansys"]),
+        ("a.k", &["lsdyna"]),
+    ] {
+        for solver in ["ccx", "abaqus", "nastran", "mystran", "optistruct", "ansys", "lsdyna"] {
             let run = place.run(&format!("check -q {deck} --format json --solver {solver}"));
             if solvers.contains(&solver) {
                 assert_eq!((run.code, run.json()["solver"]["name"].as_str()), (0, Some(solver)));
@@ -164,10 +175,15 @@ fn a_solver_reads_its_own_format() {
             }
         }
     }
+    place.file("ties.rel", "a - b = 0\n");
     for (arguments, parts) in [
         ("check a.inp --solver ansis", ["`ansis` is not a known solver", "mystran"]),
         ("check case --solver ccx", ["case", "--solver and --case need a deck"]),
         ("check case --case 1", ["case", "--solver and --case need a deck"]),
+        ("check ties.rel --solver ccx", ["ties.rel", "--solver and --case need a deck"]),
+        ("check ties.rel --rhs b.txt", ["ties.rel", "relations have their own values; leave out --rhs"]),
+        ("clean ties.rel -o out.rel", ["ties.rel", "for a matrix or relations use `qless reduce`"]),
+        ("clean a.k -o b.k", ["a.k", "decks of LS-DYNA are read, but not written"]),
     ] {
         let run = place.run(arguments);
         assert!(run.code == 2 && parts.iter().all(|part| run.err.contains(part)), "{arguments}: {}", run.err);
@@ -192,4 +208,32 @@ fn a_deck_without_equations_is_no_mistake() {
     );
     assert!(run.out.ends_with("Next: nothing to mend.\n") && !run.out.contains("exported"), "{}", run.out);
     assert!(place.run("check -q case").out.contains("check that the equations were exported"));
+}
+
+/// Labels and names of relations are those of every report.
+#[test]
+fn relations_keep_their_names() {
+    let place = Place::new();
+    place.file(
+        "ties.rel",
+        "# a loop of ties\ntie_1: 1.0 N12.DX - 1.0 N13.DX = 0.5\ntie_2: 1.0 N13.DX - 1.0 N14.DX = 0\n\
+         tie_3: 2.0 N12.DX - 2.0 N14.DX = 3\nN14.DX = 0\n",
+    );
+    let run = place.run("check -q ties.rel");
+    assert_eq!(run.code, 1, "{}", run.err);
+    let because = "row 3 \"tie_3\" = 2 * row 1 \"tie_1\" + 2 * row 2 \"tie_2\"";
+    assert!(run.out.contains(because), "{}", run.out);
+    let report = place.run("check -q ties.rel --format json").json();
+    assert!(report["status"] == "conflicting" && report.to_string().contains("N12.DX"), "{report}");
+    let why = place.run("explain -q ties.rel N13.DX");
+    assert!(why.out.contains("N13.DX") && why.out.contains("tie_"), "{}{}", why.out, why.err);
+    place.file(
+        "sound.rel",
+        "tie_1: 1.0 N12.DX - 1.0 N13.DX = 0.5\ntie_2: 1.0 N13.DX - 1.0 N14.DX = 0\nN15.DX - N14.DX = 0\n",
+    );
+    assert_eq!(place.run("reduce -q sound.rel -o out --prefer-slaves N12.DX,N13.DX").code, 0);
+    let slaves = fs::read_to_string(place.path("out/slaves.txt")).expect("written");
+    assert_eq!(slaves.lines().filter(|line| !line.starts_with('#')).count(), 3, "{slaves}");
+    assert_eq!(place.run("diff -q sound.rel sound.rel").code, 0);
+    assert!(place.run_fed("check -q -", b"# relations\na = b\n").err.contains(":2:5: expected a number, found `b`"));
 }

@@ -27,6 +27,11 @@ pub fn ansys(data: &[u8]) {
     deck(Format::Ansys, "deck.cdb", data);
 }
 
+/// Reads an LS-DYNA deck.
+pub fn lsdyna(data: &[u8]) {
+    deck(Format::LsDyna, "deck.k", data);
+}
+
 fn deck(format: Format, name: &str, data: &[u8]) {
     let (main, others) = split(data);
     match read(format, name, main, &others) {

@@ -8,8 +8,10 @@ mod case;
 mod deck;
 mod files;
 mod folder;
+mod relations;
 
 pub use api::api;
 pub use case::case;
-pub use deck::{ansys, calculix, nastran};
+pub use deck::{ansys, calculix, lsdyna, nastran};
 pub use folder::folder;
+pub use relations::relations;

@@ -193,8 +193,9 @@ pub struct DiffArgs {
 /// The model, and options of its analysis.
 #[derive(Args, Clone)]
 pub struct ModelArgs {
-    /// Deck (CalculiX, Abaqus, Nastran or ANSYS; its first cards decide), matrix C (.mtx), or folder with C.mtx and, if needed, b.txt,
-    /// prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is standard input
+    /// Deck (CalculiX, Abaqus, Nastran, ANSYS or LS-DYNA; its first cards decide), matrix C (.mtx), relations with names (.rel), or
+    /// folder with C.mtx and, if needed, b.txt, prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is
+    /// standard input
     pub input: PathBuf,
     /// Right-hand side b, one number per line [default: b.txt of a folder, else zeros]
     #[arg(long, value_name = "FILE")]
@@ -231,8 +232,17 @@ pub struct ModelArgs {
     /// Skip presolve: the backend factors all equations
     #[arg(long, help_heading = FOR_COMPARISON)]
     pub no_presolve: bool,
+<<<<<<< HEAD
     /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct or ansys [default: ccx, nastran or ansys, by the
     /// format of the deck]
+=======
+    /// Equations to keep if others can be called dependent instead, such as 3,7,10-20 (rows, from 1). For a deck also line 41, 5:3
+    /// (equations that begin with this DOF), and names of node sets; for a folder also labels of rows.txt
+    #[arg(long, value_name = "LIST", value_parser = words)]
+    pub keep: Option<WordList>,
+    /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct, ansys or lsdyna [default: ccx, nastran, ansys or
+    /// lsdyna, by the format of the deck]
+>>>>>>> w_h48b
     #[arg(long, value_name = "NAME")]
     pub solver: Option<Solver>,
     /// No progress display

@@ -86,5 +86,5 @@ fn check_format(input: &Path, language: Format, output: &Path) -> Result<(), Cli
 
 fn no_deck(input: &Path) -> CliFailure {
     let input = input.display();
-    CliFailure::Input(format!("{input}: only decks can be cleaned; for a matrix use `qless reduce`"))
+    CliFailure::Input(format!("{input}: only decks can be cleaned; for a matrix or relations use `qless reduce`"))
 }

@@ -109,8 +109,8 @@ impl Input {
         }
         let opened = Opened::read(input, args.solver)?;
         match opened.content() {
-            FileContent::Matrix if needs_deck => Err(no_deck()),
-            FileContent::Matrix => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
+            FileContent::Matrix | FileContent::Relations if needs_deck => Err(no_deck()),
+            FileContent::Matrix | FileContent::Relations => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
             FileContent::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(CliFailure::Input(format!(
                 "{}: --rhs and --prescribed need a .mtx file; a deck has its own values",
                 input.display()

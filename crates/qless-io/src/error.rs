@@ -19,7 +19,12 @@ pub enum ReadError {
         source: io::Error,
     },
     /// The content is malformed.
-    #[error("{}{}: {fault}", path.display(), line.map(|n| format!(":{n}")).unwrap_or_default())]
+    #[error(
+        "{}{}{}: {fault}",
+        path.display(),
+        line.map(|n| format!(":{n}")).unwrap_or_default(),
+        fault.column().map(|n| format!(":{n}")).unwrap_or_default()
+    )]
     Malformed {
         /// The file.
         path: PathBuf,
@@ -39,8 +44,8 @@ pub enum ReadError {
     Deck(#[from] crate::deck::DeckError),
     /// Content that no reader recognises.
     #[error(
-        "{}: cannot tell what this is: {seen}; decks of CalculiX and Abaqus (as .inp), Nastran (.bdf, .dat, .nas) and ANSYS (.cdb) \
-         are read, Matrix Market files (.mtx), and folders with a C.mtx",
+        "{}: cannot tell what this is: {seen}; decks of CalculiX and Abaqus (as .inp), Nastran (.bdf, .dat, .nas), ANSYS (.cdb) \
+         and LS-DYNA (.k) are read, Matrix Market files (.mtx), relations (.rel), and folders with a C.mtx",
         path.display()
     )]
     Unknown {

@@ -161,6 +161,41 @@ pub enum TextFault {
         /// Their sum.
         sum: f64,
     },
+    /// A file of relations without any.
+    #[error("there is no relation; write one a line, such as `tie_1: 1.0 N12.DX - 1.0 N13.DX = 0.5`")]
+    NoRelations,
+    /// A word that does not fit into a relation.
+    #[error(
+        "expected {expected}, found {found}; a relation is `label: 1.0 NAME - 1.0 NAME = 0.5`, with blanks between words"
+    )]
+    Relation {
+        /// Column of the word, in bytes from 1.
+        column: usize,
+        /// What fits.
+        expected: &'static str,
+        /// The word.
+        found: String,
+    },
+    /// A number of a relation that cannot be used.
+    #[error("{found} is no usable number: {problem}")]
+    RelationNumber {
+        /// Column of the number, in bytes from 1.
+        column: usize,
+        /// The text found.
+        found: String,
+        /// What is wrong with it.
+        problem: NumberFault,
+    },
+}
+
+impl TextFault {
+    /// The column of the fault in its line, in bytes from 1, if it is known.
+    pub fn column(&self) -> Option<usize> {
+        match self {
+            Self::Relation { column, .. } | Self::RelationNumber { column, .. } => Some(*column),
+            _ => None,
+        }
+    }
 }
 
 /// A fault in the text of a number.

@@ -38,6 +38,7 @@ mod manifest;
 pub mod matrix_market;
 mod number;
 mod opened;
+pub mod relations;
 pub mod vectors;
 pub mod write;
 

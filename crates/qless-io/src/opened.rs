@@ -8,13 +8,15 @@ use crate::case::CaseFiles;
 use crate::deck::{self, Deck, Format, Solver, format_of};
 use crate::error::read_file;
 use crate::matrix_market::header;
-use crate::{ReadError, bytes};
+use crate::{ReadError, bytes, relations};
 
 /// Content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileContent {
     /// A matrix, in Matrix Market format.
     Matrix,
+    /// Named relations.
+    Relations,
     /// A finite-element deck.
     Deck(Format),
 }
@@ -55,6 +57,7 @@ impl Opened {
         let expected = solver.map(Solver::format).or_else(|| Format::from_path(path));
         let content = match format_of(&text, expected) {
             _ if header::is_present(&text) => FileContent::Matrix,
+            _ if relations::is_relations(path, &text) => FileContent::Relations,
             Ok(format) => FileContent::Deck(format),
             // The reader of matrices explains the fault better.
             Err(_) if is_matrix(path) => FileContent::Matrix,
@@ -75,7 +78,10 @@ impl Opened {
     pub fn into_deck(self, solver: Option<Solver>) -> Result<Deck, ReadError> {
         let Self { path, text, content } = self;
         let FileContent::Deck(format) = content else {
-            return Err(ReadError::OtherContent { path, problem: "it is a matrix; name a deck" });
+            return Err(ReadError::OtherContent {
+                path,
+                problem: "it is a matrix or a list of relations; name a deck",
+            });
         };
         let solver = solver.unwrap_or(format.into());
         if solver.format() != format {
@@ -84,20 +90,26 @@ impl Opened {
         Ok(deck::parse(solver, &path, text, &mut |file: &Path| bytes::read(file))?)
     }
 
-    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`] does.
+    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`] does; or relations, which
+    /// have both in their own file.
     ///
     /// # Errors
-    /// [`ReadError`]: the file is a deck, or is malformed.
+    /// [`ReadError`]: the file is a deck, is malformed, or needs no other files.
     pub fn into_case(self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
         let Self { path, text, content } = self;
         match content {
             FileContent::Matrix => CaseFiles::lone(&path).with(rhs, prescribed).read_from(text),
+            FileContent::Relations if rhs.is_some() || prescribed.is_some() => Err(ReadError::OtherContent {
+                path,
+                problem: "relations have their own values; leave out --rhs and --prescribed",
+            }),
+            FileContent::Relations => relations::parse(&path, &text),
             FileContent::Deck(_) => Err(ReadError::OtherContent { path, problem: "it is a deck; name a matrix" }),
         }
     }
 }
 
-/// Reads a case: a Matrix Market file, or a folder with `C.mtx` and optional files. The path `-` is standard input.
+/// Reads a case: a Matrix Market file, a file of [`relations`], or a folder with `C.mtx` and optional files. The path `-` is standard input.
 /// Text may be packed by gzip, or be UTF-16 with a byte order mark.
 ///
 /// `rhs` and `prescribed` name additional files for a `.mtx` file; for a folder they replace its own. Without a

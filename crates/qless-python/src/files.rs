@@ -52,7 +52,7 @@ fn content(path: &Path, solver: Option<&str>, case: Option<&str>) -> Result<Cont
         return Ok((read_case(path, None, None)?, Vec::new(), Vec::new()));
     }
     let opened = Opened::read(path, solver)?;
-    if opened.content() == FileContent::Matrix {
+    if matches!(opened.content(), FileContent::Matrix | FileContent::Relations) {
         return Ok((opened.into_case(None, None)?, Vec::new(), Vec::new()));
     }
     let deck = opened.into_deck(solver)?;

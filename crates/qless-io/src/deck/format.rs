@@ -14,11 +14,13 @@ pub enum Format {
     Ansys,
     /// Nastran, `.bdf`, `.dat`, `.nas`.
     Nastran,
+    /// LS-DYNA keyword files, `.k`, `.key`, `.dyn`.
+    LsDyna,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 3] = [Self::Calculix, Self::Ansys, Self::Nastran];
+    pub const ALL: [Self; 4] = [Self::Calculix, Self::Ansys, Self::Nastran, Self::LsDyna];
 
     /// The format for the ending of a path, without `.gz`.
     pub fn from_path(path: &Path) -> Option<Self> {
@@ -29,6 +31,7 @@ impl Format {
             "inp" => Some(Self::Calculix),
             "cdb" => Some(Self::Ansys),
             "bdf" | "dat" | "nas" | "fem" => Some(Self::Nastran),
+            "k" | "key" | "dyn" => Some(Self::LsDyna),
             _ => None,
         }
     }
@@ -40,6 +43,7 @@ impl std::fmt::Display for Format {
             Self::Calculix => "CalculiX or Abaqus",
             Self::Ansys => "ANSYS",
             Self::Nastran => "Nastran",
+            Self::LsDyna => "LS-DYNA",
         })
     }
 }
@@ -60,16 +64,19 @@ pub enum Solver {
     Optistruct,
     /// ANSYS Mechanical APDL.
     Ansys,
+    /// LS-DYNA.
+    LsDyna,
 }
 
 /// The name of no known [`Solver`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a known solver; use one of ccx, abaqus, nastran, mystran, optistruct, ansys")]
+#[error("`{0}` is not a known solver; use one of ccx, abaqus, nastran, mystran, optistruct, ansys, lsdyna")]
 pub struct UnknownSolver(String);
 
 impl Solver {
     /// All solvers.
-    pub const ALL: [Self; 6] = [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys];
+    pub const ALL: [Self; 7] =
+        [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys, Self::LsDyna];
 
     /// The solvers that read a format.
     pub fn that_read(format: Format) -> impl Iterator<Item = Self> {
@@ -82,6 +89,7 @@ impl Solver {
             Self::Ccx | Self::Abaqus => Format::Calculix,
             Self::Nastran | Self::Mystran | Self::Optistruct => Format::Nastran,
             Self::Ansys => Format::Ansys,
+            Self::LsDyna => Format::LsDyna,
         }
     }
 
@@ -94,6 +102,7 @@ impl Solver {
             Self::Mystran => "mystran",
             Self::Optistruct => "optistruct",
             Self::Ansys => "ansys",
+            Self::LsDyna => "lsdyna",
         }
     }
 }
@@ -105,6 +114,7 @@ impl From<Format> for Solver {
             Format::Calculix => Self::Ccx,
             Format::Nastran => Self::Nastran,
             Format::Ansys => Self::Ansys,
+            Format::LsDyna => Self::LsDyna,
         }
     }
 }

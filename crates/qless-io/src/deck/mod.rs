@@ -10,6 +10,7 @@
 //! | `faults`, `solver` | faults of equations; the reactions of solvers |
 //! | `plan` | changes that make the equations independent |
 //! | `calculix`, `nastran`, `ansys` | readers and writers of `.inp`; `.bdf`, `.dat`, `.nas`, `.fem`; `.cdb` |
+//! | `lsdyna` | reader of `.k`, `.key`, `.dyn` |
 //! | [`clean`] | writes a cleaned deck, and proves that it constrains the same |
 //!
 //! The first cards of a deck decide its format; if they do not, the requested solver does, or else the ending. Text
@@ -31,6 +32,7 @@ mod faults;
 mod format;
 mod kinematics;
 mod limits;
+mod lsdyna;
 mod model;
 mod nastran;
 mod paged_list;
@@ -99,11 +101,12 @@ impl Deck {
             Format::Calculix => calculix::positions(self),
             Format::Nastran => nastran::positions(self),
             Format::Ansys => ansys::positions(self),
+            Format::LsDyna => lsdyna::positions(self),
         }
     }
 
-    /// Nodes of a set, by name in any case: `*NSET` in CalculiX and Abaqus, components in ANSYS. Nastran decks have no
-    /// named sets.
+    /// Nodes of a set, by name in any case: `*NSET` in CalculiX and Abaqus, components in ANSYS, the number of `*SET_NODE` in LS-DYNA.
+    /// Nastran decks have no named sets.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -117,6 +120,7 @@ impl Deck {
         match self.format() {
             Format::Calculix => calculix::node_set(self, name),
             Format::Ansys => ansys::node_sets(self).remove(&name.to_ascii_uppercase()),
+            Format::LsDyna => lsdyna::node_set(self, name),
             Format::Nastran => None,
         }
     }
@@ -126,6 +130,7 @@ impl Deck {
         match self.format() {
             Format::Calculix => calculix::node_set_names(self),
             Format::Ansys => ansys::node_sets(self).into_keys().collect(),
+            Format::LsDyna => lsdyna::node_set_names(self),
             Format::Nastran => Vec::new(),
         }
     }
@@ -154,5 +159,6 @@ fn read_model(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError>
         Format::Calculix => calculix::read(sources),
         Format::Ansys => ansys::read(sources, others),
         Format::Nastran => nastran::read(sources),
+        Format::LsDyna => lsdyna::read(sources),
     }
 }

@@ -8,6 +8,8 @@ mod corpus;
 mod hostile;
 /// Every kind of malformed input and its message.
 mod malformed;
+/// Named relations.
+mod relations;
 /// Files read back bit for bit.
 mod round_trip;
 /// Accepted spellings.

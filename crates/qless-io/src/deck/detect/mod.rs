@@ -17,6 +17,8 @@ enum Evidence {
     None,
     /// It may be a card of the format.
     Possible,
+    /// It is a card of the format, and of another one that more decks have.
+    Shared,
     /// It is a card of the format.
     Certain,
 }
@@ -31,10 +33,11 @@ pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Unreco
     }
     let mut is_possible = false;
     for line in lines(text).take(LINES) {
-        if let Some(foreign) = UnrecognizedText::foreign_card(line) {
-            return Err(foreign);
-        }
         let says = |format: Format| evidence(format, line);
+        if expected.is_some_and(|format| says(format) == Evidence::Shared) {
+            is_possible = true;
+            continue;
+        }
         let certain: Vec<Format> = Format::ALL.into_iter().filter(|&f| says(f) == Evidence::Certain).collect();
         match (certain.as_slice(), expected) {
             (&[format], _) => return Ok(format),
@@ -61,6 +64,7 @@ fn evidence(format: Format, line: &[u8]) -> Evidence {
         Format::Calculix => calculix(line),
         Format::Nastran => nastran(line),
         Format::Ansys => ansys(line),
+        Format::LsDyna => lsdyna(line),
     }
 }
 
@@ -75,6 +79,19 @@ fn calculix(line: &[u8]) -> Evidence {
     match is_keyword && !words::is_in(words::APDL_STARRED, keyword.trim_ascii()) {
         true if words::is_in(words::CALCULIX, first) => Evidence::Certain,
         true => Evidence::Possible,
+        false => Evidence::None,
+    }
+}
+
+/// Evidence for LS-DYNA: `*KEYWORD`, `*SET_NODE_LIST`, `*NODE`.
+fn lsdyna(line: &[u8]) -> Evidence {
+    let Some(rest) = line.strip_prefix(b"*") else { return Evidence::None };
+    let keyword = rest.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+    let mut words = keyword.split(|&byte| byte == b'_');
+    let is_known = words.next().is_some_and(|first| words::is_in(words::LSDYNA, first.trim_ascii_end()));
+    match is_known {
+        true if words.next().is_some() || keyword.eq_ignore_ascii_case(b"KEYWORD") => Evidence::Certain,
+        true => Evidence::Shared,
         false => Evidence::None,
     }
 }
@@ -179,6 +196,10 @@ mod tests {
                     "FINISH\n",
                 ],
             ),
+            (
+                Format::LsDyna,
+                &["*KEYWORD\n*NODE\n", "$ comment\n*Keyword LONG=Y\n*NODE\n", "*NODE_SCALAR\n", "*SET_NODE_LIST\n 1\n"],
+            ),
         ] {
             texts.iter().for_each(|text| assert_eq!(detect(text), Some(format), "{text}"));
         }
@@ -193,6 +214,11 @@ mod tests {
             assert_eq!(format_of(b"*NODE\n1,0.,0.,0.\n", Some(format)), Ok(Format::Calculix));
         }
         assert!(format_of(both, None).is_err());
+        // *NODE is a card of CalculiX and of LS-DYNA.
+        assert_eq!(format_of(b"*NODE\n1,0.,0.,0.\n", Some(Format::LsDyna)), Ok(Format::LsDyna));
+        for certain in ["*NODE, NSET=A\n1,0.,0.,0.\n", "*NODE\n1,0.,0.,0.\n*EQUATION\n2\n"] {
+            assert_eq!(format_of(certain.as_bytes(), Some(Format::LsDyna)), Ok(Format::Calculix), "{certain}");
+        }
         // A keyword that is in none of the lists.
         assert_eq!(format_of(b"*NOVELTY\n", Some(Format::Calculix)), Ok(Format::Calculix));
         assert!(format_of(b"*NOVELTY\n", None).is_err());
@@ -206,9 +232,7 @@ mod tests {
             (b"** a\n$ b\n! c\n", "line 1 is `** a`"),
             (b"<!DOCTYPE html>\n<p>", "it starts as an HTML page"),
             (b"\n\n  hello world, this is a letter\n", "line 3 is `hello world, this is a letter`"),
-            (b"*KEYWORD\n*NODE\n", "it starts as an LS-DYNA deck"),
-            (b"$ comment\n*KEYWORD\n*NODE\n", "it starts as an LS-DYNA deck"),
-            (b"*NODE_SCALAR\n", "line 1 is `*NODE_SCALAR`"),
+            (b"*NODAL_SCALAR\n", "line 1 is `*NODAL_SCALAR`"),
             (b"PK\x03\x04abc", "it starts as a zip archive"),
             (b"*\0N\0O\0D\0E\0\n\0", "zero bytes, as in UTF-16 without a byte order mark"),
             (b"\x01\x02\xfe*NODE\n", "it starts with the bytes 01 02 fe 2a 4e 4f 44 45"),

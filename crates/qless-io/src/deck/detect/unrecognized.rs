@@ -67,12 +67,6 @@ impl UnrecognizedText {
         (zeros > 0 || 50 * strange > head.len()).then(|| Self::Bytes(head[..head.len().min(SHOWN)].to_vec()))
     }
 
-    /// Recognises a card that only other solvers have.
-    pub(super) fn foreign_card(line: &[u8]) -> Option<Self> {
-        let word = line.split(|byte| !byte.is_ascii_graphic()).next().unwrap_or_default();
-        word.eq_ignore_ascii_case(b"*KEYWORD").then_some(Self::Known("an LS-DYNA deck"))
-    }
-
     /// A text without cards: its first line that is not blank.
     pub(super) fn from_text(text: &[u8]) -> Self {
         let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).zip(1..);

@@ -30,6 +30,15 @@ impl Components {
         Self(self.0 & !other.0)
     }
 
+    /// The set with one more component.
+    pub fn with(self, component: u8) -> Self {
+        Self(self.0 | 1 << component)
+    }
+
+    pub fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     pub fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }

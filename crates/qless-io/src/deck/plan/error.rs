@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use qless::{AnalysisError, ReductionError, SystemError};
 use rustc_hash::FxHashMap;
 
-use crate::deck::{DeckError, Dof};
+use crate::deck::{DeckError, Dof, Format};
 
 /// Why a deck cannot be cleaned.
 #[derive(Debug, thiserror::Error)]
@@ -83,6 +83,12 @@ pub enum CleanError {
         place: String,
         /// Why it stops, and what to do.
         why: String,
+    },
+    /// A format that is read but not written.
+    #[error("decks of {format} are read, but not written; change the cards that `qless check` names by hand")]
+    ReadOnly {
+        /// The format.
+        format: Format,
     },
     /// Text that must change is in a place that does not permit it.
     #[error("{}:{line}: {why}", path.display())]

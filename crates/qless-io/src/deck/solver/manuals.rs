@@ -7,6 +7,7 @@
 //! | MYSTRAN | `tests/mystran.rs` runs it on every pair of cards | as MSC Nastran |
 //! | OptiStruct | Reference Guide | rigid elements may choose other dependent DOFs (`PARAM,AUTOMSET` defaults to `YES`) |
 //! | ANSYS | Modeling and Meshing Guide: "Coupling and Constraint Equations" | a constraint equation eliminates its first DOF that is in no other equation, in no coupled set and not prescribed; a coupled DOF must be in one set only |
+//! | LS-DYNA | Keyword User's Manual, `*CONSTRAINED_INTERPOLATION`; modelling guidelines of the vendor | a dependent node must not be constrained elsewhere; supports of nodes of rigid bodies are converted to constraints of the body |
 //!
 //! ANSYS's own verification decks go further: they chain `CERIG`, and prescribe a DOF of a coupled set. Both count as accepted.
 
@@ -38,6 +39,12 @@ pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
     } else {
         Outcome::Refused
     }
+}
+
+/// The outcome in LS-DYNA for a prescribed slave. Supports of a node of a rigid body hold the body. The manual does not allow that another
+/// card constrains the dependent node of an interpolation, and does not say what the solver then does; for other cards it says nothing.
+pub fn lsdyna_prescribed(kind: CardKind) -> Outcome {
+    if kind == CardKind::RigidBody { Outcome::Accepted } else { Outcome::Unsound }
 }
 
 /// The outcome in OptiStruct for a fault of cards of these kinds.

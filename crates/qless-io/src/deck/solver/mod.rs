@@ -14,7 +14,7 @@ use super::faults::{EquationFault, FaultKind, keeps_slaves};
 use super::{Dof, LoadCase, Model, Solver};
 pub use findings::{Finding, findings};
 pub use loss::{Loss, loss};
-use manuals::{Eliminations, abaqus_prescribed, abaqus_twice, optistruct};
+use manuals::{Eliminations, abaqus_prescribed, abaqus_twice, lsdyna_prescribed, optistruct};
 pub(super) use outcome::CardKind;
 pub use outcome::Outcome;
 
@@ -39,11 +39,12 @@ impl Solver {
     /// The outcome of two values for one DOF in one step; the first claim is the first value.
     ///
     /// CalculiX and ANSYS take the last value. The other solvers are reported to stop: Nastran and MYSTRAN if the
-    /// values differ, Abaqus if both cards are in one step.
+    /// values differ, Abaqus if both cards are in one step. What LS-DYNA does is not known.
     pub fn prescribed_twice(self) -> Outcome {
         match self {
             Self::Ccx | Self::Ansys => Outcome::IgnoresFirst,
             Self::Abaqus | Self::Nastran | Self::Mystran | Self::Optistruct => Outcome::Refused,
+            Self::LsDyna => Outcome::Unsound,
         }
     }
 }
@@ -98,6 +99,7 @@ impl<'a> Profile<'a> {
     pub fn circle(&self, equations: &[usize]) -> Outcome {
         match self.solver {
             Solver::Ansys => self.ansys(equations),
+            Solver::LsDyna => Outcome::Unsound,
             Solver::Ccx if keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
             _ => Outcome::Refused,
         }
@@ -121,6 +123,7 @@ impl<'a> Profile<'a> {
             Solver::Optistruct => optistruct(&[kind]),
             Solver::Ansys if kind == CardKind::CoupledSet => self.coupled(equation),
             Solver::Ansys => self.ansys(&[equation]),
+            Solver::LsDyna => lsdyna_prescribed(kind),
         }
     }
 
@@ -132,6 +135,7 @@ impl<'a> Profile<'a> {
             Solver::Nastran | Solver::Mystran => Outcome::Refused,
             Solver::Optistruct => optistruct(&kinds),
             Solver::Ansys => self.ansys(&[first, second]),
+            Solver::LsDyna => Outcome::Unsound,
         }
     }
 
@@ -145,6 +149,7 @@ impl<'a> Profile<'a> {
         match self.solver {
             Solver::Ansys => self.ansys(&[equation]),
             Solver::Ccx if count < 2 => Outcome::Unsound,
+            Solver::LsDyna => Outcome::Unsound,
             _ if own == 0.0 => Outcome::Refused,
             _ => Outcome::Unsound,
         }

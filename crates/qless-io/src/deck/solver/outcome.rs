@@ -41,7 +41,7 @@ pub enum CardKind {
     Tie,
     /// `*KINEMATIC` and `*KINEMATIC COUPLING`.
     Kinematic,
-    /// `*RIGID BODY`.
+    /// `*RIGID BODY`, and rigid bodies of LS-DYNA.
     RigidBody,
     /// `*DISTRIBUTING`: its slave is the reference node.
     Distributing,
@@ -66,6 +66,10 @@ impl CardKind {
             "TIE" => Self::Tie,
             "KINEMATIC" | "KINEMATICCOUPLING" => Self::Kinematic,
             "RIGIDBODY" => Self::RigidBody,
+            body if body.starts_with("CONSTRAINEDNODALRIGIDBODY") || body.starts_with("CONSTRAINEDEXTRANODES") => {
+                Self::RigidBody
+            }
+            part if part.starts_with("PART") => Self::RigidBody,
             "DISTRIBUTING" => Self::Distributing,
             "DISTRIBUTINGCOUPLING" => Self::DistributingCoupling,
             "CYCLICSYMMETRYMODEL" | "PRETENSIONSECTION" => Self::Sector,

@@ -8,10 +8,11 @@
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, tie};
 use crate::deck::calculix::model::frames::{around, two_points};
-use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
 use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::body::Poses;
+use crate::deck::kinematics::project::{FaceGrid, MasterFace};
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Model, Problem};
 use crate::fault::quote;
@@ -72,7 +73,7 @@ impl<'a> Sector<'a> {
         let slaves = DeckSurface::find(definitions, tie.scope, &slave)?.all_nodes();
         let master = DeckSurface::find(definitions, tie.scope, &master)?;
         let masters = master.all_nodes();
-        let faces = MasterFace::all(master, definitions)?;
+        let faces = MasterFace::all(master.faces, master.is_line, |node| definitions.position(node))?;
         let given = tie.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
         let tolerance = given.map_or_else(|| size(definitions, &slaves).map(|size| TOLERANCE * size), Ok)?;
         let angle = std::f64::consts::TAU / count;

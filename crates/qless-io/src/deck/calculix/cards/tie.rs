@@ -5,9 +5,10 @@ use rustc_hash::FxHashSet;
 
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
-use crate::deck::calculix::model::{DeckDefinitions, DeckSurface, FaceGrid, MasterFace};
+use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
 use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::body::Poses;
+use crate::deck::kinematics::project::{FaceGrid, MasterFace};
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
@@ -115,7 +116,8 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Probl
     let edges = slaves.faces.iter().filter(|_| slaves.is_line);
     let untied: FxHashSet<u32> =
         edges.flat_map(|edge| if edge.len() == 2 { &edge[..] } else { &edge[2..] }).copied().collect();
-    let faces = MasterFace::all(DeckSurface::find(definitions, card.scope, master)?, definitions)?;
+    let surface = DeckSurface::find(definitions, card.scope, master)?;
+    let faces = MasterFace::all(surface.faces, surface.is_line, |node| definitions.position(node))?;
     if faces.is_empty() {
         let found = quote(master.as_bytes());
         return Err(Problem::Expected { expected: "a master surface of element faces", found });

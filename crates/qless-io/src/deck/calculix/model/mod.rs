@@ -6,12 +6,10 @@ pub mod elements;
 pub mod frames;
 pub mod instances;
 pub mod mesh;
-pub mod project;
 pub mod sets;
 
 pub use definitions::DeckDefinitions;
 pub use mesh::DeckSurface;
-pub use project::{FaceGrid, MasterFace};
 
 use std::cell::RefCell;
 use std::rc::Rc;

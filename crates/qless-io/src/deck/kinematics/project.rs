@@ -4,7 +4,6 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::fault::quote;
 
@@ -27,9 +26,13 @@ pub struct NearestPoint {
 }
 
 impl MasterFace {
-    /// The faces of a surface.
-    pub fn all(surface: DeckSurface, definitions: &DeckDefinitions) -> Result<Vec<Self>, Problem> {
-        surface.faces.into_iter().map(|nodes| Self::new(nodes, surface.is_line, definitions)).collect()
+    /// The faces of a surface; `is_line` if they are edges of plane elements.
+    pub fn all(
+        faces: Vec<Vec<u32>>,
+        is_line: bool,
+        position: impl Fn(u32) -> Result<Vector, Problem>,
+    ) -> Result<Vec<Self>, Problem> {
+        faces.into_iter().map(|nodes| Self::new(nodes, is_line, &position)).collect()
     }
 
     /// Mean size of some faces; 0 if there are none.
@@ -37,13 +40,19 @@ impl MasterFace {
         faces.iter().map(Self::size).sum::<f64>() / faces.len().max(1) as f64
     }
 
-    fn new(nodes: Vec<u32>, is_line: bool, definitions: &DeckDefinitions) -> Result<Self, Problem> {
-        let points = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
+    fn new(nodes: Vec<u32>, is_line: bool, position: impl Fn(u32) -> Result<Vector, Problem>) -> Result<Self, Problem> {
+        let points = nodes.iter().map(|&node| position(node)).collect::<Result<_, _>>()?;
         let shape = shape::FaceShape::with_nodes(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
             expected: "a master face with 2, 3, 4, 6 or 8 nodes",
             found: quote(nodes.len().to_string().as_bytes()),
         })?;
         Ok(Self { nodes, points, shape })
+    }
+
+    /// The shorter diagonal of a quadrilateral with these corners, or the shorter side at the last corner of a triangle.
+    pub fn least_diagonal(&self) -> f64 {
+        let corner = |k: usize| self.points[k.min(self.points.len() - 1)];
+        length(minus(corner(0), corner(2))).min(length(minus(corner(1), corner(3))))
     }
 
     /// Longest side of the bounding box.

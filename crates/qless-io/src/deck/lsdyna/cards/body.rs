@@ -1,0 +1,124 @@
+//! Rigid bodies.
+//!
+//! ```text
+//! *CONSTRAINED_NODAL_RIGID_BODY    PID, CID, NSID, PNODE, IPRT, DRFLAG, RRFLAG
+//!   with _SPC                      CMO, CON1, CON2
+//!   with _INERTIA                  XC, YC, ZC, TM, IRCS, NODEID; 2 or 3 more lines; one body a card
+//! *CONSTRAINED_EXTRA_NODES_NODE    PID, NID, IFLAG
+//! *CONSTRAINED_EXTRA_NODES_SET     PID, NSID, IFLAG
+//! *CONSTRAINED_RIGID_BODIES        PIDL, PIDC, IFLAG
+//! *MAT_RIGID                       MID; CMO, CON1, CON2
+//! ```
+
+use super::{GroupMeaning, coded};
+use crate::deck::kinematics::components::Components;
+use crate::deck::kinematics::rigid::RigidElement;
+use crate::deck::lsdyna::model::bodies::DynaDefinitions;
+use crate::deck::lsdyna::model::mesh::{Gap, SetKind};
+use crate::deck::lsdyna::syntax::fields::{DynaLine, LineFault};
+use crate::deck::{Model, Problem};
+
+/// Field of the node set of a nodal rigid body: NSID, or PID if it is 0.
+fn set_field(line: &DynaLine) -> Result<usize, LineFault> {
+    Ok(if line.id(2)? == 0 { 0 } else { 2 })
+}
+
+/// Adds a nodal rigid body to the definitions; `inertia` is the line with its centre of mass.
+pub fn define(
+    line: &DynaLine,
+    inertia: Option<&DynaLine>,
+    all: &mut DynaDefinitions,
+    model: &mut Model,
+) -> Result<(), LineFault> {
+    let nodes = all.mesh.members(SetKind::Node, line, set_field(line)?).unwrap_or_default().to_vec();
+    let centre = inertia.map(|line| all.mesh.centre(line)).transpose()?;
+    all.add_body(line.id(0)?, &nodes, centre, model).map_err(|problem| line.fault(problem))
+}
+
+/// Equations of the nodes of a nodal rigid body.
+pub fn nodal(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let line = &lines[0];
+    let mut nodes = all.mesh.node_list(true, line, set_field(line)?)?;
+    if line.whole(5)? != 0 || line.whole(6)? != 0 {
+        return Err(Gap::Unread("releases components (DRFLAG, RRFLAG)".into()));
+    }
+    // The solver moves this node to the centre of mass.
+    let centre = line.whole(3)?.unsigned_abs() as u32;
+    if centre != 0 && !nodes.contains(&centre) {
+        nodes.push(centre);
+    }
+    GroupMeaning::of_body(line, all.follow(all.named(line, 0)?, nodes))
+}
+
+/// The same, with a second line that holds the centre of mass.
+pub fn nodal_held(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let made = nodal(lines, all)?;
+    let Some(line) = lines.get(1) else { return Ok(made) };
+    match held_at_centre(line) {
+        Ok(held) => Ok(made.with_held(line, all.named(&lines[0], 0)?.dofs(held))),
+        Err(Gap::Unread(why)) => Ok(GroupMeaning { left_out: Some(why), ..made }),
+        Err(gap) => Err(gap),
+    }
+}
+
+/// What a line `CMO, CON1, CON2` holds.
+fn held_at_centre(line: &DynaLine) -> Result<Components, Gap> {
+    match line.number(0)?.unwrap_or(0.0) {
+        0.0 => Ok(Components::default()),
+        1.0 => Ok(coded(line, 1, 1)?.or(coded(line, 2, 4)?)),
+        other => Err(Gap::Unread(format!("holds the body with CMO = {other}"))),
+    }
+}
+
+/// Equations of a node that is added to a body.
+pub fn extra_node(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    extra(&lines[0], false, all)
+}
+
+/// Equations of a set of nodes that are added to a body.
+pub fn extra_set(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    extra(&lines[0], true, all)
+}
+
+fn extra(line: &DynaLine, is_set: bool, all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let (body, nodes) = (all.named(line, 0)?, all.mesh.node_list(is_set, line, 1)?);
+    if line.whole(2)? != 1 {
+        all.move_centre(line.id(0)?);
+    }
+    GroupMeaning::of_body(line, all.follow(body, nodes))
+}
+
+/// Equations that merge the second body into the first.
+pub fn merged(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let line = &lines[0];
+    let (lead, constrained) = (all.named(line, 0)?, all.named(line, 1)?);
+    if lead.node == constrained.node {
+        let problem = Problem::Circular { what: "rigid body", name: line.id(0)?.to_string() };
+        return Err(line.fault_at(1, problem).into());
+    }
+    if line.whole(2)? != 1 {
+        all.move_centre(line.id(0)?);
+    }
+    let element = RigidElement::about(lead.node, [constrained.node], Components::ALL);
+    GroupMeaning::of_body(line, element.equations(&all.mesh))
+}
+
+/// Equations of the nodes of a part, if its material is rigid.
+pub fn part(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let part = lines[0].id(0)?;
+    let is_rigid = all.mesh.parts.get(&part).is_some_and(|part| all.mesh.rigid.contains(&part.material));
+    let Some(body) = all.body(part).filter(|_| is_rigid) else { return Ok(GroupMeaning::default()) };
+    GroupMeaning::of_body(&lines[0], all.follow(body, all.mesh.nodes_of(part)?))
+}
+
+/// What a rigid material holds at the centres of its parts.
+pub fn material(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let [first, second, ..] = lines else { return Ok(GroupMeaning::default()) };
+    let (material, held) = (first.id(0)?, held_at_centre(second)?);
+    let own = all.mesh.parts.iter().filter(|(_, part)| part.material == material);
+    let mut parts: Vec<u32> = own.map(|(&id, _)| id).collect();
+    parts.sort_unstable();
+    let bodies = parts.into_iter().filter_map(|part| all.body(part));
+    Ok(GroupMeaning { number: Some(material), ..GroupMeaning::default() }
+        .with_held(second, bodies.flat_map(|body| body.dofs(held))))
+}

@@ -1,0 +1,84 @@
+//! Couplings of nodes: weighted means, linear equations and equal translations.
+//!
+//! ```text
+//! *CONSTRAINED_INTERPOLATION      ICID, DNID, DDOF, CIDD, ITYP
+//!                                 INID, IDOF, TWGHTX, TWGHTY, TWGHTZ, RWGHTX, RWGHTY, RWGHTZ; a line for each node or set
+//! *CONSTRAINED_LINEAR_GLOBAL      LCID
+//!                                 NID, DOF, COEF; a line for each term of sum C_k u_k = 0
+//! *CONSTRAINED_NODE_SET           NSID, DOF, TF
+//! ```
+
+use super::{GroupMeaning, coded};
+use crate::deck::kinematics::body::CouplingEquation;
+use crate::deck::kinematics::components::Components;
+use crate::deck::kinematics::mean::{MeanElement, WeightedNodes};
+use crate::deck::lsdyna::model::bodies::DynaDefinitions;
+use crate::deck::lsdyna::model::mesh::{DynaMesh, Gap};
+use crate::deck::lsdyna::syntax::fields::{DynaLine, LineFault};
+use crate::deck::{Dof, Problem};
+use crate::fault::quote;
+
+/// The dependent node moves as the weighted mean of the independent ones.
+pub fn interpolation(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let (first, mesh) = (&lines[0], &all.mesh);
+    let (is_set, reference) = (first.whole(4)? == 1, first.id(1)?);
+    let mut groups = Vec::new();
+    for line in lines[1..].iter().filter(|line| !line.is_blank()) {
+        let weights = weights(line)?;
+        for node in mesh.node_list(is_set, line, 0)? {
+            let group = |component| WeightedNodes {
+                weight: weights[usize::from(component) - 1],
+                components: Components::one(component),
+                nodes: vec![node],
+            };
+            groups.extend(components(line, 1, node, mesh)?.iter().map(group));
+        }
+    }
+    let components = components(first, 2, reference, mesh)?;
+    let element = MeanElement { reference, components, groups, dependent: Vec::new() };
+    GroupMeaning::of_body(first, element.equations(mesh))
+}
+
+/// Components of a field, such as 1356, that the node has; all of them if the field is blank.
+fn components(line: &DynaLine, field: usize, node: u32, mesh: &DynaMesh) -> Result<Components, LineFault> {
+    let code = line.whole(field)?;
+    let given = if code == 0 { Some(Components::ALL) } else { Components::parse(code.to_string().as_bytes()) };
+    let found = || quote(line.field(field));
+    let all = given
+        .ok_or_else(|| line.fault_at(field, Problem::Expected { expected: "digits from 1 to 6", found: found() }))?;
+    Ok(if mesh.rotates(node) { all } else { all.and(Components::TRANSLATIONS) })
+}
+
+/// The weights of components 1 to 6. The first is 1 by default, and the others are the first.
+fn weights(line: &DynaLine) -> Result<[f64; 6], LineFault> {
+    let mut weights = [1.0; 6];
+    for k in 0..6 {
+        let default = if k == 0 { 1.0 } else { weights[0] };
+        weights[k] = line.number(2 + k)?.filter(|weight| *weight != 0.0).unwrap_or(default);
+    }
+    Ok(weights)
+}
+
+/// The equation of some terms. The solver eliminates the first DOF.
+pub fn linear(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let mut terms = Vec::new();
+    for line in lines[1..].iter().filter(|line| !line.is_blank()) {
+        let component = u8::try_from(line.whole(1)?).ok().filter(|component| (1..=7).contains(component));
+        let component = component.ok_or_else(|| {
+            let found = quote(line.field(1));
+            line.fault_at(1, Problem::Expected { expected: "a degree of freedom from 1 to 7", found })
+        })?;
+        let node = all.mesh.node_list(false, line, 0)?[0];
+        terms.push((Dof { node, component }, line.number(2)?.unwrap_or(0.0)));
+    }
+    let rows = if terms.is_empty() { Vec::new() } else { vec![CouplingEquation { terms }] };
+    GroupMeaning::of_rows(&lines[0], Ok(rows))
+}
+
+/// The nodes of a set have the same translations in some directions; the first node leads.
+pub fn equal(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let (nodes, directions) = (all.mesh.node_list(true, &lines[0], 0)?, coded(&lines[0], 1, 1)?);
+    let follows = |dof: Dof| CouplingEquation::new(dof, [(Dof { node: nodes[0], ..dof }, 1.0)]);
+    let others = nodes.iter().skip(1).copied().collect();
+    GroupMeaning::of_rows(&lines[0], Ok(super::dofs(others, directions).map(follows).collect()))
+}

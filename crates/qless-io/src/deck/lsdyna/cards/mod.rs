@@ -1,0 +1,76 @@
+//! Equations and prescribed values of each card that constrains. `reader` calls a [`ReadGroup`] for each group of lines.
+
+pub mod body;
+pub mod coupling;
+pub mod prescribed;
+pub mod tie;
+pub mod unread;
+
+use super::model::bodies::DynaDefinitions;
+use super::model::mesh::Gap;
+use super::syntax::fields::{DynaLine, LineFault};
+use crate::deck::kinematics::body::CouplingEquation;
+use crate::deck::kinematics::components::Components;
+use crate::deck::{Dof, Problem};
+use crate::fault::quote;
+
+/// What a group of lines of a card means.
+#[derive(Default)]
+pub struct GroupMeaning {
+    pub rows: Vec<CouplingEquation>,
+    /// Whether the equations hold for small rotations only.
+    pub is_linearised: bool,
+    pub held: Vec<HeldDof>,
+    pub warning: Option<String>,
+    /// Why a part of the constraint is left out; a clause.
+    pub left_out: Option<String>,
+    /// The number of the constraint, for its label.
+    pub number: Option<u32>,
+}
+
+/// A prescribed value.
+pub struct HeldDof {
+    pub dof: Dof,
+    pub value: f64,
+    /// Name of its time history; the standard one for a value of zero.
+    pub history: Option<String>,
+    pub line: u32,
+}
+
+/// Reads a group of lines, of which there is at least one.
+pub type ReadGroup = fn(&[DynaLine], &mut DynaDefinitions) -> Result<GroupMeaning, Gap>;
+
+impl GroupMeaning {
+    /// Equations of a constraint with a number in the first field.
+    pub fn of_rows(line: &DynaLine, rows: Result<Vec<CouplingEquation>, Problem>) -> Result<Self, Gap> {
+        let rows = rows.map_err(|problem| line.fault(problem))?;
+        Ok(Self { rows, number: Some(line.id(0)?), ..Self::default() })
+    }
+
+    /// The same, for equations that hold for small rotations only.
+    pub fn of_body(line: &DynaLine, rows: Result<Vec<CouplingEquation>, Problem>) -> Result<Self, Gap> {
+        Self::of_rows(line, rows).map(|made| Self { is_linearised: !made.rows.is_empty(), ..made })
+    }
+
+    /// The same, with DOFs that are held at zero by another line.
+    pub fn with_held(mut self, line: &DynaLine, dofs: impl IntoIterator<Item = Dof>) -> Self {
+        let held = |dof| HeldDof { dof, value: 0.0, history: None, line: line.number };
+        self.held.extend(dofs.into_iter().map(held));
+        self
+    }
+}
+
+/// DOFs of these components of some nodes.
+pub fn dofs(nodes: Vec<u32>, set: Components) -> impl Iterator<Item = Dof> {
+    nodes.into_iter().flat_map(move |node| set.iter().map(move |component| Dof { node, component }))
+}
+
+/// Components of a code 0 to 7 in a field: none, x, y, z, xy, yz, zx, xyz. `first` is the component of x.
+pub fn coded(line: &DynaLine, field: usize, first: u8) -> Result<Components, LineFault> {
+    const AXES: [&[u8]; 8] = [&[], &[0], &[1], &[2], &[0, 1], &[1, 2], &[2, 0], &[0, 1, 2]];
+    let axes = usize::try_from(line.whole(field)?).ok().and_then(|code| AXES.get(code)).ok_or_else(|| {
+        let found = quote(line.field(field));
+        line.fault_at(field, Problem::Expected { expected: "a code of directions from 0 to 7", found })
+    })?;
+    Ok(axes.iter().fold(Components::default(), |set, axis| set.with(first + axis)))
+}

@@ -1,0 +1,95 @@
+//! Prescribed values.
+//!
+//! ```text
+//! *NODE                               NID, X, Y, Z, TC, RC
+//! *BOUNDARY_SPC_NODE, _SET            NID or NSID, CID, DOFX, DOFY, DOFZ, DOFRX, DOFRY, DOFRZ
+//! *BOUNDARY_PRESCRIBED_MOTION_NODE,   NID, NSID or PID, DOF, VAD, LCID, SF, VID, DEATH, BIRTH
+//!   _SET, _RIGID
+//! ```
+//!
+//! A curve is a time history. Its value at the end is not evaluated: SF counts as the value, so that motions of one curve are compared by
+//! their factors, and those of different curves are independent.
+
+use super::{GroupMeaning, HeldDof, coded, dofs};
+use crate::deck::kinematics::components::Components;
+use crate::deck::lsdyna::model::bodies::DynaDefinitions;
+use crate::deck::lsdyna::model::mesh::Gap;
+use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, LineFault};
+
+/// Components that a node holds.
+pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let line = lines[0].laid_out(FieldLayout::Node);
+    if line.field(4).is_empty() && line.field(5).is_empty() {
+        return Ok(GroupMeaning::default());
+    }
+    let held = coded(&line, 4, 1)?.or(coded(&line, 5, 4)?);
+    Ok(GroupMeaning::default().with_held(&line, dofs(vec![line.id(0)?], held)))
+}
+
+/// Components that a support of a node holds.
+pub fn node_support(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let nodes = all.mesh.node_list(false, &lines[0], 0)?;
+    Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))
+}
+
+/// Components that a support of a node set holds.
+pub fn set_support(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let nodes = all.mesh.node_list(true, &lines[0], 0)?;
+    Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))
+}
+
+/// Components of a support. Local directions mean the same as global ones if all three are held.
+fn supported(line: &DynaLine) -> Result<Components, Gap> {
+    let mut held = Components::default();
+    for component in 1..=6 {
+        if line.whole(usize::from(component) + 1)? != 0 {
+            held = held.with(component);
+        }
+    }
+    let translations = held.and(Components::TRANSLATIONS).len();
+    let is_whole = |count: usize| count == 0 || count == 3;
+    if line.id(1)? != 0 && !(is_whole(translations) && is_whole(held.len() - translations)) {
+        return Err(Gap::Unread("holds nodes along local directions".into()));
+    }
+    Ok(held)
+}
+
+/// Motion of a node.
+pub fn node_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    motion(&lines[0], all.mesh.node_list(false, &lines[0], 0)?)
+}
+
+/// Motion of a node set.
+pub fn set_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    motion(&lines[0], all.mesh.node_list(true, &lines[0], 0)?)
+}
+
+/// Motion of the centre of mass of a rigid body.
+pub fn body_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    motion(&lines[0], vec![all.named(&lines[0], 0)?.node])
+}
+
+fn motion(line: &DynaLine, nodes: Vec<u32>) -> Result<GroupMeaning, Gap> {
+    let quantity = match line.whole(2)? {
+        0 => "velocity",
+        1 => "acceleration",
+        2 => "displacement",
+        other => return Err(Gap::UnreadFromHere(format!("prescribes a motion with VAD = {other}"))),
+    };
+    let component = match line.whole(1)? {
+        direction @ 1..=3 => direction as u8,
+        rotation @ 5..=7 => rotation as u8 - 1,
+        // Some of these have a second line.
+        other => return Err(Gap::UnreadFromHere(format!("prescribes a motion with DOF = {other}"))),
+    };
+    let time = |field, word: &str| {
+        let time = line.number(field)?.filter(|time| *time != 0.0);
+        Ok::<_, LineFault>(time.map(|time| format!(" {word} {time}")).unwrap_or_default())
+    };
+    let history = format!("{quantity} curve {}{}{}", line.whole(3)?, time(7, "from")?, time(6, "to")?);
+    let value = line.number(4)?.unwrap_or(1.0);
+    let history = Some(history).filter(|_| value != 0.0);
+    let held = dofs(nodes, Components::one(component));
+    let held = held.map(|dof| HeldDof { dof, value, history: history.clone(), line: line.number }).collect();
+    Ok(GroupMeaning { held, ..GroupMeaning::default() })
+}

@@ -1,0 +1,266 @@
+//! Definitions that constraints refer to: nodes, elements, parts, rigid materials and sets.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::deck::Problem;
+use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::kinematics::body::{Pose, Poses};
+use crate::deck::kinematics::vector::Vector;
+use crate::deck::lsdyna::syntax::card::DynaCard;
+use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, LineFault, Parameters};
+
+/// A part: its material, and its centre of mass if `*PART_INERTIA` gives it.
+#[derive(Clone, Copy, Debug)]
+pub struct DynaPart {
+    pub material: u32,
+    pub centre: Option<Vector>,
+}
+
+/// A kind of sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SetKind {
+    Node,
+    Part,
+    /// Faces of four nodes; a triangle repeats its last node.
+    Segment,
+}
+
+/// Members of a set, or the keyword of a set that is not read.
+type SetMembers = Result<Vec<u32>, String>;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementKind {
+    Solid,
+    Shell,
+    Beam,
+}
+
+/// An element.
+#[derive(Clone, Debug)]
+pub struct DynaElement {
+    pub kind: ElementKind,
+    pub nodes: Vec<u32>,
+}
+
+/// Why a constraint cannot be made of definitions.
+pub enum Gap {
+    /// The deck is wrong.
+    Fault(LineFault),
+    /// This reader does not read a definition that the constraint needs, or an option of its card; a clause for a message.
+    Unread(String),
+    /// The same, and the lines that follow are not understood either.
+    UnreadFromHere(String),
+}
+
+impl From<LineFault> for Gap {
+    fn from(fault: LineFault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
+/// All definitions of a deck.
+#[derive(Default)]
+pub struct DynaMesh {
+    pub nodes: FxHashMap<u32, Vector>,
+    pub parts: FxHashMap<u32, DynaPart>,
+    /// Materials that make a part rigid.
+    pub rigid: FxHashSet<u32>,
+    pub sets: FxHashMap<(SetKind, u32), SetMembers>,
+    elements: FxHashMap<u32, Vec<DynaElement>>,
+    /// A keyword of elements that is not read, so that the nodes of parts are not known.
+    unread_elements: Option<String>,
+    of_solids: FxHashSet<u32>,
+    of_others: FxHashSet<u32>,
+    /// The highest number of a node.
+    highest: u32,
+}
+
+impl DynaMesh {
+    /// Notes the definitions of a card; other cards are ignored.
+    pub fn note(&mut self, card: &DynaCard, parameters: &Parameters) -> Result<(), LineFault> {
+        let (name, [has_title]) = card.without(["_TITLE"]);
+        let mut lines = card.lines(parameters).skip(usize::from(has_title)).filter(|line| !line.is_blank());
+        match name {
+            "NODE" => lines.try_for_each(|line| self.node(line)),
+            "MAT_RIGID" | "MAT_020" => {
+                self.rigid.extend(lines.next().map(|line| line.id(0)).transpose()?);
+                Ok(())
+            }
+            _ if name.starts_with("ELEMENT_") => self.elements(card, lines),
+            _ if name == "PART" || name.starts_with("PART_") => {
+                part_lines(card, parameters)?.into_iter().try_for_each(|(line, inertia)| {
+                    let centre = inertia.map(|line| self.centre(&line)).transpose()?;
+                    self.parts.insert(line.id(0)?, DynaPart { material: line.id(2)?, centre });
+                    Ok(())
+                })
+            }
+            _ => name.strip_prefix("SET_").map_or(Ok(()), |set| self.set(set, &mut lines)),
+        }
+    }
+
+    fn node(&mut self, line: DynaLine) -> Result<(), LineFault> {
+        let line = line.laid_out(FieldLayout::Node);
+        let node = line.id(0)?;
+        self.highest = self.highest.max(node);
+        self.nodes.insert(node, line.vector(1)?);
+        Ok(())
+    }
+
+    /// Elements of one card. Options add lines to each of them; if an option is unknown, so are the nodes.
+    fn elements<'a>(&mut self, card: &DynaCard, lines: impl Iterator<Item = DynaLine<'a>>) -> Result<(), LineFault> {
+        let mut words = card.keyword.split('_').skip(1);
+        let kind = match words.next() {
+            Some("SOLID" | "TSHELL") => ElementKind::Solid,
+            Some("SHELL") => ElementKind::Shell,
+            Some("BEAM") => ElementKind::Beam,
+            _ => return Ok(()),
+        };
+        let options: Vec<&str> = words.collect();
+        let Some(more) = options.iter().map(|option| option_lines(kind, option)).sum::<Option<usize>>() else {
+            self.unread_elements = Some(format!("*{}", card.keyword));
+            return Ok(());
+        };
+        // The angle of a shell is on the line of its thickness.
+        let has = |option| kind == ElementKind::Shell && options.contains(&option);
+        let more = more - usize::from(has("THICKNESS") && (has("BETA") || has("MCID")));
+        let mut lines = lines.map(|line| line.laid_out(FieldLayout::Element));
+        while let Some(line) = lines.next() {
+            let (part, mut nodes) = (line.id(1)?, line.ids(2, 8)?);
+            // Solids may have their nodes in a line of their own.
+            if nodes.is_empty() && kind == ElementKind::Solid {
+                nodes = lines.next().map(|line| line.ids(0, 10)).transpose()?.unwrap_or_default();
+            }
+            // The third node of a beam only orients it. Nodes in the middle of edges have their thickness on another line.
+            nodes.truncate(if kind == ElementKind::Beam { 2 } else { 10 });
+            let middle = usize::from(nodes.len() > 4 && has("THICKNESS"));
+            (0..more + middle).for_each(|_| _ = lines.next());
+            let users = if kind == ElementKind::Solid { &mut self.of_solids } else { &mut self.of_others };
+            users.extend(&nodes);
+            self.elements.entry(part).or_default().push(DynaElement { kind, nodes });
+        }
+        Ok(())
+    }
+
+    fn set<'a>(&mut self, name: &str, lines: &mut dyn Iterator<Item = DynaLine<'a>>) -> Result<(), LineFault> {
+        let kinds = [("NODE", SetKind::Node), ("PART", SetKind::Part), ("SEGMENT", SetKind::Segment)];
+        let kind = kinds.into_iter().find(|(word, _)| name.split('_').next() == Some(word));
+        let (Some((word, kind)), Some(first)) = (kind, lines.next()) else { return Ok(()) };
+        let members = self.sets.entry((kind, first.id(0)?)).or_insert(Ok(Vec::new()));
+        match (name[word.len()..].as_ref(), members) {
+            ("" | "_LIST", Ok(members)) => {
+                for line in lines {
+                    let ids = line.ids(0, if kind == SetKind::Segment { 4 } else { line.count(8) })?;
+                    members.extend(&ids);
+                    let missing = if kind == SetKind::Segment { 4 - ids.len() } else { 0 };
+                    members.extend(ids.last().map_or(vec![0; missing], |last| vec![*last; missing]));
+                }
+            }
+            (_, members) => *members = Err(format!("*SET_{name}")),
+        }
+        Ok(())
+    }
+
+    /// Members of the set in a field of a line.
+    pub fn members(&self, kind: SetKind, line: &DynaLine, field: usize) -> Result<&[u32], Gap> {
+        let id = line.id(field)?;
+        let what = match kind {
+            SetKind::Node => "node set",
+            SetKind::Part => "part set",
+            SetKind::Segment => "segment set",
+        };
+        match self.sets.get(&(kind, id)) {
+            Some(Ok(members)) => Ok(members),
+            Some(Err(keyword)) => Err(Gap::Unread(format!("uses {what} {id}, which {keyword} defines"))),
+            None => Err(line.fault_at(field, Problem::Undefined { what, name: id.to_string() }).into()),
+        }
+    }
+
+    /// Nodes of a set, each once, in the order of the set; or the node that the field names.
+    pub fn node_list(&self, is_set: bool, line: &DynaLine, field: usize) -> Result<Vec<u32>, Gap> {
+        let mut seen = FxHashSet::default();
+        let nodes = if is_set { self.members(SetKind::Node, line, field)?.to_vec() } else { vec![line.id(field)?] };
+        match nodes.iter().find(|node| !self.nodes.contains_key(node)) {
+            Some(node) => Err(line.fault_at(field, Problem::Undefined { what: "node", name: node.to_string() }).into()),
+            None => Ok(nodes.into_iter().filter(|&node| seen.insert(node)).collect()),
+        }
+    }
+
+    /// Elements of some parts.
+    pub fn elements_of(&self, parts: &[u32]) -> Result<Vec<&DynaElement>, Gap> {
+        match &self.unread_elements {
+            Some(keyword) => Err(Gap::Unread(format!("needs the nodes of a part, and {keyword} is not read"))),
+            None => Ok(parts.iter().filter_map(|part| self.elements.get(part)).flatten().collect()),
+        }
+    }
+
+    /// Nodes of a part, ascending.
+    pub fn nodes_of(&self, part: u32) -> Result<Vec<u32>, Gap> {
+        let elements = self.elements_of(&[part])?;
+        let mut nodes: Vec<u32> = elements.into_iter().flat_map(|element| &element.nodes).copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        Ok(nodes)
+    }
+
+    pub fn has_shells(&self) -> bool {
+        self.elements.values().flatten().any(|element| element.kind == ElementKind::Shell)
+    }
+
+    /// Whether a node has rotations: it belongs to shells or beams, or to no element.
+    pub fn rotates(&self, node: u32) -> bool {
+        self.of_others.contains(&node) || !self.of_solids.contains(&node)
+    }
+
+    /// A centre of mass, `XC, YC, ZC, TM, IRCS, NODEID`: the node if there is one, or else the coordinates.
+    pub fn centre(&self, line: &DynaLine) -> Result<Vector, LineFault> {
+        self.nodes.get(&line.id(5)?).map_or_else(|| line.vector(0), |position| Ok(*position))
+    }
+
+    /// A node number that the deck does not use, at this position.
+    pub fn add_node(&mut self, position: Vector) -> Option<u32> {
+        self.highest = self.highest.checked_add(1)?;
+        self.nodes.insert(self.highest, position);
+        Some(self.highest)
+    }
+}
+
+impl Poses for DynaMesh {
+    fn pose(&self, node: u32) -> Result<Pose, Problem> {
+        let undefined = || Problem::Undefined { what: "node", name: node.to_string() };
+        self.nodes.get(&node).map(|&position| Pose { position, axes: BASIC_AXES }).ok_or_else(undefined)
+    }
+}
+
+/// Lines that an option adds to an element, if the option is known.
+fn option_lines(kind: ElementKind, option: &str) -> Option<usize> {
+    match (kind, option) {
+        (ElementKind::Shell, "THICKNESS" | "BETA" | "MCID" | "OFFSET") => Some(1),
+        (ElementKind::Beam, "THICKNESS" | "SCALAR" | "SECTION" | "PID" | "OFFSET" | "ORIENTATION") => Some(1),
+        (ElementKind::Solid, "ORTHO") => Some(2),
+        _ => None,
+    }
+}
+
+/// The line with the numbers of a part, and the line with its centre of mass.
+pub type PartLines<'a> = (DynaLine<'a>, Option<DynaLine<'a>>);
+
+/// Parts of a card: a line with a title, a line with numbers, and more lines for options. Cards with other options than these make
+/// no part rigid.
+pub fn part_lines<'a>(card: &'a DynaCard, parameters: &'a Parameters) -> Result<Vec<PartLines<'a>>, LineFault> {
+    let options: Vec<&str> = card.keyword.split('_').skip(1).collect();
+    if options.iter().any(|option| !["INERTIA", "REPOSITION", "CONTACT", "PRINT"].contains(option)) {
+        return Ok(Vec::new());
+    }
+    let has_inertia = options.contains(&"INERTIA");
+    let (mut lines, mut parts) = (card.lines(parameters), Vec::new());
+    while let (Some(_), Some(line)) = (lines.next(), lines.next()) {
+        let inertia = has_inertia.then(|| lines.next()).flatten();
+        // A local frame of the inertia takes another line.
+        let more = inertia.map_or(Ok(0), |line| line.whole(4).map(|frame| if frame == 1 { 3 } else { 2 }))?;
+        (0..more + options.len() - usize::from(has_inertia)).for_each(|_| _ = lines.next());
+        if !line.is_blank() {
+            parts.push((line, inertia));
+        }
+    }
+    Ok(parts)
+}

@@ -1,0 +1,218 @@
+//! Builds the model: definitions first, then rigid bodies, then the constraints in the order of the deck.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use super::cards::{GroupMeaning, ReadGroup, body, coupling, prescribed, tie, unread};
+use super::model::bodies::DynaDefinitions;
+use super::model::mesh::{DynaMesh, Gap, part_lines};
+use super::syntax::card::{DynaCard, DynaCards};
+use super::syntax::fields::{DynaLine, LineFault, Parameters};
+use crate::deck::{DeckError, Dof, LoadCase, Model, Origin, Prescribed, Sources};
+
+/// Reads a deck.
+///
+/// # Errors
+/// [`DeckError`].
+pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
+    let cards = DynaCards::read(sources)?;
+    let mut reader = LsDynaReader::new(sources.paths().to_vec());
+    reader.note(&cards)?;
+    reader.add_bodies(&cards)?;
+    cards.all.iter().try_for_each(|card| reader.card(card, &cards.parameters))?;
+    Ok(reader.finish())
+}
+
+/// Reads the nodes, elements and sets of a deck.
+///
+/// # Errors
+/// [`DeckError`].
+pub fn mesh(sources: &mut Sources) -> Result<DynaMesh, DeckError> {
+    let cards = DynaCards::read(sources)?;
+    let mut reader = LsDynaReader::new(sources.paths().to_vec());
+    reader.note(&cards)?;
+    Ok(reader.all.mesh)
+}
+
+struct LsDynaReader {
+    model: Model,
+    all: DynaDefinitions,
+    prescribed: BTreeMap<Dof, Prescribed>,
+    clashes: Vec<Prescribed>,
+    /// Whether some equations hold for small rotations only.
+    is_linearised: bool,
+}
+
+/// How the lines of a card are read: lines of a group, without its title, and the function.
+type CardReader = (usize, ReadGroup);
+
+/// The whole card is one group.
+const WHOLE: usize = usize::MAX;
+
+/// What is left out if the lines that follow are not understood either.
+const REST: &str = "left out, with the rest of the card";
+
+/// The reader of a keyword without `_ID` and `_TITLE`. The lines of a `*PART` depend on its options: see [`part_lines`].
+fn card_reader(name: &str) -> Option<CardReader> {
+    Some(match name {
+        "NODE" => (1, prescribed::node),
+        "MAT_RIGID" | "MAT_020" => (WHOLE, body::material),
+        "CONSTRAINED_NODAL_RIGID_BODY" => (1, body::nodal),
+        "CONSTRAINED_NODAL_RIGID_BODY_SPC" => (2, body::nodal_held),
+        "CONSTRAINED_NODAL_RIGID_BODY_INERTIA" => (WHOLE, body::nodal),
+        "CONSTRAINED_NODAL_RIGID_BODY_SPC_INERTIA" => (WHOLE, body::nodal_held),
+        "CONSTRAINED_EXTRA_NODES_NODE" => (1, body::extra_node),
+        "CONSTRAINED_EXTRA_NODES_SET" => (1, body::extra_set),
+        "CONSTRAINED_RIGID_BODIES" => (1, body::merged),
+        "CONSTRAINED_INTERPOLATION" => (WHOLE, coupling::interpolation),
+        "CONSTRAINED_LINEAR_GLOBAL" => (WHOLE, coupling::linear),
+        "CONSTRAINED_NODE_SET" => (1, coupling::equal),
+        "CONTACT_TIED_NODES_TO_SURFACE" | "CONTACT_TIED_SURFACE_TO_SURFACE" => (WHOLE, tie::tie),
+        "BOUNDARY_SPC_NODE" => (1, prescribed::node_support),
+        "BOUNDARY_SPC_SET" => (1, prescribed::set_support),
+        "BOUNDARY_SPC_NODE_BIRTH_DEATH" => (2, prescribed::node_support),
+        "BOUNDARY_SPC_SET_BIRTH_DEATH" => (2, prescribed::set_support),
+        "BOUNDARY_PRESCRIBED_MOTION_NODE" => (1, prescribed::node_motion),
+        "BOUNDARY_PRESCRIBED_MOTION_SET" => (1, prescribed::set_motion),
+        "BOUNDARY_PRESCRIBED_MOTION_RIGID" => (1, prescribed::body_motion),
+        _ => return None,
+    })
+}
+
+/// Groups of lines of a card without their titles. Groups of blank lines are left out.
+fn groups<'a>(card: &'a DynaCard, parameters: &'a Parameters, count: usize) -> impl Iterator<Item = Vec<DynaLine<'a>>> {
+    let before = usize::from(["_ID", "_TITLE"].iter().any(|title| card.keyword.ends_with(title)));
+    let mut lines = card.lines(parameters).peekable();
+    let group = move || {
+        lines.peek()?;
+        let titled: Vec<DynaLine> = lines.by_ref().take(count.saturating_add(before)).collect();
+        Some(titled.into_iter().skip(before).collect::<Vec<_>>())
+    };
+    std::iter::from_fn(group).filter(|group| group.iter().any(|line| !line.is_blank()))
+}
+
+impl LsDynaReader {
+    fn new(files: Vec<PathBuf>) -> Self {
+        let (prescribed, clashes) = (BTreeMap::new(), Vec::new());
+        Self { model: Model::new(files), all: DynaDefinitions::default(), prescribed, clashes, is_linearised: false }
+    }
+
+    fn error(&self, card: &DynaCard, LineFault { line, field, problem }: LineFault) -> DeckError {
+        let path = self.model.files[card.file as usize].clone();
+        DeckError { path, line: line as usize, card: format!("*{}", card.keyword), field, problem }
+    }
+
+    fn note(&mut self, cards: &DynaCards) -> Result<(), DeckError> {
+        cards
+            .all
+            .iter()
+            .try_for_each(|card| self.all.mesh.note(card, &cards.parameters).map_err(|fault| self.error(card, fault)))
+    }
+
+    /// Adds the rigid bodies, which cards may name before their definition.
+    fn add_bodies(&mut self, cards: &DynaCards) -> Result<(), DeckError> {
+        let path = self.model.files[0].clone();
+        let whole = |problem| DeckError { path, line: 0, card: "*PART".into(), field: None, problem };
+        self.all.add_parts(&mut self.model).map_err(whole)?;
+        for card in cards.all.iter().filter(|card| card.keyword.starts_with("CONSTRAINED_NODAL_RIGID_BODY")) {
+            let (name, _) = card.without(["_TITLE"]);
+            let (has_inertia, is_held) = (name.contains("_INERTIA"), name.contains("_SPC"));
+            for lines in groups(card, &cards.parameters, card_reader(name).map_or(WHOLE, |(count, _)| count)) {
+                let inertia = lines.get(1 + usize::from(is_held)).filter(|_| has_inertia);
+                let added = body::define(&lines[0], inertia, &mut self.all, &mut self.model);
+                added.map_err(|fault| self.error(card, fault))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn card(&mut self, card: &DynaCard, parameters: &Parameters) -> Result<(), DeckError> {
+        let (name, _) = card.without(["_ID", "_TITLE"]);
+        if name == "PART" || name.starts_with("PART_") {
+            let parts = part_lines(card, parameters).map_err(|fault| self.error(card, fault))?;
+            parts.into_iter().try_for_each(|(line, _)| self.group(card, &[line], body::part).map(|_| ()))?;
+        }
+        if let Some((count, read)) = card_reader(name) {
+            for lines in groups(card, parameters, count) {
+                if !self.group(card, &lines, read)? {
+                    break;
+                }
+            }
+        } else if let Some(why) = unread::reason(&card.keyword) {
+            self.model.leave_out(card.file, card.line, format!("*{} {why}: left out", card.keyword));
+        }
+        Ok(())
+    }
+
+    /// Reads a group of lines. Leaves it out if it needs what this reader does not read; returns whether more groups may follow.
+    fn group(&mut self, card: &DynaCard, lines: &[DynaLine], read: ReadGroup) -> Result<bool, DeckError> {
+        let [first, ..] = lines else { return Ok(true) };
+        let (why, which) = match read(lines, &mut self.all) {
+            Ok(mut made) => {
+                let left_out = made.left_out.take();
+                self.add(card, lines, made);
+                let Some(why) = left_out else { return Ok(true) };
+                (why, "this is left out")
+            }
+            Err(Gap::Fault(fault)) => return Err(self.error(card, fault)),
+            Err(Gap::Unread(why)) => (why, "left out"),
+            Err(Gap::UnreadFromHere(why)) => (why, REST),
+        };
+        self.model.leave_out(card.file, first.number, format!("*{} {why}: {which}", card.keyword));
+        Ok(which != REST)
+    }
+
+    /// Adds equations and values to the model.
+    fn add(&mut self, card: &DynaCard, lines: &[DynaLine], made: GroupMeaning) {
+        let (line, last) = (lines[0].number, lines.last().map_or(0, |line| line.number));
+        self.is_linearised |= made.is_linearised;
+        if let Some(text) = made.warning {
+            self.model.warn(card.file, line, format!("*{} {text}", card.keyword));
+        }
+        if made.rows.is_empty() && made.held.is_empty() {
+            return;
+        }
+        let number = made.number.map_or_else(String::new, |number| format!(" {number}"));
+        let number = self.model.card(format!("*{}{number}", card.keyword), card.file, line);
+        let origin = Origin { card: number, line, lines: last - line + 1 };
+        made.rows.into_iter().for_each(|row| self.model.push(row.terms, 0.0, origin));
+        for held in made.held {
+            let history = held.history.map_or(0, |name| self.model.history(&name));
+            let origin = Origin { card: number, line: held.line, lines: 1 };
+            let given = Prescribed { dof: held.dof, value: held.value, history, origin };
+            let first = *self.prescribed.entry(held.dof).or_insert(given);
+            if (first.value, first.history) != (given.value, given.history) {
+                self.clashes.push(given);
+            }
+        }
+    }
+
+    /// Leaves out translations that are prescribed at a centre of mass which the deck does not give, unless the body cannot rotate.
+    fn check_centres(&mut self) {
+        let is_fixed = |dof| self.prescribed.get(&dof).is_some_and(|given| given.value == 0.0);
+        let turns = |node: &u32| (4..=6).any(|component| !is_fixed(Dof { node: *node, component }));
+        let free: BTreeSet<u32> = self.all.without_centre().into_iter().filter(turns).collect();
+        let is_uncertain = |dof: &Dof| dof.component <= 3 && free.contains(&dof.node);
+        let uncertain = self.prescribed.extract_if(.., |dof, _| is_uncertain(dof));
+        let origins: BTreeSet<(u32, u32)> =
+            uncertain.map(|(_, given)| (given.origin.card, given.origin.line)).collect();
+        self.clashes.retain(|given| !is_uncertain(&given.dof));
+        for (card, line) in origins {
+            let card = self.model.cards.nth(card);
+            let why = "holds a centre of mass that the deck does not give, of a body that can rotate";
+            self.model.leave_out(card.file, line, format!("{} {why}: left out", card.name));
+        }
+    }
+
+    fn finish(mut self) -> Model {
+        self.check_centres();
+        if self.is_linearised {
+            self.model.warn(0, 0, "rigid bodies and interpolations are linearised at the reference configuration");
+        }
+        let prescribed = self.prescribed.into_values().collect();
+        let case = LoadCase { name: "model".into(), prescribed, clashes: self.clashes, ..LoadCase::default() };
+        self.model.cases.push(case);
+        self.model.shrink();
+        self.model
+    }
+}

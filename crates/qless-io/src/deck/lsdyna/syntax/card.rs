@@ -1,0 +1,188 @@
+//! Cards: a keyword line `*NAME_OPTION` and the lines below it, without comments (`$`). Here the cards of a deck and of its included
+//! files are collected, and the parameters.
+
+use std::sync::Arc;
+
+use super::fields::{DynaLine, FieldLayout, FieldWidth, Parameters};
+use crate::bytes::LINE;
+use crate::deck::{DeckError, Problem, Sources};
+
+/// A card. Its lines are a range of the text.
+#[derive(Clone)]
+pub struct DynaCard {
+    /// Keyword in capitals, without the star: `BOUNDARY_SPC_SET`.
+    pub keyword: String,
+    pub file: u32,
+    /// Line of the keyword, from 1.
+    pub line: u32,
+    width: FieldWidth,
+    text: Arc<Vec<u8>>,
+    data: std::ops::Range<usize>,
+}
+
+impl DynaCard {
+    /// Lines of data. Blank lines count, because they are cards of zeros.
+    pub fn lines<'a>(&'a self, parameters: &'a Parameters) -> impl Iterator<Item = DynaLine<'a>> + Clone {
+        let Self { width, line, .. } = *self;
+        let numbered = raw_lines(&self.text[self.data.clone()]).zip(line + 1..);
+        let data = numbered.filter(|(text, _)| !text.starts_with(b"$"));
+        data.map(move |(text, number)| DynaLine { number, text, width, layout: FieldLayout::Common, parameters })
+    }
+
+    /// Lines that are not blank.
+    pub fn filled<'a>(&'a self, parameters: &'a Parameters) -> impl Iterator<Item = DynaLine<'a>> + Clone {
+        self.lines(parameters).filter(|line| !line.is_blank())
+    }
+
+    /// The keyword without these options, which may follow in any order; and which of them it has.
+    pub fn without<const N: usize>(&self, options: [&str; N]) -> (&str, [bool; N]) {
+        let (mut name, mut has) = (self.keyword.as_str(), [false; N]);
+        while let Some(at) = (0..N).find(|&at| name.ends_with(options[at])) {
+            name = &name[..name.len() - options[at].len()];
+            has[at] = true;
+        }
+        (name, has)
+    }
+}
+
+/// Lines of a text, without their ends.
+fn raw_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
+    let text = text.strip_suffix(b"\n").unwrap_or(text);
+    text.split(|&byte| byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line))
+}
+
+/// The cards of a deck in order, up to `*END`, and its parameters.
+#[derive(Default)]
+pub struct DynaCards {
+    pub all: Vec<DynaCard>,
+    pub parameters: Parameters,
+    /// Folders of `*INCLUDE_PATH`.
+    folders: Vec<String>,
+}
+
+impl DynaCards {
+    /// Reads the cards of all files.
+    pub fn read(sources: &mut Sources) -> Result<Self, DeckError> {
+        let mut cards = Self::default();
+        cards.file(sources, (0, 0), FieldWidth::Standard)?;
+        Ok(cards)
+    }
+
+    /// Reads a file at this depth of includes. `width` is the width of fields unless a keyword says otherwise; `*KEYWORD` sets it for the
+    /// including file and those below.
+    fn file(
+        &mut self,
+        sources: &mut Sources,
+        (file, depth): (usize, usize),
+        mut width: FieldWidth,
+    ) -> Result<(), DeckError> {
+        let text = sources.text(file);
+        let (mut at, mut line) = (next_keyword(&text, 0), 1);
+        line += memchr::memchr_iter(b'\n', &text[..at]).count();
+        while at < text.len() {
+            let end = memchr::memchr(b'\n', &text[at..]).map_or(text.len(), |k| at + k + 1);
+            let next = next_keyword(&text, end);
+            if end - at > LINE {
+                let problem = Problem::Limit { what: "the length of a line", limit: LINE, advice: "break it" };
+                let path = sources.path(file).to_path_buf();
+                return Err(DeckError { path, line, card: "keyword".into(), field: None, problem });
+            }
+            let (keyword, own) = keyword(&text[at + 1..end], width);
+            let words = text[at..end].to_ascii_uppercase();
+            let card = DynaCard {
+                keyword,
+                file: file as u32,
+                line: line as u32,
+                width: own,
+                text: Arc::clone(&text),
+                data: end..next,
+            };
+            match card.keyword.as_str() {
+                "END" => return Ok(()),
+                "KEYWORD" => width = deck_width(&words, width),
+                "INCLUDE" => {
+                    for (name, line) in file_names(&card) {
+                        let mut find = |name: &str| sources.include(name, file, line as usize, depth);
+                        let inner = match find(&name) {
+                            Ok(inner) => inner,
+                            Err(error) => {
+                                let below = self.folders.iter().map(|folder| format!("{folder}/{name}"));
+                                below.into_iter().find_map(|name| find(&name).ok()).ok_or(error)?
+                            }
+                        };
+                        self.file(sources, (inner, depth + 1), width)?;
+                    }
+                }
+                "INCLUDE_PATH" | "INCLUDE_PATH_RELATIVE" => {
+                    self.folders.extend(file_names(&card).into_iter().map(|(name, _)| name))
+                }
+                "PARAMETER" | "PARAMETER_LOCAL" => self.parameters(&card, 4),
+                "PARAMETER_EXPRESSION" | "PARAMETER_EXPRESSION_LOCAL" => self.parameters(&card, 1),
+                _ => self.all.push(card),
+            }
+            line += memchr::memchr_iter(b'\n', &text[at..next]).count();
+            at = next;
+        }
+        Ok(())
+    }
+
+    /// `*PARAMETER`: pairs of a name, which starts with the letter of its type, and a value. An expression is a value only if it is a number.
+    fn parameters(&mut self, card: &DynaCard, pairs: usize) {
+        let none = Parameters::default();
+        for line in card.filled(&none) {
+            for pair in 0..pairs {
+                let [_, name @ ..] = line.field(2 * pair) else { continue };
+                self.parameters.insert(name.trim_ascii().to_ascii_uppercase(), line.field(2 * pair + 1).to_vec());
+            }
+        }
+    }
+}
+
+/// Start of the next line that begins with a star, at or after `from`, which must be the start of a line.
+fn next_keyword(text: &[u8], from: usize) -> usize {
+    let stars = memchr::memchr_iter(b'*', &text[from..]).map(|k| from + k);
+    let is_start = |at: &usize| *at == from || text[at - 1] == b'\n' || (*at == 3 && text.starts_with(b"\xef\xbb\xbf"));
+    stars.into_iter().find(is_start).unwrap_or(text.len())
+}
+
+/// The name on a keyword line after its star, and the width of its fields: `NODE +`, `NODE%`, `NODE -`.
+fn keyword(text: &[u8], width: FieldWidth) -> (String, FieldWidth) {
+    let word = text.split(|byte| byte.is_ascii_whitespace() || *byte == b',').next().unwrap_or_default();
+    let rest = text[word.len()..].trim_ascii();
+    let (name, mark) = match word.split_last() {
+        Some((mark @ (b'+' | b'-' | b'%'), name)) => (name, Some(*mark)),
+        _ => (word, rest.first().copied().filter(|_| rest.len() == 1)),
+    };
+    let width = match mark {
+        Some(b'+') => FieldWidth::Long,
+        Some(b'%') => FieldWidth::Ten,
+        Some(b'-') => FieldWidth::Standard,
+        _ => width,
+    };
+    (String::from_utf8_lossy(name).to_ascii_uppercase(), width)
+}
+
+/// The width that `*KEYWORD` sets for the deck.
+fn deck_width(words: &[u8], width: FieldWidth) -> FieldWidth {
+    let has = |word: &[u8]| memchr::memmem::find(words, word).is_some();
+    match width {
+        _ if has(b"LONG=Y") || has(b"LONG=K") => FieldWidth::Long,
+        _ if has(b"I10=Y") => FieldWidth::Ten,
+        _ => width,
+    }
+}
+
+/// The files that `*INCLUDE` names, one a line, with their lines. A name goes on in the next line after ` +`.
+fn file_names(card: &DynaCard) -> Vec<(String, u32)> {
+    let none = Parameters::default();
+    let (mut names, mut open) = (Vec::new(), None::<(String, u32)>);
+    for line in card.filled(&none) {
+        let text = String::from_utf8_lossy(line.text.trim_ascii()).into_owned();
+        let (part, goes_on) = text.strip_suffix(" +").map_or((text.as_str(), false), |part| (part.trim_end(), true));
+        let (name, number) = open.take().unwrap_or((String::new(), line.number));
+        let whole = (name + part, number);
+        if goes_on { open = Some(whole) } else { names.push(whole) }
+    }
+    names.extend(open);
+    names
+}

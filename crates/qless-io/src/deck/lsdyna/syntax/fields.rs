@@ -1,0 +1,163 @@
+//! Fields of a line: in columns of fixed width, or between commas; and parameters `&name` in place of numbers.
+//!
+//! | layout | standard | I10 | long |
+//! | --- | --- | --- | --- |
+//! | most cards | 10 | 10 | 20 |
+//! | elements | 8 | 10 | 20 |
+//! | `*NODE` | 8, 3 x 16, 2 x 8 | 10, 3 x 16, 2 x 10 | 20 |
+
+use rustc_hash::FxHashMap;
+
+use crate::NumberFault;
+use crate::deck::Problem;
+use crate::fault::quote;
+use crate::number::real;
+
+/// Widths of the fields of a card.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FieldWidth {
+    #[default]
+    Standard,
+    /// `I10=Y`, or `%` after the keyword.
+    Ten,
+    /// `LONG=Y`, or `+` after the keyword.
+    Long,
+}
+
+/// Order of the fields of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldLayout {
+    Common,
+    Element,
+    Node,
+}
+
+impl FieldLayout {
+    /// First column of a field and its width.
+    fn place(self, field: usize, width: FieldWidth) -> (usize, usize) {
+        let narrow = if width == FieldWidth::Standard { 8 } else { 10 };
+        match (self, width) {
+            (_, FieldWidth::Long) => (20 * field, 20),
+            (Self::Common, _) => (10 * field, 10),
+            (Self::Element, _) => (narrow * field, narrow),
+            (Self::Node, _) => match field {
+                0 => (0, narrow),
+                1..=3 => (narrow + 16 * (field - 1), 16),
+                _ => (narrow + 48 + narrow * (field - 4), narrow),
+            },
+        }
+    }
+}
+
+/// Texts of `*PARAMETER`, by name in capitals.
+pub type Parameters = FxHashMap<Vec<u8>, Vec<u8>>;
+
+/// A fault at a line: its number, the field from 1 if one is at fault, and the problem.
+#[derive(Debug)]
+pub struct LineFault {
+    pub line: u32,
+    pub field: Option<usize>,
+    pub problem: Problem,
+}
+
+/// A line of data. Fields count from 0.
+#[derive(Clone, Copy)]
+pub struct DynaLine<'a> {
+    pub number: u32,
+    pub text: &'a [u8],
+    pub width: FieldWidth,
+    pub layout: FieldLayout,
+    pub parameters: &'a Parameters,
+}
+
+impl<'a> DynaLine<'a> {
+    pub fn is_blank(&self) -> bool {
+        self.text.trim_ascii().is_empty()
+    }
+
+    /// The same line in the layout of elements or nodes.
+    pub fn laid_out(self, layout: FieldLayout) -> Self {
+        Self { layout, ..self }
+    }
+
+    /// Text of a field, trimmed; empty if the line ends before it.
+    pub fn field(&self, field: usize) -> &'a [u8] {
+        if memchr::memchr(b',', self.text).is_some() {
+            return self.text.split(|&byte| byte == b',').nth(field).unwrap_or_default().trim_ascii();
+        }
+        let (start, width) = self.layout.place(field, self.width);
+        let rest = self.text.get(start..).unwrap_or_default();
+        rest[..rest.len().min(width)].trim_ascii()
+    }
+
+    /// Number of fields up to the last one that is not empty.
+    pub fn count(&self, most: usize) -> usize {
+        (0..most).rev().find(|&field| !self.field(field).is_empty()).map_or(0, |last| last + 1)
+    }
+
+    /// A number; `None` if the field is blank.
+    pub fn number(&self, field: usize) -> Result<Option<f64>, LineFault> {
+        let text = self.field(field);
+        let (sign, name) = match text {
+            [b'&', name @ ..] => (1.0, name),
+            [b'-', b'&', name @ ..] => (-1.0, name),
+            _ => return self.parse(field, text),
+        };
+        let value = self.parameters.get(name.trim_ascii().to_ascii_uppercase().as_slice()).ok_or_else(|| {
+            let name = String::from_utf8_lossy(name).into_owned();
+            self.fault_at(field, Problem::Undefined { what: "parameter", name })
+        })?;
+        Ok(self.parse(field, value)?.map(|value| sign * value))
+    }
+
+    fn parse(&self, field: usize, text: &[u8]) -> Result<Option<f64>, LineFault> {
+        match real(text) {
+            _ if text.is_empty() => Ok(None),
+            // As in the solver, an underflow gives zero.
+            Err(NumberFault::Underflow) => Ok(Some(0.0)),
+            Ok(value) => Ok(Some(value)),
+            Err(fault) => Err(self.fault_at(field, Problem::Number { found: quote(text), fault })),
+        }
+    }
+
+    /// A whole number; 0 if the field is blank. Flags may be written as `1.0`.
+    pub fn whole(&self, field: usize) -> Result<i64, LineFault> {
+        let value = self.number(field)?.unwrap_or(0.0);
+        if value.fract() == 0.0 && value.abs() <= f64::from(u32::MAX) {
+            return Ok(value as i64);
+        }
+        let found = quote(self.field(field));
+        Err(self.fault_at(field, Problem::Expected { expected: "a whole number of at most 32 bits", found }))
+    }
+
+    /// The number of a node, a set and the like; 0 if the field is blank.
+    pub fn id(&self, field: usize) -> Result<u32, LineFault> {
+        let found = || quote(self.field(field));
+        let expected = "a number from 0 to 4294967295";
+        u32::try_from(self.whole(field)?)
+            .map_err(|_| self.fault_at(field, Problem::Expected { expected, found: found() }))
+    }
+
+    /// Three coordinates from field `first` on; blank ones are 0.
+    pub fn vector(&self, first: usize) -> Result<[f64; 3], LineFault> {
+        let mut vector = [0.0; 3];
+        for (k, x) in vector.iter_mut().enumerate() {
+            *x = self.number(first + k)?.unwrap_or(0.0);
+        }
+        Ok(vector)
+    }
+
+    /// Numbers of all fields from `first` on that are not blank or zero, at most `most`.
+    pub fn ids(&self, first: usize, most: usize) -> Result<Vec<u32>, LineFault> {
+        let ids: Result<Vec<u32>, LineFault> = (first..first + most).map(|field| self.id(field)).collect();
+        Ok(ids?.into_iter().filter(|&id| id != 0).collect())
+    }
+
+    pub fn fault_at(&self, field: usize, problem: Problem) -> LineFault {
+        LineFault { line: self.number, field: Some(field + 1), problem }
+    }
+
+    pub fn fault(&self, problem: Problem) -> LineFault {
+        LineFault { line: self.number, field: None, problem }
+    }
+}

@@ -1,0 +1,4 @@
+//! LS-DYNA decks.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| qless_fuzz::lsdyna(data));
