@@ -232,17 +232,8 @@ pub struct ModelArgs {
     /// Skip presolve: the backend factors all equations
     #[arg(long, help_heading = FOR_COMPARISON)]
     pub no_presolve: bool,
-<<<<<<< HEAD
-    /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct or ansys [default: ccx, nastran or ansys, by the
-    /// format of the deck]
-=======
-    /// Equations to keep if others can be called dependent instead, such as 3,7,10-20 (rows, from 1). For a deck also line 41, 5:3
-    /// (equations that begin with this DOF), and names of node sets; for a folder also labels of rows.txt
-    #[arg(long, value_name = "LIST", value_parser = words)]
-    pub keep: Option<WordList>,
     /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct, ansys or lsdyna [default: ccx, nastran, ansys or
     /// lsdyna, by the format of the deck]
->>>>>>> w_h48b
     #[arg(long, value_name = "NAME")]
     pub solver: Option<Solver>,
     /// No progress display
