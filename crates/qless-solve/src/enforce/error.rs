@@ -171,7 +171,8 @@ fn advice(factor: Option<f64>) -> String {
     }
 }
 
-/// DOFs that move less than this fraction of the largest, in dimensionless units, are not named.
+/// DOFs that move less than this fraction of the largest, dimensionless, are not named: a null vector is right to half of the digits at
+/// least.
 const SHARE: f64 = 1e-6;
 /// Largest number of DOFs in the message.
 const NAMED: usize = 8;

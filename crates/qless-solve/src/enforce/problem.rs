@@ -184,7 +184,7 @@ impl Method {
 }
 
 /// Largest difference between the residual of a redundant equation and the combination of residuals in its certificate that counts as zero,
-/// relative to the sum of the absolute terms.
+/// relative to the sum of the absolute terms: a certificate and the equations that it combines are each right to a tenth of it.
 const NOTHING: f64 = 1e-9;
 
 /// Fails if the rank is ambiguous and the residual of a redundant equation is not the combination of residuals in its certificate.

@@ -1,6 +1,7 @@
 //! Transformation with a given reduction: `u_s = T u_q + G u_p + g` are the equations of a [`Problem`].
 
 use faer::sparse::SparseColMat;
+use qless::reduction::FactoredBlock;
 use qless::{Reduction, ReductionError, SystemBuilder};
 
 use super::problem::Problem;
@@ -53,7 +54,7 @@ type Row = Vec<(usize, f64)>;
 fn explicit_rows(reduction: &Reduction) -> impl Iterator<Item = Row> + '_ {
     let (noise, rows) = (TransformNoise::new(reduction.t()), reduction.t().rows());
     let mut is_factored = vec![false; reduction.slaves().len()];
-    let factored = reduction.factored().iter().flat_map(|block| block.slaves());
+    let factored = reduction.factored().iter().flat_map(FactoredBlock::slaves);
     factored.for_each(|dof| is_factored[reduction.slaves().partition_point(|slave| slave < dof)] = true);
     let slaves = reduction.slaves().iter().enumerate().filter(move |&(i, _)| !is_factored[i]);
     slaves.map(move |(i, &slave)| {

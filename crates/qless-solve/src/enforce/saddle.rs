@@ -15,17 +15,16 @@
 //! If T of a connected component would fill, nothing is eliminated there: its slaves stay unknowns, and its equations need multipliers. The
 //! solution is the same; `L^T K L` of a dense T grows with the square of the number of masters.
 
-use faer::sparse::SymbolicSparseColMat;
 use qless::elimination::{CondensedPattern, PrescribedDofs, View};
 use qless::{ConstraintSystem, Elimination, Form, Options, SystemBuilder, analyse};
 
 use super::EnforceError;
 use super::equations::{BALANCED, Equations, FLOOR, ROUNDING};
-use super::matrix::{ScaledFactor, bordered, entries};
+use super::matrix::{ScaledFactor, bordered, entries, from_triplets};
 use super::part::EnforcedPart;
 use super::problem::Method;
 use super::scale::{known_units, scales, times_power};
-use crate::common::{SparseMatrix, times};
+use crate::common::times;
 
 /// The equations that all methods solve, with the compliance Z of each.
 pub fn saddle_equations(part: &EnforcedPart, z: &[f64]) -> Result<Equations, EnforceError> {
@@ -85,13 +84,16 @@ impl<'a> SaddleInverse<'a> {
         let condensed = elimination.condensed(pattern, PrescribedDofs::Eliminated)?;
         let multipliers = border.len();
         border.extend(condensed.remaining_equations(&elimination).into_iter().map(|i| eliminated[i]));
-        let k_q = condensed_matrix(&elimination, &condensed, &part.k)?;
+        let mut values = vec![0.0; condensed.nnz()];
+        condensed.condense_matrix_into(&elimination, part.k.val(), &mut values)?;
+        let n = condensed.unknowns();
+        let k_q = from_triplets(n, n, condensed.entries().zip(values).map(|((i, j), v)| (i, j, v)))?;
         let mut c_q = Vec::new();
         for (i, &row) in border.iter().enumerate() {
             let (terms, _) = condensed.equation(&elimination, part.system.matrix().row(row), 0.0)?;
             c_q.extend(terms.into_iter().map(|(j, v)| (i, j, v)));
         }
-        let scale = scales(entries(&k_q), c_q.iter().copied(), (k_q.nrows(), border.len()));
+        let scale = scales(entries(&k_q), c_q.iter().copied(), (n, border.len()));
         let matrix = bordered(&k_q, c_q.into_iter(), &vec![0.0; border.len()])?;
         let factor = ScaledFactor::new(&matrix, scale, part.symmetric && border.is_empty())?;
         Ok(Self { part, eliminated, elimination, condensed, border, multipliers, factor })
@@ -145,18 +147,4 @@ pub fn elimination_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Elimi
     });
     system.prescribed().iter().for_each(|&(dof, _)| builder.prescribe(dof, 0.0));
     Ok(Elimination::from_analysis(analyse(&builder.build()?, &Options::default())?, Form::Auto)?)
-}
-
-/// K_q.
-fn condensed_matrix(
-    elimination: &Elimination,
-    condensed: &CondensedPattern,
-    k: &SparseMatrix,
-) -> Result<SparseMatrix, EnforceError> {
-    let mut values = vec![0.0; condensed.nnz()];
-    condensed.condense_matrix_into(elimination, k.val(), &mut values)?;
-    let n = condensed.unknowns();
-    let wide = |numbers: &[u32]| numbers.iter().map(|&k| k as usize).collect();
-    let pattern = SymbolicSparseColMat::new_checked(n, n, wide(condensed.starts()), None, wide(condensed.index()));
-    Ok(SparseMatrix::new(pattern, values))
 }

@@ -25,7 +25,7 @@ use crate::common::RandomForces;
 const STEPS: usize = 3;
 /// Most refinements of a null vector.
 const SHARPENINGS: usize = 6;
-/// Growth at which a null vector is searched for. A singular A has `g > 1 / ROUNDING`; a few power steps find a hundredth of it.
+/// Growth at which a null vector is searched for. A singular A has `g > 1 / ROUNDING`; two power steps find a hundredth of it.
 const SUSPICIOUS: f64 = 0.01 / ROUNDING;
 
 /// Whether the model is supported.

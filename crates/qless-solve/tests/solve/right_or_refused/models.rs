@@ -20,8 +20,6 @@ pub struct Model {
     pub k: SparseColMat<usize, f64>,
     pub f: Vec<f64>,
     pub system: ConstraintSystem,
-    /// Exponent of length in the unit of each DOF.
-    pub powers: Vec<i32>,
     pub name: String,
 }
 
@@ -188,8 +186,7 @@ pub fn model(case: usize, kind: Kind, lack: Lack, units: Units) -> Outcome<Model
     let f: Vec<f64> =
         (0..a.dofs).map(|j| random.between(-1.0, 1.0) * units.force * units.length.powi(1 - a.powers[j])).collect();
     let k = SparseColMat::try_new_from_triplets(a.dofs, a.dofs, &entries)?;
-    let powers = a.powers;
-    Ok(Model { k, f, system: builder.build()?, powers, name: format!("case {case}, {kind:?}, {lack:?}, {units:?}") })
+    Ok(Model { k, f, system: builder.build()?, name: format!("case {case}, {kind:?}, {lack:?}, {units:?}") })
 }
 
 fn disturbed(entries: &mut Vec<Triplet<usize, usize, f64>>, dofs: usize, kind: Kind, lack: Lack, random: &mut Random) {

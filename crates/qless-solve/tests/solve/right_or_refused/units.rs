@@ -149,7 +149,6 @@ fn springs_of_all_sizes_are_held() -> Outcome {
             k: SparseColMat::try_new_from_triplets(count, count, &entries)?,
             f: (0..count).map(|_| random.between(-1.0, 1.0)).collect(),
             system: builder.build()?,
-            powers: vec![1; count],
             name: format!("case {case}"),
         };
         let problem = Problem::new(&model.k, &model.f, &model.system)?;
