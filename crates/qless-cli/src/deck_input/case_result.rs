@@ -79,7 +79,7 @@ impl CaseResult {
 /// The analysis of a load case that holds at all times, or of the first time history whose values conflict.
 pub fn analyse_case(deck: &Deck, case: &LoadCase, analyse: AnalyseCase) -> Result<CaseAnalysis, CliFailure> {
     let model = deck.model();
-    let analysed = |history| {
+    let analysed = |history| -> Result<CaseAnalysis, CliFailure> {
         let system = model.system_at(case, history).map_err(|error| CliFailure::from_deck(deck, &error))?;
         let analysis = analyse(&system, (deck, case))?;
         Ok(CaseAnalysis { system, analysis, history })
