@@ -76,13 +76,16 @@ pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<ConstraintSystem, ReadEr
     all.build().map_err(|source| ReadError::System { path: path.to_path_buf(), source })
 }
 
+/// Terms by column, and the right-hand side.
+type ColumnTerms = (Vec<(usize, f64)>, f64);
+
 /// The relations read so far.
 #[derive(Default)]
 struct AllRelations {
     columns: FxHashMap<String, usize>,
     names: Vec<String>,
-    /// Label, terms by column, right-hand side.
-    equations: Vec<(String, Vec<(usize, f64)>, f64)>,
+    /// Labels, and terms by column with right-hand sides.
+    equations: Vec<(String, ColumnTerms)>,
     /// The first value of each prescribed DOF, with its label.
     prescribed: FxHashMap<usize, (String, f64)>,
 }
@@ -94,7 +97,7 @@ impl AllRelations {
         if relation.is_prescribed && !self.prescribed.contains_key(&terms[0].0) {
             self.prescribed.insert(terms[0].0, (label, relation.rhs));
         } else if !relation.is_prescribed || self.prescribed[&terms[0].0].1 != relation.rhs {
-            self.equations.push((label, terms, relation.rhs));
+            self.equations.push((label, (terms, relation.rhs)));
         }
     }
 
@@ -109,7 +112,7 @@ impl AllRelations {
 
     fn build(self) -> Result<ConstraintSystem, qless::SystemError> {
         let mut builder = SystemBuilder::new(self.names.len());
-        for (label, terms, rhs) in self.equations {
+        for (label, (terms, rhs)) in self.equations {
             builder.labelled_equation(label, terms, rhs);
         }
         for (column, (label, value)) in self.prescribed {

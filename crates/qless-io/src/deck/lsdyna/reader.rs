@@ -193,9 +193,9 @@ impl LsDynaReader {
         let turns = |node: &u32| (4..=6).any(|component| !is_fixed(Dof { node: *node, component }));
         let free: BTreeSet<u32> = self.all.without_centre().into_iter().filter(turns).collect();
         let is_uncertain = |dof: &Dof| dof.component <= 3 && free.contains(&dof.node);
-        let uncertain = self.prescribed.extract_if(.., |dof, _| is_uncertain(dof));
-        let origins: BTreeSet<(u32, u32)> =
-            uncertain.map(|(_, given)| (given.origin.card, given.origin.line)).collect();
+        let uncertain = self.prescribed.values().filter(|given| is_uncertain(&given.dof));
+        let origins: BTreeSet<(u32, u32)> = uncertain.map(|given| (given.origin.card, given.origin.line)).collect();
+        self.prescribed.retain(|dof, _| !is_uncertain(dof));
         self.clashes.retain(|given| !is_uncertain(&given.dof));
         for (card, line) in origins {
             let card = self.model.cards.nth(card);

@@ -122,10 +122,10 @@ fn outside(elements: Vec<&DynaElement>) -> Vec<Vec<u32>> {
 /// Nodes of a face without repetition: the last node of a triangle is written twice.
 fn distinct(face: &[u32]) -> Vec<u32> {
     let mut nodes: Vec<u32> = Vec::with_capacity(face.len());
-    face.iter().for_each(|node| {
+    for node in face {
         if !nodes.contains(node) {
-            nodes.push(*node)
+            nodes.push(*node);
         }
-    });
+    }
     nodes
 }

@@ -97,7 +97,7 @@ impl DynaDefinitions {
 
 impl RigidReference {
     /// The DOFs of these components.
-    pub fn dofs(&self, set: Components) -> impl Iterator<Item = Dof> + use<> {
+    pub fn dofs(self, set: Components) -> impl Iterator<Item = Dof> + use<> {
         let node = self.node;
         set.iter().map(move |component| Dof { node, component })
     }

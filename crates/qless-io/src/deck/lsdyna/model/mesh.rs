@@ -141,7 +141,7 @@ impl DynaMesh {
         Ok(())
     }
 
-    fn set<'a>(&mut self, name: &str, lines: &mut dyn Iterator<Item = DynaLine<'a>>) -> Result<(), LineFault> {
+    fn set(&mut self, name: &str, lines: &mut dyn Iterator<Item = DynaLine<'_>>) -> Result<(), LineFault> {
         let kinds = [("NODE", SetKind::Node), ("PART", SetKind::Part), ("SEGMENT", SetKind::Segment)];
         let kind = kinds.into_iter().find(|(word, _)| name.split('_').next() == Some(word));
         let (Some((word, kind)), Some(first)) = (kind, lines.next()) else { return Ok(()) };
@@ -234,8 +234,8 @@ impl Poses for DynaMesh {
 /// Lines that an option adds to an element, if the option is known.
 fn option_lines(kind: ElementKind, option: &str) -> Option<usize> {
     match (kind, option) {
-        (ElementKind::Shell, "THICKNESS" | "BETA" | "MCID" | "OFFSET") => Some(1),
-        (ElementKind::Beam, "THICKNESS" | "SCALAR" | "SECTION" | "PID" | "OFFSET" | "ORIENTATION") => Some(1),
+        (ElementKind::Shell, "THICKNESS" | "BETA" | "MCID" | "OFFSET")
+        | (ElementKind::Beam, "THICKNESS" | "SCALAR" | "SECTION" | "PID" | "OFFSET" | "ORIENTATION") => Some(1),
         (ElementKind::Solid, "ORTHO") => Some(2),
         _ => None,
     }

@@ -114,7 +114,7 @@ impl DynaCards {
                     }
                 }
                 "INCLUDE_PATH" | "INCLUDE_PATH_RELATIVE" => {
-                    self.folders.extend(file_names(&card).into_iter().map(|(name, _)| name))
+                    self.folders.extend(file_names(&card).into_iter().map(|(name, _)| name));
                 }
                 "PARAMETER" | "PARAMETER_LOCAL" => self.parameters(&card, 4),
                 "PARAMETER_EXPRESSION" | "PARAMETER_EXPRESSION_LOCAL" => self.parameters(&card, 1),
