@@ -122,7 +122,7 @@ fn explain_says_what_the_solver_does() {
         (
             "claim.inp",
             "2:1",
-            "2:1 is the slave of line 10 *EQUATION, and prescribed in line 12 *BOUNDARY: ccx stops.",
+            "2:1 is the slave of line 9 *EQUATION, and prescribed in line 12 *BOUNDARY: ccx stops.",
             1,
         ),
         ("claim.inp", "line 10", "prescribed in line 12 *BOUNDARY: ccx stops.", 1),

@@ -97,7 +97,7 @@ fn claims_have_both_of_their_cards_and_conflicts_their_cure() {
     };
     assert_eq!(place_of(&refused["locations"][0]), ("claim.inp".into(), 5.into()));
     assert_eq!(refused["relatedLocations"].as_array().map(Vec::len), Some(1), "{refused}");
-    assert_eq!(place_of(&refused["relatedLocations"][0]), ("bc.inc".into(), 2.into()));
+    assert_eq!(place_of(&refused["relatedLocations"][0]), ("bc.inc".into(), 3.into()));
     let cure = "; cure: change 2:1 in line 10 *BOUNDARY from 0.5 to 0 (2 other ways cure too)";
     let message = results(1)[0]["message"]["text"].clone();
     assert!(message.as_str().is_some_and(|text| text.ends_with(cure)), "{message}");
