@@ -3,9 +3,9 @@
 //! One direction d moves all DOFs by random fractions of their sizes, so that a wrong entry shows in its row after a few evaluations.
 //! Halving the moved DOFs then finds its column.
 
+use super::EquilibriumError;
 use super::model::{Assembly, Model};
-use super::state::fault;
-use super::{EquilibriumError, StepFailure};
+use super::state::{ULPS, fault, model_error};
 use crate::common::random;
 
 /// Lengths t of differences, the best first. The error of a difference is about `t` from curvature and `eps / t` from rounding; these are
@@ -18,16 +18,14 @@ const SHARE: f64 = 0.01;
 /// K is wrong only if it differs from the slope by more than this factor times the error bound of the slopes. If the slopes change
 /// monotonically with the length of the difference, their limit lies within twice their spread.
 const TRUSTED: f64 = 4.0;
-/// Roundings of a sum of forces.
-const ULPS: f64 = 8.0 * f64::EPSILON;
 
 /// An entry of K that differs from the slope of the force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WrongEntry {
-    pub row: usize,
-    pub column: usize,
-    pub given: f64,
-    pub difference: f64,
+    row: usize,
+    column: usize,
+    given: f64,
+    difference: f64,
 }
 
 /// Compares K of a model at u with differences of its forces.
@@ -67,13 +65,14 @@ pub fn check_tangent(model: &mut impl Model, u: &[f64]) -> Result<(), Equilibriu
     if found != expected {
         return Err(EquilibriumError::Size { what: "values of u", found, expected });
     }
-    match TangentCheck::new(model, u).map(|mut check| check.wrong_entry()) {
-        Ok(Some(WrongEntry { row, column, given, difference })) => {
-            Err(EquilibriumError::Tangent { factor: 0.0, row, column, given, difference })
-        }
-        Err(StepFailure::Model(source)) => Err(EquilibriumError::Model { factor: 0.0, source }),
-        Err(StepFailure::Fatal(error)) => Err(error),
-        _ => Ok(()),
+    let wrong = TangentCheck::new(model, u)?.wrong_entry();
+    wrong.map_or(Ok(()), |wrong| Err(wrong.into_error()))
+}
+
+impl WrongEntry {
+    pub(super) fn into_error(self) -> EquilibriumError {
+        let Self { row, column, given, difference } = self;
+        EquilibriumError::Tangent { factor: 0.0, row, column, given, difference }
     }
 }
 
@@ -93,9 +92,9 @@ struct Slopes {
 }
 
 impl<'a, M: Model> TangentCheck<'a, M> {
-    pub fn new(model: &'a mut M, u: &'a [f64]) -> Result<Self, StepFailure> {
+    pub fn new(model: &'a mut M, u: &'a [f64]) -> Result<Self, EquilibriumError> {
         let mut here = Assembly::new(model);
-        model.assemble(u, &mut here).map_err(StepFailure::Model)?;
+        model.assemble(u, &mut here).map_err(model_error)?;
         fault(&here)?;
         let own: Vec<f64> = (0..u.len()).map(|j| u[j].abs().max(model.coordinate(j).abs())).collect();
         let most = own.iter().copied().fold(0.0, f64::max);

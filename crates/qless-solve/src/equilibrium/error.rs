@@ -1,11 +1,10 @@
-//! Errors of an equilibrium, and failures of load steps, most of which a shorter step avoids.
+//! Errors of an equilibrium. Most of them end a load step only, and a shorter step avoids them.
 
 use std::error::Error;
 
 use qless::{AnalysisError, ArgumentError};
-use qless_constraints::{ConstraintSet, LineariseError, TimeError};
+use qless_constraints::{LineariseError, TimeError};
 
-use super::EquilibriumIterate;
 use crate::newton::NewtonError;
 
 /// Why no equilibrium was found.
@@ -189,107 +188,46 @@ pub enum EquilibriumError {
     },
 }
 
-#[derive(Debug)]
-pub enum StepFailure {
-    Model(Box<dyn Error + Send + Sync>),
-    NotFinite {
-        what: &'static str,
-        at: usize,
-    },
-    /// Rows that do not hold.
-    Conflict(Vec<usize>),
-    /// DOFs of a motion without resistance.
-    Unsupported(Vec<usize>),
-    /// The row of a motor, and the angle in radians by which it would turn in one load step.
-    Turn {
-        row: usize,
-        angle: f64,
-    },
-    /// Determined DOFs may have changed to another branch. A step of this fraction of the length is expected to
-    /// stay on its branch.
-    Branch(f64),
-    NoConvergence,
-    Solver(String),
-    Constraints(NewtonError),
-    System(LineariseError),
-    Analysis(AnalysisError),
-    /// Shorter steps do not help.
-    Fatal(EquilibriumError),
-}
-
-impl From<EquilibriumError> for StepFailure {
-    fn from(error: EquilibriumError) -> Self {
-        Self::Fatal(error)
-    }
-}
-
-impl From<ArgumentError> for StepFailure {
-    fn from(error: ArgumentError) -> Self {
-        Self::Fatal(error.into())
-    }
-}
-
-impl From<LineariseError> for StepFailure {
-    fn from(error: LineariseError) -> Self {
-        Self::System(error)
-    }
-}
-
-impl From<AnalysisError> for StepFailure {
-    fn from(error: AnalysisError) -> Self {
-        Self::Analysis(error)
-    }
-}
-
-/// How far the solution got before a failure.
-#[derive(Clone, Copy)]
-pub struct Reached {
-    pub factor: f64,
-    pub tried: f64,
-    /// The last iterate of the failed part.
-    pub iterate: EquilibriumIterate,
-}
-
-impl StepFailure {
-    /// If the tangent was singular, replaces missing convergence by the DOFs of its free motion.
-    pub fn or_unsupported(self, dofs: Option<&Vec<usize>>) -> Self {
-        match (self, dofs) {
-            (Self::NoConvergence, Some(dofs)) => Self::Unsupported(dofs.clone()),
-            (other, _) => other,
+impl EquilibriumError {
+    /// Fills in the load factor of the last equilibrium, which the place of the error does not know.
+    pub(super) fn at(mut self, last: f64) -> Self {
+        match &mut self {
+            Self::Model { factor, .. }
+            | Self::NotFinite { factor, .. }
+            | Self::Unsupported { factor, .. }
+            | Self::Turn { factor, .. }
+            | Self::Branch { factor }
+            | Self::Constraints { factor, .. }
+            | Self::Conflict { factor, .. }
+            | Self::System { factor, .. }
+            | Self::Analysis { factor, .. }
+            | Self::NoConvergence { factor, .. }
+            | Self::Tangent { factor, .. }
+            | Self::Solver { factor, .. } => *factor = last,
+            _ => (),
         }
+        self
     }
 
-    /// Length of the next attempt, as a fraction of the failed step.
-    pub fn shorter(&self) -> f64 {
-        match self {
-            Self::Branch(part) => part.clamp(0.1, 0.7),
-            _ => 0.25,
-        }
+    /// Whether shorter load steps do not help.
+    pub(super) fn is_fatal(&self) -> bool {
+        let of_input =
+            matches!(self, Self::Size { .. } | Self::Option { .. } | Self::Moment { .. } | Self::Argument(_));
+        of_input || matches!(self, Self::Force { .. } | Self::Pattern { .. } | Self::Time(_))
     }
 
-    pub fn is_fatal(&self) -> bool {
-        matches!(self, Self::Fatal(_))
+    pub(super) fn solver(why: String) -> Self {
+        Self::Solver { factor: 0.0, why }
     }
+}
 
-    pub fn into_error(self, set: &ConstraintSet, reached: Reached) -> EquilibriumError {
-        let Reached { factor, tried, iterate: EquilibriumIterate { force, constraint, .. } } = reached;
-        match self {
-            Self::Model(source) => EquilibriumError::Model { factor, source },
-            Self::NotFinite { what, at } => EquilibriumError::NotFinite { factor, what, at },
-            Self::Conflict(rows) => {
-                EquilibriumError::Conflict { factor, labels: rows.iter().filter_map(|&r| set.label(r).ok()).collect() }
-            }
-            Self::Unsupported(dofs) => EquilibriumError::Unsupported { factor, dofs },
-            Self::Turn { row, angle } => {
-                EquilibriumError::Turn { factor, label: set.label(row).unwrap_or_default(), angle }
-            }
-            Self::Branch(_) => EquilibriumError::Branch { factor },
-            Self::NoConvergence => EquilibriumError::NoConvergence { factor, tried, force, constraint },
-            Self::Solver(why) => EquilibriumError::Solver { factor, why },
-            Self::Constraints(source) => EquilibriumError::Constraints { factor, source },
-            Self::System(source) => EquilibriumError::System { factor, source },
-            Self::Analysis(source) => EquilibriumError::Analysis { factor, source },
-            Self::Fatal(error) => error,
+impl From<NewtonError> for EquilibriumError {
+    fn from(error: NewtonError) -> Self {
+        match error {
+            NewtonError::System { source, .. } => Self::System { factor: 0.0, source },
+            NewtonError::Analysis { source, .. } => Self::Analysis { factor: 0.0, source },
+            NewtonError::Argument { source, .. } => Self::Argument(source),
+            source => Self::Constraints { factor: 0.0, source },
         }
     }
 }

@@ -29,26 +29,28 @@
 
 mod branch;
 mod check_tangent;
-mod correct;
+mod corrector;
 mod error;
+mod length;
 mod load_path;
+mod load_step;
 mod model;
-mod parts;
 mod path;
 mod result;
 mod rows;
 mod saddle;
 mod stability;
 mod state;
+mod tangent;
 mod time_path;
 
 use qless_constraints::{ConstraintSet, TimeError};
 
 pub use check_tangent::check_tangent;
 pub use error::EquilibriumError;
-use error::StepFailure;
 pub use load_path::{EquilibriumOptions, Start, Target};
 pub use model::{Assembly, Model};
+use path::Path;
 pub use result::{Equilibrium, EquilibriumIterate, LoadStep};
 pub use stability::Stability;
 use time_path::TimePath;
@@ -102,9 +104,7 @@ pub fn solve(
     target: &Target,
     options: &EquilibriumOptions,
 ) -> Result<Equilibrium, EquilibriumError> {
-    options.validate()?;
-    path::check(model.dofs(), set, start, target)?;
-    path::Path::new(model, TimePath::Still(set), start, target, options)?.follow()
+    Path::new(model, TimePath::Still(set), start, target, options)?.follow()
 }
 
 /// As [`solve`], while the set advances to `time`: motors and other functions of time move with the loads, `t = t_0 + s (t_1 - t_0)` at the
@@ -157,11 +157,9 @@ pub fn drive(
     time: f64,
     options: &EquilibriumOptions,
 ) -> Result<Equilibrium, EquilibriumError> {
-    options.validate()?;
-    path::check(model.dofs(), set, start, target)?;
     if !time.is_finite() {
         return Err(TimeError::Time(time).into());
     }
     let times = [set.time(), time];
-    path::Path::new(model, TimePath::Driven { set, times }, start, target, options)?.follow()
+    Path::new(model, TimePath::Driven { set, times }, start, target, options)?.follow()
 }

@@ -19,14 +19,13 @@ use super::saddle::norm;
 use crate::common::{SparseMatrix, random, times};
 
 /// Values of s to try, for entries of size one: with a large s, M differs much from A; with a small s, the stiffness is lost to rounding.
+/// The middle of both is the square root of the rounding.
 const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];
-/// Most terms of `G^T G` per entry of A; an equation with all DOFs would make it a full matrix.
+/// Most terms of `G^T G` per entry of A; an equation with all DOFs would make it a full matrix. At a hundred, memory is still that of a
+/// factorization.
 const FILL: usize = 100;
-/// Number of powers of `M^-1 (M - A)`, and the largest remaining fraction of a vector.
-const POWERS: usize = 6;
-const LEFT: f64 = 1e-3;
-/// Largest difference between `A_ij` and `A_ji` of a symmetric tangent with entries of size one.
-const SYMMETRIC: f64 = 1e-9;
+/// Powers of `M^-1 (M - A)`. They prove the inertia if the spectral radius is below a third.
+const POWERS: i32 = 6;
 
 /// Whether the energy has a minimum at an equilibrium, among the motions that the constraints allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +76,8 @@ pub fn stability(a: &SparseMatrix, free: usize) -> Stability {
 fn symmetric(a: &SparseMatrix) -> bool {
     let column = |j: usize| a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j));
     let other = |i: usize, j: usize| a.get(i, j).copied().unwrap_or(0.0);
-    (0..a.ncols()).all(|j| column(j).all(|(i, v)| (v - other(j, i)).abs() <= SYMMETRIC))
+    // Half of the digits: more than the rounding of an assembly, less than any real asymmetry.
+    (0..a.ncols()).all(|j| column(j).all(|(i, v)| (v - other(j, i)).abs() <= f64::EPSILON.sqrt()))
 }
 
 /// `K + H + G^T G / s = L D L^T`.
@@ -114,7 +114,7 @@ impl InertiaFactors {
         }
         let SymbolicCholeskyRaw::Simplicial(raw) = self.symbolic.raw() else { return None };
         let pivots = raw.col_ptr()[..self.free].iter().map(|&first| self.values[first]);
-        (norm(&x) <= LEFT * before).then(|| pivots.filter(|pivot| *pivot < 0.0).count())
+        (norm(&x) <= before * 3_f64.powi(-POWERS)).then(|| pivots.filter(|pivot| *pivot < 0.0).count())
     }
 
     /// `M^-1 b`: `x = (K + H + G^T G / s)^-1 (b_1 + G^T b_2 / s)`, `y = (G x - b_2) / s`.

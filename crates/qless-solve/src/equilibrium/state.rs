@@ -3,15 +3,12 @@
 use qless::Csr;
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
+use super::EquilibriumError;
 use super::model::{Assembly, AssemblyFault, Model};
-use super::parts::{EquilibriumPart, EquilibriumParts};
-use super::{EquilibriumError, StepFailure};
-use crate::newton::{at_rest, in_roundings, weights};
+use crate::newton::{Part, Parts, Scales, at_rest, in_roundings};
 
-/// Relative rounding of a sum of products.
-const ULPS: f64 = 8.0 * f64::EPSILON;
-/// Roundings allowed for each row in the certificate of a redundant row.
-const OTHERS: f64 = 4.0;
+/// Relative rounding of a force: about eight operations between a coordinate and the sum of its terms.
+pub const ULPS: f64 = 8.0 * f64::EPSILON;
 
 /// Displacements and multipliers.
 #[derive(Clone, Debug)]
@@ -32,8 +29,7 @@ pub struct EquilibriumState {
     rounding: Vec<f64>,
     /// `-d f_i / du_j` of moments in space, `(i, j, value)`, by rows.
     moments: Vec<(usize, usize, f64)>,
-    /// `|c_r|` in roundings of its own terms. If c no longer falls, the rounding of the largest terms in its part or of the forces may
-    /// count instead.
+    /// `|c_r|` in roundings of its own terms. If c no longer falls, the rounding of coordinates or of forces may count instead.
     pub constraints: Vec<f64>,
     /// Bounds on the rounding of c and G.
     of_constraints: Option<Rounding>,
@@ -65,9 +61,9 @@ impl EquilibriumState {
         set: &ConstraintSet,
         at: &Unknowns,
         loads: &[f64],
-    ) -> Result<(), StepFailure> {
+    ) -> Result<(), EquilibriumError> {
         self.assembly.clear(false);
-        model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
+        model.assemble(&at.u, &mut self.assembly).map_err(model_error)?;
         set.evaluate(&at.u, &mut self.evaluation)?;
         self.sum(set, at, loads)
     }
@@ -79,9 +75,9 @@ impl EquilibriumState {
         set: &ConstraintSet,
         at: &Unknowns,
         loads: &[f64],
-    ) -> Result<(), StepFailure> {
+    ) -> Result<(), EquilibriumError> {
         self.assembly.clear(true);
-        model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
+        model.assemble(&at.u, &mut self.assembly).map_err(model_error)?;
         set.assemble(&at.u, &at.multipliers, &mut self.evaluation)?;
         self.sum(set, at, loads)?;
         let moments = &mut self.moments;
@@ -95,30 +91,22 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// Measures c anew in parts where it no longer falls: what is left of c may be rounding of other rows or of forces.
-    pub fn settle<'a>(
-        &mut self,
-        (set, parts): (&ConstraintSet, &EquilibriumParts),
-        settled: impl Iterator<Item = &'a EquilibriumPart>,
-        u: &[f64],
-    ) {
-        if let Some(rounding) = &self.of_constraints {
-            let parts = &parts.of_equations;
-            let weights = weights(self.evaluation.g(), rounding.g(), &parts.columns);
-            let extents = set.extents(u).expect("u has a number for each DOF");
-            let at_rest = at_rest(&weights, &self.evaluation, (rounding, &extents), parts);
-            for part in settled {
-                let in_forces = self.in_forces(part);
-                let rows = part.rows.iter().zip(in_forces);
-                rows.for_each(|(&r, in_forces)| self.constraints[r] = at_rest[r].min(in_forces));
-            }
+    /// Measures c of parts anew in which it no longer falls: what is left of c may be rounding of other rows or of forces.
+    pub fn settle(&mut self, set: &ConstraintSet, parts: &Parts, settled: &[usize]) -> Result<(), EquilibriumError> {
+        let Some(rounding) = self.of_constraints.as_ref().filter(|_| !settled.is_empty()) else { return Ok(()) };
+        let weights = Scales::new(set, &self.evaluation, rounding, parts).weights;
+        let rest = at_rest(set, (&self.evaluation, rounding, &weights), parts)?;
+        for part in settled.iter().map(|&part| &parts.list[part]) {
+            let in_forces = self.in_forces(part);
+            part.rows.iter().zip(in_forces).for_each(|(&r, in_forces)| self.constraints[r] = rest[r].min(in_forces));
         }
+        Ok(())
     }
 
     /// For each row, the force change of the cheapest motion that removes c_r, `min_j |c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2`, in
     /// units in the last place. If it is small, c_r is negligible, however small its own terms are; those of a support `u_0 = 0` vanish
     /// with u_0.
-    fn in_forces(&self, part: &EquilibriumPart) -> Vec<f64> {
+    fn in_forces(&self, part: &Part) -> Vec<f64> {
         let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
         let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);
         let most = sizes.map(|(stiffness, terms)| terms / stiffness).fold(0.0, f64::max);
@@ -137,7 +125,7 @@ impl EquilibriumState {
         self.moments[first..].iter().take_while(move |&&(row, ..)| row == i).map(|&(_, j, v)| (j, v))
     }
 
-    fn sum(&mut self, set: &ConstraintSet, at: &Unknowns, loads: &[f64]) -> Result<(), StepFailure> {
+    fn sum(&mut self, set: &ConstraintSet, at: &Unknowns, loads: &[f64]) -> Result<(), EquilibriumError> {
         fault(&self.assembly)?;
         let loads = set.generalised_forces(&at.u, loads)?;
         let Self { assembly, residual, terms, .. } = self;
@@ -155,16 +143,17 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// Fails if a force or c of the part is not finite.
-    pub fn finite(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
-        finite("the force", part.free.iter().chain(&part.prescribed).map(|&j| (j, self.residual[j])))?;
-        finite("the constraint value", part.rows.iter().map(|&r| (r, self.evaluation.c()[r])))
+    /// Fails if a force, its stiffness or c of a part is not finite. Stiffness is that of the last full evaluation.
+    pub fn finite(&self, part: &Part) -> Result<(), EquilibriumError> {
+        finite("the force", part.free.iter().map(|&j| (j, self.residual[j])))?;
+        finite("the constraint value", part.rows.iter().map(|&r| (r, self.evaluation.c()[r])))?;
+        finite("the stiffness", part.free.iter().flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
     }
 
-    /// Fails if the stiffness of the part is not finite.
-    pub fn finite_stiffness(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
-        let rows = part.free.iter().chain(&part.prescribed);
-        finite("the stiffness", rows.flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
+    /// Fails if a force or its stiffness at prescribed DOFs is not finite.
+    pub fn finite_at(&self, prescribed: &[(usize, f64)]) -> Result<(), EquilibriumError> {
+        finite("the force", prescribed.iter().map(|&(j, _)| (j, self.residual[j])))?;
+        finite("the stiffness", prescribed.iter().flat_map(|&(i, _)| self.assembly.row(i).map(move |(_, k)| (i, k))))
     }
 
     fn round(&mut self, model: &impl Model, at: &Unknowns, of_g: &[f64]) {
@@ -190,19 +179,19 @@ impl EquilibriumState {
     }
 
     /// Whether `c_r - sum y_k c_k` is rounding, for a redundant row r with the certificate `row_r = sum y_k row_k`. The limit is
-    /// `roundings` times the rounding of c_r plus [`OTHERS`] times that of each `y_k c_k`.
+    /// `roundings` times the rounding of c_r and of each `y_k c_k`.
     pub fn follows(&self, row: usize, because: impl Iterator<Item = (f64, usize)>, roundings: f64) -> bool {
         let Some(rounding) = &self.of_constraints else { return false };
         let (c, bounds) = (self.evaluation.c(), rounding.c());
         let start = (c[row], roundings * bounds[row]);
         let (left, limit) =
-            because.fold(start, |(left, limit), (y, k)| (left - y * c[k], limit + OTHERS * (y * bounds[k]).abs()));
+            because.fold(start, |(left, limit), (y, k)| (left - y * c[k], limit + roundings * (y * bounds[k]).abs()));
         left.abs() <= limit
     }
 
     /// The largest `|c_r|` of the given rows, in roundings.
-    pub fn constraint(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
-        rows.into_iter().map(|r| self.constraints[r]).fold(0.0, f64::max)
+    pub fn constraint(&self, rows: &[usize]) -> f64 {
+        rows.iter().map(|&r| self.constraints[r]).fold(0.0, f64::max)
     }
 }
 
@@ -214,9 +203,13 @@ pub fn fault(assembly: &Assembly) -> Result<(), EquilibriumError> {
     }
 }
 
-fn finite(what: &'static str, mut numbers: impl Iterator<Item = (usize, f64)>) -> Result<(), StepFailure> {
+pub fn model_error(source: Box<dyn std::error::Error + Send + Sync>) -> EquilibriumError {
+    EquilibriumError::Model { factor: 0.0, source }
+}
+
+fn finite(what: &'static str, mut numbers: impl Iterator<Item = (usize, f64)>) -> Result<(), EquilibriumError> {
     let bad = numbers.find(|(_, x)| !x.is_finite());
-    bad.map_or(Ok(()), |(at, _)| Err(StepFailure::NotFinite { what, at }))
+    bad.map_or(Ok(()), |(at, _)| Err(EquilibriumError::NotFinite { factor: 0.0, what, at }))
 }
 
 /// `G^T lambda`.

@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 
 use qless_constraints::{ConstraintSet, TimeError};
 
-use super::StepFailure;
+use super::EquilibriumError;
 
-/// Largest turn of a motor in one load step. c alone would allow almost half a turn, but Newton's method changes to another branch earlier.
+/// Largest turn of a motor in one load step. c alone would allow almost half a turn, but Newton's method changes to another branch earlier:
+/// an eighth of that is far from there.
 const FARTHEST: f64 = PI / 8.0;
 
 /// The constraint set of a path.
@@ -28,27 +29,18 @@ impl TimePath<'_> {
     /// Sets the time of a load factor; fails if a motor turns too far from the last equilibrium.
     ///
     /// c sees an angle modulo 2 pi, so that steps have to stay below pi.
-    pub fn advance_to(&mut self, factor: f64) -> Result<(), StepFailure> {
+    pub fn advance_to(&mut self, factor: f64) -> Result<(), EquilibriumError> {
         let before = self.set().angles();
         self.set_factor(factor)?;
         let turns = before.iter().zip(self.set().angles()).map(|(&(_, before), (row, now))| (row, now - before));
         let most = turns.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
         let far = most.filter(|(_, angle)| angle.abs() > FARTHEST);
-        far.map_or(Ok(()), |(row, angle)| Err(StepFailure::Turn { row, angle }))
+        let label = |row| self.set().label(row).unwrap_or_default();
+        far.map_or(Ok(()), |(row, angle)| Err(EquilibriumError::Turn { factor: 0.0, label: label(row), angle }))
     }
 
-    /// Sets the time of a load factor without a limit on angles.
-    pub fn set_factor(&mut self, factor: f64) -> Result<(), StepFailure> {
-        self.set_time_of(factor).map_err(|error| StepFailure::Fatal(error.into()))
-    }
-
-    /// Returns to the time of an earlier load factor.
-    pub fn return_to(&mut self, factor: f64) {
-        // All functions of time were finite there.
-        let _ = self.set_time_of(factor);
-    }
-
-    fn set_time_of(&mut self, factor: f64) -> Result<(), TimeError> {
+    /// Sets the time of a load factor without a limit on angles. It cannot fail for the factor of an earlier equilibrium.
+    pub fn set_factor(&mut self, factor: f64) -> Result<(), TimeError> {
         match self {
             Self::Still(_) => Ok(()),
             Self::Driven { set, times: [from, to] } => {

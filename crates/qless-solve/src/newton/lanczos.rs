@@ -7,14 +7,9 @@ use faer::{Mat, Side};
 
 use crate::common::random;
 
-/// Largest number of Krylov vectors. Parts with fewer unknowns are solved exactly.
+/// Largest number of Krylov vectors. Parts with fewer unknowns are solved exactly; in others a negative eigenvalue is found long before
+/// its vector is accurate.
 const VECTORS: usize = 60;
-
-/// The lowest eigenvalue of each part, none for a part without unknowns, and the unit eigenvectors.
-pub struct LowestEigenpairs {
-    pub values: Vec<Option<f64>>,
-    pub vectors: Vec<f64>,
-}
 
 /// The part of each unknown, and the number of parts. Unknowns without a part stay zero.
 pub struct KrylovParts {
@@ -22,75 +17,52 @@ pub struct KrylovParts {
     pub parts: usize,
 }
 
-/// Krylov vectors, their images, and the number of vectors of each part.
-struct KrylovBasis {
-    basis: Vec<Vec<f64>>,
-    images: Vec<Vec<f64>>,
-    counts: Vec<usize>,
-}
-
-pub fn lowest<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &KrylovParts) -> Result<LowestEigenpairs, E> {
-    let krylov = KrylovBasis::new(apply, numbers)?;
-    let pairs: Vec<Option<(f64, Vec<f64>)>> = krylov.projected(numbers).iter().map(lowest_of_matrix).collect();
+/// The lowest eigenvalue of each part, none for a part without unknowns, and the unit eigenvectors.
+pub fn lowest<E>(
+    apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+    numbers: &KrylovParts,
+) -> Result<(Vec<Option<f64>>, Vec<f64>), E> {
+    let mut sizes = vec![0; numbers.parts];
+    let mut next = vec![0.0; numbers.part_of.len()];
+    numbers.each(|i, part| (next[i], sizes[part]) = (random(sizes[part] as u64), sizes[part] + 1));
+    let (mut basis, mut images, mut counts) = (Vec::<Vec<f64>>::new(), Vec::<Vec<f64>>::new(), vec![0; numbers.parts]);
+    while basis.len() < VECTORS {
+        let before = numbers.dots(&next, &next);
+        (0..2).for_each(|_| basis.iter().for_each(|b| numbers.subtract(&mut next, b)));
+        let after = numbers.dots(&next, &next);
+        let k = basis.len();
+        // What is left of an image in the span of the others is rounding.
+        let is_new = |part: usize| after[part].sqrt() > 1e3 * f64::EPSILON * before[part].sqrt();
+        let open: Vec<bool> = (0..numbers.parts).map(|p| counts[p] == k && k < sizes[p] && is_new(p)).collect();
+        if !open.contains(&true) {
+            break;
+        }
+        counts.iter_mut().zip(&open).for_each(|(count, &open)| *count += usize::from(open));
+        numbers.each(|i, part| next[i] = if open[part] { next[i] / after[part].sqrt() } else { 0.0 });
+        images.push(apply(&next)?);
+        basis.push(std::mem::replace(&mut next, images[k].clone()));
+    }
+    let mut projected: Vec<Mat<f64>> = counts.iter().map(|&k| Mat::zeros(k, k)).collect();
+    for (i, j) in (0..basis.len()).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+        let dots = numbers.dots(&basis[i], &images[j]);
+        (0..numbers.parts).filter(|&p| i < counts[p]).for_each(|p| projected[p][(i, j)] = dots[p]);
+    }
+    let pairs: Vec<Option<(f64, Vec<f64>)>> = projected.iter().map(lowest_of_matrix).collect();
     let mut vectors = vec![0.0; numbers.part_of.len()];
-    for (k, basis) in krylov.basis.iter().enumerate() {
-        numbers.each(|i, part| {
-            let part = pairs[part].as_ref().and_then(|(_, vector)| vector.get(k));
-            part.into_iter().for_each(|x| vectors[i] += x * basis[i]);
-        });
+    for (k, basis) in basis.iter().enumerate() {
+        let factor = |part: usize| pairs[part].as_ref().and_then(|(_, vector)| vector.get(k));
+        numbers.each(|i, part| vectors[i] += factor(part).map_or(0.0, |x| x * basis[i]));
     }
-    Ok(LowestEigenpairs { values: pairs.into_iter().map(|pair| pair.map(|(value, _)| value)).collect(), vectors })
-}
-
-impl KrylovBasis {
-    fn new<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &KrylovParts) -> Result<Self, E> {
-        let (mut next, sizes) = numbers.start();
-        let mut all = Self { basis: Vec::new(), images: Vec::new(), counts: vec![0; numbers.parts] };
-        while all.basis.len() < VECTORS {
-            let before = numbers.norms(&next);
-            (0..2).for_each(|_| all.basis.iter().for_each(|b| numbers.subtract(&mut next, b)));
-            let norms = numbers.norms(&next);
-            let (k, mut goes_on) = (all.basis.len(), vec![false; numbers.parts]);
-            for part in 0..numbers.parts {
-                let new = norms[part] > 1e-10 * before[part] && k < sizes[part];
-                goes_on[part] = new && all.counts[part] == k;
-                all.counts[part] += usize::from(goes_on[part]);
-            }
-            if !goes_on.contains(&true) {
-                break;
-            }
-            numbers.each(|i, part| next[i] = if goes_on[part] { next[i] / norms[part] } else { 0.0 });
-            let image = apply(&next)?;
-            all.basis.push(std::mem::replace(&mut next, image.clone()));
-            all.images.push(image);
-        }
-        Ok(all)
-    }
-
-    /// `B^T A B` of each part.
-    fn projected(&self, numbers: &KrylovParts) -> Vec<Mat<f64>> {
-        let mut all: Vec<Mat<f64>> = self.counts.iter().map(|&k| Mat::zeros(k, k)).collect();
-        for (i, basis) in self.basis.iter().enumerate() {
-            for (j, image) in self.images.iter().enumerate() {
-                numbers.each(|n, part| {
-                    if i.max(j) < self.counts[part] {
-                        all[part][(i, j)] += basis[n] * image[n];
-                    }
-                });
-            }
-        }
-        all
-    }
+    Ok((pairs.into_iter().map(|pair| pair.map(|(value, _)| value)).collect(), vectors))
 }
 
 fn lowest_of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
-    let k = matrix.nrows();
-    if k == 0 {
+    if matrix.nrows() == 0 {
         return None;
     }
+    // Eigenvalues are in ascending order.
     let eigen = matrix.self_adjoint_eigen(Side::Lower).ok()?;
-    let smallest = (0..k).min_by(|&a, &b| eigen.S()[a].total_cmp(&eigen.S()[b]))?;
-    Some((eigen.S()[smallest], (0..k).map(|j| eigen.U()[(j, smallest)]).collect()))
+    Some((eigen.S()[0], (0..matrix.nrows()).map(|j| eigen.U()[(j, 0)]).collect()))
 }
 
 impl KrylovParts {
@@ -99,24 +71,10 @@ impl KrylovParts {
         self.part_of.iter().enumerate().for_each(|(i, part)| part.iter().for_each(|&part| visit(i, part)));
     }
 
-    /// The start vector, which depends on the index of an unknown within its part, and the number of unknowns of each part.
-    fn start(&self) -> (Vec<f64>, Vec<usize>) {
-        let (mut first, mut sizes) = (vec![0.0; self.part_of.len()], vec![0; self.parts]);
-        self.each(|i, part| {
-            first[i] = random(sizes[part] as u64);
-            sizes[part] += 1;
-        });
-        (first, sizes)
-    }
-
     fn dots(&self, a: &[f64], b: &[f64]) -> Vec<f64> {
         let mut dots = vec![0.0; self.parts];
         self.each(|i, part| dots[part] += a[i] * b[i]);
         dots
-    }
-
-    fn norms(&self, a: &[f64]) -> Vec<f64> {
-        self.dots(a, a).into_iter().map(f64::sqrt).collect()
     }
 
     /// Subtracts from `a` its projection on the unit vector `b`.

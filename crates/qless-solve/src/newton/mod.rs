@@ -11,27 +11,29 @@
 //! - If G loses rank while c is nonzero (a dead centre), no first-order step exists. A second-order step may; see
 //!   [`NewtonError::Conflict`].
 
-mod advance;
 mod configuration;
 mod error;
+mod iteration;
 mod lanczos;
 mod linearisation;
 mod parts;
 mod redundancy;
+mod scales;
 mod singular;
 mod solution;
-mod state;
 mod step;
 
 use qless_constraints::ConstraintSet;
 
-pub(crate) use configuration::{at_rest, change, in_roundings, weights};
+pub(crate) use configuration::{at_rest, change, in_roundings};
 pub use error::NewtonError;
-pub(crate) use linearisation::units;
-pub(crate) use parts::{EquationParts, join_all};
+use iteration::Iteration;
+pub(crate) use iteration::{check_prescribed, free_rotations};
+pub(crate) use linearisation::analyse_rows;
+pub(crate) use parts::{Part, Parts};
 pub use redundancy::{Redundancy, redundancies};
+pub(crate) use scales::Scales;
 pub use solution::{NewtonIterate, NewtonOptions, NewtonSolution};
-use state::NewtonState;
 
 /// Finds `c(u) = 0`, starting from `u`. Prescribed DOFs `(DOF, value)` take their values; among the others, only slaves move in a
 /// first-order step.
@@ -59,7 +61,7 @@ use state::NewtonState;
 /// ```
 ///
 /// # Errors
-/// [`NewtonError`] of the connected part that failed at the earliest step; of several, the one with the first row.
+/// [`NewtonError`] of the connected part that failed at the earliest step; of several, the one with the lowest DOF.
 pub fn solve(
     set: &ConstraintSet,
     u: &[f64],
@@ -69,30 +71,38 @@ pub fn solve(
     if !(options.tolerance >= 1.0 && options.tolerance.is_finite()) {
         return Err(NewtonError::Tolerance(options.tolerance));
     }
-    let mut run = NewtonState::new(set, u, prescribed, options)?;
-    let redundant = run.follow(<[_]>::is_empty)?;
-    if run.failures.is_empty() { Ok(run.into_solution(redundant)) } else { Err(run.failures.swap_remove(0).1) }
+    check_prescribed(set, prescribed)?;
+    let parts = Parts::new(set.allocate().g(), prescribed, free_rotations(set, prescribed));
+    let mut run = Iteration::new((set, &parts), u, prescribed, options)?;
+    let redundant = run.run(<[_]>::is_empty)?;
+    if !run.failures.is_empty() {
+        return Err(run.failures.swap_remove(0).1);
+    }
+    Ok(NewtonSolution { u: run.now.u, iterates: run.iterates, redundant })
 }
 
 /// Result of all parts, including those that failed.
 pub(crate) struct PartwiseSolution {
     pub u: Vec<f64>,
-    pub parts: EquationParts,
-    /// Failed parts, ordered by their steps and then by their first rows.
-    pub failures: Vec<(usize, NewtonError)>,
+    /// The error of each part that failed.
+    pub errors: Vec<Option<NewtonError>>,
+    /// Equations that are redundant at u.
+    pub redundant: Vec<usize>,
 }
 
-/// As [`solve`], but parts continue if others fail.
+/// As [`solve`], but parts continue if others fail. The prescribed DOFs are those of `parts`.
 ///
 /// # Errors
 /// [`NewtonError`] of the whole model.
 pub(crate) fn solve_each(
-    set: &ConstraintSet,
+    (set, parts): (&ConstraintSet, &Parts),
     u: &[f64],
     prescribed: &[(usize, f64)],
     options: &NewtonOptions,
 ) -> Result<PartwiseSolution, NewtonError> {
-    let mut run = NewtonState::new(set, u, prescribed, options)?;
-    run.follow(|_| true)?;
-    Ok(PartwiseSolution { u: run.configuration.u, parts: run.parts, failures: run.failures })
+    let mut run = Iteration::new((set, parts), u, prescribed, options)?;
+    let redundant = run.run(|_| true)?;
+    let mut errors: Vec<Option<NewtonError>> = parts.list.iter().map(|_| None).collect();
+    run.failures.into_iter().for_each(|(part, error)| errors[part] = Some(error));
+    Ok(PartwiseSolution { u: run.now.u, errors, redundant })
 }

@@ -1,22 +1,24 @@
 //! Distinguishes equations that are redundant everywhere from those that are redundant in one configuration only.
 //!
 //! A mechanism may lose rank in a special configuration, such as a flat linkage, although its equations are independent elsewhere. A second
-//! configuration decides: a random step `du = T dq` that the kept equations allow, corrected by Newton's method.
+//! configuration decides: a random step `du = S [T; I] z` that the kept equations allow, corrected by Newton's method.
 
-use qless::{Analysis, Form, Noise, Options, Reduction, analyse};
-use qless_constraints::{ConstraintSet, Evaluation};
+use qless::ArgumentError;
+use qless_constraints::ConstraintSet;
 
-use super::configuration::{change, sizes_of_dofs};
+use super::configuration::{Configuration, change};
 use super::error::NewtonError;
-use super::linearisation::{dependent, units};
-use super::parts::PartColumns;
+use super::iteration::free_rotations;
+use super::linearisation::{Motions, analyse_rows, dependent};
+use super::parts::Parts;
 use super::solution::NewtonOptions;
-use super::solve;
+use super::solve_each;
 use crate::common::random;
 
-/// Relative change of the entries of G on the way to the second configuration, columns scaled by the sizes of DOFs.
+/// Largest motion of a DOF on the way to the second configuration, relative to its reach: G changes by about this fraction, far more than
+/// the rank needs, and far less than a turn.
 const STEP: f64 = 0.05;
-/// Number of random directions.
+/// Number of random directions. A singular G allows directions that lead nowhere; each is about as likely as the others.
 const TRIES: u64 = 8;
 
 /// Whether an equation that is redundant at u is redundant at other configurations.
@@ -53,111 +55,112 @@ pub fn redundancies(
     u: &[f64],
     options: &NewtonOptions,
 ) -> Result<Vec<(usize, Redundancy)>, NewtonError> {
-    let here = RedundancyAnalysis::new(set, u, &options.analysis)?;
-    let rows = dependent(&here.analysis);
+    let parts = Parts::new(set.allocate().g(), &[], free_rotations(set, &[]));
+    let argument = |source| NewtonError::Argument { step: 0, source };
+    let mut here = Configuration::new(set, u.to_vec(), &parts).map_err(argument)?;
+    // Only the rank is needed. With c = 0 nothing conflicts.
+    here.evaluation.clear_values();
+    let place = (set, &here.evaluation, &here.scales.units[..]);
+    let analysis = analyse_rows(place, &[], (0, options.analysis.clone()))?;
+    let rows = dependent(&analysis);
     if rows.is_empty() {
         return Ok(Vec::new());
     }
-    let elsewhere = match here.nearby(set, u, options) {
-        Nearby::Same => rows.clone(),
-        Nearby::At(v) => {
-            let mut analysis = options.analysis.clone();
-            analysis.preferences.equations = (0..set.equations()).filter(|row| !rows.contains(row)).collect();
-            dependent(&RedundancyAnalysis::new(set, &v, &analysis)?.analysis)
-        }
-        Nearby::None => return Ok(rows.into_iter().map(|row| (row, Redundancy::Unknown)).collect()),
-    };
-    let sort = |row: &usize| if elsewhere.contains(row) { Redundancy::Everywhere } else { Redundancy::OnlyHere };
-    Ok(rows.iter().map(|row| (*row, sort(row))).collect())
+    let motions = Motions::new(&analysis, &here.scales.units, 0)?;
+    let search =
+        Search { set, here: &here, parts: &parts, motions: &motions, options: preferring(options, set, &rows) };
+    let found = search.run(&rows)?;
+    Ok(rows.into_iter().zip(found).collect())
 }
 
-/// Analysis at one configuration.
-struct RedundancyAnalysis {
-    evaluation: Evaluation,
-    sizes: Vec<f64>,
-    /// `du_j = s_j y_j`; analysis and reduction are of y.
-    units: Vec<f64>,
-    analysis: Analysis,
-    /// Reduction of `G du = 0`.
-    reduction: Reduction,
+/// Equations that are independent here stay independent elsewhere.
+fn preferring(options: &NewtonOptions, set: &ConstraintSet, rows: &[usize]) -> NewtonOptions {
+    let mut options = options.clone();
+    options.analysis.preferences.equations = (0..set.equations()).filter(|row| !rows.contains(row)).collect();
+    options
 }
 
-/// A second configuration.
-enum Nearby {
-    /// G is the same in all configurations, or there is no other configuration.
-    Same,
-    At(Vec<f64>),
-    None,
+/// A search for a second configuration of each part.
+struct Search<'a> {
+    set: &'a ConstraintSet,
+    here: &'a Configuration,
+    parts: &'a Parts,
+    motions: &'a Motions<'a>,
+    options: NewtonOptions,
 }
 
-impl RedundancyAnalysis {
-    fn new(set: &ConstraintSet, u: &[f64], options: &Options) -> Result<Self, NewtonError> {
-        let mut evaluation = set.allocate();
+impl Search<'_> {
+    fn run(&self, rows: &[usize]) -> Result<Vec<Redundancy>, NewtonError> {
         let argument = |source| NewtonError::Argument { step: 0, source };
-        set.evaluate(u, &mut evaluation).map_err(argument)?;
-        let sizes = sizes_of_dofs(set, u, &mut evaluation).map_err(argument)?;
-        // Only the rank is needed. With c = 0 nothing conflicts.
-        evaluation.clear_values();
-        let units = units(set, &evaluation, &PartColumns::plain(evaluation.g())).map_err(argument)?;
-        let system =
-            set.linearised_in(&units, &evaluation, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
-        // The set has already left out coefficients that are rounding.
-        let options = Options { noise: Noise::None, ..options.clone() };
-        let analysis = analyse(&system, &options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
-        let reduction = analysis.reduction_in(Form::Factored);
-        let reduction = reduction.map_err(|source| NewtonError::Reduction { step: 0, source })?;
-        Ok(Self { evaluation, sizes, units, analysis, reduction })
-    }
-
-    fn nearby(&self, set: &ConstraintSet, u: &[f64], options: &NewtonOptions) -> Nearby {
-        if self.reduction.masters().is_empty() {
-            return Nearby::Same;
-        }
-        let mut moves = false;
+        // If G does not change, there is no other configuration.
+        let mut found = vec![Redundancy::Everywhere; rows.len()];
+        let mut open: Vec<bool> =
+            (0..self.parts.list.len()).map(|p| rows.iter().any(|&r| self.parts.of_row(r) == p)).collect();
         for seed in 0..TRIES {
-            let Some(du) = self.step(set, u, seed) else { continue };
-            moves = true;
-            let start: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
-            // A singular G allows directions that lead nowhere. If one DOF is prescribed, Newton's method can adjust the others.
-            let driven = self.reduction.masters()[seed as usize % self.reduction.masters().len()];
-            for drive in [&[][..], &[(driven, start[driven])]] {
-                let found = solve(set, &start, drive, options);
+            let start = self.start(seed).map_err(argument)?;
+            let moves = self.changes(&start, 0.0).map_err(argument)?;
+            let of_moving = rows
+                .iter()
+                .zip(&mut found)
+                .filter(|(r, _)| open[self.parts.of_row(**r)] && moves[self.parts.of_row(**r)]);
+            of_moving.for_each(|(_, found)| *found = Redundancy::Unknown);
+            // If one DOF of each part is prescribed, Newton's method can adjust the others.
+            for driven in [Vec::new(), self.driven(seed, &start)] {
+                let parts = Parts::new(self.here.evaluation.g(), &driven, free_rotations(self.set, &driven));
+                let Ok(there) = solve_each((self.set, &parts), &start, &driven, &self.options) else { continue };
                 // Newton's method may have returned to the start.
-                if let Some(found) =
-                    found.ok().filter(|found| self.change_at(set, &found.u).is_some_and(|change| change > STEP / 10.0))
-                {
-                    return Nearby::At(found.u);
+                let is_elsewhere = self.changes(&there.u, 0.1 * STEP).map_err(argument)?;
+                for part in 0..open.len() {
+                    let fails = |&r: &usize| there.errors[parts.of_row(r)].is_some();
+                    if open[part] && is_elsewhere[part] && !self.parts.list[part].rows.iter().any(fails) {
+                        open[part] = false;
+                        let own = rows.iter().zip(&mut found).filter(|(r, _)| self.parts.of_row(**r) == part);
+                        own.for_each(|(r, found)| *found = kind(there.redundant.contains(r)));
+                    }
                 }
             }
         }
-        if moves { Nearby::None } else { Nearby::Same }
+        Ok(found)
     }
 
-    /// A random `du = [T; I] dq` that changes G by [`STEP`]; none if G does not change.
-    fn step(&self, set: &ConstraintSet, u: &[f64], seed: u64) -> Option<Vec<f64>> {
-        let drawn = |(k, &j): (u64, &usize)| self.sizes[j] / self.units[j] * random(seed << 32 | k);
-        let masters: Vec<f64> = (0..).zip(self.reduction.masters()).map(drawn).collect();
-        let mut du = self.reduction.expand(&masters, &[]).ok()?;
-        du.iter_mut().zip(&self.units).for_each(|(du, unit)| *du *= unit);
-        let moved = |size: f64| u.iter().zip(&du).map(|(u, du)| u + size * du).collect::<Vec<_>>();
-        let mut size = 1.0;
-        for _ in 0..60 {
-            let changed = self.change_at(set, &moved(size))?;
-            if changed == 0.0 {
-                return None;
-            }
-            if changed <= STEP {
-                return Some(du.iter().map(|du| size * du).collect());
-            }
-            size *= (0.9 * STEP / changed).clamp(0.1, 0.9);
+    /// Whether G of each part at v differs from that here by more than a fraction of its entries.
+    fn changes(&self, v: &[f64], least: f64) -> Result<Vec<bool>, ArgumentError> {
+        let mut there = self.set.allocate();
+        self.set.evaluate(v, &mut there)?;
+        let pair = [self.here.evaluation.g(), there.g()];
+        Ok(self
+            .parts
+            .list
+            .iter()
+            .map(|part| change(pair, &part.rows, self.motions.units, self.parts) > least)
+            .collect())
+    }
+
+    /// A random motion of each part by [`STEP`].
+    fn start(&self, seed: u64) -> Result<Vec<f64>, ArgumentError> {
+        let masters = self.motions.reduction.masters();
+        let drawn: Vec<f64> = (0..masters.len() as u64).map(|k| random(seed << 32 | k)).collect();
+        let (mut u, du) = (self.here.u.clone(), self.motions.expand(&drawn)?);
+        for part in &self.parts.list {
+            let most = part.free.iter().map(|&j| (du[j] / self.motions.units[j]).abs()).fold(0.0, f64::max);
+            part.free.iter().filter(|_| most > 0.0).for_each(|&j| u[j] += STEP / most * du[j]);
         }
-        None
+        Ok(u)
     }
 
-    fn change_at(&self, set: &ConstraintSet, v: &[f64]) -> Option<f64> {
-        let mut evaluation = set.allocate();
-        set.evaluate(v, &mut evaluation).ok()?;
-        let columns = PartColumns::plain(evaluation.g());
-        Some(change([&self.evaluation, &evaluation], 0..set.equations(), (&columns, &self.sizes)))
+    /// One master of each part, with its value.
+    fn driven(&self, seed: u64, start: &[f64]) -> Vec<(usize, f64)> {
+        let mut masters: Vec<Vec<usize>> = vec![Vec::new(); self.parts.list.len()];
+        self.motions
+            .reduction
+            .masters()
+            .iter()
+            .for_each(|&j| masters[self.parts.of_dof(j).expect("nothing is prescribed")].push(j));
+        let one = |own: &Vec<usize>| own.get(seed as usize % own.len().max(1)).map(|&j| (j, start[j]));
+        masters.iter().filter_map(one).collect()
     }
+}
+
+fn kind(redundant: bool) -> Redundancy {
+    if redundant { Redundancy::Everywhere } else { Redundancy::OnlyHere }
 }

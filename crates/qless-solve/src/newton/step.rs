@@ -11,15 +11,11 @@ use qless::{ArgumentError, Csr};
 use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::configuration::{Configuration, largest};
-use super::parts::EquationParts;
+use super::parts::Parts;
 
-/// Largest third-order term, relative to the second-order term and to the first-order prediction.
-const THIRD: f64 = 0.25;
-/// Smallest decrease of the merit function, relative to the first-order prediction.
-const DECREASE: f64 = 1e-4;
-/// Most trials. At a distance of 1e-150 from a dead centre, du is too long by a factor of about 1e150, so that t may be as small as
-/// `4^-250`.
-const TRIES: usize = 250;
+/// Largest third-order term, relative to the first- and second-order prediction. With a quarter, steps near a solution are full ones, and far
+/// from it a model that is wrong is not followed.
+const SHARE: f64 = 0.25;
 
 /// The goal of a part's step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,30 +31,16 @@ pub enum StepGoal {
 /// A configuration and a direction.
 pub struct StepLine<'a> {
     pub set: &'a ConstraintSet,
-    pub parts: &'a EquationParts,
+    pub parts: &'a Parts,
     pub from: &'a Configuration,
-    du: Vec<f64>,
-    /// `G du` at the start.
-    slope: Vec<f64>,
-    /// `max_r D_r |c_r|` of each part at the start.
-    residuals: Vec<f64>,
+    /// Which equations are independent.
+    pub kept: &'a [bool],
+    pub tolerance: f64,
+    pub du: Vec<f64>,
 }
 
-/// State of the search for the step length of a part.
-#[derive(Clone, Copy, PartialEq)]
-enum TrialLength {
-    /// Length of the next trial.
-    Open(f64),
-    /// Accepted length; 0 if no length is acceptable.
-    Found(f64),
-}
-
-/// c and its slope at a trial point.
-struct TrialPoint {
-    lengths: Vec<TrialLength>,
-    c: Vec<f64>,
-    slope: Vec<f64>,
-}
+/// Smallest decrease of the merit function, relative to the first-order prediction: any that is not rounding.
+const DECREASE: f64 = 1e-4;
 
 /// Result of a part at its trial point.
 #[derive(Clone)]
@@ -72,115 +54,78 @@ struct TrialVerdict {
     model: [f64; 5],
 }
 
-impl<'a> StepLine<'a> {
-    pub fn new((set, parts): (&'a ConstraintSet, &'a EquationParts), from: &'a Configuration, du: Vec<f64>) -> Self {
-        let slope = times(from.evaluation.g(), &du);
-        let residuals = largest(&from.weights, from.evaluation.c(), parts);
-        Self { set, parts, from, du, slope, residuals }
-    }
-
-    /// The first acceptable t of each part, from 1 downwards; 0 for parts that are done or find none.
-    pub fn lengths(
-        &self,
-        goals: &[StepGoal],
-        (kept, tolerance): (&[bool], f64),
-        buffer: &mut Evaluation,
-    ) -> Result<Vec<f64>, ArgumentError> {
-        let first =
-            |goal: &StepGoal| if *goal == StepGoal::Done { TrialLength::Found(0.0) } else { TrialLength::Open(1.0) };
-        let mut lengths: Vec<TrialLength> = goals.iter().map(first).collect();
-        for _ in 0..TRIES {
-            if !lengths.iter().any(TrialLength::is_open) {
-                break;
+impl StepLine<'_> {
+    /// The first acceptable t of each part from 1 downwards; 0 for parts that are done or find none that moves them.
+    pub fn lengths(&self, goals: &[StepGoal], buffer: &mut Evaluation) -> Result<Vec<f64>, ArgumentError> {
+        let slope = times(self.from.evaluation.g(), &self.du);
+        let mut open: Vec<bool> = goals.iter().map(|&goal| goal != StepGoal::Done).collect();
+        let mut lengths: Vec<f64> = open.iter().map(|&open| if open { 1.0 } else { 0.0 }).collect();
+        while open.contains(&true) {
+            let u = self.at(&lengths);
+            self.set.evaluate(&u, buffer)?;
+            let verdicts = self.verdicts((buffer.c(), &slope, &times(buffer.g(), &self.du)), &lengths, &open);
+            for (part, verdict) in verdicts.iter().enumerate().filter(|(part, _)| open[*part]).collect::<Vec<_>>() {
+                let t = &mut lengths[part];
+                let falls = verdict.now <= (1.0 - DECREASE * *t) * verdict.model[0];
+                let moves = self.parts.list[part].free.iter().any(|&j| u[j] != self.from.u[j]);
+                if verdict.trusted && (goals[part] == StepGoal::Out || falls || verdict.holds) {
+                    open[part] = false;
+                } else {
+                    let next = if verdict.trusted { lowest(&verdict.model, *t) } else { 0.25 * *t };
+                    (*t, open[part]) = (if moves { next } else { 0.0 }, moves);
+                }
             }
-            let trial = self.trial(lengths, buffer)?;
-            let verdicts = self.verdicts(&trial, kept, tolerance);
-            let each = trial.lengths.iter().zip(&verdicts).zip(goals);
-            lengths = each.map(|((length, verdict), goal)| length.next(verdict, *goal)).collect();
         }
-        Ok(lengths.into_iter().map(|length| if length.is_open() { 0.0 } else { length.t() }).collect())
+        Ok(lengths)
     }
 
     /// `u + t du`. Parts with t = 0 keep the bits of u.
-    pub fn at(&self, t: impl Fn(usize) -> f64) -> Vec<f64> {
-        let moved = |(j, (u, du)): (usize, (&f64, &f64))| match self.parts.of_dof(j).map_or(0.0, &t) {
+    pub fn at(&self, lengths: &[f64]) -> Vec<f64> {
+        let moved = |(j, (u, du)): (usize, (&f64, &f64))| match self.parts.of_dof(j).map_or(0.0, |part| lengths[part]) {
             0.0 => *u,
             t => u + t * du,
         };
         self.from.u.iter().zip(&self.du).enumerate().map(moved).collect()
     }
 
-    fn trial(&self, lengths: Vec<TrialLength>, buffer: &mut Evaluation) -> Result<TrialPoint, ArgumentError> {
-        self.set.evaluate(&self.at(|part| lengths[part].t()), buffer)?;
-        Ok(TrialPoint { lengths, c: buffer.c().to_vec(), slope: times(buffer.g(), &self.du) })
-    }
-
-    /// Verdicts of parts that have found their length are meaningless.
-    fn verdicts(&self, trial: &TrialPoint, kept: &[bool], tolerance: f64) -> Vec<TrialVerdict> {
-        let rounding = self.from.rounding.c();
+    /// Verdicts of parts that are not open are meaningless. `slopes` are `G du` at the start and at the trial point.
+    fn verdicts(
+        &self,
+        (now, slope, slope_now): (&[f64], &[f64], &[f64]),
+        lengths: &[f64],
+        open: &[bool],
+    ) -> Vec<TrialVerdict> {
+        let (c, rounding) = (self.from.evaluation.c(), self.from.rounding.c());
+        let residuals = largest(&self.from.scales.weights, c, self.parts);
         let first = TrialVerdict { trusted: true, holds: true, now: 0.0, model: [0.0; 5] };
         self.parts.fold(first, |verdict, r| {
-            let TrialLength::Open(t) = trial.lengths[self.parts.of_row(r)] else { return };
-            verdict.trusted &= self.trusts(trial, r, t);
-            if kept[r] {
-                verdict.holds &= trial.c[r].abs() <= tolerance * rounding[r];
-                self.add(verdict, trial, r, t);
+            let (part, weight) = (self.parts.of_row(r), self.from.scales.weights[r]);
+            if !open[part] {
+                return;
+            }
+            let t = lengths[part];
+            let third = now[r] - c[r] - 0.5 * t * (slope[r] + slope_now[r]);
+            let second = 0.5 * t * (slope_now[r] - slope[r]);
+            // An equation without weight has no first-order prediction.
+            let first = if weight > 0.0 { t * residuals[part] / weight } else { 0.0 };
+            let unknown = if rounding[r].is_finite() { 8.0 * rounding[r] } else { 0.0 };
+            // A third order that is not finite fails the test.
+            verdict.trusted &= third.abs() <= SHARE * (second.abs() + first) + unknown;
+            if self.kept[r] {
+                verdict.holds &= now[r].abs() <= self.tolerance * rounding[r];
+                verdict.now += (weight * now[r]).powi(2);
+                let [c, g, q] = [c[r], slope[r], second / (t * t)].map(|x| weight * x);
+                let products = [c * c, 2.0 * c * g, g * g + 2.0 * c * q, 2.0 * g * q, q * q];
+                verdict.model.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
             }
         })
-    }
-
-    fn trusts(&self, trial: &TrialPoint, r: usize, t: f64) -> bool {
-        let c = self.from.evaluation.c()[r];
-        let third = trial.c[r] - c - 0.5 * t * (self.slope[r] + trial.slope[r]);
-        let second = 0.5 * t * (trial.slope[r] - self.slope[r]);
-        let residual = self.residuals[self.parts.of_row(r)];
-        let harmless = THIRD * t * residual / self.from.weights[r] + 8.0 * self.from.rounding.c()[r];
-        // A third order that is not finite fails the test.
-        third.abs() <= THIRD * second.abs() + if harmless.is_finite() { harmless } else { 0.0 }
-    }
-
-    /// Adds a weighted equation.
-    fn add(&self, TrialVerdict { now, model, .. }: &mut TrialVerdict, trial: &TrialPoint, r: usize, t: f64) {
-        let weight = self.from.weights[r];
-        let (c, g) = (weight * self.from.evaluation.c()[r], weight * self.slope[r]);
-        let q = weight * (0.5 * (trial.slope[r] - self.slope[r]) / t);
-        *now += (weight * trial.c[r]) * (weight * trial.c[r]);
-        let products = [c * c, 2.0 * (c * g), g * g + 2.0 * (c * q), 2.0 * (g * q), q * q];
-        model.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
-    }
-}
-
-impl TrialLength {
-    fn is_open(&self) -> bool {
-        matches!(self, Self::Open(_))
-    }
-
-    fn t(&self) -> f64 {
-        match *self {
-            Self::Open(t) | Self::Found(t) => t,
-        }
-    }
-
-    /// The state after a trial.
-    fn next(self, verdict: &TrialVerdict, goal: StepGoal) -> Self {
-        let Self::Open(t) = self else { return self };
-        if !verdict.trusted {
-            return Self::Open(0.25 * t);
-        }
-        let falls = verdict.now <= (1.0 - DECREASE * t) * verdict.model[0];
-        if goal == StepGoal::Out || falls || verdict.holds {
-            Self::Found(t)
-        } else {
-            Self::Open(lowest(&verdict.model, t))
-        }
     }
 }
 
 /// The t that minimises the polynomial, among `last / 2`, `last / 4` and so on.
 fn lowest(model: &[f64; 5], last: f64) -> f64 {
     let value = |t: f64| model.iter().rev().fold(0.0, |sum, a| sum * t + a);
-    let half = |t: &f64| Some(0.5 * t);
-    let candidates = std::iter::successors(Some(0.5 * last), half).take(40);
+    let candidates = std::iter::successors(Some(0.5 * last), |t| Some(0.5 * t)).take(40);
     candidates.min_by(|&a, &b| value(a).total_cmp(&value(b))).unwrap_or(0.5 * last)
 }
 
