@@ -152,7 +152,7 @@ fn conflicts_come_first_with_their_cure() {
     let place = Place::new();
     // Rows 1 and 2 are equal; rows 3 and 4 differ in their right-hand sides.
     let ties: Vec<_> =
-        (1..=4).flat_map(|row| [(row, row.div_ceil(2) * 2, 1.0), (row, row.div_ceil(2) * 2 - 1, -1.0)]).collect();
+        (1_usize..=4).flat_map(|row| [(row, row.div_ceil(2) * 2, 1.0), (row, row.div_ceil(2) * 2 - 1, -1.0)]).collect();
     place.case("case", [4, 4], &ties, &[0.0, 0.0, 0.0, 0.5], &[]);
     let run = place.run("check -q case --format html -o page.html");
     assert_eq!(run.code, 1);

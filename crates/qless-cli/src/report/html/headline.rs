@@ -32,7 +32,7 @@ impl Headline {
         let mut sentences = deck.map_or_else(Vec::new, of_solver);
         let is_conflicting = report.counts.conflicting > 0;
         let is_bad = is_conflicting || !sentences.is_empty();
-        let verdict = text::verdict(report, deck.is_some());
+        let verdict = text::verdict_on_equations(report, deck.is_some());
         sentences.insert(if is_conflicting { 0 } else { sentences.len() }, verdict);
         let is_ambiguous = report.confidence.ambiguous || deck.is_some_and(DeckInput::is_ambiguous);
         if is_ambiguous && !report.confidence.ambiguous {

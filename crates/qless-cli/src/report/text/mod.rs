@@ -19,7 +19,8 @@ use crate::diagnose::Diagnosis;
 use crate::wording::EquationLookup;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs};
 use confidence::exact_rank;
-pub use summary::verdict;
+use summary::verdict;
+pub use summary::verdict_on_equations;
 
 /// Columns of lists of rows, members and DOFs; sentences are not limited.
 const COLUMNS: usize = 100;

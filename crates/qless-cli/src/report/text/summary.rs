@@ -10,7 +10,7 @@ use crate::wording::count;
 /// the solver does with the deck.
 pub fn verdict(report: &Report, deck: Option<&DeckInput>) -> String {
     let solver = deck.and_then(of_solver).map_or_else(String::new, |text| format!(" {text}"));
-    read(report, deck.is_some()) + &solver
+    verdict_on_equations(report, deck.is_some()) + &solver
 }
 
 /// `But ccx refuses the deck.`, `But ccx loses 12 claims.`
@@ -24,7 +24,8 @@ fn of_solver(deck: &DeckInput) -> Option<String> {
     }
 }
 
-fn read(report: &Report, is_deck: bool) -> String {
+/// The verdict on the equations, after the number of constraints left out.
+pub fn verdict_on_equations(report: &Report, is_deck: bool) -> String {
     let left_out = report.incomplete.len();
     if left_out == 0 {
         return of_equations(report, is_deck);
