@@ -159,8 +159,9 @@ pub fn check_jumps(
             let whole: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
             let off: Vec<f64> = (0..dx.len()).map(|j| dx[j] - from[j] - part * whole[j]).collect();
             let limit = (0.25 * branch.size(&whole)).max(SMALL);
-            // Fails for NaN.
-            if !(branch.size(&off) <= limit) {
+            // False for NaN.
+            let is_straight = branch.size(&off) <= limit;
+            if !is_straight {
                 return Err(EquilibriumError::Branch { factor: 0.0 });
             }
         }

@@ -109,7 +109,7 @@ impl<M: Model> Corrector<'_, M> {
         loop {
             self.evaluate(x)?;
             let mut steps = Vec::new();
-            for part in self.unbalanced(x)? {
+            for part in self.unbalanced()? {
                 steps.extend(self.correction(part));
             }
             self.go(x, steps)?;
@@ -177,7 +177,7 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// The parts that need a correction. The others are done, or get the rows that are independent here because redundant ones do not hold.
-    fn unbalanced(&mut self, x: &Unknowns) -> Result<Vec<usize>, EquilibriumError> {
+    fn unbalanced(&mut self) -> Result<Vec<usize>, EquilibriumError> {
         let (mut unbalanced, mut choice) = (Vec::new(), None);
         for part in self.iterating() {
             let last = self.all[part].iterates.last().copied().unwrap_or_default();
@@ -188,7 +188,7 @@ impl<M: Model> Corrector<'_, M> {
                 self.all[part].stage = PartStage::Done;
             } else {
                 if choice.is_none() {
-                    choice = Some(self.choose(x)?);
+                    choice = Some(self.choose()?);
                 }
                 choice.iter().for_each(|choice| self.renew(part, choice));
             }
@@ -203,9 +203,8 @@ impl<M: Model> Corrector<'_, M> {
         self.parts.list[part].rows.iter().all(|&r| rows.kept(r) || holds(r))
     }
 
-    /// Analyses the rows at x.
-    fn choose(&self, x: &Unknowns) -> Result<std::sync::Arc<RowChoice>, EquilibriumError> {
-        debug_assert_eq!(self.state.evaluation.u(), x.u);
+    /// Analyses the rows where everything was evaluated last.
+    fn choose(&self) -> Result<std::sync::Arc<RowChoice>, EquilibriumError> {
         let before = self.all.iter().flat_map(|own| own.rows.list.iter().copied()).collect();
         let place = (self.set, self.parts);
         RowChoice::new(place, &self.state.evaluation, &self.end.prescribed, (self.options, before))

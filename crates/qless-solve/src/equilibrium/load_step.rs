@@ -132,7 +132,7 @@ impl<M: Model> Path<'_, M> {
         end: &StepTarget,
     ) -> Result<(), EquilibriumError> {
         let ran: Vec<usize> = (0..all.len()).filter(|&part| all[part].is_iterating()).collect();
-        let ahead = self.ahead(&end.prescribed, &x.u);
+        let ahead = Self::ahead(&end.prescribed, &x.u);
         let awaits = self.awaits(&ahead);
         let mut corrector = Corrector {
             model: &mut *self.model,
@@ -197,7 +197,7 @@ impl<M: Model> Path<'_, M> {
             return whole;
         }
         let Ok(mut found) = self.consistent(&end.prescribed) else { return whole };
-        let moves = self.awaits(&self.ahead(&end.prescribed, &self.at.u));
+        let moves = self.awaits(&Self::ahead(&end.prescribed, &self.at.u));
         let mut retried = Vec::new();
         for part in asked {
             match found.errors[part].take() {

@@ -101,7 +101,7 @@ impl<'a, M: Model> Path<'a, M> {
     fn find_driven(&mut self) {
         let set = self.constraints.set();
         let in_time = matches!(self.constraints, TimePath::Driven { .. });
-        let moves = self.awaits(&self.ahead(self.target.prescribed, &self.start.u));
+        let moves = self.awaits(&Self::ahead(self.target.prescribed, &self.start.u));
         for ((track, part), moves) in self.tracks.iter_mut().zip(&self.parts.list).zip(moves) {
             track.driven = (in_time || moves) && !part.rows.iter().all(|r| set.linear_rows().contains(r));
         }
@@ -118,7 +118,7 @@ impl<'a, M: Model> Path<'a, M> {
     }
 
     /// Remaining motion of the prescribed DOFs; zero for free DOFs.
-    pub fn ahead(&self, prescribed: &[(usize, f64)], u: &[f64]) -> Vec<f64> {
+    pub fn ahead(prescribed: &[(usize, f64)], u: &[f64]) -> Vec<f64> {
         let mut ahead = vec![0.0; u.len()];
         prescribed.iter().for_each(|&(j, v)| ahead[j] = v - u[j]);
         ahead

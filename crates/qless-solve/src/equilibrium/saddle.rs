@@ -14,7 +14,7 @@ use crate::common::{SparseMatrix, random, times};
 
 /// Passes of scaling by square roots of the largest entries. Each pass halves the exponents, which have 10 bits.
 const ROUNDS: usize = 10;
-/// A singular value below this is rounding of the factors; the largest entries are one.
+/// A singular value below this, about 50 units in the last place, is rounding of the factors; the largest entries are one.
 pub const SINGULAR: f64 = 1e-14;
 /// A DOF takes part in a motion if it moves by at least this fraction of the largest. It only decides which DOFs an error names.
 const MOVES: f64 = 0.1;
