@@ -21,11 +21,11 @@ use super::matrix::{ScaledFactor, entries};
 use super::{EnforceError, SolverError};
 use crate::common::RandomForces;
 
-/// Power iterations; the growth in the first one depends on the start vector and does not count.
-const STEPS: usize = 3;
+/// Power iterations: the growth in the first one depends on the start vector and does not count.
+const STEPS: usize = 2;
 /// Most refinements of a null vector.
 const SHARPENINGS: usize = 6;
-/// Growth at which a null vector is searched for. A singular A has `g > 1 / ROUNDING`; two power steps find a hundredth of it.
+/// Growth at which a null vector is searched for. A singular A has `g > 1 / ROUNDING`; a power step finds a hundredth of it.
 const SUSPICIOUS: f64 = 0.01 / ROUNDING;
 
 /// Whether the model is supported.

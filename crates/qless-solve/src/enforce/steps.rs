@@ -113,7 +113,7 @@ impl<S: Solver> Steps<S> {
 
     /// Computes u of all DOFs from the values of K and the forces: condenses, factors, checks the support, and solves.
     ///
-    /// Cost: one factorization, four solves and a few passes over K_q.
+    /// Cost: one factorization, three solves and a few passes over K_q.
     ///
     /// # Errors
     /// [`EnforceError::Argument`] for lists of the wrong length or numbers that are not finite, [`EnforceError::Solver`],
