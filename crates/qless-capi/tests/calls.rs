@@ -338,7 +338,7 @@ fn condensed_matrices_have_the_bits_of_rust() {
 
 /// New values of K with the same pattern, and new right-hand sides.
 #[test]
-fn a_pattern_follows_refreshed_values() {
+fn refreshed_values_have_the_bits_of_rust() {
     for seed in 0..200 {
         let mut random = SplitMix64::new(seed);
         let system = system(&mut random);
