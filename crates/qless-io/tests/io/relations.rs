@@ -1,5 +1,6 @@
 //! Named relations: what is read, and where faults are.
 
+use std::fmt::Write;
 use std::path::Path;
 
 use qless::{ConstraintSystem, Kind, Options, analyse};
@@ -110,19 +111,19 @@ fn written_and_read_again_a_system_is_the_same() {
         let mut text = String::new();
         // Names in the order in which they occur, which is that of their columns.
         let every: Vec<String> = (0..dofs).map(|j| format!("1 N{j}.D-{j}")).collect();
-        text += &format!("all: {} = 0\n", every.join(" + "));
+        writeln!(text, "all: {} = 0", every.join(" + ")).expect("a string");
         builder.labelled_equation("all", (0..dofs).map(|j| (j, 1.0)), 0.0);
         for i in 0..rows {
             let terms: Vec<(usize, f64)> = (0..1 + rng.below(4)).map(|_| (rng.below(dofs), number(&mut rng))).collect();
             let rhs = number(&mut rng);
             let sign = ["+ ", ""][rng.below(2)];
             let words: Vec<String> = terms.iter().map(|(j, a)| format!("{a:+e} N{j}.D-{j}")).collect();
-            text += &format!("row_{i}: {sign}{} = {rhs}\n", words.join(" "));
+            writeln!(text, "row_{i}: {sign}{} = {rhs}", words.join(" ")).expect("a string");
             builder.labelled_equation(format!("row_{i}"), terms, rhs);
         }
         for j in (0..dofs).filter(|j| j % 3 == seed % 3) {
             let value = number(&mut rng);
-            text += &format!("N{j}.D-{j} = {value}\n");
+            writeln!(text, "N{j}.D-{j} = {value}").expect("a string");
             builder.prescribe_at(format!("line {}", text.lines().count()), j, value);
         }
         builder.dof_labels((0..dofs).map(|j| format!("N{j}.D-{j}")).collect());
