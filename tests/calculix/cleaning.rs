@@ -43,7 +43,7 @@ fn a_redundant_equation_leaves_a_comment_and_nothing_else_changes() {
 fn a_card_without_equations_goes_and_line_ends_stay() {
     let text = brick("*EQUATION\n2\n5,3,1.,8,3,-1.\n*EQUATION\n2\n8,3,1.,5,3,-1.\n").replace('\n', "\r\n");
     let found = text_of(&parse(text.as_bytes()));
-    assert_eq!(found.matches("*EQUATION").count(), 1);
+    assert_eq!(found.lines().filter(|line| line.starts_with("*EQUATION")).count(), 1);
     assert_eq!(found.matches('\n').count(), found.matches("\r\n").count());
 }
 
@@ -79,7 +79,8 @@ fn a_tie_beside_equations_that_repeat_it() {
     let deck = parse(doubled.as_bytes());
     assert_eq!(deck.model().equations(), 13);
     let text = cleaned(&deck).expect("consistent");
-    assert_eq!(String::from_utf8_lossy(&text).matches("*TIE").count(), 1, "the tie stays, the equation goes");
+    let cards = String::from_utf8_lossy(&text).lines().filter(|line| line.starts_with("*TIE")).count();
+    assert_eq!(cards, 1, "the tie stays, the equation goes");
     if is_there() {
         let (a, b) = (solve(plain.as_bytes()).expect("solved"), solve(&text).expect("solved"));
         assert!(difference(&a, &b) <= 1e-6);

@@ -169,11 +169,19 @@ fn diff_names_what_tells_two_sets_apart() {
     assert_eq!((same.code, same.out.as_str()), (0, "Both sets have the same solutions.\n"));
     let values = place.run("diff -q a b");
     assert_eq!(values.code, 1);
-    assert!(values.out.contains("a has 1 relation that the other does not imply:\n  DOF 1 = 0.5\n"), "{}", values.out);
+    assert!(values.out.contains("a adds 1 relation to the other:\n  DOF 1 = 0.5\n"), "{}", values.out);
     let fewer = place.run("diff -q a d");
-    assert!(fewer.code == 1 && fewer.out.contains("row 4\n  row 5\n") && !fewer.out.contains("d has"), "{}", fewer.out);
+    assert!(fewer.code == 1 && fewer.out.contains("row 4\n") && !fewer.out.contains("d adds"), "{}", fewer.out);
+    // A large value hides no difference, and values on DOFs without equations count.
+    place.case("large", [2, 4], &[(1, 1, 1.0), (1, 2, -1.0), (2, 3, 1.0), (2, 4, 1.0)], &[1e13, 1.0], &[]);
+    place.case("alone", [1, 4], &[(1, 1, 1.0), (1, 2, -1.0)], &[1e13], &[]);
+    assert!(place.run("diff -q large alone").out.ends_with("to the other:\n  row 2\n"));
+    let tied = |value: &str| format!("*NODE\n1,0,0,0\n2,1,0,0\n*BOUNDARY\n1,1,1{value}\n2,1,1{value}\n");
+    place.file("values.inp", tied("")).file("other.inp", tied(",5."));
+    place.file("tied.inp", tied("") + "*EQUATION\n2\n1,1,1.,2,1,-1.\n");
+    assert_eq!(["tied", "other"].map(|name| place.run(&format!("diff -q values.inp {name}.inp")).code), [0, 1]);
     let more = place.run("diff -q d a");
-    assert!(more.code == 1 && more.out.contains("a has 2 relations"), "{}", more.out);
+    assert!(more.code == 1 && more.out.contains("a adds 2 relations"), "{}", more.out);
 }
 
 #[test]

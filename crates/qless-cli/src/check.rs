@@ -11,7 +11,7 @@ use crate::deck_input::DeckInput;
 use crate::diagnose::{Question, diagnose};
 use crate::failure::{CliFailure, say};
 use crate::report::{CommandOutcome, Joined};
-use crate::terminal::{self, Progress};
+use crate::terminal::Progress;
 use crate::{clean, exit_code};
 
 /// Prints the report and returns the worst exit code of the inputs. An input that fails ends the run only if the report has no place for
@@ -36,7 +36,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliFailure> {
     }
     let text = joined.whole(pieces);
     match &args.output {
-        None => terminal::show(&text, args.report.format)?,
+        None => args.report.format.show(&text)?,
         Some(file) => OneFile::at(file, args.files())?.write(&text)?,
     }
     if args.is_several() {

@@ -87,7 +87,7 @@ impl DiffSet {
             return Vec::new();
         }
         let relations = count(self.not_implied.len(), "relation");
-        let mut lines = vec![format!("{name} has {relations} that the other does not imply:")];
+        let mut lines = vec![format!("{name} adds {relations} to the other:")];
         lines.extend(self.not_implied.iter().take(SHOWN).map(|item| format!("  {item}")));
         let more = self.not_implied.len().saturating_sub(SHOWN);
         lines.extend((more > 0).then(|| format!("  and {more} more (all of them: --format json)")));
@@ -96,11 +96,11 @@ impl DiffSet {
 }
 
 /// Terms on DOFs, each by its label in small letters, and the right-hand side.
-type Relation = (Vec<(String, f64)>, f64);
+type LabelledRelation = (Vec<(String, f64)>, f64);
 
 /// The equations and prescribed values of a set, each with its name.
 struct Relations {
-    relations: Vec<Relation>,
+    relations: Vec<LabelledRelation>,
     names: Vec<String>,
 }
 

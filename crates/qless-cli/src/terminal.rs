@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::args::ReportFormat;
 use crate::failure::CliFailure;
 use crate::memory::threads;
 use crate::wording::layout::wrap;
@@ -17,23 +16,26 @@ use crate::wording::printable;
 pub fn write(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
     let mut text = Vec::new();
     write(&mut text).map_err(|error| CliFailure::from_stdout(&error))?;
-    show(printable::text(&String::from_utf8_lossy(&text)).as_bytes(), ReportFormat::Text)
+    show_text(printable::text(&String::from_utf8_lossy(&text)).as_bytes())
 }
 
 /// Calls `write` with a buffer, and writes its JSON to standard output with unprintable characters escaped.
 pub fn show_json(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliFailure> {
     let mut json = Vec::new();
     write(&mut json).map_err(|error| CliFailure::from_stdout(&error))?;
-    show(&printable::report(json, true), ReportFormat::Json)
+    show(&printable::report(json, true))
 }
 
-/// Writes a report to standard output. Its characters must be printable. Text breaks at the width of a terminal, and nowhere else.
-pub fn show(report: &[u8], format: ReportFormat) -> Result<(), CliFailure> {
-    match terminal_size::terminal_size_of(io::stdout()).filter(|_| format == ReportFormat::Text) {
-        Some((columns, _)) => {
-            stream(|out| out.write_all(wrap(&String::from_utf8_lossy(report), columns.0.into()).as_bytes()))
-        }
-        None => stream(|out| out.write_all(report)),
+/// Writes a report to standard output. Its characters must be printable.
+pub fn show(report: &[u8]) -> Result<(), CliFailure> {
+    stream(|out| out.write_all(report))
+}
+
+/// Writes printable text to standard output. It breaks at the width of a terminal, and nowhere else.
+pub fn show_text(text: &[u8]) -> Result<(), CliFailure> {
+    match terminal_size::terminal_size_of(io::stdout()) {
+        Some((columns, _)) => show(wrap(&String::from_utf8_lossy(text), columns.0.into()).as_bytes()),
+        None => show(text),
     }
 }
 

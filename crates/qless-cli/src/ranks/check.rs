@@ -17,7 +17,7 @@ use crate::failure::CliFailure;
 use crate::preferences::{ListWord, WordList};
 use crate::terminal::Progress;
 use crate::wording::printable;
-use crate::{exit_code, memory, terminal};
+use crate::{exit_code, memory};
 
 /// Runs the command; collective, with the same exit code on all ranks.
 pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> {
@@ -102,7 +102,7 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), CliFailure> {
 fn write(args: &CheckArgs, bytes: Vec<u8>) -> Result<(), CliFailure> {
     let bytes = printable::report(bytes, matches!(args.report.format, ReportFormat::Json | ReportFormat::Html));
     match &args.output {
-        None => terminal::show(&bytes, args.report.format),
+        None => args.report.format.show(&bytes),
         Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(&bytes)?),
     }
 }

@@ -65,6 +65,11 @@ impl ReportFormat {
         if self == Self::Json { Report::TERMS } else { 0 }
     }
 
+    /// Writes a report to standard output.
+    pub fn show(self, report: &[u8]) -> Result<(), CliFailure> {
+        if self == Self::Text { terminal::show_text(report) } else { terminal::show(report) }
+    }
+
     /// Makes a report safe to show.
     fn printable(self, bytes: Vec<u8>) -> Vec<u8> {
         printable::report(bytes, matches!(self, Self::Json | Self::Html | Self::Sarif))
@@ -84,7 +89,7 @@ impl Diagnosis<'_> {
         drop(progress);
         self.warn();
         let format = self.report_args.format;
-        terminal::show(&Joined::new(format, 1).whole(vec![(&self.args.input, bytes)]), format)
+        format.show(&Joined::new(format, 1).whole(vec![(&self.args.input, bytes)]))
     }
 
     /// Writes the warnings of a deck to standard error, if the report does not list them.

@@ -11,6 +11,26 @@ fn columns(c: char) -> usize {
     if c < '\u{1100}' { 1 } else { 2 }
 }
 
+/// Shortens a text to `most` columns. Leaves out the middle, since names differ at their ends.
+pub fn shorten(text: &str, most: usize) -> String {
+    if width(text) <= most {
+        return text.to_owned();
+    }
+    let room = most.saturating_sub(3);
+    let head: String = take(text.chars(), room.div_ceil(2));
+    let tail: String = take(text.chars().rev(), room / 2);
+    head + "..." + &tail.chars().rev().collect::<String>()
+}
+
+fn take(text: impl Iterator<Item = char>, most: usize) -> String {
+    let mut used = 0;
+    let fits = |c: &char| {
+        used += columns(*c);
+        used <= most
+    };
+    text.take_while(fits).collect()
+}
+
 /// Breaks the lines of a text at spaces, so that none has more than `most` columns unless it holds a single longer word. Continuations
 /// are indented by two more columns than their line.
 pub fn wrap(text: &str, most: usize) -> String {
@@ -139,6 +159,13 @@ pub fn section_lines(sections: &[LayoutSection], most: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_middle_is_left_out() {
+        assert_eq!(shorten("tie A/B, node 4711, x", 30), "tie A/B, node 4711, x");
+        assert_eq!(shorten("tie A/B, node 4711, x", 14), "tie A/...11, x");
+        assert_eq!(width(&shorten(&"\u{8282}".repeat(40), 15)), 15);
+    }
 
     #[test]
     fn long_lines_break_at_spaces() {

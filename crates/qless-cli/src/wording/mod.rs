@@ -4,6 +4,8 @@ pub mod layout;
 pub mod printable;
 
 use qless::ConstraintSystem;
+
+use layout::shorten;
 use qless::report::ChangeFinding;
 
 /// Labels and facts of equations, by index.
@@ -54,9 +56,12 @@ pub fn equation(equations: &dyn EquationLookup, row: usize) -> String {
     if text == number { number } else { format!("{number} \"{}\"", label(&text)) }
 }
 
-/// A label without control characters.
+/// Most columns of a label.
+const LABEL: usize = 60;
+
+/// A label without control characters, shortened if it is very long.
 pub fn label(text: &str) -> String {
-    printable::line(text)
+    shorten(&printable::line(text), LABEL)
 }
 
 /// `change 4:1 in line 17 *BOUNDARY from 0.5 to 0`; `name` makes a label fit its space.

@@ -37,7 +37,7 @@ fn a_redundant_equation_becomes_a_comment() {
         CECMOD,      1,  0.50000000    \nCECMOD,      2,  1.00000000    \n/GO\n";
     let expected = "/PREP7\nCE,R5.0,DEFI,       2,       1,  0.50000000    \n\
         CE,R5.0,NODE,         1,UX  ,  1.00000000    ,         2,UX  , -1.00000000    \n\
-        ! qless: CE 2 removed, redundant: line 2 CE 2 2:1 = 2 * (line 1 CE 1 1:1)\n\
+        ! qless: CE 2 removed, redundant: line 4 CE 2 2:1 = 2 * (line 2 CE 1 1:1)\n\
         CECMOD,      1,  0.50000000    \n/GO\n";
     assert_eq!(cleaned(text), expected);
 }
@@ -75,7 +75,7 @@ fn coupled_sets_that_overlap_become_equations() {
 #[test]
 fn other_commands_on_the_line_stay() {
     let text = "/COM,x $ y\nCE,1,0,1,UX,1,2,UX,1 $ F,9,FX,2 $ CE,2,0,1,UX,2,2,UX,2 $ D,9,UY ! both\nFINISH\n";
-    let expected = "/COM,x $ y\n! qless: CE 2 removed, redundant: line 2 CE 2 2:1 = 2 * (line 1 CE 1 1:1)\n\
+    let expected = "/COM,x $ y\n! qless: CE 2 removed, redundant: line 2 CE 2 1:1 = 2 * (line 2 CE 1 1:1)\n\
         CE,1,0,1,UX,1,2,UX,1 $ F,9,FX,2 $ D,9,UY ! both\nFINISH\n";
     assert_eq!(cleaned(text), expected);
 }
@@ -83,7 +83,7 @@ fn other_commands_on_the_line_stay() {
 #[test]
 fn an_equation_said_in_many_places_goes_everywhere() {
     let text = "CE,1,0,1,UX,1,2,UX,1,3,UX,1\nCE,2,0,1,UX,2\nCE,1,,4,UX,1\nCE,2,,2,UX,2,3,UX,2,4,UX,2\nSOLVE\n";
-    let expected = "CE,1,0,1,UX,1,2,UX,1,3,UX,1\n! qless: CE 2 removed, redundant: line 2 CE 2 2:1 = 2 * (line 1 CE 1 1:1)\nCE,1,,4,UX,1\nSOLVE\n";
+    let expected = "CE,1,0,1,UX,1,2,UX,1,3,UX,1\n! qless: CE 2 removed, redundant: line 2 CE 2 1:1 = 2 * (line 1 CE 1 1:1)\nCE,1,,4,UX,1\nSOLVE\n";
     assert_eq!(cleaned(text), expected);
 }
 

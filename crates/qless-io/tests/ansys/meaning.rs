@@ -57,6 +57,9 @@ fn later_releases_have_another_tag() {
 fn coupled_sets() {
     let text = "CP,1,UX,5,3,-5,9\nCP,HIGH,,11\nCP,NEXT,TEMP,1,2\nCP,9,UY,1,2\nCPDELE,9\n";
     assert_eq!(equations(&deck(text)), ["9:1 1, 3:1 -1 = 0", "11:1 1, 3:1 -1 = 0", "2:11 1, 1:11 -1 = 0"]);
+    // The number of a set that is left out is used up.
+    let left_out = "CP,1,UX,1,2\nCP,5,ALL,3,4\nCP,NEXT,UY,5,6\nCP,6,,7\n";
+    assert_eq!(equations(&deck(left_out)), ["2:1 1, 1:1 -1 = 0", "6:2 1, 5:2 -1 = 0", "7:2 1, 5:2 -1 = 0"]);
     let archive = "CP,R5.0,       3,       4,ROTZ,         1,         2\nCP,R5.0,       3,       4,ROTZ,         7\n";
     assert_eq!(equations(&deck(archive)), ["2:6 1, 1:6 -1 = 0", "7:6 1, 1:6 -1 = 0"]);
 }

@@ -34,7 +34,17 @@ fn what_is_left_out_claims_the_nodes_that_it_names() {
         assert_eq!(claimed(&model), nodes, "{cards}");
         assert!(model.left_out_claims().is_sorted_by_key(|(dof, _)| *dof));
     }
-    let plain = brick(Abaqus, &format!("{foot}*CONTACT PAIR, INTERACTION=I\nFOOT,STOP\n"));
+    // A keyword with one wrong letter, and half a coupling.
+    for (cards, part) in [
+        ("*EQUATON\n2\n1,1,1.,2,1,-1.\n", "*EQUATON is no keyword; if *EQUATION is meant"),
+        ("*BOUNDRAY\n1,1,3\n", "if *BOUNDARY is meant"),
+        ("*COUPLING, REF NODE=1, SURFACE=FOOT, CONSTRAINT NAME=C\n", "*COUPLING needs a *KINEMATIC or *DISTRIBUTING"),
+    ] {
+        let model = brick(Abaqus, &format!("{foot}{cards}"));
+        let left: Vec<_> = model.left_out().map(|warning| warning.text.as_str()).collect();
+        assert!(left.len() == 1 && left[0].contains(part), "{cards}: {left:?}");
+    }
+    let plain = brick(Abaqus, &format!("{foot}*BOUNDARYF\n*CONTACT PAIR, INTERACTION=I\nFOOT,STOP\n"));
     assert_eq!((plain.left_out().count(), plain.left_out_claims().len()), (0, 0));
 }
 

@@ -9,7 +9,7 @@ const NEAR: f64 = 1e-7;
 /// A mismatch of the right-hand sides up to this, relative to its terms, is zero: sums of rounded numbers differ by as much.
 const NO_MISMATCH: f64 = 1e-12;
 /// A nonzero mismatch below this may stand for zero.
-const SMALL_MISMATCH: f64 = 1e-6;
+pub(super) const SMALL_MISMATCH: f64 = 1e-6;
 
 /// Why a verdict is in doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -13,6 +13,7 @@ use std::collections::BTreeSet;
 use super::AnalysisError;
 use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
+use super::confidence::SMALL_MISMATCH;
 use super::generated::{Explainer, times};
 use super::pass_result::PassResult;
 use crate::factor::backend::Backend;
@@ -112,22 +113,25 @@ pub(crate) fn classify_by_certificates(dependent: &mut [Dependent], history: &Hi
     }
 }
 
-/// Classifies an equation by its certificate without terms that are rounding of the largest one. If the rounding of the coefficients may be
-/// as large as the mismatch, the equation stays redundant, in doubt.
+/// A term of a certificate below this fraction of the largest one may be rounding: certificates are accurate to `1e-11 / d`.
+const ACCURACY: f64 = 1e-11;
+
+/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is too large to stand for zero.
+/// If errors of the coefficients may be as large as the mismatch, it stays redundant, in doubt.
 fn reclassify(d: &mut Dependent, own: Mismatch, history: &History, rule: &MismatchRule) {
     let terms = d.source.explain(history);
     let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
-    let rounding = f64::EPSILON * terms.len() as f64 * terms.iter().map(scaled).fold(0.0, f64::max);
+    let least = ACCURACY * terms.iter().map(scaled).fold(0.0, f64::max);
     let (mut rest, mut uncertain) = (own, 0.0);
     for term in &terms {
         let other = side(rule, term.row);
-        uncertain += other.size * ldexp(rounding, rule.scaling.row[term.row]);
-        if scaled(term) > rounding {
+        uncertain += other.size * ldexp(least, rule.scaling.row[term.row]);
+        if scaled(term) > least {
             rest.subtract(term.coefficient, other);
         }
     }
     let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
-    if found.kind == Kind::Conflicting || found.is_suspect {
+    if found.kind == Kind::Conflicting && found.relative_mismatch > SMALL_MISMATCH {
         *d = if uncertain < rest.value.abs() { found } else { Dependent { is_suspect: true, ..d.clone() } };
     }
 }

@@ -26,7 +26,8 @@ impl Explanation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn arithmetic(&self, system: &ConstraintSystem, row: usize) -> String {
-        let mut parts: Vec<Part> = self.members.iter().filter_map(|&member| Part::new(system, member)).collect();
+        let mut parts: Vec<ArithmeticTerm> =
+            self.members.iter().filter_map(|&member| ArithmeticTerm::new(system, member)).collect();
         // Nonzero terms are shown first if there is no room for all.
         if parts.len() > SHOWN {
             parts.sort_by_key(|part| part.value == 0.0);
@@ -43,13 +44,13 @@ impl Explanation {
 }
 
 /// A factor times a right-hand side or a prescribed value, and the place of the value in the input.
-struct Part {
+struct ArithmeticTerm {
     factor: f64,
     value: f64,
     place: String,
 }
 
-impl Part {
+impl ArithmeticTerm {
     fn new(system: &ConstraintSystem, member: Member) -> Option<Self> {
         match member {
             Member::Equation { row, coefficient } => {

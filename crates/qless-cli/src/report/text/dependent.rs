@@ -8,7 +8,7 @@ use super::combination::{self, CombinationAlone};
 use super::next::quoted;
 use super::{DependentRow, EquationList};
 use crate::wording::EquationLookup;
-use crate::wording::layout::flow;
+use crate::wording::layout::{flow, width};
 use crate::wording::{label, number};
 
 /// The equations of one kind in at most `most` lines. Computes only the certificates that are shown.
@@ -141,7 +141,9 @@ fn rows(first: &str, dependent: &[&DependentRow]) -> String {
     const TAIL: &str = ", ...";
     let rows: Vec<usize> = dependent.iter().map(|d| d.row + 1).collect();
     let pieces = ranges(&rows);
-    let flowed = flow(first, "", &pieces, (1, COLUMNS), TAIL.len());
+    // A long label leaves room for some rows.
+    let columns = COLUMNS.max(width(first) + 30);
+    let flowed = flow(first, "", &pieces, (1, columns), TAIL.len());
     let left_out = flowed.used < pieces.len();
     let line = flowed.finish("").concat();
     if left_out { line.trim_end_matches(',').to_owned() + TAIL } else { line }

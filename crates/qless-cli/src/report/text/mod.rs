@@ -18,8 +18,6 @@ use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
 use crate::wording::EquationLookup;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs};
-use confidence::exact_rank;
-use summary::verdict;
 pub use summary::verdict_on_equations;
 
 /// Columns of lists of rows, members and DOFs; sentences are not limited.
@@ -91,7 +89,7 @@ fn list<'a>(diagnosis: &'a Diagnosis, explain: &'a dyn Fn(usize) -> Option<Expla
 /// Lines about doubts, which may be none.
 fn doubts(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let mut doubts = confidence::near_dependence(diagnosis, report);
-    doubts.extend(exact_rank(diagnosis, report));
+    doubts.extend(confidence::exact_rank(diagnosis, report));
     doubts.extend(confidence::noise(diagnosis, report));
     doubts
 }
@@ -104,7 +102,7 @@ pub fn whole(
     sections: &[LayoutSection],
     doubts: Vec<String>,
 ) -> String {
-    let first = [verdict(report, list.deck), summary::input(report)];
+    let first = [summary::verdict(report, list.deck), summary::input(report)];
     let mut last = facts(list, report, doubts);
     last.extend(next::lines(list, report, outcome));
     let generated = dependent::generated_conditions(report);
@@ -120,9 +118,9 @@ pub fn whole(
 fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
     // One conflict has its heading, four lines of members and its arithmetic; the last line counts the others.
-    let (conflicting, redundant) = if both { (7, 4) } else { (10.min(most).max(7), 9) };
+    let (conflicting, redundant) = if both { (6, 3) } else { (10.min(most).max(7), 9) };
     let mut lines = dependent::section(list, Kind::Conflicting, conflicting);
-    lines.extend(dependent::section(list, Kind::Redundant, redundant.min(most.saturating_sub(lines.len())).max(4)));
+    lines.extend(dependent::section(list, Kind::Redundant, redundant.min(most.saturating_sub(lines.len())).max(3)));
     lines
 }
 

@@ -7,7 +7,7 @@ use super::cards::{GroupMeaning, ReadGroup, body, coupling, prescribed, tie, unr
 use super::model::bodies::DynaDefinitions;
 use super::model::mesh::{DynaMesh, Gap, part_lines};
 use super::syntax::card::{DynaCard, DynaCards};
-use super::syntax::fields::{DynaLine, LineFault, Parameters};
+use super::syntax::fields::{DynaLine, KeywordFault, Parameters};
 use crate::deck::{DeckError, Dof, LoadCase, Model, Origin, Prescribed, Sources};
 
 /// Reads a deck.
@@ -97,7 +97,7 @@ impl LsDynaReader {
         Self { model: Model::new(files), all: DynaDefinitions::default(), prescribed, clashes, is_linearised: false }
     }
 
-    fn error(&self, card: &DynaCard, LineFault { line, field, problem }: LineFault) -> DeckError {
+    fn error(&self, card: &DynaCard, KeywordFault { line, field, problem }: KeywordFault) -> DeckError {
         let path = self.model.files[card.file as usize].clone();
         DeckError { path, line: line as usize, card: format!("*{}", card.keyword), field, problem }
     }

@@ -75,6 +75,7 @@ impl CoupledSets {
         let Some(number) = number.filter(|number| !self.unknown.contains(number)) else {
             self.doubt = Some(match number {
                 None => {
+                    self.leave_out(command);
                     "CP couples all DOFs that the elements have, which this reader does not know: left out".to_owned()
                 }
                 Some(number) => format!("CP {number} has a command that could not be read: the whole set is left out"),

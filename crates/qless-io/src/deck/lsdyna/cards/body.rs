@@ -15,11 +15,11 @@ use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::lsdyna::model::bodies::DynaDefinitions;
 use crate::deck::lsdyna::model::mesh::{Gap, SetKind};
-use crate::deck::lsdyna::syntax::fields::{DynaLine, LineFault};
+use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
 use crate::deck::{Model, Problem};
 
 /// Field of the node set of a nodal rigid body: NSID, or PID if it is 0.
-fn set_field(line: &DynaLine) -> Result<usize, LineFault> {
+fn set_field(line: &DynaLine) -> Result<usize, KeywordFault> {
     Ok(if line.id(2)? == 0 { 0 } else { 2 })
 }
 
@@ -29,7 +29,7 @@ pub fn define(
     inertia: Option<&DynaLine>,
     all: &mut DynaDefinitions,
     model: &mut Model,
-) -> Result<(), LineFault> {
+) -> Result<(), KeywordFault> {
     let nodes = all.mesh.members(SetKind::Node, line, set_field(line)?).unwrap_or_default().to_vec();
     let centre = inertia.map(|line| all.mesh.centre(line)).transpose()?;
     all.add_body(line.id(0)?, &nodes, centre, model).map_err(|problem| line.fault(problem))

@@ -14,7 +14,7 @@ use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{MeanElement, WeightedNodes};
 use crate::deck::lsdyna::model::bodies::DynaDefinitions;
 use crate::deck::lsdyna::model::mesh::{DynaMesh, Gap};
-use crate::deck::lsdyna::syntax::fields::{DynaLine, LineFault};
+use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
 use crate::deck::{Dof, Problem};
 use crate::fault::quote;
 
@@ -40,7 +40,7 @@ pub fn interpolation(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<Gr
 }
 
 /// Components of a field, such as 1356, that the node has; all of them if the field is blank.
-fn components(line: &DynaLine, field: usize, node: u32, mesh: &DynaMesh) -> Result<Components, LineFault> {
+fn components(line: &DynaLine, field: usize, node: u32, mesh: &DynaMesh) -> Result<Components, KeywordFault> {
     let code = line.whole(field)?;
     let given = if code == 0 { Some(Components::ALL) } else { Components::parse(code.to_string().as_bytes()) };
     let found = || quote(line.field(field));
@@ -50,7 +50,7 @@ fn components(line: &DynaLine, field: usize, node: u32, mesh: &DynaMesh) -> Resu
 }
 
 /// The weights of components 1 to 6. The first is 1 by default, and the others are the first.
-fn weights(line: &DynaLine) -> Result<[f64; 6], LineFault> {
+fn weights(line: &DynaLine) -> Result<[f64; 6], KeywordFault> {
     let mut weights = [1.0; 6];
     for k in 0..6 {
         let default = if k == 0 { 1.0 } else { weights[0] };

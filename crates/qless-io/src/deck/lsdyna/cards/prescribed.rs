@@ -14,7 +14,7 @@ use super::{GroupMeaning, HeldDof, coded, dofs};
 use crate::deck::kinematics::components::Components;
 use crate::deck::lsdyna::model::bodies::DynaDefinitions;
 use crate::deck::lsdyna::model::mesh::Gap;
-use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, LineFault};
+use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, KeywordFault};
 
 /// Components that a node holds.
 pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
@@ -84,7 +84,7 @@ fn motion(line: &DynaLine, nodes: Vec<u32>) -> Result<GroupMeaning, Gap> {
     };
     let time = |field, word: &str| {
         let time = line.number(field)?.filter(|time| *time != 0.0);
-        Ok::<_, LineFault>(time.map(|time| format!(" {word} {time}")).unwrap_or_default())
+        Ok::<_, KeywordFault>(time.map(|time| format!(" {word} {time}")).unwrap_or_default())
     };
     let history = format!("{quantity} curve {}{}{}", line.whole(3)?, time(7, "from")?, time(6, "to")?);
     let value = line.number(4)?.unwrap_or(1.0);

@@ -11,7 +11,7 @@ use crate::deck::kinematics::body::{CouplingEquation, centre_and_size};
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::lsdyna::syntax::fields::{DynaLine, LineFault};
+use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
 use crate::deck::{Dof, Model, Problem};
 
 /// A rigid body.
@@ -66,7 +66,7 @@ impl DynaDefinitions {
     }
 
     /// The body that a field of a line names.
-    pub fn named(&self, line: &DynaLine, field: usize) -> Result<RigidReference, LineFault> {
+    pub fn named(&self, line: &DynaLine, field: usize) -> Result<RigidReference, KeywordFault> {
         let part = line.id(field)?;
         let undefined = || line.fault_at(field, Problem::Undefined { what: "rigid body", name: part.to_string() });
         self.body(part).ok_or_else(undefined)

@@ -7,7 +7,7 @@ use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::body::{Pose, Poses};
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::lsdyna::syntax::card::DynaCard;
-use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, LineFault, Parameters};
+use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, KeywordFault, Parameters};
 
 /// A part: its material, and its centre of mass if `*PART_INERTIA` gives it.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ pub enum SetKind {
 }
 
 /// Members of a set, or the keyword of a set that is not read.
-type SetMembers = Result<Vec<u32>, String>;
+type NamedMembers = Result<Vec<u32>, String>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementKind {
@@ -45,15 +45,15 @@ pub struct DynaElement {
 /// Why a constraint cannot be made of definitions.
 pub enum Gap {
     /// The deck is wrong.
-    Fault(LineFault),
+    Fault(KeywordFault),
     /// This reader does not read a definition that the constraint needs, or an option of its card; a clause for a message.
     Unread(String),
     /// The same, and the lines that follow are not understood either.
     UnreadFromHere(String),
 }
 
-impl From<LineFault> for Gap {
-    fn from(fault: LineFault) -> Self {
+impl From<KeywordFault> for Gap {
+    fn from(fault: KeywordFault) -> Self {
         Self::Fault(fault)
     }
 }
@@ -65,7 +65,7 @@ pub struct DynaMesh {
     pub parts: FxHashMap<u32, DynaPart>,
     /// Materials that make a part rigid.
     pub rigid: FxHashSet<u32>,
-    pub sets: FxHashMap<(SetKind, u32), SetMembers>,
+    pub sets: FxHashMap<(SetKind, u32), NamedMembers>,
     elements: FxHashMap<u32, Vec<DynaElement>>,
     /// A keyword of elements that is not read, so that the nodes of parts are not known.
     unread_elements: Option<String>,
@@ -77,7 +77,7 @@ pub struct DynaMesh {
 
 impl DynaMesh {
     /// Notes the definitions of a card; other cards are ignored.
-    pub fn note(&mut self, card: &DynaCard, parameters: &Parameters) -> Result<(), LineFault> {
+    pub fn note(&mut self, card: &DynaCard, parameters: &Parameters) -> Result<(), KeywordFault> {
         let (name, [has_title]) = card.without(["_TITLE"]);
         let mut lines = card.lines(parameters).skip(usize::from(has_title)).filter(|line| !line.is_blank());
         match name {
@@ -98,7 +98,7 @@ impl DynaMesh {
         }
     }
 
-    fn node(&mut self, line: DynaLine) -> Result<(), LineFault> {
+    fn node(&mut self, line: DynaLine) -> Result<(), KeywordFault> {
         let line = line.laid_out(FieldLayout::Node);
         let node = line.id(0)?;
         self.highest = self.highest.max(node);
@@ -107,7 +107,7 @@ impl DynaMesh {
     }
 
     /// Elements of one card. Options add lines to each of them; if an option is unknown, so are the nodes.
-    fn elements<'a>(&mut self, card: &DynaCard, lines: impl Iterator<Item = DynaLine<'a>>) -> Result<(), LineFault> {
+    fn elements<'a>(&mut self, card: &DynaCard, lines: impl Iterator<Item = DynaLine<'a>>) -> Result<(), KeywordFault> {
         let mut words = card.keyword.split('_').skip(1);
         let kind = match words.next() {
             Some("SOLID" | "TSHELL") => ElementKind::Solid,
@@ -141,7 +141,7 @@ impl DynaMesh {
         Ok(())
     }
 
-    fn set(&mut self, name: &str, lines: &mut dyn Iterator<Item = DynaLine<'_>>) -> Result<(), LineFault> {
+    fn set(&mut self, name: &str, lines: &mut dyn Iterator<Item = DynaLine<'_>>) -> Result<(), KeywordFault> {
         let kinds = [("NODE", SetKind::Node), ("PART", SetKind::Part), ("SEGMENT", SetKind::Segment)];
         let kind = kinds.into_iter().find(|(word, _)| name.split('_').next() == Some(word));
         let (Some((word, kind)), Some(first)) = (kind, lines.next()) else { return Ok(()) };
@@ -212,7 +212,7 @@ impl DynaMesh {
     }
 
     /// A centre of mass, `XC, YC, ZC, TM, IRCS, NODEID`: the node if there is one, or else the coordinates.
-    pub fn centre(&self, line: &DynaLine) -> Result<Vector, LineFault> {
+    pub fn centre(&self, line: &DynaLine) -> Result<Vector, KeywordFault> {
         self.nodes.get(&line.id(5)?).map_or_else(|| line.vector(0), |position| Ok(*position))
     }
 
@@ -246,7 +246,7 @@ pub type PartLines<'a> = (DynaLine<'a>, Option<DynaLine<'a>>);
 
 /// Parts of a card: a line with a title, a line with numbers, and more lines for options. Cards with other options than these make
 /// no part rigid.
-pub fn part_lines<'a>(card: &'a DynaCard, parameters: &'a Parameters) -> Result<Vec<PartLines<'a>>, LineFault> {
+pub fn part_lines<'a>(card: &'a DynaCard, parameters: &'a Parameters) -> Result<Vec<PartLines<'a>>, KeywordFault> {
     let options: Vec<&str> = card.keyword.split('_').skip(1).collect();
     if options.iter().any(|option| !["INERTIA", "REPOSITION", "CONTACT", "PRINT"].contains(option)) {
         return Ok(Vec::new());

@@ -54,7 +54,7 @@ pub type Parameters = FxHashMap<Vec<u8>, Vec<u8>>;
 
 /// A fault at a line: its number, the field from 1 if one is at fault, and the problem.
 #[derive(Debug)]
-pub struct LineFault {
+pub struct KeywordFault {
     pub line: u32,
     pub field: Option<usize>,
     pub problem: Problem,
@@ -96,7 +96,7 @@ impl<'a> DynaLine<'a> {
     }
 
     /// A number; `None` if the field is blank.
-    pub fn number(&self, field: usize) -> Result<Option<f64>, LineFault> {
+    pub fn number(&self, field: usize) -> Result<Option<f64>, KeywordFault> {
         let text = self.field(field);
         let (sign, name) = match text {
             [b'&', name @ ..] => (1.0, name),
@@ -110,7 +110,7 @@ impl<'a> DynaLine<'a> {
         Ok(self.parse(field, value)?.map(|value| sign * value))
     }
 
-    fn parse(&self, field: usize, text: &[u8]) -> Result<Option<f64>, LineFault> {
+    fn parse(&self, field: usize, text: &[u8]) -> Result<Option<f64>, KeywordFault> {
         match real(text) {
             _ if text.is_empty() => Ok(None),
             // As in the solver, an underflow gives zero.
@@ -121,7 +121,7 @@ impl<'a> DynaLine<'a> {
     }
 
     /// A whole number; 0 if the field is blank. Flags may be written as `1.0`.
-    pub fn whole(&self, field: usize) -> Result<i64, LineFault> {
+    pub fn whole(&self, field: usize) -> Result<i64, KeywordFault> {
         let value = self.number(field)?.unwrap_or(0.0);
         if value.fract() == 0.0 && value.abs() <= f64::from(u32::MAX) {
             return Ok(value as i64);
@@ -131,7 +131,7 @@ impl<'a> DynaLine<'a> {
     }
 
     /// The number of a node, a set and the like; 0 if the field is blank.
-    pub fn id(&self, field: usize) -> Result<u32, LineFault> {
+    pub fn id(&self, field: usize) -> Result<u32, KeywordFault> {
         let found = || quote(self.field(field));
         let expected = "a number from 0 to 4294967295";
         u32::try_from(self.whole(field)?)
@@ -139,7 +139,7 @@ impl<'a> DynaLine<'a> {
     }
 
     /// Three coordinates from field `first` on; blank ones are 0.
-    pub fn vector(&self, first: usize) -> Result<[f64; 3], LineFault> {
+    pub fn vector(&self, first: usize) -> Result<[f64; 3], KeywordFault> {
         let mut vector = [0.0; 3];
         for (k, x) in vector.iter_mut().enumerate() {
             *x = self.number(first + k)?.unwrap_or(0.0);
@@ -148,16 +148,16 @@ impl<'a> DynaLine<'a> {
     }
 
     /// Numbers of all fields from `first` on that are not blank or zero, at most `most`.
-    pub fn ids(&self, first: usize, most: usize) -> Result<Vec<u32>, LineFault> {
-        let ids: Result<Vec<u32>, LineFault> = (first..first + most).map(|field| self.id(field)).collect();
+    pub fn ids(&self, first: usize, most: usize) -> Result<Vec<u32>, KeywordFault> {
+        let ids: Result<Vec<u32>, KeywordFault> = (first..first + most).map(|field| self.id(field)).collect();
         Ok(ids?.into_iter().filter(|&id| id != 0).collect())
     }
 
-    pub fn fault_at(&self, field: usize, problem: Problem) -> LineFault {
-        LineFault { line: self.number, field: Some(field + 1), problem }
+    pub fn fault_at(&self, field: usize, problem: Problem) -> KeywordFault {
+        KeywordFault { line: self.number, field: Some(field + 1), problem }
     }
 
-    pub fn fault(&self, problem: Problem) -> LineFault {
-        LineFault { line: self.number, field: None, problem }
+    pub fn fault(&self, problem: Problem) -> KeywordFault {
+        KeywordFault { line: self.number, field: None, problem }
     }
 }

@@ -1,0 +1,103 @@
+//! Large right-hand sides hide no conflict, and a tolerance that the caller states settles doubts.
+
+use qless::common::SplitMix64;
+use qless::{Analysis, ConstraintSystem, Doubt, Effort, Kind, Options, SystemBuilder, Tolerance, analyse};
+
+/// Coefficients of all DOFs, and the right-hand side.
+type Row = (Vec<f64>, f64);
+
+fn system(rows: &[Row]) -> ConstraintSystem {
+    let mut builder = SystemBuilder::new(rows[0].0.len());
+    for (coefficients, b) in rows {
+        builder.equation(coefficients.iter().copied().enumerate().filter(|(_, v)| *v != 0.0), *b);
+    }
+    builder.build().expect("valid")
+}
+
+fn analysed(rows: &[Row]) -> Analysis {
+    analyse(&system(rows), &Options::default()).expect("small")
+}
+
+fn conflicts(analysis: &Analysis) -> usize {
+    analysis.kinds().iter().filter(|&&kind| kind == Kind::Conflicting).count()
+}
+
+/// All orders of a list.
+fn orders<T: Clone>(list: &[T]) -> Vec<Vec<T>> {
+    if list.len() < 2 {
+        return vec![list.to_vec()];
+    }
+    let mut all = Vec::new();
+    for k in 0..list.len() {
+        let mut others = list.to_vec();
+        let first = others.remove(k);
+        all.extend(orders(&others).into_iter().map(|rest| [vec![first.clone()], rest].concat()));
+    }
+    all
+}
+
+/// The third row is a combination of the first two, and its side is off or not; the fourth row has a side of 1e12 to 1e16 and is in no
+/// certificate. Small whole numbers, so that all sums are exact.
+#[test]
+fn a_side_that_no_certificate_has_hides_no_conflict() {
+    let (mut wrong, mut doubtful) = (Vec::new(), 0);
+    for seed in 0..2_000 {
+        let mut random = SplitMix64::new(seed);
+        let mut whole = |most: u64| (random.next() % (2 * most + 1)) as f64 - most as f64;
+        let mut row = || (0..4).map(|_| whole(4)).collect::<Vec<f64>>();
+        let (first, second, large) = (row(), row(), row());
+        let (a, c, off) = (whole(3), whole(3), whole(2) / 2.0);
+        let (b1, b2) = (whole(9), whole(9));
+        let third = first.iter().zip(&second).map(|(x, y)| a * x + c * y).collect();
+        let size = 10_f64.powi(12 + (seed % 5) as i32);
+        let mut rows = vec![(first, b1), (second, b2), (third, a * b1 + c * b2 + off), (large, size)];
+        if analysed(&rows[..2]).rank() < 2 || analysed(&[rows[0].clone(), rows[1].clone(), rows[3].clone()]).rank() < 3
+        {
+            continue;
+        }
+        rows.rotate_left(seed as usize % 4);
+        let analysis = analysed(&rows);
+        doubtful += usize::from(analysis.confidence().ambiguous);
+        if conflicts(&analysis) != usize::from(off != 0.0) && !analysis.confidence().ambiguous {
+            wrong.push((seed, off, size));
+        }
+    }
+    assert!(wrong.is_empty() && doubtful < 100, "{} in doubt, {} wrong: {:?}", doubtful, wrong.len(), wrong.first());
+}
+
+/// `u1 = B; u1 + u2 = B; u2 = 1; u2 = 2`: the last two contradict each other, whatever B hides.
+#[test]
+fn two_values_of_one_dof_conflict_in_every_order() {
+    for size in [1e12, 1e13, 1e14, 1e15, 1e16] {
+        let rows = [(vec![1.0, 0.0], size), (vec![1.0, 1.0], size), (vec![0.0, 1.0], 1.0), (vec![0.0, 1.0], 2.0)];
+        for order in orders(&rows) {
+            let analysis = analysed(&order);
+            assert_eq!((analysis.rank(), conflicts(&analysis)), (2, 1), "{size:e}: {order:?}");
+        }
+    }
+}
+
+/// One conflict makes the part unsolvable; the second row contradicts the first too, but only in its 13th digit.
+#[test]
+fn exact_arithmetic_examines_what_is_beside_a_conflict() {
+    let row = |b: f64| (vec![1.0, -1.0], b);
+    let options = Options { effort: Effort::Exact, ..Options::default() };
+    let analysis = analyse(&system(&[row(1.0), row(1.000_000_000_000_9), row(2.0)]), &options).expect("small");
+    assert_eq!((conflicts(&analysis), analysis.confidence().doubt), (1, Some(Doubt::Exact)));
+    let same = analyse(&system(&[row(1.0), row(1.0), row(2.0)]), &options).expect("small");
+    assert_eq!((conflicts(&same), same.confidence().doubt), (1, None));
+}
+
+/// Two rows that differ by `e` in one coefficient: one equation for a tolerance above e, two for one below, and in doubt for neither.
+#[test]
+fn a_stated_tolerance_decides_without_doubt() {
+    for digits in 5..11 {
+        let e = 10_f64.powi(-digits);
+        let rows = [(vec![1.0, 1.0, 0.0], 0.0), (vec![1.0, 1.0 + e, 0.0], 0.0), (vec![0.0, 1.0, 1.0], 1.0)];
+        for (tolerance, rank) in [(20.0 * e, 2), (e / 20.0, 3)] {
+            let options = Options { tolerance: Tolerance::Relative(tolerance), ..Options::default() };
+            let analysis = analyse(&system(&rows), &options).expect("small");
+            assert_eq!((analysis.rank(), analysis.confidence().doubt), (rank, None), "{e:e} {tolerance:e}");
+        }
+    }
+}
