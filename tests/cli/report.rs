@@ -176,7 +176,7 @@ fn the_text_report_fits_a_screen_whatever_the_input() {
         runs.push(place.run(&format!("reduce scene{k} -o reduced{k}")));
     }
     for run in runs {
-        assert!(run.out.lines().count() <= 24, "{} lines:\n{}", run.out.lines().count(), run.out);
+        assert!(run.out.lines().count() <= 26, "{} lines:\n{}", run.out.lines().count(), run.out);
         assert!(!run.out.contains(['\t', '\u{2026}']) && !run.out.contains("NaN"), "{}", run.out);
     }
 }

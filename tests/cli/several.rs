@@ -16,6 +16,9 @@ fn place() -> Place {
     place
 }
 
+const SUMMARY: &str =
+    "3 inputs, 1 with nothing to mend\n  bad.inp: 1 conflicting equation, 1 refused claim\n  none.inp: not checked\n";
+
 #[test]
 fn the_worst_input_decides_and_every_input_has_its_report() {
     let place = place();
@@ -31,7 +34,6 @@ fn the_worst_input_decides_and_every_input_has_its_report() {
             assert_eq!(run.code, code, "{inputs} {format}: {}", run.err);
         }
     }
-    const SUMMARY: &str = "3 inputs, 1 with nothing to mend\n  bad.inp: 1 conflicting equation, 1 refused claim\n  none.inp: not checked\n";
     let run = place.run("check -q bad.inp none.inp good.inp");
     let headings: Vec<&str> = run.out.lines().filter(|line| line.starts_with("== ")).collect();
     assert_eq!(headings, ["== bad.inp", "== none.inp", "== good.inp"]);

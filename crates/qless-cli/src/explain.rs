@@ -31,9 +31,9 @@ pub fn run(args: &ExplainArgs) -> Result<ExitCode, CliFailure> {
     let places = crate::preferences::find(&args.what, &diagnosis.system, deck)?;
     progress.stage("explaining");
     let teller = Teller::new(&diagnosis, &places)?;
-    let answers = places.iter().take(SHOWN).map(|&place| teller.answer(place)).collect::<Result<_, _>>()?;
+    let list = places.iter().take(SHOWN).map(|&place| teller.answer(place)).collect::<Result<_, _>>()?;
     drop(progress);
-    let answers = Answers { schema: "qless.explain/1", more: places.len().saturating_sub(SHOWN), answers };
+    let answers = Answers { schema: "qless.explain/1", more: places.len().saturating_sub(SHOWN), list };
     match args.format {
         AnswerFormat::Text => terminal::write(|out| out.write_all(answers.text().as_bytes()))?,
         AnswerFormat::Json => terminal::show_json(|out| json::lines(out, &answers))?,
@@ -44,7 +44,8 @@ pub fn run(args: &ExplainArgs) -> Result<ExitCode, CliFailure> {
 #[derive(Serialize)]
 struct Answers {
     schema: &'static str,
-    answers: Vec<Answer>,
+    #[serde(rename = "answers")]
+    list: Vec<Answer>,
     /// Number of equations or DOFs without an answer, because too many are named.
     more: usize,
 }
@@ -74,7 +75,7 @@ struct Answer {
 
 impl Answers {
     fn text(&self) -> String {
-        let answers: Vec<String> = self.answers.iter().map(|answer| answer.text.join("\n") + "\n").collect();
+        let answers: Vec<String> = self.list.iter().map(|answer| answer.text.join("\n") + "\n").collect();
         let more = match self.more {
             0 => String::new(),
             more => format!("and {more} more: name one of them\n"),

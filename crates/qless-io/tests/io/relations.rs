@@ -114,7 +114,7 @@ fn written_and_read_again_a_system_is_the_same() {
         writeln!(text, "all: {} = 0", every.join(" + ")).expect("a string");
         builder.labelled_equation("all", (0..dofs).map(|j| (j, 1.0)), 0.0);
         for i in 0..rows {
-            let terms: Vec<(usize, f64)> = (0..1 + rng.below(4)).map(|_| (rng.below(dofs), number(&mut rng))).collect();
+            let terms: Vec<(usize, f64)> = (0..=rng.below(4)).map(|_| (rng.below(dofs), number(&mut rng))).collect();
             let rhs = number(&mut rng);
             let sign = ["+ ", ""][rng.below(2)];
             let words: Vec<String> = terms.iter().map(|(j, a)| format!("{a:+e} N{j}.D-{j}")).collect();

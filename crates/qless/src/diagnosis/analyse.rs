@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::certificate::History;
 use super::classify::{Dependent, Kind, MismatchRule, classify};
-use super::confidence::{Confidence, Doubt, SMALL_MISMATCH};
+use super::confidence::{CLEAR_MISMATCH, Confidence, Doubt};
 use super::consistent::{classify_by_certificates, not_redundant, side, to_give_up};
 use super::distance::{CoreDistance, KeptRows};
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
@@ -220,14 +220,14 @@ impl Pipeline<'_> {
                 .iter_mut()
                 .zip(before.iter().zip(&after))
                 .for_each(|(is_worse, (a, b))| *is_worse |= a.0 != b.0 || b.1 < a.1);
-            // A conflict that appears must be too large to stand for zero.
+            // A conflict that appears must be clear.
             let conflicting = |of: &PassResult| -> Vec<(usize, f64)> {
                 let conflicts = of.dependent.iter().filter(|d| d.kind == Kind::Conflicting);
                 conflicts.map(|d| (d.row, d.relative_mismatch)).collect()
             };
             let known: BTreeSet<usize> = conflicting(&first.pass).into_iter().map(|(row, _)| row).collect();
             let new = conflicting(&other.pass).into_iter().filter(|(row, _)| !known.contains(row));
-            new.filter(|&(_, size)| size < SMALL_MISMATCH)
+            new.filter(|&(_, size)| size < CLEAR_MISMATCH)
                 .for_each(|(row, _)| is_worse[labels.of_row[row] as usize] = true);
             let count = gone.len();
             gone.retain(|&row| !is_worse[labels.of_row[row] as usize]);

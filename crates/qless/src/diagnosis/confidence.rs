@@ -9,7 +9,11 @@ const NEAR: f64 = 1e-7;
 /// A mismatch of the right-hand sides up to this, relative to its terms, is zero: sums of rounded numbers differ by as much.
 const NO_MISMATCH: f64 = 1e-12;
 /// A nonzero mismatch below this may stand for zero.
-pub(super) const SMALL_MISMATCH: f64 = 1e-6;
+const SMALL_MISMATCH: f64 = 1e-6;
+/// A term of a certificate below this fraction of the largest one may be rounding: certificates are accurate to `1e-11 / d`.
+pub(super) const ACCURACY: f64 = 1e-11;
+/// A relative mismatch above this is no error of a certificate: with `d < NEAR`, the kept equations are in doubt anyway.
+pub(super) const CLEAR_MISMATCH: f64 = ACCURACY / NEAR;
 
 /// Why a verdict is in doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

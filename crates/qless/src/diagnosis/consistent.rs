@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use super::AnalysisError;
 use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
-use super::confidence::SMALL_MISMATCH;
+use super::confidence::{ACCURACY, CLEAR_MISMATCH};
 use super::generated::{Explainer, times};
 use super::pass_result::PassResult;
 use crate::factor::backend::Backend;
@@ -113,10 +113,8 @@ pub(crate) fn classify_by_certificates(dependent: &mut [Dependent], history: &Hi
     }
 }
 
-/// A term of a certificate below this fraction of the largest one may be rounding: certificates are accurate to `1e-11 / d`.
-const ACCURACY: f64 = 1e-11;
-
-/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is too large to stand for zero.
+/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is
+/// larger than the error of a certificate can be.
 /// If errors of the coefficients may be as large as the mismatch, it stays redundant, in doubt.
 fn reclassify(d: &mut Dependent, own: Mismatch, history: &History, rule: &MismatchRule) {
     let terms = d.source.explain(history);
@@ -131,7 +129,7 @@ fn reclassify(d: &mut Dependent, own: Mismatch, history: &History, rule: &Mismat
         }
     }
     let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
-    if found.kind == Kind::Conflicting && found.relative_mismatch > SMALL_MISMATCH {
+    if found.kind == Kind::Conflicting && found.relative_mismatch > CLEAR_MISMATCH {
         *d = if uncertain < rest.value.abs() { found } else { Dependent { is_suspect: true, ..d.clone() } };
     }
 }

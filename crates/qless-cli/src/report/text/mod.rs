@@ -1,4 +1,4 @@
-//! The report as text of at most 24 lines: verdict, dependent equations with certificates, confidence, advice.
+//! The report as text of at most 24 lines, and two more if a conflict needs them: verdict, dependent equations with certificates, confidence, advice.
 //!
 //! Items that do not fit are counted; `--format json` has all of them.
 
