@@ -79,7 +79,7 @@ impl Rng {
         Ok(self.drawn(count, n))
     }
 
-    /// [`Rng::distinct`] without the limit.
+    /// As [`Rng::distinct`], but for any count.
     pub(crate) fn drawn(&mut self, count: usize, n: usize) -> Vec<usize> {
         let mut drawn = Vec::with_capacity(count.min(n));
         while drawn.len() < count.min(n) {

@@ -30,7 +30,8 @@ pub fn random(seed: u64) -> f64 {
 /// The increment of SplitMix64: consecutive seeds are consecutive numbers of one stream.
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// A stream of numbers in [1/2, 1] or [-1, -1/2]: random signs alone would cancel in small models.
+/// A stream of numbers in [1/2, 1] or [-1, -1/2]. Forces of size 1 with random signs could cancel exactly in small models, so the sizes are
+/// random too.
 pub struct RandomForces(SplitMix64);
 
 impl Default for RandomForces {

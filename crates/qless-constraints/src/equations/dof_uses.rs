@@ -111,7 +111,8 @@ impl DofUses {
         }
     }
 
-    /// Removes and returns the statements of a constraint. `measured` statements are counted only while it is active.
+    /// Removes and returns the statements of a constraint. `active` says whether the constraint is active: only then were its measured
+    /// statements counted, and only then are they subtracted.
     pub fn take(&mut self, constraint: u32, active: bool) -> Vec<DofStatement> {
         let list = self.statements.get_mut(constraint as usize).map(std::mem::take).unwrap_or_default();
         let uses = list.iter().flat_map(DofStatement::uses);
@@ -155,8 +156,8 @@ impl DofUses {
         self.records.get(&dof).map_or(0, |record| record.statements)
     }
 
-    /// Two sizes of DOF j, for rounding errors: `|x|` of the coordinate x that it displaces, and the largest `|x|` of its node. Both are 1 for
-    /// a rotation. `None` if no active constraint states a size.
+    /// Two sizes of DOF j, for rounding errors: `|x|` of the coordinate x that it displaces, and the largest `|x|` of its node. Both are
+    /// 1 for a rotation. `None` if no active constraint states a size.
     pub fn sizes(&self, j: usize) -> Option<[f64; 2]> {
         let record = self.records.get(&u32::try_from(j).ok()?).filter(|record| record.measured > 0)?;
         Some(match record.used {

@@ -27,7 +27,8 @@ pub(crate) enum Soundness {
 
 /// Largest residual of a sound reduction. With a larger one, the analysis of the whole component may choose other slaves.
 pub(super) const LOSS: f64 = 1e-13;
-/// Smallest distance of the kept equations from dependence in a sound result. Below it, the whole component may keep others.
+/// A local result is sound only if the distance of its kept equations from dependence exceeds this. At a smaller distance, an analysis of
+/// the whole component may keep other equations.
 const NEAR: f64 = 1e-3;
 
 impl LocalAnalysis {

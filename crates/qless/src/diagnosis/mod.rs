@@ -134,7 +134,8 @@ pub struct Analysis {
     times: OnceLock<Vec<u32>>,
     /// The equations of each DOF, computed when an explanation needs them.
     pub(crate) incidence: OnceLock<Incidence>,
-    /// The basis with the rows of the blocks, computed when it is needed.
+    /// The basis, extended by the blocks: each block is solved for its slaves, and these relations become rows. The first call that needs
+    /// them computes them.
     pub(crate) solved: OnceLock<Basis>,
 }
 

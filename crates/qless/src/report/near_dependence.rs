@@ -31,7 +31,8 @@ pub struct NearEquation {
     pub digits: u32,
     /// Estimate of the smallest relative change of one coefficient that makes the equation a combination of others.
     pub distance: f64,
-    /// The keys `because` and, if they apply, `because_omitted` and `because_error`.
+    /// The combination of other equations that is nearly this equation. A serialized report has its keys in place of this field:
+    /// `because` and, if they apply, `because_omitted` and `because_error`.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }

@@ -24,7 +24,8 @@ pub trait NonlinearBatch: Send + Sync {
     fn owner(&self, i: usize) -> EquationOwner;
     /// Sum of the numbers of DOFs of some items. Times the equations per item, it is the number of their entries in G.
     fn width(&self, items: Range<usize>) -> usize;
-    /// Appends the ends and the columns of its rows of G.
+    /// Appends the pattern of the batch's rows of G. For each row, `col` gets the columns in ascending order, and `start` gets the length
+    /// that `col` then has, which is where the next row starts.
     fn write_pattern(&self, start: &mut Vec<usize>, col: &mut Vec<u32>);
     /// Writes c and G of some items.
     fn evaluate(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]);

@@ -112,7 +112,8 @@ pub struct RigidBody {
     pub nodes: Vec<Node6>,
 }
 
-/// One translation of a node: `c = X_k + u_k - x_k(body)`. The DOF of the node comes first.
+/// The equation for one translation of a node that moves with a body: `c = X_k + u_k - x_k(body)`. `X_k` is the node's coordinate along
+/// axis k, and `x_k(body)` is the coordinate to which the body moves it. The node's DOF `u_k` precedes the DOFs of the body.
 struct BodyCoordinate {
     body: AttachedPoint,
     axis: usize,

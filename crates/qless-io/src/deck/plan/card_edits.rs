@@ -111,7 +111,8 @@ struct Dependencies {
 }
 
 impl Dependencies {
-    /// Reads the certificates; `None` if nothing is dependent, or too much.
+    /// Reads the certificates of the dependent equations; `None` if no equation is dependent, if more than [`DEPENDENT`] are, or if a
+    /// certificate cannot be computed.
     fn collect(model: &Model, numbers: &[usize], analysis: &Analysis) -> Option<Self> {
         let size = |row: usize| model.nth(numbers[row]).coefficients.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
         let dependent: Vec<usize> = analysis.dependent().iter().map(|one| one.row).collect();

@@ -158,7 +158,8 @@ mod tests {
         crate::factor::backend::check::families(&super::Faer);
     }
 
-    /// Columns with remainders from 1e-8 to 1e-13, unsorted: updated norms are only rounding at this size.
+    /// Half of the columns repeat the others up to a remainder of 1e-8 to 1e-13, in no order. The pivots must descend nevertheless: the
+    /// norm of a column that is only updated from step to step is rounding at this size.
     #[test]
     fn pivots_descend_below_the_root_of_rounding() {
         let mut random = crate::factor::backend::check::Random(5);

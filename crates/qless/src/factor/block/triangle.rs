@@ -51,7 +51,7 @@ pub(super) fn seeds(block: &Block) -> Vec<f64> {
 }
 
 impl Triangle {
-    /// The factor of a whole block with the rows that the backend kept.
+    /// Wraps the factor of a whole block; its rows are those that the backend kept.
     pub fn whole(factor: Factor) -> Self {
         let (rows, dropped) = factor.order.split_at(factor.rank);
         let (rows, dropped) = (rows.to_vec(), dropped.to_vec());
@@ -150,7 +150,8 @@ impl Triangle {
         if enough { self.first_shortest(block, b) } else { self.shortest(block, b) }
     }
 
-    /// An upper bound of `|C_k|^2`: the largest absolute row sum times the largest absolute column sum.
+    /// An upper bound of `|C_k|^2`, where `C_k` holds the rows of the block that this factor contains: the largest absolute row sum times
+    /// the largest absolute column sum.
     fn size_squared(&self, block: &Block) -> f64 {
         let (mut columns, mut rows) = (vec![0.0; block.matrix.cols], 0.0_f64);
         for &k in &self.rows {

@@ -51,7 +51,7 @@ const MARKOWITZ: u32 = 48;
 
 /// A level of elimination: which pivots are allowed.
 struct FillLevel {
-    /// Bound of the number of rows that contain the DOF.
+    /// Upper bound of the number of rows that contain the DOF of the pivot.
     rows: u32,
     /// Lower bound of the pivot relative to the largest coefficient of its row.
     of_row: f64,

@@ -152,7 +152,7 @@ impl<'a> EventReplay<'a> {
                     self.node(event, history, node, components);
                 }
             }
-            // A node that neither the deck nor an equation defines still counts if the command names it alone.
+            // The command also applies to a node that neither the deck nor an equation defines, if it names this node alone.
             if first == last && self.nodes.binary_search(&first).is_err() {
                 self.node(event, history, first, components);
             }

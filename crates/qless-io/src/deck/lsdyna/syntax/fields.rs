@@ -75,7 +75,7 @@ impl<'a> DynaLine<'a> {
         self.text.trim_ascii().is_empty()
     }
 
-    /// The same line in the layout of elements or nodes.
+    /// The same line, with its fields read in another layout.
     pub fn laid_out(self, layout: FieldLayout) -> Self {
         Self { layout, ..self }
     }

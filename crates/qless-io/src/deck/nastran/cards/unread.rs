@@ -163,7 +163,7 @@ fn few(points: &[String]) -> String {
 /// Prefixes of names that sound like constraints.
 const CONSTRAINS: [&str; 7] = ["RB", "RSP", "RJ", "RX", "RG", "MPC", "SPC"];
 
-/// Names with a prefix of `CONSTRAINS` whose cards constrain nothing.
+/// Names that begin with one of the prefixes in `CONSTRAINS`, although their cards constrain nothing.
 const HARMLESS: [&str; 9] =
     ["RGYRO", "RSPINR", "RSPINT", "RSPINT2", "SPCOFF", "SPCOFF1", "RBJSTIF", "RXPORT", "RGLOAD"];
 
