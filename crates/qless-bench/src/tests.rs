@@ -120,7 +120,8 @@ fn the_pictures_show_every_method_that_was_measured() {
         let is_measured = k + 1 < methods.len();
         assert_eq!(plots[1].1.contains(&format!("\n{}: ", method.name)), is_measured, "{} in growth.svg", method.name);
     }
-    // The unit of time and the method that was given up have no dot; the dot of the method with a wrong rank is empty.
+    // The method whose time is the unit of the axis and the method that was given up have no dot; the dot of the method with a wrong rank
+    // is empty.
     assert_eq!(plots[0].1.matches("<circle").count(), methods.len() - 2);
     assert_eq!(plots[0].1.matches("fill=\"none\" stroke=\"#").count(), 1);
 }

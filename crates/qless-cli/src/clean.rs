@@ -19,7 +19,7 @@ use crate::terminal::Progress;
 /// Writes the deck and prints the report; for conflicting equations it only prints the report.
 pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     let (input, output) = (&args.model.input, &args.output);
-    // Refuse before the work begins.
+    // Refuses `-o -` before the diagnosis begins, which may take long.
     if output.as_os_str() == "-" {
         return Err(CliFailure::Input("-o -: a deck is not written to standard output; name a file".to_owned()));
     }

@@ -9,7 +9,7 @@ use crate::wording::{change, printable};
 /// Ways to cure conflicts that have numbers in common.
 #[derive(Serialize)]
 pub struct RepairWords {
-    /// The conflicting rows that each way cures, from 1.
+    /// The conflicting rows, from 1. Each of `ways` alone cures all of them.
     pub rows: Vec<usize>,
     /// The ways, the most plausible one first.
     pub ways: Vec<String>,

@@ -10,7 +10,7 @@ use super::findings::{Finding, Rule, findings};
 use crate::diagnose::Diagnosis;
 use crate::failure::CliFailure;
 
-/// The document around runs, which a comma separates.
+/// The text before the first run, between two runs, and after the last run.
 pub const FRAME: [&str; 3] = [
     "{\"version\": \"2.1.0\", \"$schema\": \"https://json.schemastore.org/sarif-2.1.0.json\", \"runs\": [\n",
     ",\n",

@@ -65,7 +65,7 @@ impl TouchedDofs {
         Self { dofs, places, columns }
     }
 
-    /// Places of the terms of row i.
+    /// For each term of row i, the index of its DOF in `dofs`.
     pub fn row<'a>(&'a self, rows: &ShareRows, i: usize) -> &'a [u32] {
         &self.places[rows.starts[i]..rows.starts[i + 1]]
     }

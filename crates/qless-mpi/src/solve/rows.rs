@@ -118,7 +118,7 @@ impl ReductionRow<'_> {
 /// Rows of T of the slaves among the DOFs of a rank's equations.
 pub(crate) struct SlaveRows {
     pub reduction: ReductionRows,
-    /// Index into these rows, by place of the DOF.
+    /// For each DOF of the equations, the index of its row in `reduction`.
     pub of_place: Vec<u32>,
     /// Whether a DOF is prescribed, by place.
     pub is_prescribed: Vec<bool>,

@@ -66,9 +66,9 @@ impl<M: Model> Path<'_, M> {
         Ok(all)
     }
 
-    /// Chooses the rows of each part at a configuration that satisfies its constraints: near the start, or else near the end of the step. The
-    /// second result tells for which parts there is one near the start, where the constraints are evaluated then. A part without any starts with the rows that are independent where
-    /// it is, or fails if its constraints conflict.
+    /// Chooses the rows of each part at a configuration that satisfies its constraints: near the start, or else near the end of the step.
+    /// The second result tells for which parts there is one near the start, where the constraints are evaluated then. A part without any
+    /// starts with the rows that are independent where it is, or fails if its constraints conflict.
     fn rows_at_start(
         &mut self,
         prescribed: &[(usize, f64)],
@@ -117,7 +117,8 @@ impl<M: Model> Path<'_, M> {
         RowChoice::new((set, &self.parts), &self.state.evaluation, prescribed, (self.options, before))
     }
 
-    /// The nearest configuration that satisfies the constraints, and the errors of parts without one.
+    /// Solves `c(u) = 0` with these prescribed values by Newton's method from the current configuration. The result has the error of each
+    /// part in which this fails.
     fn consistent(&self, prescribed: &[(usize, f64)]) -> Result<PartwiseSolution, NewtonError> {
         let (tolerance, analysis) = (self.options.roundings, self.options.analysis.clone());
         let options = NewtonOptions { tolerance, analysis, ..NewtonOptions::default() };

@@ -27,8 +27,8 @@ pub struct LoadStep {
     /// Whether the step found an equilibrium. If not, failed parts were tried again from a configuration that satisfies the constraints, or
     /// the step was shortened.
     pub converged: bool,
-    /// Whether branches of the determined DOFs meet on the way, or nearly meet. Newton's method then chose one: check the result, or use
-    /// other steps.
+    /// Whether branches of the DOFs that constraints and prescribed DOFs determine meet on the way, or nearly meet. Newton's method then
+    /// chose one: check the result, or use other steps.
     pub branches_meet: bool,
     /// The iterates of the parts that were tried.
     pub iterates: Vec<EquilibriumIterate>,

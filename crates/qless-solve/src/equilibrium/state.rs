@@ -27,7 +27,8 @@ pub struct EquilibriumState {
     pub terms: Vec<f64>,
     /// Effect of rounding of u and G on the residual.
     rounding: Vec<f64>,
-    /// `-d f_i / du_j` of moments in space, `(i, j, value)`, by rows.
+    /// Stiffness of moments that are fixed in space: entries `(i, j, -d f_i / du_j)`, sorted by row. Their generalised forces f depend on
+    /// u, because the moments rotate relative to the body.
     moments: Vec<(usize, usize, f64)>,
     /// `|c_r|` in roundings of its own terms. If c no longer falls, the rounding of coordinates or of forces may count instead.
     pub constraints: Vec<f64>,

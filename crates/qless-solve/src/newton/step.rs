@@ -13,8 +13,8 @@ use qless_constraints::{ConstraintSet, Evaluation};
 use super::configuration::{Configuration, largest};
 use super::parts::Parts;
 
-/// Largest third-order term, relative to the first- and second-order prediction. With a quarter, steps near a solution are full ones, and far
-/// from it a model that is wrong is not followed.
+/// Largest third-order term, relative to the first- and second-order prediction. With a quarter, steps near a solution are full ones, and
+/// far from it a model that is wrong is not followed.
 const SHARE: f64 = 0.25;
 
 /// The goal of a part's step.
@@ -39,7 +39,8 @@ pub struct StepLine<'a> {
     pub du: Vec<f64>,
 }
 
-/// Smallest decrease of the merit function, relative to the first-order prediction: any that is not rounding.
+/// A step of length t is accepted only if the merit function falls by at least this fraction times t: almost any decrease that is clearly
+/// above rounding.
 const DECREASE: f64 = 1e-4;
 
 /// Result of a part at its trial point.

@@ -34,7 +34,8 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
         let (left, size) = left_of(system, d.row, &u);
         // An equation whose terms are only rounding is not examined.
         let has_parts = side(rule, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
-        // The residual of one solution may be small by chance: that of another differs by a rounding of the largest term.
+        // `left` is the residual of one solution of the kept equations, and may be small by chance. Another solution may leave a rounding
+        // of the largest term of the certificate, so the larger of the two counts.
         let most_left = left.max(f64::EPSILON * d.rest.size);
         if has_parts && most_left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
             let part = |term: &CertificateTerm| (term.coefficient * side(rule, term.row).size).abs();
@@ -101,8 +102,8 @@ pub(crate) fn side(rule: &MismatchRule, row: usize) -> Mismatch {
 /// Classifies redundant equations again by the right-hand sides of their certificates.
 ///
 /// The elimination measures a mismatch against the largest right-hand side that it met, also if that side cancelled and is not in the
-/// certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. Only equations with a mismatch above the tolerance of
-/// their own side are examined, or above rounding if they have none.
+/// certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. Only equations with a mismatch above the tolerance
+/// of their own side are examined, or above rounding if they have none.
 pub(crate) fn classify_by_certificates(dependent: &mut [Dependent], history: &History, rule: &MismatchRule) {
     for d in dependent.iter_mut().filter(|d| d.kind == Kind::Redundant && !d.is_suspect && d.mismatch != 0.0) {
         let (own, mismatch) = (side(rule, d.row), d.mismatch.abs());

@@ -1,4 +1,4 @@
-//! Sorts changes by plausibility. The true error is unknown, but typing errors usually are rare numbers with many digits.
+//! Sorts changes by plausibility. The true error is unknown, but a mistyped number usually occurs rarely in the model and has many digits.
 
 use std::collections::HashMap;
 

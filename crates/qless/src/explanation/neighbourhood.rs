@@ -123,7 +123,8 @@ impl Neighbourhood<'_> {
 
     /// Equations that contain one of these DOFs and are not in the neighbourhood yet, those with the fewest new DOFs first.
     fn level(&self, dofs: &[u32]) -> Vec<u32> {
-        // At most MOST equations can be used, so at most 8 MOST equations of each DOF are examined.
+        // A neighbourhood has at most MOST equations. Only 8 MOST equations of each DOF are examined, to bound the work; some of them are
+        // not allowed or already taken.
         let beside = dofs.iter().flat_map(|&dof| self.candidates.rows(dof).iter().copied().take(8 * MOST));
         let mut level: Vec<u32> =
             beside.filter(|&row| self.candidates.is_allowed(row) && !self.taken.contains(&row)).collect();

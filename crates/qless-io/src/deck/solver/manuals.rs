@@ -2,14 +2,15 @@
 //!
 //! | solver | source | rule |
 //! | --- | --- | --- |
-//! | Abaqus/Standard | Analysis User's Guide: "Linear constraint equations", "Kinematic coupling constraints", "Coupling constraints", "Overconstraint checks" | an eliminated DOF must not be used by another constraint |
-//! | MSC and Simcenter Nastran | Quick Reference Guide | sets of DOFs are mutually exclusive: a dependent DOF that is dependent again or constrained is fatal (message 2101A) |
-//! | MYSTRAN | `tests/mystran.rs` runs it on every pair of cards | as MSC Nastran |
-//! | OptiStruct | Reference Guide | rigid elements may choose other dependent DOFs (`PARAM,AUTOMSET` defaults to `YES`) |
-//! | ANSYS | Modeling and Meshing Guide: "Coupling and Constraint Equations" | a constraint equation eliminates its first DOF that is in no other equation, in no coupled set and not prescribed; a coupled DOF must be in one set only |
-//! | LS-DYNA | Keyword User's Manual, `*CONSTRAINED_INTERPOLATION`; modelling guidelines of the vendor | a dependent node must not be constrained elsewhere; supports of nodes of rigid bodies are converted to constraints of the body |
-//!
-//! ANSYS's own verification decks go further: they chain `CERIG`, and prescribe a DOF of a coupled set. Both count as accepted.
+// ! | Abaqus/Standard | Analysis User's Guide: "Linear constraint equations", "Kinematic coupling constraints", "Coupling constraints",
+// "Overconstraint checks" | an eliminated DOF must not be used by another constraint | ! | MSC and Simcenter Nastran | Quick Reference
+// Guide | sets of DOFs are mutually exclusive: a dependent DOF that is dependent again or constrained is fatal (message 2101A) | ! |
+// MYSTRAN | `tests/mystran.rs` runs it on every pair of cards | as MSC Nastran | ! | OptiStruct | Reference Guide | rigid elements may
+// choose other dependent DOFs (`PARAM,AUTOMSET` defaults to `YES`) | ! | ANSYS | Modeling and Meshing Guide: "Coupling and Constraint
+// Equations" | a constraint equation eliminates its first DOF that is in no other equation, in no coupled set and not prescribed; a
+// coupled DOF must be in one set only | ! | LS-DYNA | Keyword User's Manual, `*CONSTRAINED_INTERPOLATION`; modelling guidelines of the
+// vendor | a dependent node must not be constrained elsewhere; supports of nodes of rigid bodies are converted to constraints of the body
+// | ! ! ANSYS's own verification decks go further: they chain `CERIG`, and prescribe a DOF of a coupled set. Both count as accepted.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -88,7 +89,7 @@ impl Eliminations {
         found
     }
 
-    /// The outcome for equations with a fault.
+    /// How ANSYS reacts to a fault of these equations: it accepts them if it can eliminate a DOF with each of them, and stops otherwise.
     pub fn outcome(&self, equations: &[usize]) -> Outcome {
         accepted_if(equations.iter().all(|&i| self.is_eliminated[i]))
     }

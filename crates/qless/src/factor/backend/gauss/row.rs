@@ -163,7 +163,8 @@ impl WaitingRows {
         ledger.free(std::mem::take(&mut self.lists[col as usize]));
     }
 
-    /// Writes the waiting rows with an entry in the column, ascending, and the position of the entry in each.
+    /// Fills `found` with the rows that still wait and have an entry in column `col`, ascending, each with the position of that entry in
+    /// the row.
     pub fn read(
         &mut self,
         col: u32,
