@@ -103,7 +103,8 @@ pub(crate) fn side(rule: &MismatchRule, row: usize) -> Mismatch {
 ///
 /// The elimination measures a mismatch against the largest right-hand side that it met, also if that side cancelled and is not in the
 /// certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. Only equations with a mismatch above the tolerance
-/// of their own side are examined, or above rounding if they have none.
+/// of their own side are examined, or above rounding if they have none. A mismatch that the elimination has rounded to zero is therefore
+/// not found.
 pub(crate) fn classify_by_certificates(dependent: &mut [Dependent], history: &History, rule: &MismatchRule) {
     for d in dependent.iter_mut().filter(|d| d.kind == Kind::Redundant && !d.is_suspect && d.mismatch != 0.0) {
         let (own, mismatch) = (side(rule, d.row), d.mismatch.abs());
@@ -114,9 +115,8 @@ pub(crate) fn classify_by_certificates(dependent: &mut [Dependent], history: &Hi
     }
 }
 
-/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is
-/// larger than the error of a certificate can be.
-/// If errors of the coefficients may be as large as the mismatch, it stays redundant, in doubt.
+/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is larger than the error of a
+/// certificate can be. If errors of the coefficients may be as large as the mismatch, it stays redundant, in doubt.
 fn reclassify(d: &mut Dependent, own: Mismatch, history: &History, rule: &MismatchRule) {
     let terms = d.source.explain(history);
     let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
