@@ -20,12 +20,12 @@ use rayon::prelude::*;
 use super::certificate::History;
 use super::classify::{Dependent, Kind, MismatchRule, classify};
 use super::confidence::{CLEAR_MISMATCH, Confidence, Doubt};
-use super::consistent::{classify_by_certificates, not_redundant, side, to_give_up};
+use super::consistent::{not_redundant, side, to_give_up};
 use super::distance::{CoreDistance, KeptRows};
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
 use super::preferred_equations::keep_preferred;
-use super::{Analysis, AnalysisError, confidence, generated};
+use super::{Analysis, AnalysisError, confidence, generated, hidden_conflicts};
 use crate::factor::backend::BackendError;
 use crate::factor::block::triangle::Triangle;
 use crate::factor::block::{self, Block, FactorContext};
@@ -89,18 +89,16 @@ pub(super) fn read(
         // latter.
         kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
         let agreeing = Pipeline { local: numbering.view(&system, &rhs), ..pipeline };
-        let agreeing = agreeing.run_stages(&held_back)?;
-        (pass.basis, pass.blocks) = (agreeing.basis, agreeing.blocks);
+        let agreed = agreeing.run_stages(&held_back)?;
+        pass.particular = generated::particular(&agreed, agreeing.local, &scaling);
+        (pass.basis, pass.blocks) = (agreed.basis, agreed.blocks);
         pass.blocks.iter_mut().for_each(Block::restore_units);
         let (sample, bound) = (ProbeSample::First, InverseEstimate::Bound);
-        pass.probe = probe(local, &pass.basis, &agreeing.history, &scaling, &pass.keys, sample, bound);
+        pass.probe = probe(local, &pass.basis, &agreed.history, &scaling, &pass.keys, sample, bound);
     }
     let immobile = std::mem::take(&mut pass.probe.immobile);
     let fixed = generated::find(immobile, local, &pass.basis, &pass.history, &scaling, &pass.keys);
-    let mut is_kept = vec![true; rhs.len()];
-    pass.dependent.iter().for_each(|d| is_kept[d.row] = false);
-    let agreeing = numbering.view(&system, &rhs);
-    let generated = generated::evaluate(fixed, agreeing, &pass.basis, &scaling, |i| is_kept[i], options.memory);
+    let generated = generated::evaluate(fixed, local, &pass.particular);
     Ok(pass.into_analysis(
         system,
         numbering,
@@ -275,6 +273,9 @@ impl Pipeline<'_> {
         let distances = known.unwrap_or_else(|| self.distances(&pass));
         let distance = distances.iter().fold(1.0, |least: f64, core| least.min(core.distance));
         let is_typed = distances.iter().any(|core| core.is_typed);
+        if self.noise.is_none() && !self.tolerance.is_absolute() {
+            hidden_conflicts::find(&mut pass, self.rule);
+        }
         let dependent = &pass.dependent;
         let reads_digits = self.rule.reads_digits() && self.tolerance.stated().is_none();
         let typed = (is_typed && reads_digits).then_some(Doubt::Near);
@@ -284,6 +285,9 @@ impl Pipeline<'_> {
             || (reads_digits && dependent.iter().any(|d| self.agrees_as_typed(d, &pass.history)));
         let other = typed.or(elimination).or(differ.then_some(Doubt::Mismatch));
         let confidence = Confidence::of(distance, error, self.tolerance, other);
+        if !pass.probe.immobile.is_empty() {
+            pass.particular = generated::particular(&pass, self.local, self.scaling);
+        }
         pass.triangles = Vec::new();
         pass.blocks.iter_mut().for_each(Block::restore_units);
         VerifiedPass { pass, held_back, confidence }
@@ -339,14 +343,11 @@ impl Pipeline<'_> {
         let (diagnosed, triangles): (Vec<Diagnosed>, Vec<Triangle>) = diagnosed.into_iter().unzip();
         let factored = Instant::now();
         let presolve = statistics(&peeled, &eliminated, &blocks);
-        let mut dependent = classify(&eliminated, &diagnosed, rule);
+        let dependent = classify(&eliminated, &diagnosed, rule);
         let far_dependent = eliminated.dead.iter().filter(|dead| is_far(dead.reach)).map(|dead| dead.row).collect();
         let steps = eliminated.steps.iter().map(|step| step.row).collect();
         let (rows, factors) = (eliminated.names, eliminated.factors);
         let history = History { rows, factors, steps, exponents: scaling.row.clone() };
-        if noise.is_none() && !is_absolute {
-            classify_by_certificates(&mut dependent, &history, rule);
-        }
         let mut basis = peeled.basis;
         let dofs = blocks.iter().map(|block| block.dofs.clone());
         basis.extend(eliminated.steps, dofs.zip(diagnosed), scaling);
@@ -359,6 +360,7 @@ impl Pipeline<'_> {
             far_dependent,
             keys,
             probe: NullspaceProbe::default(),
+            particular: Vec::new(),
             presolve,
             started,
             presolved,

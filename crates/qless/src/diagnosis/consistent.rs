@@ -11,9 +11,8 @@
 use std::collections::BTreeSet;
 
 use super::AnalysisError;
-use super::certificate::{CertificateTerm, History};
+use super::certificate::CertificateTerm;
 use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
-use super::confidence::{ACCURACY, CLEAR_MISMATCH};
 use super::generated::{Explainer, times};
 use super::pass_result::PassResult;
 use crate::factor::backend::Backend;
@@ -97,40 +96,4 @@ pub(crate) fn side(rule: &MismatchRule, row: usize) -> Mismatch {
         side.prescribe(v * rule.prescribed_value(j));
     }
     Mismatch::of_row(&side)
-}
-
-/// Classifies redundant equations again by the right-hand sides of their certificates.
-///
-/// The elimination measures a mismatch against the largest right-hand side that it met, also if that side cancelled and is not in the
-/// certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. Only equations with a mismatch above the tolerance
-/// of their own side are examined, or above rounding if they have none. A mismatch that the elimination has rounded to zero is therefore
-/// not found.
-pub(crate) fn classify_by_certificates(dependent: &mut [Dependent], history: &History, rule: &MismatchRule) {
-    for d in dependent.iter_mut().filter(|d| d.kind == Kind::Redundant && !d.is_suspect && d.mismatch != 0.0) {
-        let (own, mismatch) = (side(rule, d.row), d.mismatch.abs());
-        let limit = if own.size > 0.0 { rule.tolerance * own.size } else { MORE_THAN_ROUNDING * d.rest.error };
-        if mismatch > limit {
-            reclassify(d, own, history, rule);
-        }
-    }
-}
-
-/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is larger than the error of a
-/// certificate can be. If errors of the coefficients may be as large as the mismatch, it stays redundant, in doubt.
-fn reclassify(d: &mut Dependent, own: Mismatch, history: &History, rule: &MismatchRule) {
-    let terms = d.source.explain(history);
-    let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
-    let least = ACCURACY * terms.iter().map(scaled).fold(0.0, f64::max);
-    let (mut rest, mut uncertain) = (own, 0.0);
-    for term in &terms {
-        let other = side(rule, term.row);
-        uncertain += other.size * ldexp(least, rule.scaling.row[term.row]);
-        if scaled(term) > least {
-            rest.subtract(term.coefficient, other);
-        }
-    }
-    let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
-    if found.kind == Kind::Conflicting && found.relative_mismatch > CLEAR_MISMATCH {
-        *d = if uncertain < rest.value.abs() { found } else { Dependent { is_suspect: true, ..d.clone() } };
-    }
 }

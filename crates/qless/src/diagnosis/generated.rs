@@ -8,15 +8,13 @@ use std::collections::{BTreeMap, HashSet};
 use crate::Csr;
 use crate::diagnosis::certificate::{CertificateTerm, History};
 use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys, probe};
-use crate::factor::backend::sparse;
+use crate::diagnosis::pass_result::PassResult;
+use crate::diagnosis::refined::KeptSystem;
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;
-use crate::factor::lu;
-use crate::factor::solver::SlaveSolver;
-use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
-use crate::input::scale::{Scaling, free, ldexp};
+use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::{Basis, RowOrigin};
 
 /// A sum that cancels to this fraction of its terms is zero.
@@ -52,69 +50,21 @@ pub(crate) fn find(
     fixed
 }
 
-/// The values `G u_p + g` of fixed DOFs. `is_kept` is true for the independent equations; solving them again may use `memory` bytes.
-pub(crate) fn evaluate(
-    dofs: Vec<u32>,
-    system: LocalSystem,
-    basis: &Basis,
-    scaling: &Scaling,
-    is_kept: impl Fn(usize) -> bool,
-    memory: usize,
-) -> Generated {
-    if dofs.is_empty() {
-        return Generated::default();
-    }
-    let mut u = basis.particular(system, scaling);
-    solve_again(system, scaling, is_kept, memory, &mut u);
-    let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
-    Generated { values: dofs.iter().map(named).collect(), dofs }
+/// A solution of the kept equations, with the digits that an elimination row by row loses: `1e-20 u_1 + u_2 = 0.1` leaves no digit of u_1
+/// if u_2 is rounded to a double.
+pub(crate) fn particular(pass: &PassResult, system: LocalSystem, scaling: &Scaling) -> Vec<f64> {
+    let mut start = vec![[0.0]; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, value)| start[j] = [value]);
+    let kept = KeptSystem { system, scaling, pass };
+    let sides = |i: usize| [system.rhs()[i]];
+    let u = kept.complete(kept.solve(start, sides), sides);
+    if u.iter().all(|u| u.is_finite()) { u } else { pass.basis.particular(system, scaling) }
 }
 
-/// If u misses the right-hand side of an equation by more than the rounding of its own terms, solves the kept equations of the component
-/// again, all together and with a step of refinement. An elimination row by row loses small terms beside large ones.
-fn solve_again(system: LocalSystem, scaling: &Scaling, is_kept: impl Fn(usize) -> bool, memory: usize, u: &mut [f64]) {
-    let missed = |i: usize, u: &[f64]| {
-        let b = system.rhs()[i];
-        let parts = system.row(i).map(|(j, v)| v * u[j]);
-        let (sum, size) = parts.fold((-b, b.abs()), |(sum, size), part| (sum + part, size.max(part.abs())));
-        if b == 0.0 { 0.0 } else { sum.abs() / size }
-    };
-    let kept: Vec<usize> = (0..system.equations()).filter(|&i| is_kept(i)).collect();
-    if !kept.iter().any(|&i| missed(i, u) > NOISE) {
-        return;
-    }
-    let labels = Labels::of(system);
-    let mut of_label: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    kept.iter().for_each(|&i| of_label.entry(labels.of_row[i]).or_default().push(i));
-    let worst = |rows: &[usize], u: &[f64]| rows.iter().map(|&i| missed(i, u)).fold(0.0, f64::max);
-    for rows in of_label.into_values().filter(|rows| worst(rows, u) > NOISE).collect::<Vec<_>>() {
-        let mut dofs: Vec<usize> = rows.iter().flat_map(|&i| free(system, i)).map(|(j, _)| j).collect();
-        dofs.sort_unstable();
-        dofs.dedup();
-        let (mut matrix, mut rhs) = (Csr::empty(dofs.len()), Vec::new());
-        for &i in &rows {
-            let place = |j: usize| dofs.binary_search(&j).unwrap_or_default();
-            matrix.append(free(system, i).map(|(j, v)| (place(j), scaling.entry(i, j, v))));
-            let given = system.row(i).filter(|&(j, _)| !system.free()[j]).map(|(j, v)| v * u[j]);
-            rhs.push(ldexp(system.rhs()[i] - given.sum::<f64>(), scaling.row[i]));
-        }
-        // DOFs do not ascend within equations; transposing twice sorts them.
-        let matrix = matrix.transposed().transposed();
-        let Ok(order) = sparse::order(&matrix) else { continue };
-        let Ok(lu) = lu::factor(&matrix, &order, |_| true, memory) else { continue };
-        let solver = SlaveSolver::new(&matrix, lu);
-        let (before, old) = (worst(&rows, u), dofs.iter().map(|&j| u[j]).collect::<Vec<f64>>());
-        dofs.iter().for_each(|&j| u[j] = 0.0);
-        for (&slave, x) in solver.slaves().iter().zip(solver.solve_dense(&rhs)) {
-            let j = dofs[slave as usize];
-            u[j] = ldexp(x, scaling.col(j));
-        }
-        // A solution that is not better, or not finite, is discarded.
-        let is_better = worst(&rows, u) < before;
-        if !is_better {
-            dofs.iter().zip(old).for_each(|(&j, old)| u[j] = old);
-        }
-    }
+/// The values `G u_p + g` of fixed DOFs in the solution u.
+pub(crate) fn evaluate(dofs: Vec<u32>, system: LocalSystem, u: &[f64]) -> Generated {
+    let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
+    Generated { values: dofs.iter().map(named).collect(), dofs }
 }
 
 /// The remainder of a vector after subtracting equations; the keys are (result of [`times`], DOF).

@@ -10,12 +10,14 @@ mod core;
 mod distance;
 pub mod exact;
 pub(crate) mod generated;
+mod hidden_conflicts;
 mod near_dependence;
 pub(crate) mod nullspace_probe;
 mod pass_result;
 mod preferred_equations;
 mod proof;
 mod readings;
+mod refined;
 
 use std::sync::OnceLock;
 use std::time::Duration;

@@ -34,6 +34,8 @@ pub struct PassResult {
     pub keys: RandomKeys,
     /// Estimates for the slaves and their rows of T.
     pub probe: NullspaceProbe,
+    /// A solution of the kept equations by DOF, if some DOFs may be fixed.
+    pub particular: Vec<f64>,
     pub presolve: PresolveStatistics,
     pub started: Instant,
     pub presolved: Instant,

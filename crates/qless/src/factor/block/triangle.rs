@@ -162,7 +162,7 @@ impl Triangle {
     }
 
     /// `C_k^T R^-1 R^-T b`.
-    fn first_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
+    pub fn first_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
         let mut x = vec![[0.0; W]; block.matrix.cols];
         let mut step = b.iter().map(|b| b.map(|b| -b)).collect();
         self.normal(&mut step);

@@ -1,0 +1,75 @@
+//! Finds conflicts that large right-hand sides hide.
+//!
+//! ```text
+//! C u = b            over the kept equations       mismatch of equation k    b_k - C_k u = b_k - sum c_i b_i
+//! C v = w b          w random, 0.5 <= |w_i| < 1.5  its size                  max(|b_k|, |C_k v|), near the largest |c_i b_i|
+//! C x = w (eps t)    t_i the terms of C_i u        its error                 max(eps t_k, |C_k x|), if coefficients are rounded
+//! ```
+//!
+//! The elimination measures a mismatch against the largest right-hand side that it met, also if that side cancelled and is not in the
+//! certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. One solution shows the mismatches of all equations,
+//! and three their sizes, so no certificate is computed.
+
+use super::classify::{Dependent, Kind, MismatchRule};
+use super::consistent::side;
+use super::pass_result::PassResult;
+use super::refined::{KeptSystem, product};
+use crate::common::random::signed;
+use crate::presolve::eliminated::Mismatch;
+use crate::presolve::rows::MORE_THAN_ROUNDING;
+
+/// Number of solutions: u and three v. Three random sums are all a million times too small in one of 1e18 cases.
+const W: usize = 4;
+/// Seeds of the weights.
+const SEEDS: [u64; W - 1] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
+
+/// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side.
+pub(super) fn find(pass: &mut PassResult, rule: &MismatchRule) {
+    let is_unclear = |d: &Dependent| {
+        let most = d.mismatch.abs() + MORE_THAN_ROUNDING * d.rest.error;
+        d.kind == Kind::Redundant && !d.is_suspect && most > rule.tolerance * side(rule, d.row).size
+    };
+    let unclear: Vec<usize> = (0..pass.dependent.len()).filter(|&k| is_unclear(&pass.dependent[k])).collect();
+    if unclear.is_empty() {
+        return;
+    }
+    let rows: Vec<usize> = unclear.iter().map(|&k| pass.dependent[k].row).collect();
+    for (k, rest) in unclear.into_iter().zip(mismatches(pass, rule, &rows)) {
+        let d = &mut pass.dependent[k];
+        let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
+        if found.kind == Kind::Conflicting && rest.value.is_finite() {
+            *d = found;
+        } else {
+            // Terms within the error may be rounding, of an equation whose sides are all zero.
+            let has_side = side(rule, d.row).size > 0.0 || rest.size > MORE_THAN_ROUNDING * rest.error;
+            d.is_suspect = has_side && found.is_excused(rule.tolerance);
+        }
+    }
+}
+
+/// The mismatches of dependent equations.
+fn mismatches(pass: &PassResult, rule: &MismatchRule, dependent: &[usize]) -> Vec<Mismatch> {
+    let system = rule.system;
+    let kept = KeptSystem { system, scaling: rule.scaling, pass };
+    let weighted = |i: usize, first: f64, number: f64| {
+        let key = pass.keys.row(i as u32);
+        std::array::from_fn(|c| if c == 0 { first } else { number * signed(SEEDS[c - 1], key) })
+    };
+    let sides = |i: usize| weighted(i, system.rhs()[i], side(rule, i).size);
+    let mut start = vec![[0.0; W]; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, value)| start[j][0] = value);
+    let solutions = kept.solve(start, sides);
+    let left = |i: usize| solutions.left(system, i, sides(i))[0];
+    let errors = kept.correction(|i| {
+        let (left, terms) = left(i);
+        weighted(i, 0.0, left.abs() + f64::EPSILON * terms)
+    });
+    let largest = |numbers: [f64; W], own: f64| numbers[1..].iter().fold(own, |most, v| most.max(v.abs()));
+    let of = |&k: &usize| {
+        let all = solutions.left(system, k, sides(k));
+        let (value, terms) = (all[0].0, all.iter().fold(0.0, |most: f64, (_, terms)| most.max(*terms)));
+        let size = largest(solutions.product(system, k), side(rule, k).size);
+        Mismatch { value, size, error: largest(product(system, k, &errors), f64::EPSILON * terms) }
+    };
+    dependent.iter().map(of).collect()
+}
