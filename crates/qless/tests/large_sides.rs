@@ -36,9 +36,8 @@ fn orders<T: Clone>(list: &[T]) -> Vec<Vec<T>> {
     all
 }
 
-/// The third row is a combination of the first two, and its side is off or not; the fourth row has a side of 1e9 to 1e13 and is in no
+/// The third row is a combination of the first two, and its side is off or not; the fourth row has a side of 1e9 to 1e16 and is in no
 /// certificate. Small whole numbers, so that all sums are exact. The third side is not zero: a zero has no size to compare a mismatch with.
-/// Beside larger sides than 1e13 the elimination may round the mismatch to zero, and then no doubt is raised.
 #[test]
 fn a_side_that_no_certificate_has_hides_no_conflict() {
     let (mut wrong, mut alarms) = (Vec::new(), 0);
@@ -103,5 +102,31 @@ fn a_stated_tolerance_decides_without_doubt() {
             let analysis = analyse(&system(&rows), &options).expect("small");
             assert_eq!((analysis.rank(), analysis.confidence().doubt), (rank, None), "{e:e} {tolerance:e}");
         }
+    }
+}
+
+/// `a u + e u_f = b; a u = b'` with a tiny e fixes u_f to `(b - b') / e`, which is exact here. Doubles lose all of its digits if the other
+/// DOFs are rounded first.
+#[test]
+fn a_dof_that_a_tiny_coefficient_fixes_has_its_value() {
+    for seed in 0..1_000 {
+        let mut random = SplitMix64::new(seed);
+        let mut real = || (random.next() >> 11) as f64 / (1_u64 << 53) as f64 + 0.5;
+        let row: Vec<f64> = (0..4).map(|_| real()).collect();
+        let (b, tiny, value) =
+            (real(), 2_f64.powi(-20 - (seed % 60) as i32), (seed % 3) as f64 * 2_f64.powi((seed % 60) as i32 - 20));
+        let mut first = [row.clone(), vec![tiny]].concat();
+        let mut second = [row, vec![0.0]].concat();
+        first.rotate_left(seed as usize % 5);
+        second.rotate_left(seed as usize % 5);
+        let place = (4 + 5 - seed as usize % 5) % 5;
+        let analysis = analysed(&[(first, b + tiny * value), (second, b)]);
+        let found = analysis.generated();
+        assert!(matches!(found, [(dof, _)] if *dof == place), "{seed}: {found:?}");
+        let exact = ((b + tiny * value) - b) / tiny;
+        assert!(
+            (found[0].1 - exact).abs() <= (1e-12 * exact.abs()).max(1e-30 / tiny),
+            "{seed}: {found:?}, but {exact:e} is right"
+        );
     }
 }

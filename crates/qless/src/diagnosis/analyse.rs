@@ -21,7 +21,7 @@ use super::certificate::History;
 use super::classify::{Dependent, Kind, MismatchRule, classify};
 use super::confidence::{CLEAR_MISMATCH, Confidence, Doubt};
 use super::consistent::{not_redundant, side, to_give_up};
-use super::distance::{CoreDistance, KeptRows};
+use super::distance::CoreDistance;
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
 use super::preferred_equations::keep_preferred;
@@ -90,7 +90,7 @@ pub(super) fn read(
         kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
         let agreeing = Pipeline { local: numbering.view(&system, &rhs), ..pipeline };
         let agreed = agreeing.run_stages(&held_back)?;
-        pass.particular = generated::particular(&agreed, agreeing.local, &scaling);
+        pass.particular = generated::particular(&agreed.kept(agreeing.local, &scaling));
         (pass.basis, pass.blocks) = (agreed.basis, agreed.blocks);
         pass.blocks.iter_mut().for_each(Block::restore_units);
         let (sample, bound) = (ProbeSample::First, InverseEstimate::Bound);
@@ -256,9 +256,7 @@ impl Pipeline<'_> {
 
     /// Distances of the cores of the kept equations from dependence; empty without checks.
     fn distances(&self, pass: &PassResult) -> Vec<CoreDistance> {
-        let PassResult { basis, blocks, triangles, history, .. } = pass;
-        let kept = KeptRows { system: self.local, basis, history, scaling: self.scaling, blocks, triangles };
-        if self.context.check { kept.distances() } else { Vec::new() }
+        if self.context.check { pass.kept(self.local, self.scaling).distances() } else { Vec::new() }
     }
 
     /// Adds the confidence. `dropped` is the largest remainder that presolve dropped in components that were run twice. `is_unverified` is
@@ -286,7 +284,7 @@ impl Pipeline<'_> {
         let other = typed.or(elimination).or(differ.then_some(Doubt::Mismatch));
         let confidence = Confidence::of(distance, error, self.tolerance, other);
         if !pass.probe.immobile.is_empty() {
-            pass.particular = generated::particular(&pass, self.local, self.scaling);
+            pass.particular = generated::particular(&pass.kept(self.local, self.scaling));
         }
         pass.triangles = Vec::new();
         pass.blocks.iter_mut().for_each(Block::restore_units);

@@ -7,9 +7,8 @@ use std::collections::{BTreeMap, HashSet};
 
 use crate::Csr;
 use crate::diagnosis::certificate::{CertificateTerm, History};
+use crate::diagnosis::distance::KeptRows;
 use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys, probe};
-use crate::diagnosis::pass_result::PassResult;
-use crate::diagnosis::refined::KeptSystem;
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;
@@ -52,13 +51,13 @@ pub(crate) fn find(
 
 /// A solution of the kept equations, with the digits that an elimination row by row loses: `1e-20 u_1 + u_2 = 0.1` leaves no digit of u_1
 /// if u_2 is rounded to a double.
-pub(crate) fn particular(pass: &PassResult, system: LocalSystem, scaling: &Scaling) -> Vec<f64> {
+pub(crate) fn particular(kept: &KeptRows) -> Vec<f64> {
+    let system = kept.system;
     let mut start = vec![[0.0]; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| start[j] = [value]);
-    let kept = KeptSystem { system, scaling, pass };
     let sides = |i: usize| [system.rhs()[i]];
     let u = kept.complete(kept.solve(start, sides), sides);
-    if u.iter().all(|u| u.is_finite()) { u } else { pass.basis.particular(system, scaling) }
+    if u.iter().all(|u| u.is_finite()) { u } else { kept.basis.particular(system, kept.scaling) }
 }
 
 /// The values `G u_p + g` of fixed DOFs in the solution u.

@@ -8,13 +8,18 @@
 //!
 //! The elimination measures a mismatch against the largest right-hand side that it met, also if that side cancelled and is not in the
 //! certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. One solution shows the mismatches of all equations,
-//! and three their sizes, so no certificate is computed.
+//! and three their sizes. A certificate is computed only for an equation whose mismatch is within its error.
 
+use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, MismatchRule};
+use super::confidence::{ACCURACY, CLEAR_MISMATCH};
 use super::consistent::side;
+use super::nullspace_probe::RandomKeys;
 use super::pass_result::PassResult;
-use super::refined::{KeptSystem, product};
+use super::refined::product;
 use crate::common::random::signed;
+use crate::input::components::Labels;
+use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
@@ -33,24 +38,49 @@ pub(super) fn find(pass: &mut PassResult, rule: &MismatchRule) {
     if unclear.is_empty() {
         return;
     }
+    if !pass.keys.are_within_components() {
+        pass.keys = RandomKeys::within_components(&Labels::of(rule.system), rule.system);
+    }
     let rows: Vec<usize> = unclear.iter().map(|&k| pass.dependent[k].row).collect();
     for (k, rest) in unclear.into_iter().zip(mismatches(pass, rule, &rows)) {
         let d = &mut pass.dependent[k];
         let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
-        if found.kind == Kind::Conflicting && rest.value.is_finite() {
+        if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect) {
             *d = found;
         } else {
             // Terms within the error may be rounding, of an equation whose sides are all zero.
             let has_side = side(rule, d.row).size > 0.0 || rest.size > MORE_THAN_ROUNDING * rest.error;
-            d.is_suspect = has_side && found.is_excused(rule.tolerance);
+            if has_side && found.is_excused(rule.tolerance) {
+                reclassify(d, &pass.history, rule);
+            }
         }
+    }
+}
+
+/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is larger than the error of a
+/// certificate can be. If errors of the coefficients may be as large as the mismatch, it stays redundant, in doubt.
+fn reclassify(d: &mut Dependent, history: &History, rule: &MismatchRule) {
+    let terms = d.source.explain(history);
+    let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
+    let least = ACCURACY * terms.iter().map(scaled).fold(0.0, f64::max);
+    let (mut rest, mut uncertain) = (side(rule, d.row), 0.0);
+    for term in &terms {
+        let other = side(rule, term.row);
+        uncertain += other.size * ldexp(least, rule.scaling.row[term.row]);
+        if scaled(term) > least {
+            rest.subtract(term.coefficient, other);
+        }
+    }
+    let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
+    if (found.kind == Kind::Conflicting || found.is_suspect) && found.relative_mismatch > CLEAR_MISMATCH {
+        *d = if uncertain < rest.value.abs() { found } else { Dependent { is_suspect: true, ..d.clone() } };
     }
 }
 
 /// The mismatches of dependent equations.
 fn mismatches(pass: &PassResult, rule: &MismatchRule, dependent: &[usize]) -> Vec<Mismatch> {
     let system = rule.system;
-    let kept = KeptSystem { system, scaling: rule.scaling, pass };
+    let kept = pass.kept(system, rule.scaling);
     let weighted = |i: usize, first: f64, number: f64| {
         let key = pass.keys.row(i as u32);
         std::array::from_fn(|c| if c == 0 { first } else { number * signed(SEEDS[c - 1], key) })
@@ -69,7 +99,9 @@ fn mismatches(pass: &PassResult, rule: &MismatchRule, dependent: &[usize]) -> Ve
         let all = solutions.left(system, k, sides(k));
         let (value, terms) = (all[0].0, all.iter().fold(0.0, |most: f64, (_, terms)| most.max(*terms)));
         let size = largest(solutions.product(system, k), side(rule, k).size);
-        Mismatch { value, size, error: largest(product(system, k, &errors), f64::EPSILON * terms) }
+        // A mismatch that the last correction made smaller has not converged.
+        let last = product(system, k, &solutions.last)[0].abs();
+        Mismatch { value, size, error: largest(product(system, k, &errors), last.max(f64::EPSILON * terms)) }
     };
     dependent.iter().map(of).collect()
 }

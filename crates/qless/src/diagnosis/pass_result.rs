@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::certificate::History;
 use super::classify::{Dependent, Kind};
 use super::confidence::Confidence;
+use super::distance::KeptRows;
 use super::generated::Generated;
 use super::nullspace_probe::{NullspaceProbe, RandomKeys};
 use super::{Analysis, PresolveStatistics, Timings};
@@ -55,6 +56,12 @@ pub fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) ->
 }
 
 impl PassResult {
+    /// The kept equations with their factors.
+    pub fn kept<'a>(&'a self, system: LocalSystem<'a>, scaling: &'a Scaling) -> KeptRows<'a> {
+        let Self { basis, history, blocks, triangles, .. } = self;
+        KeptRows { system, basis, history, scaling, blocks, triangles }
+    }
+
     /// The user's rows that presolve kept but that are not reliable ([`NullspaceProbe::doubtful`]).
     pub fn steep_rows(&self) -> impl Iterator<Item = usize> {
         self.probe.doubtful.iter().map(|&t| self.users_row(t))

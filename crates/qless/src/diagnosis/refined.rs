@@ -7,59 +7,54 @@
 //! ```
 //!
 //! A correction divides the error by at least `d` / 2e-16, where d is the distance of the kept equations from dependence. It costs
-//! O(nnz of the factors).
+//! O(nnz of the factors). Blocks must be in the units in which they were factored.
 
-use crate::diagnosis::pass_result::PassResult;
+use super::distance::KeptRows;
 use crate::factor::backend::many::Slab;
 use crate::input::numbering::LocalSystem;
-use crate::input::scale::{Scaling, ldexp};
+use crate::input::scale::ldexp;
 
 /// The largest number of corrections. Sides that span 32 digits need five if d > 1e-9, and one more finds that nothing is left.
 const CORRECTIONS: usize = 6;
 /// A remainder of this part of the terms of an equation is rounding: a sum of two doubles has 106 bits, of which 6 are left to the sum.
 const DONE: f64 = f64::EPSILON * f64::EPSILON * 16.0;
 
-/// The kept equations with their factors. Blocks must be in the units in which they were factored.
-pub(super) struct KeptSystem<'a> {
-    pub system: LocalSystem<'a>,
-    pub scaling: &'a Scaling,
-    pub pass: &'a PassResult,
-}
-
 /// W solutions by DOF, each number a sum of two doubles.
-pub(super) struct Solutions<const W: usize> {
+pub(crate) struct Solutions<const W: usize> {
     high: Slab<W>,
     low: Slab<W>,
+    /// The last correction.
+    pub last: Slab<W>,
 }
 
-impl KeptSystem<'_> {
+impl KeptRows<'_> {
     /// Solutions for the given sides of each equation, with all masters zero and prescribed DOFs as in `start`. Peeled equations are left
     /// out: they are in no certificate.
     pub fn solve<const W: usize>(&self, start: Slab<W>, sides: impl Fn(usize) -> [f64; W]) -> Solutions<W> {
-        let mut solutions = Solutions { low: vec![[0.0; W]; start.len()], high: start };
+        let mut solutions =
+            Solutions { low: vec![[0.0; W]; start.len()], last: vec![[0.0; W]; start.len()], high: start };
         for _ in 0..CORRECTIONS {
-            let left = |i: usize| solutions.left(self.system, i, sides(i));
-            if self.rows().all(|i| left(i).iter().all(|(left, size)| left.abs() <= DONE * size)) {
+            // What is rounding is left alone, so that one component does not change the last bits of another.
+            let rest = |(left, size): (f64, f64)| if left.abs() <= DONE * size { 0.0 } else { left };
+            let left = |i: usize| solutions.left(self.system, i, sides(i)).map(rest);
+            if self.rows().all(|i| left(i) == [0.0; W]) {
                 break;
             }
-            let step = self.correction(|i| left(i).map(|(left, _)| left));
-            solutions.add(&step);
+            solutions.add(self.correction(left));
         }
         solutions
     }
 
     /// The kept equations that were not peeled.
     fn rows(&self) -> impl Iterator<Item = usize> {
-        let PassResult { history, basis, .. } = self.pass;
-        let of_blocks = basis.blocks.iter().flat_map(|block| &block.rows);
-        history.steps.iter().chain(of_blocks).map(|&i| history.rows[i as usize] as usize)
+        let of_blocks = self.basis.blocks.iter().flat_map(|block| &block.rows);
+        self.history.steps.iter().chain(of_blocks).map(|&i| self.history.rows[i as usize] as usize)
     }
 
     /// Solves the peeled equations too, and returns the solution.
     pub fn complete(&self, mut solution: Solutions<1>, sides: impl Fn(usize) -> [f64; 1]) -> Vec<f64> {
-        let basis = &self.pass.basis;
-        for (t, &row) in basis.peeled.iter().enumerate().rev() {
-            let (row, slave) = (row as usize, basis.slave(t));
+        for (t, &row) in self.basis.peeled.iter().enumerate().rev() {
+            let (row, slave) = (row as usize, self.basis.slave(t));
             let pivot = self.system.coefficient(row, slave);
             // The second quotient has the digits that the first one has lost.
             for _ in 0..2 {
@@ -72,7 +67,7 @@ impl KeptSystem<'_> {
 
     /// `X` with `C X = left` over the kept equations that were not peeled, in doubles.
     pub fn correction<const W: usize>(&self, left: impl Fn(usize) -> [f64; W]) -> Slab<W> {
-        let PassResult { basis, history, blocks, triangles, .. } = self.pass;
+        let Self { basis, history, blocks, triangles, .. } = *self;
         let mut steps: Slab<W> = Vec::with_capacity(history.steps.len());
         let after = |row: u32, steps: &Slab<W>| {
             let name = history.rows[row as usize] as usize;
@@ -128,8 +123,9 @@ impl<const W: usize> Solutions<W> {
         std::array::from_fn(|c| (sums[c] + errors[c], sizes[c]))
     }
 
-    fn add(&mut self, step: &Slab<W>) {
+    fn add(&mut self, step: Slab<W>) {
         step.iter().enumerate().for_each(|(j, &numbers)| self.add_to(j, numbers));
+        self.last = step;
     }
 
     fn add_to(&mut self, j: usize, numbers: [f64; W]) {
