@@ -1,4 +1,4 @@
-//! Finds conflicts that large right-hand sides hide.
+//! Finds conflicts that large right-hand sides hide. Equation k is dependent: `row_k = sum c_i row_i` over the kept equations i.
 //!
 //! ```text
 //! C u = b            over the kept equations       mismatch of equation k    b_k - C_k u = b_k - sum c_i b_i
@@ -45,14 +45,12 @@ pub(super) fn find(pass: &mut PassResult, rule: &MismatchRule) {
     for (k, rest) in unclear.into_iter().zip(mismatches(pass, rule, &rows)) {
         let d = &mut pass.dependent[k];
         let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
+        // Terms within the error may be rounding, if the equation has no right-hand side of its own.
+        let has_side = side(rule, d.row).size > 0.0 || rest.size > MORE_THAN_ROUNDING * rest.error;
         if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect) {
             *d = found;
-        } else {
-            // Terms within the error may be rounding, of an equation whose sides are all zero.
-            let has_side = side(rule, d.row).size > 0.0 || rest.size > MORE_THAN_ROUNDING * rest.error;
-            if has_side && found.is_excused(rule.tolerance) {
-                reclassify(d, &pass.history, rule);
-            }
+        } else if has_side && found.is_excused(rule.tolerance) {
+            reclassify(d, &pass.history, rule);
         }
     }
 }
