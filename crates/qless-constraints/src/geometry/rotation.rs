@@ -1,7 +1,7 @@
 //! `R s`: a vector that rotates with a body.
 
-use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, cross, dot, lift, scale, sub};
+use crate::scalar::{Scalar, Univariate};
 
 /// How a body moves: not at all, without rotations, with a rotation vector, or with Euler parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,20 +48,46 @@ pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
     add(s, add(scale(sine, once), scale(versine, twice)))
 }
 
+/// The factors of rotations as functions of `y = t^2`.
+#[derive(Clone, Copy)]
+enum Factor {
+    /// `sin t / t`.
+    Sine,
+    /// `(1 - cos t) / t^2`.
+    Versine,
+    /// `(t - sin t) / t^3`.
+    Third,
+}
+
+impl Univariate for Factor {
+    fn at<S: Scalar>(self, y: S) -> S {
+        // The ninth terms of the series are below 1e-20.
+        let is_small = y.real() < 0.25;
+        match self {
+            Self::Sine if is_small => series(y, 1.0),
+            Self::Versine if is_small => series(y, 2.0),
+            Self::Third if is_small => series(y, 3.0) / S::from(2.0),
+            Self::Sine => {
+                let t = y.sqrt();
+                t.sin() / t
+            }
+            Self::Versine => {
+                let half = (y.sqrt() * S::from(0.5)).sin();
+                S::from(2.0) * half * half / y
+            }
+            Self::Third => (S::from(1.0) - Self::Sine.at(y)) / y,
+        }
+    }
+}
+
 /// `sin t / t` and `(1 - cos t) / t^2` from `y = t^2`.
 pub(super) fn factors<S: Scalar>(y: S) -> (S, S) {
-    if y.real() < 0.25 {
-        // sum (-y)^k / (2k + 1)! and sum (-y)^k / (2k + 2)!; the ninth terms are below 1e-20.
-        return (series(y, 1.0), series(y, 2.0));
-    }
-    let t = y.sqrt();
-    let half = (t * S::from(0.5)).sin();
-    (t.sin() / t, S::from(2.0) * half * half / y)
+    (y.map(Factor::Sine), y.map(Factor::Versine))
 }
 
 /// `(t - sin t) / t^3` from `y = t^2`.
 pub(super) fn third_factor<S: Scalar>(y: S) -> S {
-    if y.real() < 0.25 { series(y, 3.0) / S::from(2.0) } else { (S::from(1.0) - factors(y).0) / y }
+    y.map(Factor::Third)
 }
 
 /// `sum_k (-y)^k / (2k + first)!`, `first` 1 or 2; twice that for `first` 3.

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::Scalar;
+use super::{Scalar, Univariate};
 
 /// A value and its derivatives in N directions. With [`super::Bounded`] as S, each has an error bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,5 +83,9 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     }
     fn cos(self) -> Self {
         self.chain(self.real.cos(), -self.real.sin())
+    }
+    fn map(self, f: impl Univariate) -> Self {
+        let of = f.at(Dual::<1, S>::variable(self.real, 0));
+        self.chain(of.real, of.slope[0])
     }
 }

@@ -22,6 +22,12 @@ impl<S> Arithmetic for S where
 {
 }
 
+/// A smooth function of one number, written for any scalar.
+pub trait Univariate: Copy {
+    /// The function at x.
+    fn at<S: Scalar>(self, x: S) -> S;
+}
+
 /// A real number, with or without derivatives and error bounds.
 ///
 /// If the value of a constraint is written for any `Scalar`, dual numbers give its Jacobian and Hessian exact to rounding:
@@ -47,6 +53,11 @@ pub trait Scalar: Arithmetic + Div<Output = Self> {
     /// Cosine.
     #[must_use]
     fn cos(self) -> Self;
+    /// `f(self)`. Dual numbers evaluate f with one derivative and apply the chain rule, which costs less than f with all derivatives.
+    #[must_use]
+    fn map(self, f: impl Univariate) -> Self {
+        f.at(self)
+    }
     /// The angle of the point `(x, self)`, in (-pi, pi].
     ///
     /// With h the angle of the values, the remainder `tan(angle - h)` is of the size of rounding and carries the derivatives.

@@ -75,7 +75,9 @@ impl ConstraintSet {
         evaluation: &Evaluation,
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
-        self.linearised_in(&vec![1.0; self.dofs], evaluation, prescribed)
+        self.current(evaluation)?;
+        let rounding = self.rounding_of_nonlinear(evaluation)?;
+        self.system(&vec![1.0; self.dofs], evaluation, rounding.as_ref(), prescribed)
     }
 
     /// Evaluates at u, and linearises there: for a single configuration.
@@ -89,7 +91,7 @@ impl ConstraintSet {
     }
 
     /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by
-    /// `units`, at least n numbers `s_j`. Prescribed increments are those of y.
+    /// `units`, at least n numbers `s_j`. Prescribed increments are those of y. `rounding` is that of the configuration of the evaluation.
     ///
     /// # Errors
     /// As [`ConstraintSet::linearised`], and if `units` is shorter than n.
@@ -97,18 +99,29 @@ impl ConstraintSet {
         &self,
         units: &[f64],
         evaluation: &Evaluation,
+        rounding: &Rounding,
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
         self.current(evaluation)?;
         long("the list of units", units.len().min(self.dofs), self.dofs)?;
-        let rounding = self.rounding_of_nonlinear(evaluation)?;
+        long("the bounds on rounding", rounding.c().len(), self.equations())?;
+        self.system(units, evaluation, Some(rounding), prescribed)
+    }
+
+    fn system(
+        &self,
+        units: &[f64],
+        evaluation: &Evaluation,
+        rounding: Option<&Rounding>,
+        prescribed: &[(usize, f64)],
+    ) -> Result<ConstraintSystem, LineariseError> {
         let mut builder = SystemBuilder::new(self.dofs);
         for row in 0..self.equations() {
             let not_finite = |value| Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
             if let Some(value) = evaluation.not_finite(row) {
                 return not_finite(value);
             }
-            let (terms, rhs) = evaluation.linear_equation(row, rounding.as_ref());
+            let (terms, rhs) = evaluation.linear_equation(row, rounding);
             let terms = terms.map(|(j, v)| (j, v * units[j]));
             if let Some(value) = terms.clone().map(|(_, v)| v).find(|v| !v.is_finite()) {
                 return not_finite(value);

@@ -10,7 +10,7 @@ use qless::{Analysis, Kind};
 use qless_constraints::{ConstraintSet, Evaluation};
 
 use super::{EquilibriumError, EquilibriumOptions};
-use crate::newton::{Parts, Scales, analyse_rows};
+use crate::newton::{Parts, Place, Scales, analyse_rows};
 
 /// Independent equations at one configuration.
 #[derive(Debug)]
@@ -35,8 +35,10 @@ impl RowChoice {
         let mut settings = options.analysis.clone();
         before.sort_unstable();
         settings.preferences.equations = before;
-        let units = Scales::new(set, evaluation, &set.rounding(evaluation.u())?, parts).units;
-        let analysis = analyse_rows((set, &still, &units), prescribed, (0, settings))?;
+        let rounding = &set.rounding(evaluation.u())?;
+        let units = Scales::new(set, evaluation, rounding, parts).units;
+        let place = Place { set, evaluation: &still, rounding, units: &units };
+        let analysis = analyse_rows(place, prescribed, (0, settings))?;
         Ok(Arc::new(Self { units, analysis }))
     }
 }

@@ -6,6 +6,7 @@
 use qless::{ArgumentError, Csr};
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
+use super::linearisation::Place;
 use super::parts::Parts;
 use super::scales::Scales;
 
@@ -22,6 +23,11 @@ pub struct Configuration {
 }
 
 impl Configuration {
+    /// The numbers that a linearisation needs.
+    pub fn place<'a>(&'a self, set: &'a ConstraintSet) -> Place<'a> {
+        Place { set, evaluation: &self.evaluation, rounding: &self.rounding, units: &self.scales.units }
+    }
+
     pub fn new(set: &ConstraintSet, u: Vec<f64>, parts: &Parts) -> Result<Self, ArgumentError> {
         let mut evaluation = set.allocate();
         set.evaluate(&u, &mut evaluation)?;

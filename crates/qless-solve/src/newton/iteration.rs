@@ -78,8 +78,7 @@ impl<'a> Iteration<'a> {
     /// Steps until no part is left to move, or `may_go_on` rejects the failures; returns the equations that are redundant at the end.
     pub fn run(&mut self, may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool) -> Result<Vec<usize>, NewtonError> {
         for step in 0.. {
-            let place = (self.set, &self.now.evaluation, &self.now.scales.units[..]);
-            let analysis = linearise(place, self.prescribed, (step, &self.options.analysis))?;
+            let analysis = linearise(self.now.place(self.set), self.prescribed, (step, &self.options.analysis))?;
             self.note(&analysis);
             self.decide(&analysis).map_err(|source| NewtonError::Argument { step, source })?;
             for part in self.going().filter(|_| step == self.options.steps).collect::<Vec<_>>() {

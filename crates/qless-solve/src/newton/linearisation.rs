@@ -4,7 +4,7 @@
 //! Prescribed DOFs already have their values; their increments are zero.
 
 use qless::{Analysis, Form, Noise, Options, Reduction, Tolerance, analyse};
-use qless_constraints::{ConstraintSet, Evaluation};
+use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
 use super::error::NewtonError;
 
@@ -19,9 +19,18 @@ pub const LOST: f64 = f64::EPSILON * GROWTH;
 /// independent are not needed: so close to the solution, the next step ends at rounding.
 const CHANGE: f64 = 1e-8;
 
+/// c and G at a configuration, with bounds on their rounding and the units S.
+#[derive(Clone, Copy)]
+pub struct Place<'a> {
+    pub set: &'a ConstraintSet,
+    pub evaluation: &'a Evaluation,
+    pub rounding: &'a Rounding,
+    pub units: &'a [f64],
+}
+
 /// Analyses `G S y = -c` on the way to a solution; the prescribed DOFs do not move.
 pub fn linearise(
-    place: (&ConstraintSet, &Evaluation, &[f64]),
+    place: Place,
     prescribed: &[(usize, f64)],
     (step, options): (usize, &Options),
 ) -> Result<Analysis, NewtonError> {
@@ -39,12 +48,13 @@ pub fn linearise(
 
 /// Analyses `G S y = -c` with the tolerance of the options; the prescribed DOFs do not move.
 pub fn analyse_rows(
-    (set, evaluation, units): (&ConstraintSet, &Evaluation, &[f64]),
+    Place { set, evaluation, rounding, units }: Place,
     prescribed: &[(usize, f64)],
     (step, options): (usize, Options),
 ) -> Result<Analysis, NewtonError> {
     let still: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
-    let system = set.linearised_in(units, evaluation, &still).map_err(|source| NewtonError::System { step, source })?;
+    let system = set.linearised_in(units, evaluation, rounding, &still);
+    let system = system.map_err(|source| NewtonError::System { step, source })?;
     // The set has already left out entries within their rounding error, so no other number counts as noise.
     let options = Options { noise: Noise::None, ..options };
     analyse(&system, &options).map_err(|source| NewtonError::Analysis { step, source })

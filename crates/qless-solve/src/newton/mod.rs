@@ -29,7 +29,7 @@ pub(crate) use configuration::{at_rest, change, in_roundings};
 pub use error::NewtonError;
 use iteration::Iteration;
 pub(crate) use iteration::{check_prescribed, free_rotations};
-pub(crate) use linearisation::analyse_rows;
+pub(crate) use linearisation::{Place, analyse_rows};
 pub(crate) use parts::{Part, Parts};
 pub use redundancy::{Redundancy, redundancies};
 pub(crate) use scales::Scales;

@@ -60,8 +60,7 @@ pub fn redundancies(
     let mut here = Configuration::new(set, u.to_vec(), &parts).map_err(argument)?;
     // Only the rank is needed. With c = 0 nothing conflicts.
     here.evaluation.clear_values();
-    let place = (set, &here.evaluation, &here.scales.units[..]);
-    let analysis = analyse_rows(place, &[], (0, options.analysis.clone()))?;
+    let analysis = analyse_rows(here.place(set), &[], (0, options.analysis.clone()))?;
     let rows = dependent(&analysis);
     if rows.is_empty() {
         return Ok(Vec::new());
