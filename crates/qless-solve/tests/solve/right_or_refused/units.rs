@@ -6,9 +6,40 @@ use qless_solve::enforce::{EnforceError, Problem, Solution};
 
 use super::Random;
 use super::dense;
-use super::models::{Model, Units, all_units, off};
+use super::models::{Kind, Lack, Model, Units, all_units, model, off};
 use crate::linkages::Outcome;
 use crate::patch::Block;
+
+/// Steel: stiffness of 2e11 beside coefficients of one.
+#[test]
+fn steel_is_right_in_displacements_and_multipliers() -> Outcome {
+    let (mut worst_u, mut worst_lambda) = (0.0_f64, 0.0_f64);
+    for (i, Units { length, force }) in all_units().enumerate() {
+        for case in 0..6 {
+            let units = Units { length, force: 2.1e11 * force };
+            let model = model(9 * case + i, Kind::Symmetric, Lack::Nothing, units)?;
+            let problem = Problem::new(&model.k, &model.f, &model.system)?;
+            let (u, lambda) = dense::solution(&model, problem.kept())?;
+            for solution in [problem.lagrange()?, problem.transformation()?] {
+                // The effect of rounding of K does not depend on the method; errors are in units of 1e-10, or of that effect.
+                let rounding = (1e10 * solution.accuracy).max(1.0);
+                worst_u = worst_u.max(off(&model, &solution.u, &u) / rounding);
+                // Ties of rotations carry moments: a force over the root of its DOF's stiffness is the root of an energy, in any unit.
+                let of = |row: usize| {
+                    let first = model.system.matrix().row(row).next().map_or(0, |(j, _)| j);
+                    1.0 / model.k.get(first, first).map_or(1.0, |k| k.sqrt())
+                };
+                let most = lambda.iter().enumerate().fold(0.0, |most: f64, (r, l)| most.max((l * of(r)).abs()));
+                let pairs = solution.multipliers.iter().zip(&lambda).enumerate();
+                let wrong = pairs.fold(0.0, |wrong: f64, (r, (a, b))| wrong.max(((a - b) * of(r)).abs()));
+                worst_lambda = worst_lambda.max(wrong / most / rounding);
+            }
+        }
+    }
+    println!("u {worst_u:.1e}, lambda {worst_lambda:.1e}");
+    assert!(worst_u < 3e-10 && worst_lambda < 3e-10, "{worst_u:e}, {worst_lambda:e}");
+    Ok(())
+}
 
 fn by_all(problem: &Problem) -> Vec<(&'static str, Result<Solution, EnforceError>)> {
     vec![
@@ -81,6 +112,52 @@ fn doubt_grows_as_support_fades() -> Outcome {
         }
     }
     assert!(refused);
+    Ok(())
+}
+
+/// A cantilever of many elements, tied in the middle: its condition grows with the fourth power of their number, but it is supported.
+#[test]
+fn slender_beams_are_held() -> Outcome {
+    for units in all_units() {
+        for count in [10, 100, 400] {
+            let (h, length) = (units.length / count as f64, units.length);
+            let stiffness = units.force * length * length;
+            let node = |i: usize| if i > count / 2 { 2 * i + 2 } else { 2 * i };
+            let mut entries = Vec::new();
+            for i in 0..count {
+                // The second half starts with its own node.
+                let a = if i == count / 2 { 2 * i + 2 } else { node(i) };
+                let (b, s) = (node(i + 1), stiffness / h.powi(3));
+                let k = [
+                    [12.0, 6.0 * h, -12.0, 6.0 * h],
+                    [6.0 * h, 4.0 * h * h, -6.0 * h, 2.0 * h * h],
+                    [-12.0, -6.0 * h, 12.0, -6.0 * h],
+                    [6.0 * h, 2.0 * h * h, -6.0 * h, 4.0 * h * h],
+                ];
+                let dofs = [a, a + 1, b, b + 1];
+                for (r, row) in k.iter().enumerate() {
+                    entries.extend(row.iter().zip(dofs).map(|(v, j)| Triplet::new(dofs[r], j, s * v)));
+                }
+            }
+            let dofs = 2 * count + 4;
+            let middle = 2 * (count / 2);
+            let mut builder = SystemBuilder::new(dofs);
+            builder.equation([(middle, 1.0), (middle + 2, -1.0)], 0.0);
+            builder.equation([(middle + 1, 1.0), (middle + 3, -1.0)], 0.0);
+            builder.equation([(middle + 1, 2.0), (middle + 3, -2.0)], 0.0);
+            builder.prescribe(0, 0.0);
+            builder.prescribe(1, 0.0);
+            let (k, system) = (SparseColMat::try_new_from_triplets(dofs, dofs, &entries)?, builder.build()?);
+            let mut f = vec![0.0; dofs];
+            f[dofs - 2] = units.force;
+            let exact = units.force * length.powi(3) / (3.0 * stiffness);
+            for (name, solution) in by_all(&Problem::new(&k, &f, &system)?) {
+                let solution = solution.map_err(|error| format!("{name}, {count}, {units:?}: {error}"))?;
+                let error = (solution.u[dofs - 2] / exact - 1.0).abs();
+                assert!(error <= 3.0 * solution.accuracy, "{name}: {error:e} of {:e}", solution.accuracy);
+            }
+        }
+    }
     Ok(())
 }
 
