@@ -59,7 +59,7 @@ pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
     if diagnosis.is_refused() || diagnosis.analysis.dependent().is_empty() && !deck.needs_cleaning() {
         return None;
     }
-    clean::plan(&deck.deck, &diagnosis.options).err().map(|error| error.to_string())
+    clean::check_plan(&deck.deck, &diagnosis.options).err().map(|error| error.to_string())
 }
 
 /// Number of equations that are removed as redundant.

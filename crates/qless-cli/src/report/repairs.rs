@@ -13,7 +13,7 @@ pub struct RepairWords {
     pub rows: Vec<usize>,
     /// The ways, the most plausible one first.
     pub ways: Vec<String>,
-    /// Number of ways that are not listed.
+    /// Number of ways that are not listed, and were not verified.
     pub more: usize,
 }
 
@@ -36,7 +36,7 @@ impl RepairWords {
 
     /// `cure: change 4:1 from 0.5 to 0 (4 other ways cure too)`.
     pub fn short(&self) -> String {
-        let others = match self.ways.len() - 1 + self.more {
+        let others = match self.ways.len() - 1 {
             0 => String::new(),
             1 => " (1 other way cures too)".to_owned(),
             n => format!(" ({n} other ways cure too)"),
@@ -48,7 +48,7 @@ impl RepairWords {
     pub fn heading(&self, row: usize) -> String {
         /// Most rows that are named.
         const NAMED: usize = 12;
-        let these = match self.ways.len() + self.more {
+        let these = match self.ways.len() {
             1 => "This cures it".to_owned(),
             n => format!("Each of these {n} ways cures it"),
         };

@@ -69,16 +69,12 @@ pub fn change(change: &ChangeFinding, name: fn(&str) -> String) -> String {
     match change {
         ChangeFinding::Prescribed { label: dof, place, from, to, .. } => {
             let place = place.as_ref().map_or_else(String::new, |place| format!(" in {}", name(place)));
-            format!("change {}{place} from {} to {}", name(dof), number(*from), number(*to))
+            format!("change {}{place} from {} to {}", name(dof), exact(*from), exact(*to))
         }
         ChangeFinding::Equation { row, label, from, to } => {
             let row = format!("row {row}");
             let equation = if *label == row { row } else { format!("{row} \"{}\"", name(label)) };
-            format!(
-                "change the right-hand side of {equation} from {} to {}, or leave it out",
-                number(*from),
-                number(*to)
-            )
+            format!("change the right-hand side of {equation} from {} to {}, or leave it out", exact(*from), exact(*to))
         }
         _ => String::new(),
     }
@@ -87,6 +83,12 @@ pub fn change(change: &ChangeFinding, name: fn(&str) -> String) -> String {
 /// `1 equation`, `2 equations`.
 pub fn count(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
+/// The shortest form that gives the same number again: a number to type into the input.
+pub fn exact(x: f64) -> String {
+    let text = format!("{:?}", x + 0.0);
+    text.strip_suffix(".0").map_or_else(|| text.clone(), str::to_owned)
 }
 
 /// The shortest form with six significant digits.

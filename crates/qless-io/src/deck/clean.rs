@@ -16,7 +16,7 @@ use super::{Deck, Format, ansys, calculix, nastran};
 use proof::prove;
 
 pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
-pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
+pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, check_plan, plan};
 pub(super) use super::plan::{Edits, Renamed, shortened};
 pub use super::solver::{Finding, Loss, findings, loss};
 
@@ -37,7 +37,7 @@ pub use super::solver::{Finding, Loss, findings, loss};
 /// ```
 pub fn clean(deck: &Deck, options: &Options) -> Result<(Plan, Vec<u8>), CleanError> {
     let made = |edits_cards| {
-        let plan = plan_with(deck, PlanOptions { options, edits_cards })?;
+        let plan = plan_with(deck, PlanOptions { options, edits_cards, explains: true })?;
         write(deck, &plan).map(|text| (plan, text))
     };
     made(true).or_else(|error| made(false).map_err(|_| error))

@@ -126,40 +126,37 @@ impl Analysis {
     }
 
     /// The remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms, by local DOF in ascending order.
-    /// The remainder is summed in twice the precision, so that a refinement uses its true value. `sums` has an entry for each DOF of the
-    /// system, but memory pages that are not touched cost nothing.
+    /// The remainder is summed in twice the precision, so that a refinement uses its true value. Time and memory depend on the terms only,
+    /// not on the system: thousands of certificates are checked, one by one.
     pub(super) fn parts(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
         terms: &[CertificateTerm],
     ) -> Vec<(u32, (f64, f64))> {
         let local = self.numbering.view(&self.system, self.system.rhs());
-        let mut sums = vec![[0.0_f64; 3]; local.dofs()];
-        let mut touched = Vec::new();
-        let mut add = |coefficient: f64, j: usize, v: f64| {
-            let [left, lost, size] = &mut sums[j];
-            if *size == 0.0 {
-                touched.push(j as u32);
+        let is_free = |j: u32| local.free()[j as usize];
+        let of_term = |term: &CertificateTerm| {
+            let coefficient = term.coefficient;
+            local.row(term.row).map(move |(j, v)| (j as u32, -coefficient, v))
+        };
+        let own = vector.into_iter().map(|(j, v)| (j, 1.0, v));
+        let mut products: Vec<(u32, f64, f64)> =
+            terms.iter().flat_map(of_term).chain(own).filter(|&(j, ..)| is_free(j)).collect();
+        // A stable sort keeps the order of the terms of each DOF.
+        products.sort_by_key(|&(j, ..)| j);
+        let sum = |of_dof: &[(u32, f64, f64)]| {
+            let [mut left, mut lost, mut size] = [0.0_f64; 3];
+            for &(_, coefficient, v) in of_dof {
+                let part = coefficient * v;
+                let sum = left + part;
+                let second = sum - left;
+                lost += coefficient.mul_add(v, -part) + ((left - (sum - second)) + (part - second));
+                left = sum;
+                size += part.abs();
             }
-            let part = -coefficient * v;
-            let sum = *left + part;
-            let second = sum - *left;
-            *lost += (-coefficient).mul_add(v, -part) + ((*left - (sum - second)) + (part - second));
-            *left = sum;
-            *size += part.abs();
+            (of_dof[0].0, (left + lost, size))
         };
-        let is_free = |j: usize| local.free()[j];
-        for &CertificateTerm { row: i, coefficient } in terms {
-            local.row(i).filter(|&(j, _)| is_free(j)).for_each(|(j, v)| add(coefficient, j, v));
-        }
-        vector.into_iter().filter(|&(j, _)| is_free(j as usize)).for_each(|(j, v)| add(-1.0, j as usize, v));
-        touched.sort_unstable();
-        touched.dedup();
-        let of = |j: u32| {
-            let [left, lost, size] = sums[j as usize];
-            (j, (left + lost, size))
-        };
-        touched.into_iter().map(of).collect()
+        products.chunk_by(|a, b| a.0 == b.0).map(sum).collect()
     }
 
     pub(super) fn entries(&self, row: usize) -> impl Iterator<Item = (u32, f64)> {

@@ -22,9 +22,11 @@ mod candidates;
 mod change_order;
 mod changes;
 mod neighbourhood;
+mod new_values;
 mod observations;
 mod repair;
 mod tie_path;
+mod verification;
 
 use std::collections::{BTreeMap, HashMap};
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::Explanation;
 use super::changes::Number;
+use super::new_values::MismatchSum;
 use crate::common::DisjointSets;
 
 /// Largest number of numbers whose pairs are tried: 300 numbers have 45,000 pairs.
@@ -18,17 +18,21 @@ pub(super) type Effects = Vec<(usize, f64)>;
 #[derive(Default)]
 pub(super) struct Observations {
     pub mismatches: Vec<f64>,
+    /// The numbers that may be changed.
     pub effects: BTreeMap<Number, Effects>,
+    /// The mismatches over all numbers.
+    pub sums: Vec<MismatchSum>,
 }
 
 impl Observations {
-    /// Adds a mismatch. A unit change of the number of a member lowers the mismatch by the coefficient of the member.
-    pub fn add(&mut self, mismatch: f64, explanation: &Explanation) {
+    /// Adds a mismatch.
+    pub fn add(&mut self, sum: MismatchSum) {
         let o = self.mismatches.len();
-        self.mismatches.push(mismatch);
-        for &member in &explanation.members {
-            self.effects.entry(member.into()).or_default().push((o, -member.coefficient()));
+        self.mismatches.push(sum.at(&[]).0);
+        for &(number, effect, _) in &sum.terms {
+            self.effects.entry(number).or_default().push((o, effect));
         }
+        self.sums.push(sum);
     }
 
     /// Groups of observations, connected by common numbers.
@@ -44,7 +48,11 @@ impl Observations {
     }
 
     pub fn only(&self, group: &[usize]) -> Self {
-        let mut some = Self { mismatches: group.iter().map(|&o| self.mismatches[o]).collect(), ..Self::default() };
+        let mut some = Self {
+            mismatches: group.iter().map(|&o| self.mismatches[o]).collect(),
+            sums: group.iter().map(|&o| self.sums[o].clone()).collect(),
+            ..Self::default()
+        };
         for (&number, effects) in &self.effects {
             let own = |&(o, effect): &(usize, f64)| group.binary_search(&o).ok().map(|at| (at, effect));
             let effects: Effects = effects.iter().filter_map(own).collect();
@@ -163,7 +171,7 @@ mod tests {
                 effects.insert(Number::Prescribed(dof), some);
             }
         }
-        Observations { mismatches, effects }
+        Observations { mismatches, effects, sums: Vec::new() }
     }
 
     #[test]

@@ -10,13 +10,17 @@
 //! A random sum represents the redundant equations: a number that its certificate does not contain is in none of their certificates, with
 //! probability 1. Removing an equation has the same effect as another right-hand side of it. Conflicts without a common number are cured
 //! separately.
+//!
+//! Certificates decide which changes are candidates. A candidate becomes a repair if the analysis of the changed system agrees.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Explanation;
 use super::change_order::Plausibility;
 use super::changes::{Change, Number};
+use super::new_values::{MismatchSum, new_values};
 use super::observations::Observations;
+use super::verification::Verification;
+use super::{Explanation, Member};
 use crate::common::SplitMix64;
 use crate::factor::backend::BackendError;
 use crate::input::scale::ldexp;
@@ -30,6 +34,8 @@ const SUMS: usize = 2;
 const HANDFUL: usize = 8;
 /// Largest number of ways that are listed; the others are only counted.
 const MOST_WAYS: usize = 16;
+/// Largest number of rounds of changes. A round uncovers wrong numbers that are smaller by the tolerance, 10 digits, and doubles have 16.
+const ROUNDS: usize = 4;
 /// A number below this fraction of the largest one of a random sum counts as zero, because its terms cancel.
 const NOISE: f64 = 1e-9;
 
@@ -49,10 +55,13 @@ pub enum Freed {
 pub struct Repair {
     /// The conflicting equations, ascending.
     pub conflicts: Vec<usize>,
-    /// Changes that cure all of them together, the most plausible way first; all have the same number of changes. At most 16. Empty if more
-    /// than 64 conflicts have no single change that cures them.
+    /// Changes that cure all of them together, the most plausible way first; all have the same number of changes. At most 16. Each was
+    /// verified: in the analysis of the changed system, none of `conflicts` conflicts, and no other equation has become conflicting.
+    ///
+    /// Empty if no way was found that holds, if more than 64 conflicts have no single change that cures them, or after a million equations
+    /// were analysed again.
     pub ways: Vec<Vec<Change>>,
-    /// Number of ways of this size, listed or not.
+    /// Number of ways of this size: the listed ones, and further ones that were not verified.
     pub count: usize,
 }
 
@@ -60,7 +69,8 @@ impl Analysis {
     /// How to cure the conflicts: few right-hand sides and prescribed values, with their new values.
     ///
     /// Single changes and, for up to 8 conflicts with at most 300 numbers, pairs of changes are searched completely. If more changes are
-    /// needed, they are chosen one by one, always the one that cures most. Redundant equations stay redundant. Of ways with equally many
+    /// needed, they are chosen one by one, always the one that cures most. Each way is verified: the changed system is analysed, and the
+    /// conflicts are gone, and no other equation has become conflicting. Of ways with equally many
     /// changes, those come first that replace a rare number by a common one, or by one with fewer digits.
     ///
     /// ```
@@ -86,19 +96,19 @@ impl Analysis {
             return Ok(Vec::new());
         }
         let in_redundant = self.numbers_of(|d| d.kind == Kind::Redundant)?;
-        let plausibility = Plausibility::new(&self.system);
+        let (plausibility, verification) = (Plausibility::new(&self.system), Verification::new(self));
         if conflicts.len() > MOST_CONFLICTS {
             let mut observed = self.observe_sums(&conflicts)?;
             observed.effects.retain(|number, _| !in_redundant.contains(number));
             let rows = conflicts.iter().map(|d| d.row).collect();
-            return Ok(vec![self.repair(rows, &observed, &plausibility)]);
+            return Ok(vec![self.repair(rows, &observed, &plausibility, &verification)]);
         }
         let mut observed = self.observe(&conflicts);
         observed.effects.retain(|number, _| !in_redundant.contains(number));
         let groups = observed.groups();
         let of_group = |group: Vec<usize>| {
             let rows = group.iter().map(|&o| conflicts[o].row).collect();
-            self.repair(rows, &observed.only(&group), &plausibility)
+            self.repair(rows, &observed.only(&group), &plausibility, &verification)
         };
         Ok(groups.into_iter().map(of_group).collect())
     }
@@ -108,12 +118,21 @@ impl Analysis {
         let mut observed = Observations::default();
         for dependent in conflicts {
             let explanation = self.explained(dependent, false).0;
-            let mismatch = self.system.rhs()[dependent.row] - explanation.right_hand_side;
-            observed.add(mismatch, &explanation);
-            let own = observed.mismatches.len() - 1;
-            observed.effects.insert(Number::RightHandSide(dependent.row), vec![(own, 1.0)]);
+            let own = Number::RightHandSide(dependent.row);
+            let mut sum = self.mismatch_sum(0.0, &explanation);
+            sum.terms.push((own, 1.0, self.value(own)));
+            observed.add(sum);
         }
         observed
+    }
+
+    /// `constant - sum c_i b_i - sum d_j value_j`: the effect of a number is minus the coefficient of its member.
+    fn mismatch_sum(&self, constant: f64, explanation: &Explanation) -> MismatchSum {
+        let term = |&member: &Member| {
+            let number = Number::from(member);
+            (number, -member.coefficient(), self.value(number))
+        };
+        MismatchSum { constant, terms: explanation.members.iter().map(term).collect() }
     }
 
     /// Mismatches of random sums of the conflicts.
@@ -121,7 +140,7 @@ impl Analysis {
         let mut observed = Observations::default();
         for sum in 0..SUMS {
             let (explanation, b) = self.random_sum(conflicts, sum as u64)?;
-            observed.add(b - explanation.right_hand_side, &explanation);
+            observed.add(self.mismatch_sum(b, &explanation));
         }
         Ok(observed)
     }
@@ -194,31 +213,85 @@ impl Analysis {
         Ok((self.with_values(&vector, terms, Some(0.0)), b))
     }
 
-    fn repair(&self, conflicts: Vec<usize>, observed: &Observations, plausibility: &Plausibility) -> Repair {
-        let mut ways = observed.singles();
-        if ways.is_empty() && conflicts.len() <= HANDFUL {
-            ways = observed.pairs();
+    /// The repair of some conflicts: ways with the fewest changes among those that hold.
+    fn repair(
+        &self,
+        conflicts: Vec<usize>,
+        observed: &Observations,
+        plausibility: &Plausibility,
+        verification: &Verification,
+    ) -> Repair {
+        let is_handful = conflicts.len() <= HANDFUL;
+        let is_each = observed.mismatches.len() == conflicts.len();
+        let searches: [&dyn Fn() -> Vec<Vec<(Number, f64)>>; 3] =
+            [&|| observed.singles(), &|| if is_handful { observed.pairs() } else { Vec::new() }, &|| {
+                if is_each { vec![observed.greedy()] } else { Vec::new() }
+            }];
+        for search in searches {
+            let mut found: Vec<Vec<Change>> = search().iter().map(|way| self.changes(observed, way)).collect();
+            found.sort_by_cached_key(|way| plausibility.key(way));
+            let (mut ways, mut tried) = (Vec::new(), 0);
+            while tried < found.len() && ways.len() < MOST_WAYS && !verification.is_over() {
+                if verification.holds(&conflicts, &found[tried]) {
+                    ways.push(found[tried].clone());
+                }
+                tried += 1;
+            }
+            if !ways.is_empty() {
+                let count = ways.len() + found.len() - tried;
+                return Repair { conflicts, ways, count };
+            }
         }
-        if ways.is_empty() && observed.mismatches.len() == conflicts.len() {
-            ways = vec![observed.greedy()];
-        }
-        let change = |&(number, change): &(Number, f64)| self.change(number, change);
-        let mut ways: Vec<Vec<Change>> = ways.iter().map(|way| way.iter().map(change).collect()).collect();
-        ways.sort_by_cached_key(|way| plausibility.key(way));
-        let count = ways.len();
-        ways.truncate(MOST_WAYS);
-        Repair { conflicts, ways, count }
+        let ways: Vec<Vec<Change>> =
+            if is_each { self.repeated(&conflicts, observed, verification).into_iter().collect() } else { Vec::new() };
+        Repair { conflicts, count: ways.len(), ways }
     }
 
-    fn change(&self, number: Number, change: f64) -> Change {
-        let from = match number {
+    /// Cures conflicts in rounds: a large wrong number hides small ones, which conflict when it is changed.
+    fn repeated(
+        &self,
+        conflicts: &[usize],
+        observed: &Observations,
+        verification: &Verification,
+    ) -> Option<Vec<Change>> {
+        let mut way = self.changes(observed, &observed.greedy());
+        for _ in 0..ROUNDS {
+            if verification.is_over() {
+                return None;
+            }
+            let changed = verification.changed(conflicts, &way)?;
+            if changed.wrong.is_empty() {
+                return Some(way);
+            }
+            let more = changed.analysis.greedy_changes(&changed.wrong).ok()?;
+            let is_changed_again = |old: &Change| more.iter().any(|new| new.number == old.number);
+            way.retain(|old| !is_changed_again(old));
+            way.extend(more.into_iter().map(|new| Change { from: self.value(new.number), ..new }));
+            way.retain(|change| change.to != change.from);
+            way.sort_unstable_by_key(|change| change.number);
+        }
+        None
+    }
+
+    /// Changes that cure some conflicts, chosen one by one.
+    fn greedy_changes(&self, rows: &[usize]) -> Result<Vec<Change>, BackendError> {
+        let conflicts: Vec<&Dependent> = rows.iter().filter_map(|&row| self.dependent_of(row)).collect();
+        let in_redundant = self.numbers_of(|d| d.kind == Kind::Redundant)?;
+        let mut observed = self.observe(&conflicts);
+        observed.effects.retain(|number, _| !in_redundant.contains(number));
+        Ok(self.changes(&observed, &observed.greedy()))
+    }
+
+    fn changes(&self, observed: &Observations, way: &[(Number, f64)]) -> Vec<Change> {
+        let values = new_values(&observed.sums, way, self.options.tolerance.value());
+        values.into_iter().map(|(number, to)| Change { number, from: self.value(number), to }).collect()
+    }
+
+    /// The present value of a number.
+    fn value(&self, number: Number) -> f64 {
+        match number {
             Number::RightHandSide(row) => self.system.rhs()[row],
             Number::Prescribed(dof) => self.system.prescribed_value(dof).unwrap_or_default(),
-        };
-        let to = from + change;
-        // A sum that is within the rounding of its terms is zero.
-        let is_zero = to.abs() <= 1e-11 * from.abs().max(change.abs());
-        let rounded = format!("{to:.11e}").parse().unwrap_or(to);
-        Change { number, from, to: if is_zero { 0.0 } else { rounded } }
+        }
     }
 }

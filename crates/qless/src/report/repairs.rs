@@ -15,7 +15,7 @@ pub struct RepairFinding {
     /// Ways to cure all these conflicts together, the most plausible first: each is a list of changes. At most 16 ways, with equally many
     /// changes.
     pub ways: Vec<Vec<ChangeFinding>>,
-    /// Number of ways with this number of changes, listed or not.
+    /// Number of ways with this number of changes: the listed ones, and further ones that were not verified.
     pub count: usize,
 }
 

@@ -104,7 +104,7 @@ fn repair_lines(repair: &RepairFinding) -> Vec<String> {
         [one, other] => format!("cures rows {one} and {other}"),
         rows => format!("cures {} conflicts", rows.len()),
     };
-    let others = match repair.count - 1 {
+    let others = match repair.ways.len() - 1 {
         0 => String::new(),
         1 => "; 1 other way cures too (--format json)".to_owned(),
         n => format!("; {n} other ways cure too (--format json)"),

@@ -8,7 +8,8 @@
 //! Edits are tried one by one: first those of equations with faults, then from the end of the deck. Dependencies that share equations form
 //! a group. If the edits drop fewer equations of a group than are dependent, its equations are chosen without regard to cards.
 
-use std::collections::BTreeMap;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
 
 use qless::Analysis;
 use qless::common::DisjointSets;
@@ -97,7 +98,7 @@ pub fn kept_by_edits(
     let mut edits: Vec<Vec<usize>> = edits.into_values().collect();
     edits.retain(|edit| edit.iter().all(|row| dependencies.rows.contains_key(row)));
     edits.sort_by_key(|edit| (edit.iter().map(|&row| gain(rows[row])).max(), edit.last().copied()));
-    let mut echelon = Echelon::default();
+    let mut echelon = Echelon::new(dependencies.count);
     let dropped: FxHashSet<usize> =
         edits.iter().rev().filter(|edit| echelon.extend(&dependencies, edit)).flatten().copied().collect();
     let kept = dependencies.kept(&dropped);
@@ -140,22 +141,29 @@ impl Dependencies {
 }
 
 /// Linearly independent rows, each reduced by those before it, with its pivot.
-#[derive(Default)]
 struct Echelon {
     rows: Vec<(usize, Vec<(usize, f64)>)>,
     /// Index in `rows` by the column of the pivot.
-    of_pivot: FxHashMap<usize, usize>,
+    of_pivot: Vec<Option<usize>>,
+    /// The row that is reduced: its numbers by column, and the columns that it has or had.
+    values: Vec<Option<f64>>,
+    columns: Vec<usize>,
     operations: usize,
 }
 
 impl Echelon {
+    fn new(count: usize) -> Self {
+        let (of_pivot, values) = (vec![None; count], vec![None; count]);
+        Self { rows: Vec::new(), of_pivot, values, columns: Vec::new(), operations: 0 }
+    }
+
     /// Adds the rows of all equations of an edit, or none if they are dependent.
     fn extend(&mut self, dependencies: &Dependencies, edit: &[usize]) -> bool {
         let before = self.rows.len();
         let is_added = edit.iter().all(|row| self.push(&dependencies.rows[row]));
         if !is_added {
             for (pivot, _) in self.rows.drain(before..) {
-                self.of_pivot.remove(&pivot);
+                self.of_pivot[pivot] = None;
             }
         }
         is_added
@@ -164,27 +172,45 @@ impl Echelon {
     /// Adds a row if it is independent of the others.
     fn push(&mut self, row: &[(usize, f64)]) -> bool {
         let size = row.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
-        let Some(mut row) = self.remainder(row) else { return false };
-        row.retain(|_, a| a.abs() > ROUNDING * size);
-        let largest = row.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(&j, _)| j);
-        let Some(pivot) = largest.and_then(|j| row.remove_entry(&j)) else { return false };
-        self.of_pivot.insert(pivot.0, self.rows.len());
-        self.rows.push((pivot.0, [pivot].into_iter().chain(row).collect()));
+        if self.operations >= OPERATIONS {
+            return false;
+        }
+        let mut row = self.remainder(row);
+        row.retain(|(_, a)| a.abs() > ROUNDING * size);
+        // The pivot is the largest number; among equal ones, that of the last column.
+        let largest =
+            (0..row.len()).max_by(|&p, &q| row[p].1.abs().total_cmp(&row[q].1.abs()).then(row[p].0.cmp(&row[q].0)));
+        let Some(largest) = largest else { return false };
+        row.swap(0, largest);
+        self.of_pivot[row[0].0] = Some(self.rows.len());
+        self.rows.push((row[0].0, row));
         true
     }
 
-    /// A row without the pivots of the others; `None` if that takes too long.
-    fn remainder(&mut self, row: &[(usize, f64)]) -> Option<BTreeMap<usize, f64>> {
-        let mut row: BTreeMap<usize, f64> = row.iter().copied().collect();
-        let mut next = 0;
-        // A row has no entry at the pivots of the rows before it, so one pass in order removes all pivots.
-        while let Some(at) = row.keys().filter_map(|j| self.of_pivot.get(j)).copied().filter(|at| *at >= next).min() {
-            let (pivot, reduced) = &self.rows[at];
-            self.operations += row.len() + reduced.len();
-            let factor = row.remove(pivot).unwrap_or_default() / reduced[0].1;
-            reduced[1..].iter().for_each(|(j, a)| *row.entry(*j).or_default() -= factor * a);
-            next = at + 1;
+    /// A row without the pivots of the others. A row has no entry at the pivots of the rows before it, so one pass in order removes all
+    /// pivots; `next` has the rows that are left to subtract.
+    fn remainder(&mut self, row: &[(usize, f64)]) -> Vec<(usize, f64)> {
+        let mut next = BinaryHeap::new();
+        row.iter().for_each(|&(j, a)| self.add(j, a, &mut next));
+        while let Some(Reverse(at)) = next.pop() {
+            let reduced = std::mem::take(&mut self.rows[at].1);
+            let factor = self.values[reduced[0].0].replace(0.0).unwrap_or_default() / reduced[0].1;
+            reduced[1..].iter().for_each(|&(j, a)| self.add(j, -factor * a, &mut next));
+            self.operations += reduced.len();
+            self.rows[at].1 = reduced;
         }
-        (self.operations < OPERATIONS).then_some(row)
+        let Self { values, columns, .. } = self;
+        columns.drain(..).filter_map(|j| Some((j, values[j].take()?))).collect()
+    }
+
+    /// Adds a number to the row. If its column is new and the pivot of another row, that row must be subtracted.
+    fn add(&mut self, j: usize, part: f64, next: &mut BinaryHeap<Reverse<usize>>) {
+        if let Some(value) = &mut self.values[j] {
+            *value += part;
+            return;
+        }
+        self.values[j] = Some(part);
+        self.columns.push(j);
+        next.extend(self.of_pivot[j].map(Reverse));
     }
 }

@@ -34,11 +34,12 @@ pub struct KeptEquations<'a> {
     pub model: &'a Model,
     pub options: &'a Options,
     edits_cards: bool,
+    explains: bool,
     /// Layers, with the last load case first.
     pub layers: Vec<Layer>,
     /// For each equation the layer up to which it is kept; `None` if it is dependent.
     pub layer_of: Vec<Option<usize>>,
-    /// For each dependent equation, its combination of kept equations.
+    /// For each dependent equation, its combination of kept equations; empty if the plan explains nothing.
     pub because: FxHashMap<usize, Vec<(usize, f64)>>,
     /// For each equation the last load case in which the deck has it in force; `None` if it never is.
     pub end: Vec<Option<usize>>,
@@ -49,13 +50,13 @@ impl<'a> KeptEquations<'a> {
     pub fn choose(
         deck: &'a Deck,
         cases: &[LoadCase],
-        PlanOptions { options, edits_cards }: PlanOptions<'a>,
+        PlanOptions { options, edits_cards, explains }: PlanOptions<'a>,
     ) -> Result<Self, CleanError> {
         let model = &deck.model;
         let end = ends(model, cases)?;
         let count = model.equations();
         let (layer_of, because) = (vec![None; count], FxHashMap::default());
-        let mut kept = Self { model, options, edits_cards, layers: Vec::new(), layer_of, because, end };
+        let mut kept = Self { model, options, edits_cards, explains, layers: Vec::new(), layer_of, because, end };
         for last in (0..cases.len()).rev() {
             let next = (last + 1 < cases.len()).then(|| &cases[last + 1]);
             let prescribed = model.prescribed_in(&cases[..=last]);
@@ -132,7 +133,7 @@ impl<'a> KeptEquations<'a> {
     fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
         let Ok(row) = rows.binary_search(&i) else { return };
         self.because.entry(i).or_insert_with(|| {
-            let because = analysis.because(row).unwrap_or_default();
+            let because = if self.explains { analysis.because(row).unwrap_or_default() } else { Vec::new() };
             because.iter().map(|term| (rows[term.row], term.coefficient)).collect()
         });
     }

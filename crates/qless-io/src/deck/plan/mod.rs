@@ -144,7 +144,17 @@ impl Plan {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
-    plan_with(deck, PlanOptions { options, edits_cards: true })
+    plan_with(deck, PlanOptions { options, edits_cards: true, explains: true })
+}
+
+/// Whether [`clean`](super::clean::clean) has a plan; costs a few analyses. Equations can be rewritten if no edit of cards serves, so edits
+/// are tried only if that fails.
+///
+/// # Errors
+/// As [`plan`].
+pub fn check_plan(deck: &Deck, options: &Options) -> Result<(), CleanError> {
+    let made = |edits_cards| plan_with(deck, PlanOptions { options, edits_cards, explains: false }).map(drop);
+    made(false).or_else(|_| made(true))
 }
 
 /// Options of a plan.
@@ -153,6 +163,8 @@ pub(super) struct PlanOptions<'a> {
     pub options: &'a Options,
     /// Whether edits of cards are preferred.
     pub edits_cards: bool,
+    /// Whether reasons have certificates, which cost more than all else.
+    pub explains: bool,
 }
 
 /// [`plan`] with or without a preference for edits of cards.

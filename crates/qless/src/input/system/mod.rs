@@ -36,7 +36,7 @@ pub struct ConstraintSystem {
     labels: Arc<SystemLabels>,
 }
 
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Numbers {
     matrix: Csr,
     rhs: Vec<f64>,
@@ -149,6 +149,13 @@ impl ConstraintSystem {
         let rhs = rhs.iter().enumerate().map(|(i, &b)| if side(i) { b } else { 0.0 }).collect();
         let numbers = Numbers { matrix: some, rhs, prescribed: prescribed.clone() };
         Self { numbers: Arc::new(numbers), labels: Arc::clone(&self.labels) }
+    }
+
+    /// The system with other right-hand sides and prescribed values, which must be finite.
+    pub(crate) fn with_numbers(mut self, set: impl FnOnce(&mut [f64], &mut [(usize, f64)])) -> Self {
+        let Numbers { rhs, prescribed, .. } = Arc::make_mut(&mut self.numbers);
+        set(rhs, prescribed);
+        self
     }
 
     /// Number of equations m.

@@ -1,0 +1,108 @@
+//! New values of numbers that cure mismatches.
+//!
+//! ```text
+//! m_o(x) = constant_o + sum_w a_ow x_w      mismatch o, over the values x of all numbers of its certificate
+//! m_o(x) = 0                                solved for the numbers of a way by refinement; the other numbers keep their values
+//! ```
+//!
+//! The sum is computed in twice the precision. `from + change` would keep only the digits of the larger of the two.
+
+use super::changes::Number;
+
+/// Refinements of the values. Each gains about 15 digits, as far as the coefficients have them.
+const REFINEMENTS: usize = 3;
+
+/// A shorter value leaves mismatches of at most this fraction of the tolerance. Other certificates of the same equations, with other
+/// factors, then agree within the tolerance, too.
+const FIT: f64 = 1e-2;
+
+/// A mismatch as a sum over all its numbers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MismatchSum {
+    pub constant: f64,
+    /// Numbers with their effects a_ow and present values.
+    pub terms: Vec<(Number, f64, f64)>,
+}
+
+impl MismatchSum {
+    /// The mismatch with the values of a way, in twice the precision, and its largest term.
+    pub fn at(&self, way: &[(Number, f64)]) -> (f64, f64) {
+        let (mut sum, mut lost, mut size) = (self.constant, 0.0, self.constant.abs());
+        for &(number, effect, value) in &self.terms {
+            let x = way.iter().find(|of| of.0 == number).map_or(value, |of| of.1);
+            let part = effect * x;
+            let next = sum + part;
+            let second = next - sum;
+            lost += effect.mul_add(x, -part) + ((sum - (next - second)) + (part - second));
+            sum = next;
+            size = size.max(part.abs());
+        }
+        (sum + lost, size)
+    }
+
+    fn effect(&self, number: Number) -> f64 {
+        self.terms.iter().filter(|term| term.0 == number).map(|term| term.1).sum()
+    }
+}
+
+/// The new values of a way, given as changes: refined, then with as few digits as the tolerance allows.
+pub(super) fn new_values(sums: &[MismatchSum], changes: &[(Number, f64)], tolerance: f64) -> Vec<(Number, f64)> {
+    let value = |number: Number| sums.iter().flat_map(|sum| &sum.terms).find(|term| term.0 == number);
+    let mut way: Vec<(Number, f64)> =
+        changes.iter().map(|&(number, change)| (number, value(number).map_or(0.0, |term| term.2) + change)).collect();
+    let touched: Vec<&MismatchSum> =
+        sums.iter().filter(|sum| way.iter().any(|&(number, _)| sum.effect(number) != 0.0)).collect();
+    for _ in 0..REFINEMENTS {
+        let corrections = corrections(&touched, &way);
+        way.iter_mut().zip(corrections).for_each(|(of, correction)| of.1 += correction);
+    }
+    for k in 0..way.len() {
+        shorten(&touched, &mut way, k, FIT * tolerance);
+    }
+    way
+}
+
+/// Solves `m(x) + A dx = 0` for dx by Gauss elimination with pivoting. Each mismatch is divided by its largest term, so that the pivots
+/// are the mismatches with the smallest rounding. Mismatches beyond the number of values are consistent, so they are left out.
+fn corrections(sums: &[&MismatchSum], way: &[(Number, f64)]) -> Vec<f64> {
+    let row = |sum: &&MismatchSum| {
+        let (mismatch, size) = sum.at(way);
+        let effects = way.iter().map(|&(number, _)| sum.effect(number));
+        effects.chain([-mismatch]).map(|entry| entry / size).collect::<Vec<f64>>()
+    };
+    let mut rows: Vec<Vec<f64>> =
+        sums.iter().map(row).filter(|row| row.iter().all(|entry| entry.is_finite())).collect();
+    let mut pivots = Vec::new();
+    for column in 0..way.len() {
+        let largest = (0..rows.len()).max_by(|&p, &q| rows[p][column].abs().total_cmp(&rows[q][column].abs()));
+        let Some(largest) = largest.filter(|&p| rows[p][column] != 0.0) else { continue };
+        let pivot = rows.swap_remove(largest);
+        for row in &mut rows {
+            let factor = row[column] / pivot[column];
+            row.iter_mut().zip(&pivot).skip(column).for_each(|(entry, other)| *entry -= factor * other);
+            row[column] = 0.0;
+        }
+        pivots.push((column, pivot));
+    }
+    let mut solution = vec![0.0; way.len()];
+    for (column, pivot) in pivots.iter().rev() {
+        let known: f64 = (column + 1..way.len()).map(|other| pivot[other] * solution[other]).sum();
+        let x = (pivot[way.len()] - known) / pivot[*column];
+        solution[*column] = if x.is_finite() { x } else { 0.0 };
+    }
+    solution
+}
+
+/// Replaces a value by zero or by its first 12 digits if all mismatches stay below `least` of their largest terms.
+fn shorten(sums: &[&MismatchSum], way: &mut [(Number, f64)], k: usize, least: f64) {
+    let exact = way[k].1;
+    let rounded = format!("{exact:.11e}").parse().unwrap_or(exact);
+    for shorter in [0.0, rounded] {
+        way[k].1 = shorter;
+        let fits = |(mismatch, size): (f64, f64)| mismatch.abs() <= least * size;
+        if sums.iter().all(|sum| fits(sum.at(way))) {
+            return;
+        }
+    }
+    way[k].1 = exact;
+}
