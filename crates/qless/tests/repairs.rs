@@ -224,7 +224,7 @@ fn every_way_holds_as_printed() {
         if seed % 3 != 0 {
             model.rescale(values, || 10_f64.powi(below(random, 13) as i32 - 6));
         }
-        for _ in 0..1 + below(random, 3) {
+        for _ in 0..=below(random, 3) {
             let numbers = model.equations.len() + model.prescribed.len();
             let place = below(random, numbers);
             let number = match place.checked_sub(model.equations.len()) {

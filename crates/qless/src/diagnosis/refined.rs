@@ -10,6 +10,7 @@
 //! O(nnz of the factors). Blocks must be in the units in which they were factored.
 
 use super::distance::KeptRows;
+use crate::common::two_sum;
 use crate::factor::backend::many::Slab;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
@@ -141,11 +142,4 @@ pub(super) fn product<const W: usize>(system: LocalSystem, k: usize, x: &Slab<W>
     let mut sum = [0.0; W];
     system.row(k).for_each(|(j, v)| sum.iter_mut().zip(&x[j]).for_each(|(sum, x)| *sum += v * x));
     sum
-}
-
-/// The rounded sum, and its error (Knuth).
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let part = sum - a;
-    (sum, (a - (sum - part)) + (b - part))
 }

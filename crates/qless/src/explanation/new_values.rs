@@ -8,6 +8,7 @@
 //! The sum is computed in twice the precision. `from + change` would keep only the digits of the larger of the two.
 
 use super::changes::Number;
+use crate::common::two_sum;
 
 /// Refinements of the values. Each gains about 15 digits, as far as the coefficients have them.
 const REFINEMENTS: usize = 3;
@@ -31,9 +32,8 @@ impl MismatchSum {
         for &(number, effect, value) in &self.terms {
             let x = way.iter().find(|of| of.0 == number).map_or(value, |of| of.1);
             let part = effect * x;
-            let next = sum + part;
-            let second = next - sum;
-            lost += effect.mul_add(x, -part) + ((sum - (next - second)) + (part - second));
+            let (next, error) = two_sum(sum, part);
+            lost += effect.mul_add(x, -part) + error;
             sum = next;
             size = size.max(part.abs());
         }

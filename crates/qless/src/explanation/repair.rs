@@ -39,6 +39,9 @@ const ROUNDS: usize = 4;
 /// A number below this fraction of the largest one of a random sum counts as zero, because its terms cancel.
 const NOISE: f64 = 1e-9;
 
+/// A search of ways: numbers and how much each changes.
+type Search<'a> = &'a dyn Fn() -> Vec<Vec<(Number, f64)>>;
+
 /// An equation or DOF that could be freed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -223,7 +226,7 @@ impl Analysis {
     ) -> Repair {
         let is_handful = conflicts.len() <= HANDFUL;
         let is_each = observed.mismatches.len() == conflicts.len();
-        let searches: [&dyn Fn() -> Vec<Vec<(Number, f64)>>; 3] =
+        let searches: [Search; 3] =
             [&|| observed.singles(), &|| if is_handful { observed.pairs() } else { Vec::new() }, &|| {
                 if is_each { vec![observed.greedy()] } else { Vec::new() }
             }];
