@@ -22,9 +22,9 @@ pub struct EquationFacts {
     pub rhs: f64,
     /// Largest magnitude of its coefficients.
     pub largest: f64,
-    /// Number of its DOFs.
+    /// Number of DOFs in the equation.
     pub dofs: usize,
-    /// Number of its prescribed DOFs.
+    /// Number of prescribed DOFs among them.
     pub prescribed: usize,
 }
 

@@ -55,7 +55,7 @@ pub struct View<'a, P = usize, I = u32> {
     starts: &'a [P],
     index: &'a [I],
     base: usize,
-    /// Number of empty lines after those of the arrays.
+    /// Number of rows or columns, without entries, that follow those of `starts`.
     empty: usize,
     pub(super) by_columns: bool,
     pub(super) storage: Storage,

@@ -60,7 +60,7 @@ fn tasks_that_come_while_others_plan_wait_for_nobody() {
         let set = Arc::new(builder.build().expect("few DOFs"));
         let (done, all) = mpsc::channel();
         for k in 0..8 {
-            // Starts while the first task makes the plan.
+            // The second task starts while the first one makes the plan of the assembly.
             std::thread::sleep(Duration::from_micros(if k == 1 { 200 * seed as u64 } else { 0 }));
             let (set, done) = (Arc::clone(&set), done.clone());
             pool.spawn(move || {

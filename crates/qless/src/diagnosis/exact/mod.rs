@@ -110,7 +110,7 @@ pub enum ExactError {
         "exact elimination of {rows} equations was given up: they fill in to {fill} coefficients, and {limit} are allowed"
     )]
     Fill {
-        /// Equations that were left to eliminate.
+        /// Number of equations that were not eliminated yet.
         rows: usize,
         /// Number of stored coefficients when elimination was given up.
         fill: usize,

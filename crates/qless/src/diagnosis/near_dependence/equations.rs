@@ -6,7 +6,7 @@ use crate::input::scale::{Scaling, exponent, ldexp};
 
 /// Rows scaled to one size, over the DOFs of their part.
 pub(super) struct ScaledEquations {
-    /// The user's row of each row, ascending.
+    /// For each row of `matrix`, its number in the user's system; ascending.
     pub rows: Vec<u32>,
     /// By row, the exponent of the power of two that multiplies the row.
     pub exponents: Vec<i32>,

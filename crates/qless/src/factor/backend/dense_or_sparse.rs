@@ -31,7 +31,7 @@ pub struct DenseOrSparse {
 }
 
 impl DenseOrSparse {
-    /// With the default `small`; a factorization may allocate `memory` bytes.
+    /// A backend whose factorizations may allocate `memory` bytes each; `small` has its default.
     pub fn new(memory: usize) -> Self {
         Self { memory, small: SMALL }
     }
