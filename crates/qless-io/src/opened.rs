@@ -90,11 +90,11 @@ impl Opened {
         Ok(deck::parse(solver, &path, text, &mut |file: &Path| bytes::read(file))?)
     }
 
-    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`] does; or relations, which
-    /// have both in their own file.
+    /// Parses a matrix or relations. A matrix takes its right-hand side and prescribed DOFs from other files, as [`read_case`] does;
+    /// relations contain their own.
     ///
     /// # Errors
-    /// [`ReadError`]: the file is a deck, is malformed, or needs no other files.
+    /// [`ReadError`]: the file is a deck, a file is malformed, or `rhs` or `prescribed` is given for relations.
     pub fn into_case(self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
         let Self { path, text, content } = self;
         match content {

@@ -67,7 +67,7 @@ pub enum DofClash {
     Uses,
 }
 
-/// The statements of all constraints, by constraint and by DOF.
+/// What the constraints state about DOFs ([`DofStatement`]): a list for each constraint, and one merged record for each DOF.
 #[derive(Default)]
 pub struct DofUses {
     statements: Vec<Box<[DofStatement]>>,

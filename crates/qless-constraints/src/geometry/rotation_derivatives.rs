@@ -94,7 +94,7 @@ struct Phi {
     alpha: f64,
     beta: f64,
     slope_beta: Vector<f64>,
-    /// a, a', a'' and b, b', b''.
+    /// The factors a(y) and b(y) of Rodrigues' formula, each with its first two derivatives in `y = theta.theta`.
     a: [f64; 3],
     b: [f64; 3],
 }

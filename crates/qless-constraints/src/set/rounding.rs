@@ -88,8 +88,9 @@ impl ConstraintSet {
         Ok(u.iter().enumerate().map(size).collect())
     }
 
-    /// Whether an active constraint states a reference coordinate ([`crate::EquationSink::coordinate`]) or a rotation with this DOF. The
-    /// position of a body does not count as a reference coordinate. False from n on.
+    /// Whether an active constraint states that this DOF is added to a reference coordinate ([`crate::EquationSink::coordinate`]), or that
+    /// it belongs to a rotation. The position of a body does not count as a reference coordinate. False if `dof` is not below the number
+    /// of DOFs.
     pub fn moves_node(&self, dof: usize) -> bool {
         self.dof_uses.sizes(dof).is_some()
     }

@@ -8,8 +8,8 @@ use super::{Forecast, Symbolic, tree};
 use crate::lists::{Lists, NONE};
 use crate::matrix::Gather;
 
-/// Pairs (column, row) of the singletons, in the order of peeling. `may` is true for the entries of A that can be diagonal: if values are
-/// known, those above the tolerance.
+/// Pairs (column, row) of the singletons, in the order of peeling. A column is peeled only if `may` accepts its remaining entry: every
+/// entry if only the pattern is analysed, those above the tolerance if values are known.
 pub(super) fn peel(columns: &Lists, rows: &Lists, may: &dyn Fn(usize) -> bool) -> Vec<(u32, u32)> {
     let mut remaining: Vec<u32> = (0..columns.len()).map(|j| columns.list(j).len() as u32).collect();
     let mut taken = vec![false; rows.len()];

@@ -7,7 +7,7 @@ use crate::Rng;
 /// An equation's `(DOF, coefficient)`.
 pub(super) type Terms = Vec<(usize, f64)>;
 
-/// Adds sums of two random rows of `count`. Rows without a common DOF are preferred, because their sum is exact.
+/// Adds equations that are sums of two random rows among `0..count`. Pairs without a common DOF are preferred, because their sum is exact.
 pub(super) fn add_sums(
     builder: &mut SystemBuilder,
     sums: usize,

@@ -25,7 +25,8 @@ pub(super) fn products(n: usize, m: usize) -> HatIntegrals {
     rows
 }
 
-/// Nodes of both meshes in ascending order, in units of 1 / (m - 1) of a near cell, so that all are whole numbers.
+/// Nodes of two meshes of one interval, with n and m nodes, in ascending order. The unit is 1 / (m - 1) of a cell of the first mesh, so
+/// that all coordinates are whole numbers.
 fn cuts(n: usize, m: usize) -> Vec<usize> {
     let mut cuts: Vec<usize> = (0..n).map(|i| i * (m - 1)).chain((0..m).map(|k| k * (n - 1))).collect();
     cuts.sort_unstable();

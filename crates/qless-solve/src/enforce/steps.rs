@@ -47,7 +47,7 @@ pub struct Steps<S> {
     places: Vec<u32>,
     /// The exponents of the unknowns.
     scale: Vec<i32>,
-    /// Whether the solver has factors of a supported K_q.
+    /// Whether the last [`Steps::solve`] factored K_q and found no mechanism. [`Steps::solve_again`] needs this.
     is_held: bool,
 }
 

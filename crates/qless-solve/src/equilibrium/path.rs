@@ -159,7 +159,8 @@ impl<'a, M: Model> Path<'a, M> {
         self.finish()
     }
 
-    /// If a wrong tangent explains why no equilibrium was found, says so: it looks like a load that is too large, or like missing support.
+    /// Replaces an error of convergence, support or the solver by [`EquilibriumError::Tangent`] if an entry of the tangent is wrong. A
+    /// wrong tangent looks like a load that is too large, or like missing support.
     fn or_wrong_tangent(&mut self, error: EquilibriumError) -> EquilibriumError {
         let suspicious = matches!(
             error,

@@ -66,9 +66,10 @@ pub fn largest(weights: &[f64], x: &[f64], parts: &Parts) -> Vec<f64> {
 /// can mean by two different numbers.
 const NEGLIGIBLE: f64 = 1e-11;
 
-/// `|c_r|` in roundings, for parts whose c no longer falls. If the row demands a negligible motion, `|c_r| <= 1e-11 sum_j |G_rj| s_j` with the
-/// extents s ([`ConstraintSet::extents`]), it is also measured by the largest rounding in its part, `D_r |c_r| / max_k D_k rounding_k`, and
-/// the smaller result counts: its own terms may vanish with u, and further steps among nearly dependent rows do harm.
+/// `|c_r|` in roundings, for parts whose c no longer falls. A row with weight `D_r > 0` demands a negligible motion if `|c_r| <= 1e-11
+/// sum_j |G_rj| s_j` with the extents s ([`ConstraintSet::extents`]). Such a row gets the smaller of its own value and `D_r |c_r| / max_k
+/// D_k rounding_k`, the maximum over its part: the row's own terms may vanish with u, and further steps among nearly dependent rows do
+/// harm.
 pub fn at_rest(
     set: &ConstraintSet,
     (evaluation, rounding, weights): (&Evaluation, &Rounding, &[f64]),

@@ -60,7 +60,7 @@ pub fn analyse_rows(
     analyse(&system, &options).map_err(|source| NewtonError::Analysis { step, source })
 }
 
-/// `u_s = T u_q + g` of an analysis.
+/// `y_s = T y_q + g` and `du = S y` of an analysis.
 pub struct Motions<'a> {
     pub reduction: Reduction,
     pub units: &'a [f64],
@@ -78,7 +78,7 @@ impl<'a> Motions<'a> {
         Ok(y.iter().zip(self.units).map(|(y, unit)| y * unit).collect())
     }
 
-    /// `[T; I]^T S f` for forces f.
+    /// Forces on the masters for forces f on all DOFs: `T^T (S f)_s + (S f)_q`, with the diagonal matrix S of the units.
     pub fn restrict(&self, f: &[f64]) -> Result<Vec<f64>, qless::ArgumentError> {
         let scaled = |&j: &usize| self.units[j] * f[j];
         let slaves: Vec<f64> = self.reduction.slaves().iter().map(scaled).collect();

@@ -1,8 +1,8 @@
-//! Short explanations of general equations: elimination in a growing neighbourhood of the equation.
+//! Expresses a vector of free DOFs, such as a dependent equation, by few equations: elimination in a growing neighbourhood of the vector.
 //!
 //! The neighbourhood grows by levels. A level has the equations that share a free DOF with the neighbourhood, those with the fewest new
 //! DOFs first. An equation is kept if it is no combination of earlier ones. As soon as the vector is a combination of the kept equations,
-//! its coefficients are unique, so the explanation by all equations with nonzero coefficients is irreducible.
+//! the coefficients of this combination are unique, so the explanation by all equations with nonzero coefficients is irreducible.
 
 use std::collections::{HashMap, HashSet};
 

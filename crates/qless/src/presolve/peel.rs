@@ -34,7 +34,7 @@ enum SlaveSize {
     Larger,
     /// No coefficient exceeds the slave.
     Largest,
-    /// The slave is below [`TINY`] of the largest: a factorization may drop it.
+    /// The coefficient of the slave is below [`TINY`] times the largest of the free DOFs in its row. A factorization may take it for zero.
     Tiny,
 }
 

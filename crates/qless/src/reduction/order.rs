@@ -143,7 +143,8 @@ mod tests {
         for together in 1..10 {
             let mut matrix = Csr { cols: 9, start: start.clone(), col: vec![0; 15], val: vec![0.0; 15] };
             for (k, mut range) in row_ranges(&mut matrix, together).into_iter().enumerate() {
-                // In descending order, so that a write to an empty row would destroy the row after it.
+                // In descending order: if `touch` wrote to an empty row, it would overwrite the row after it, which is already filled, and
+                // the test would fail.
                 for (row, &length) in lengths.iter().skip(k * together).take(together).enumerate().rev() {
                     range.touch(row);
                     let entries =

@@ -45,7 +45,7 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
     pub turn: Turn<D>,
     /// The kind of the fields.
     pub fields: Turning,
-    /// Largest distance of the image from the rotated node, a length.
+    /// Largest allowed distance between node b and the rotated node a, a length.
     pub tolerance: f64,
 }
 

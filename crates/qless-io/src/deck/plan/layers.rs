@@ -18,8 +18,8 @@ use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
 /// Prescribed columns, with the cards that prescribe them.
 pub type PrescribedColumns = FxHashMap<u32, Origin>;
 
-/// Load cases up to `last`. The equations that hold in all of them are independent without the columns prescribed in
-/// any of them.
+/// The load cases up to `last`, with the DOFs prescribed in any of them. The equations kept in all these cases are independent even
+/// without the columns of these DOFs.
 pub struct Layer {
     /// Last load case.
     pub last: usize,

@@ -72,7 +72,7 @@ impl<'a> SlaveClaims<'a> {
     }
 }
 
-/// Adds the rows of slaves that are new in this layer.
+/// Adds the row of each slave of this layer that is not in `before`, the slaves of the layer solved before it.
 fn add_rows(
     kept: &KeptEquations,
     layer: usize,

@@ -110,7 +110,7 @@ pub enum ExactError {
         "exact elimination of {rows} equations was given up: they fill in to {fill} coefficients, and {limit} are allowed"
     )]
     Fill {
-        /// Number of equations that were not eliminated yet.
+        /// Number of equations that the sparse elimination was given, without those that need no arithmetic.
         rows: usize,
         /// Number of stored coefficients when elimination was given up.
         fill: usize,

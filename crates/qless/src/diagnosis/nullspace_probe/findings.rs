@@ -3,7 +3,8 @@
 /// If a slave moves more than this for masters of size 1, coefficients have grown during substitution: presolve's rows may have lost three
 /// digits or more.
 const STEEP: f64 = 1e3;
-/// If a slave moves more than this for right-hand sides of size 1, its equations are nearly dependent.
+/// A slave whose row is not peeled is doubtful if it moves more than this for right-hand sides of size 1: its equation may be nearly
+/// dependent.
 const WEAK: f64 = 3e4;
 /// A row that contains more than this many times a user's equation has lost more than five digits. So has a slave that moves more than
 /// this. Up to this limit, the digits that a tolerance of 1e-10 needs are left of the sixteen of a double.

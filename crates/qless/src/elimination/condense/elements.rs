@@ -121,8 +121,9 @@ impl CondensedPattern {
     }
 
     /// Computes `K_q` and `f_q` from all elements. Element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` adds its numbers to
-    /// zeros. Each thread has a range of lines and computes the elements that contribute to it; elements at the borders are computed by
-    /// several threads. Sums are in the order of the elements, so that bits do not depend on the number of threads.
+    /// zeros. Each thread computes a range of rows of K_q, or of columns if K is stored by columns, from the elements that contribute to
+    /// it. An element that contributes to several ranges is computed once by each of their threads. Sums are in the order of the
+    /// elements, so that bits do not depend on the number of threads.
     ///
     /// # Errors
     /// As [`CondensedPattern::add_element`].

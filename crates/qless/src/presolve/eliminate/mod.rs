@@ -177,7 +177,8 @@ impl LowFillElimination<'_> {
         }
     }
 
-    /// Translates DOFs to local numbers and the units that they had before gathering.
+    /// Replaces gathered DOF numbers by local ones, and converts coefficients to the units before gathering. Lists the remaining rows in
+    /// `core`.
     fn finish(mut self, names: Vec<u32>, dofs: &[u32], power: &[i32]) -> Eliminated {
         let restored = |j: u32, v: f64| (dofs[j as usize], ldexp(v, -power[j as usize]));
         self.out.names = names;

@@ -20,7 +20,7 @@ const EITHER: [u32; 15] = [7, 14, 21, 27, 37, 38, 39, 40, 50, 71, 94, 116, 124, 
 /// Element types of a deck.
 #[derive(Debug, Default)]
 pub struct ElementTypes {
-    /// Numbers of contact types: KEYOPT(2) = 2 makes them impose equations.
+    /// Numbers of contact element types. A type imposes equations only if its KEYOPT(2) is 2.
     contact: FxHashSet<u32>,
     /// By number of the type: true for elements of plane models, false for elements of spatial ones.
     plane: FxHashMap<u32, bool>,

@@ -81,7 +81,8 @@ impl FlowControl {
         !self.blocks.is_empty()
     }
 
-    /// Line of the outermost open block, if an open block has lost commands: further iterations of a loop, or skipped commands.
+    /// Line of the outermost open block, if the missing end of a block may leave commands unexecuted: further iterations of a loop, or
+    /// skipped commands.
     pub fn never_closed(&self) -> Option<u32> {
         let loses = |block: &FlowBlock| !matches!(block, FlowBlock::Taken | FlowBlock::Unknown);
         self.blocks.iter().any(loses).then_some(self.opened)

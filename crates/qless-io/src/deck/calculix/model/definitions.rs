@@ -239,7 +239,7 @@ impl DeckDefinitions {
         InstanceMotion::read(&self.instances[scope.0 as usize - 1].data)
     }
 
-    /// Axes of a scope, moved with its instance.
+    /// A frame given in the coordinates of an instance, in those of the deck. A frame of the deck itself is unchanged.
     pub fn placed(&self, scope: Scope, frame: Frame) -> Result<Frame, Problem> {
         if scope == Scope::DECK { Ok(frame) } else { Ok(self.motion(scope)?.frame(frame)) }
     }

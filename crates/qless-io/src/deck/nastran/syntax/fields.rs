@@ -128,7 +128,7 @@ fn beyond<'a>(words: &[&'a [u8]], count: usize) -> Result<(Vec<&'a [u8]>, &'a [u
     }
 }
 
-/// Whether a word among data can only be a mark.
+/// Whether a word among data can only be a continuation mark: it looks like one, and is not a number.
 fn is_name(word: &[u8]) -> bool {
     is_mark(word) && real(word).is_err()
 }
