@@ -63,79 +63,47 @@ impl LinearEquations {
         self.col[entries.clone()].iter().copied().zip(self.val[entries].iter().copied())
     }
 
-    /// Adds the equations of a constraint that has none, and empties the list.
-    pub fn put(&mut self, constraint: u32, equations: &mut Vec<StagedEquation>, names: &mut EquationNames, time: f64) {
-        let row = self.rows_of(constraint).start;
-        let (first, mut last) = (self.start[row], self.start[row]);
-        let (mut col, mut val, mut ends, mut owners, mut rhs) =
-            (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        for (k, equation) in (0..).zip(equations.drain(..)) {
-            col.extend(equation.terms.iter().map(|&(j, _)| j));
-            val.extend(equation.terms.iter().map(|&(_, v)| v));
-            last += equation.terms.len();
-            ends.push(last);
-            owners.push(EquationOwner { constraint, name: names.place(equation.name) });
-            rhs.push(equation.rhs.at(time));
-            self.drive((constraint, k), equation.rhs);
-        }
-        self.start[row + 1..].iter_mut().for_each(|start| *start += last - first);
-        let next = row + 1;
-        self.start.splice(next..next, ends);
-        self.col.splice(first..first, col);
-        self.val.splice(first..first, val);
-        self.owners.splice(row..row, owners);
-        self.rhs.splice(row..row, rhs);
-    }
-
-    fn drive(&mut self, key: (u32, u32), rhs: LinearRhs) {
-        if let LinearRhs::TimeFunction(function) = rhs {
-            self.driven.insert(key, function);
-        }
-    }
-
-    /// Removes and returns the equations of a constraint.
-    pub fn take(&mut self, constraint: u32, names: &EquationNames) -> Vec<StagedEquation> {
-        let rows = self.rows_of(constraint);
-        let staged = |(k, row): (u32, usize)| {
-            let function = self.driven.remove(&(constraint, k));
-            let rhs = function.map_or(LinearRhs::Value(self.rhs[row]), LinearRhs::TimeFunction);
-            StagedEquation { name: names.name(self.owners[row].name), terms: Vec::new(), rhs }
-        };
-        let mut all: Vec<_> = (0..).zip(rows.clone()).map(staged).collect();
-        all.iter_mut().zip(rows.clone()).for_each(|(equation, row)| equation.terms = self.terms(row).collect());
-        let entries = self.start[rows.start]..self.start[rows.end];
-        self.start.drain(rows.start + 1..=rows.end);
-        self.start[rows.start + 1..].iter_mut().for_each(|start| *start -= entries.len());
-        self.col.drain(entries.clone());
-        self.val.drain(entries);
-        self.owners.drain(rows.clone());
-        self.rhs.drain(rows);
-        all
-    }
-
-    /// Replaces the equations of a constraint if the new ones have the same DOFs; returns whether they have.
-    pub fn overwrite(
+    /// Replaces the equations of a constraint, which may have none before or after. Returns the old ones. If the new ones have as many rows and
+    /// terms, no other equation moves.
+    pub fn replace(
         &mut self,
         constraint: u32,
-        equations: &mut Vec<StagedEquation>,
+        equations: Vec<StagedEquation>,
         names: &mut EquationNames,
         time: f64,
-    ) -> bool {
+    ) -> Vec<StagedEquation> {
         let rows = self.rows_of(constraint);
-        let same =
-            |(row, new): (usize, &StagedEquation)| self.terms(row).map(|(j, _)| j).eq(new.terms.iter().map(|t| t.0));
-        if rows.len() != equations.len() || !rows.clone().zip(&*equations).all(same) {
-            return false;
+        let entries = self.start[rows.start]..self.start[rows.end];
+        let old = (0..).zip(rows.clone()).map(|(k, row)| self.staged((constraint, k), row, names)).collect();
+        let (mut col, mut val, mut ends) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut owners, mut rhs) = (Vec::new(), Vec::new());
+        for (k, equation) in (0..).zip(equations) {
+            col.extend(equation.terms.iter().map(|&(j, _)| j));
+            val.extend(equation.terms.iter().map(|&(_, v)| v));
+            ends.push(entries.start + col.len());
+            owners.push(EquationOwner { constraint, name: names.place(equation.name) });
+            rhs.push(equation.rhs.at(time));
+            if let LinearRhs::TimeFunction(function) = equation.rhs {
+                self.driven.insert((constraint, k), function);
+            }
         }
-        for ((k, row), equation) in (0..).zip(rows).zip(equations.drain(..)) {
-            let entries = self.start[row]..self.start[row + 1];
-            self.val[entries].iter_mut().zip(&equation.terms).for_each(|(v, term)| *v = term.1);
-            self.rhs[row] = equation.rhs.at(time);
-            self.owners[row].name = names.place(equation.name);
-            self.driven.remove(&(constraint, k));
-            self.drive((constraint, k), equation.rhs);
+        let moved = col.len().wrapping_sub(entries.len());
+        if moved != 0 {
+            self.start[rows.end + 1..].iter_mut().for_each(|start| *start = start.wrapping_add(moved));
         }
-        true
+        self.start.splice(rows.start + 1..=rows.end, ends);
+        self.col.splice(entries.clone(), col);
+        self.val.splice(entries, val);
+        self.owners.splice(rows.clone(), owners);
+        self.rhs.splice(rows, rhs);
+        old
+    }
+
+    /// A copy of a row; its function of time is moved there.
+    fn staged(&mut self, key: (u32, u32), row: usize, names: &EquationNames) -> StagedEquation {
+        let function = self.driven.remove(&key);
+        let rhs = function.map_or(LinearRhs::Value(self.rhs[row]), LinearRhs::TimeFunction);
+        StagedEquation { name: names.name(self.owners[row].name), terms: self.terms(row).collect(), rhs }
     }
 
     /// Rows whose right-hand sides are functions of time.

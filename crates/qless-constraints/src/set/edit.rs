@@ -205,22 +205,22 @@ impl ConstraintSet {
     }
 
     /// Stores the equations of a constraint in its position.
-    pub(super) fn put(&mut self, number: u32, mut contents: ConstraintContents) {
+    pub(super) fn put(&mut self, number: u32, contents: ConstraintContents) {
         let Self { register, linear, nonlinear, hessian_plan, time, .. } = self;
-        linear.put(number, &mut contents.equations, &mut register.equation_names, *time);
-        let ConstraintContents { pieces, dofs, .. } = &mut contents;
+        let ConstraintContents { equations, pieces, dofs, .. } = contents;
+        linear.replace(number, equations, &mut register.equation_names, *time);
         if !pieces.is_empty() {
             hessian_plan.take();
         }
-        pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.equation_names, nonlinear));
+        pieces.into_iter().for_each(|piece| piece.commit(number, &dofs, &mut register.equation_names, nonlinear));
         self.pattern.renew();
         self.version.renew();
     }
 
     /// Removes and returns the equations of a constraint.
     pub(super) fn take(&mut self, number: u32) -> ConstraintContents {
-        let names = &self.register.equation_names;
-        let equations = self.linear.take(number, names);
+        let names = &mut self.register.equation_names;
+        let equations = self.linear.replace(number, Vec::new(), names, self.time);
         let (pieces, dofs) = self.nonlinear.take(number, names);
         if !pieces.is_empty() {
             self.hessian_plan.take();
@@ -230,7 +230,7 @@ impl ConstraintSet {
         ConstraintContents { equations, pieces, dofs, ..ConstraintContents::default() }
     }
 
-    /// Replaces the numbers of a constraint if all patterns stay; otherwise returns the contents.
+    /// Replaces the numbers of a constraint if its nonlinear equations keep their pattern; otherwise returns the contents.
     fn overwrite(&mut self, number: u32, mut contents: ConstraintContents) -> Result<(), ConstraintContents> {
         contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear));
         let places = self.nonlinear.items_of(number);
@@ -239,9 +239,10 @@ impl ConstraintSet {
         let mut pairs = contents.pieces.iter().zip(&places);
         let fits = contents.pieces.len() == places.len()
             && pairs.all(|(piece, &place)| piece.fits(&contents.dofs, place, nonlinear));
-        if !fits || !linear.overwrite(number, &mut contents.equations, names, *time) {
+        if !fits {
             return Err(contents);
         }
+        linear.replace(number, contents.equations, names, *time);
         let pairs = contents.pieces.into_iter().zip(places);
         pairs.for_each(|(piece, place)| piece.overwrite(number, names, place, nonlinear));
         // An evaluation keeps the coefficients of linear equations until the pattern is renewed.
