@@ -20,6 +20,7 @@ use crate::equations::linear::{LinearTerms, StagedEquation};
 use crate::equations::nonlinear::typed::StagedItem;
 use crate::geometry::node::Node;
 pub use crate::nonlinear::Nonlinear;
+use crate::scalar::SUM_ROUNDING;
 
 /// The input of one constraint.
 ///
@@ -77,9 +78,6 @@ pub struct EquationSink {
     pub(crate) contents: ConstraintContents,
     pub(crate) fault: Option<EquationError>,
 }
-
-/// If terms on one DOF sum to less than this, relative to the sum of their magnitudes, the sum is rounding and is set to zero.
-const CANCELLED: f64 = 8.0 * f64::EPSILON;
 
 impl std::fmt::Debug for EquationSink {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -278,11 +276,11 @@ fn summed(mut terms: LinearTerms) -> LinearTerms {
     terms
 }
 
-/// The sum of the coefficients of one DOF.
+/// The sum of the coefficients of one DOF; zero if only rounding is left of them.
 fn sum(same: &[(u32, f64)]) -> f64 {
     let sum: f64 = same.iter().map(|&(_, v)| v).sum();
     let size: f64 = same.iter().map(|&(_, v)| v.abs()).sum();
-    if same.len() > 1 && sum.abs() <= CANCELLED * size { 0.0 } else { sum }
+    if same.len() > 1 && sum.abs() <= SUM_ROUNDING * size { 0.0 } else { sum }
 }
 
 /// The smallest DOF that occurs twice.

@@ -6,6 +6,9 @@ use qless::common::SplitMix64;
 /// A sparse matrix by columns.
 pub type SparseMatrix = SparseColMat<usize, f64>;
 
+/// Half of the digits of a double. A quantity above this share of its terms keeps more digits than rounding takes.
+pub const HALF_DIGITS: f64 = 1e-8;
+
 /// `y += A x`.
 pub fn add_product(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
     for (j, x) in x.iter().enumerate() {

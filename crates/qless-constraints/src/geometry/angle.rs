@@ -3,16 +3,14 @@
 //!
 //! `c = f v` with `f(m, y) = atan2(sqrt y, m) / sqrt y` and `y = v.v`. f is smooth if v is not zero or m is positive.
 //! Scaling m and v together does not change c. If v is zero and m is negative, the angle is pi and every direction is
-//! equally near. Within [`TURNED_OVER`] of that point c takes the first direction, `c = (pi + v_1 / m, 0, ..)`, and
+//! equally near. Within 1e-8 rad of that point c takes the first direction, `c = (pi + v_1 / m, 0, ..)`, and
 //! its Jacobian has rank one.
 
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-use crate::scalar::Scalar;
+use crate::scalar::{HALF_DIGITS, Scalar};
 
-/// Distance from pi, in radians, that counts as half a turn: the sine of such an angle has lost half of its digits.
-const TURNED_OVER: f64 = 1e-8;
 /// Largest `y / m^2` for which the series are used.
 const SMALL: f64 = 0.1;
 /// Terms of the series for angles up to 0.3, and up to 0.03.
@@ -43,9 +41,9 @@ fn terms(z: f64) -> i32 {
     TERMS[usize::from(z < 1e-3)]
 }
 
-/// Whether the angle of `(m, |v|)` is within [`TURNED_OVER`] of pi.
+/// Whether the angle of `(m, |v|)` is within 1e-8 rad of pi.
 fn turned_over<const K: usize>(m: f64, v: [f64; K]) -> bool {
-    m < 0.0 && v.iter().fold(0.0, |sum: f64, v| sum.hypot(*v)) <= -TURNED_OVER * m
+    m < 0.0 && v.iter().fold(0.0, |sum: f64, v| sum.hypot(*v)) <= -HALF_DIGITS * m
 }
 
 #[cfg(test)]

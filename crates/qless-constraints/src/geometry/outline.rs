@@ -1,5 +1,7 @@
 //! Outlines of facets: intervals of a line or convex polygons in a plane, with intersection, size and quadrature.
 
+use crate::scalar::NO_EXTENT;
+
 /// Outline of a facet. Points of a line are `[s, 0]`.
 pub enum Outline {
     /// Lower and upper end.
@@ -94,7 +96,7 @@ pub fn perimeter(polygon: &[PlanePoint]) -> f64 {
 
 /// Whether every corner is convex, up to rounding.
 pub fn is_convex(polygon: &[PlanePoint]) -> bool {
-    let rounding = 1e-12 * area(polygon);
+    let rounding = NO_EXTENT * area(polygon);
     let after = edges(polygon).skip(1).chain(edges(polygon));
     edges(polygon).zip(after).all(|((a, b), (_, c))| side(a, b, c) >= -rounding)
 }
@@ -120,13 +122,12 @@ fn cut(polygon: &[PlanePoint], a: PlanePoint, b: PlanePoint) -> Vec<PlanePoint> 
     kept
 }
 
-/// A corner is dropped if it cuts off less than this share of the area: rounding makes such corners on edges and
-/// beside other corners.
-const STRAIGHT: f64 = 1e-10;
+/// Areas below this share of a polygon are made by rounding: corners on edges and beside other corners, and overlaps along shared edges.
+pub const SLIVER: f64 = 1e-10;
 
 /// The corners of a polygon, without those that rounding made.
 fn true_corners(polygon: &[PlanePoint]) -> Vec<PlanePoint> {
-    let least = 2.0 * STRAIGHT * area(polygon);
+    let least = 2.0 * SLIVER * area(polygon);
     let mut corners = polygon.to_vec();
     let mut k = 0;
     while k < corners.len() && corners.len() > 3 {

@@ -1,6 +1,7 @@
 //! `x' = c + R (x - c)`: the rotation from one sector of a cyclic model to the next.
 
 use super::rotation::by_vector;
+use crate::scalar::SUM_ROUNDING;
 use crate::scalar::vector::{Vector, scale, unit};
 
 /// A rotation R by an angle about an axis in space, or a centre in the plane: `x' = c + R (x - c)`.
@@ -12,13 +13,10 @@ pub struct Turn<const D: usize> {
     pub(crate) angle: f64,
 }
 
-/// An entry up to `BLUR max(|angle|, 1)` of a sine, a cosine or a rotation matrix is only rounding.
-const BLUR: f64 = 8.0 * f64::EPSILON;
-
 /// Sets an entry of a rotation matrix to zero if it is only rounding. Quarter and full turns have no exact angle in
 /// floating point, and noise of 1e-16 would become a coefficient and change the rank.
 fn snap_to_zero(x: f64, angle: f64) -> f64 {
-    if x.abs() <= BLUR * angle.abs().max(1.0) { 0.0 } else { x }
+    if x.abs() <= SUM_ROUNDING * angle.abs().max(1.0) { 0.0 } else { x }
 }
 
 /// Sine and cosine; values that are only rounding are exactly zero.

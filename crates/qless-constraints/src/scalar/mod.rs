@@ -11,6 +11,13 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub use bounded::Bounded;
 pub use dual::Dual;
 
+/// Relative rounding of a sum of a few terms: eight units in the last place. A result that is at most this share of its terms is zero.
+pub(crate) const SUM_ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Half of the digits of a double. What is smaller than this share of its terms has lost more digits than it kept, and determines nothing.
+pub(crate) const HALF_DIGITS: f64 = 1e-8;
+/// What is smaller than this share of its size has no extent: four digits above the rounding of coordinates.
+pub(crate) const NO_EXTENT: f64 = 1e-12;
+
 /// Numbers with sums and products: scalars, with or without derivatives, or several scalars side by side.
 pub trait Arithmetic:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>

@@ -7,16 +7,14 @@
 //! unavoidable: no choice of `e_i` is continuous for all directions d.
 
 use crate::geometry::node::{Point, separation};
-use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, sub, unit};
+use crate::scalar::{NO_EXTENT, Scalar};
 use crate::types::joints::attachment::{BodyPoint, PointFunction, on_points};
 use crate::{Constraint, EquationSink};
 
 /// Value of `D.d` below which the rotation starts from -D. It is not a round angle, so models are unlikely to be at the
 /// jump.
 const TURNED: f64 = -0.55;
-/// A line shorter than this share of its initial length has no direction.
-const COLLAPSED: f64 = 1e-12;
 
 /// The line that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,7 +159,7 @@ impl MovingLine {
 
     /// The length of the line, NaN if it has collapsed.
     fn checked<S: Scalar>(&self, length: S) -> S {
-        if length.real() > COLLAPSED * self.length { length } else { S::from(f64::NAN) }
+        if length.real() > NO_EXTENT * self.length { length } else { S::from(f64::NAN) }
     }
 }
 

@@ -2,13 +2,10 @@
 //! `n = (b - a) x (d - a) / |(b - a) x (d - a)|`.
 
 use crate::geometry::node::{Point, rounding};
-use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, cross, dot, lift, norm, sub, unit};
+use crate::scalar::{NO_EXTENT, Scalar};
 use crate::types::joints::attachment::{BodyPoint, PointFunction, on_points};
 use crate::{Constraint, EquationSink};
-
-/// Nodes a, b, d count as collinear if the sine of the angle between `b - a` and `d - a` is below this.
-const FLAT: f64 = 1e-12;
 
 /// The plane that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +98,7 @@ impl Constraint for OnPlane<BodyPoint> {
                 let (ab, ad) = (sub(b.at, a.at), sub(d.at, a.at));
                 let (area, sides) = (norm(cross(ab, ad)), norm(ab).max(norm(ad)));
                 // Far from the origin, the rounding of the coordinates alone makes an area.
-                let sound = area > FLAT * norm(ab) * norm(ad) && area > rounding(&[b.at, d.at], &a.at) * sides;
+                let sound = area > NO_EXTENT * norm(ab) * norm(ad) && area > rounding(&[b.at, d.at], &a.at) * sides;
                 if !sound {
                     return Err(OnPlaneError::Normal);
                 }
@@ -138,7 +135,7 @@ impl PointFunction for MovingPlane {
         let [off, ab, ad] = [0, 2, 3].map(|k| sub(points[k], points[1]));
         let normal = cross(ab, ad);
         let size = |v: Vector<S>| norm(v.map(Scalar::real));
-        let sound = size(normal) > FLAT * size(ab) * size(ad);
+        let sound = size(normal) > NO_EXTENT * size(ab) * size(ad);
         c[0] = dot(off, normal) / if sound { norm(normal) } else { S::from(f64::NAN) };
     }
 }

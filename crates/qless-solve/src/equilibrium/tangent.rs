@@ -13,14 +13,11 @@ use super::corrector::Corrector;
 use super::saddle::{SINGULAR, Saddle, SaddleEntries, largest, norm};
 use super::state::{ULPS, Unknowns};
 use super::{EquilibriumError, Model};
-use crate::common::{random, times};
+use crate::common::{HALF_DIGITS, random, times};
 
 /// Added to the scaled diagonal if the tangent is singular. The motion without resistance then moves a thousand times as far as it would
 /// against the stiffness of the model: the step-length search shortens it.
 const ADDED: f64 = 1e-3;
-
-/// A motion that is resisted by more than this needs no check: half of the digits of its support are not rounding.
-const LITTLE: f64 = 1e-8;
 
 /// Rows are dependent, but it is not known which.
 const NO_FACTORS: &str =
@@ -85,12 +82,13 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion.
+    /// A motion that is resisted by more than half of the digits needs no check.
     pub fn check_support(&mut self, parts: &[usize], x: &Unknowns) -> Result<Vec<(usize, Saddle)>, EquilibriumError> {
         let (mut firm, mut found, mut off) = (Vec::new(), Vec::new(), x.clone());
         for &part in parts {
             let before = self.all[part].rows.clone();
             match self.regular_tangent(part) {
-                Ok((saddle, None)) if saddle.softest.1 >= LITTLE => firm.push((part, saddle)),
+                Ok((saddle, None)) if saddle.softest.1 >= HALF_DIGITS => firm.push((part, saddle)),
                 Ok((saddle, None)) => {
                     self.put_off(&mut off, x, part, &saddle.solve(&self.rhs(part)));
                     let entries_before = times(&saddle.a, &saddle.softest.0);

@@ -7,6 +7,7 @@ use qless::{Analysis, Form, Noise, Options, Reduction, Tolerance, analyse};
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
 use super::error::NewtonError;
+use crate::common::HALF_DIGITS;
 
 /// Bound on the entries of T. If the first hinge of a chain turns, the end of the chain moves by its length, which is an entry of T: chains
 /// of up to a million links keep the slaves that elimination prefers.
@@ -14,10 +15,6 @@ const GROWTH: f64 = 1e6;
 
 /// What rounding may leave of 1 in a motion `du = T dq`: the rounding of the largest entry of T.
 pub const LOST: f64 = f64::EPSILON * GROWTH;
-
-/// Smallest relative tolerance of the rank on the way to a solution: half of the digits of a double. Rows that smaller changes make
-/// independent are not needed: so close to the solution, the next step ends at rounding.
-const CHANGE: f64 = 1e-8;
 
 /// c and G at a configuration, with bounds on their rounding and the units S.
 #[derive(Clone, Copy)]
@@ -34,8 +31,9 @@ pub fn linearise(
     prescribed: &[(usize, f64)],
     (step, options): (usize, &Options),
 ) -> Result<Analysis, NewtonError> {
+    // Rows that smaller changes make independent are not needed: so close to the solution, the next step ends at rounding.
     let tolerance = match options.tolerance {
-        Tolerance::Relative(least) => Tolerance::Relative(least.max(CHANGE)),
+        Tolerance::Relative(least) => Tolerance::Relative(least.max(HALF_DIGITS)),
         absolute => absolute,
     };
     options.validate().map_err(|source| NewtonError::Analysis { step, source: source.into() })?;

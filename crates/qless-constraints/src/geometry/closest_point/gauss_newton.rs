@@ -2,6 +2,7 @@
 //! the boundary.
 
 use crate::geometry::shape::{Shape, ShapeParameters};
+use crate::scalar::{HALF_DIGITS, NO_EXTENT};
 
 /// Maximum number of steps; sound elements need fewer than ten.
 const MAX_STEPS: usize = 50;
@@ -36,9 +37,10 @@ pub fn closest_parameters<const D: usize>(
         // The iterates are not clamped to the element: the path to an inner point may lead outside.
         closest.xi = std::array::from_fn(|k| (closest.xi[k] + step[k]).clamp(-4.0, 4.0));
         let size: f64 = step.iter().map(|x| x.abs()).sum();
-        closest.converged = size < 1e-8;
+        // The error left is about the square of the step.
+        closest.converged = size < HALF_DIGITS;
         // Stop at convergence, or when the steps are only rounding.
-        if size < f64::EPSILON || (size < 1e-12 && size >= before) {
+        if size < f64::EPSILON || (size < NO_EXTENT && size >= before) {
             break;
         }
         before = size;

@@ -9,6 +9,7 @@ mod proof;
 use super::bounds::bounds;
 use super::node::relative;
 use super::shape::{Shape, ShapeParameters};
+use crate::scalar::SUM_ROUNDING;
 use gauss_newton::{ClosestParameters, closest_parameters, descend};
 use proof::is_nearest;
 
@@ -99,7 +100,7 @@ fn projection<const D: usize>(nodes: &[[f64; D]], weights: Vec<f64>) -> Projecti
 /// so that the sum is one.
 pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
     let largest = weights.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
-    weights.iter_mut().filter(|n| n.abs() < 8.0 * f64::EPSILON * blur * largest).for_each(|n| *n = 0.0);
+    weights.iter_mut().filter(|n| n.abs() < SUM_ROUNDING * blur * largest).for_each(|n| *n = 0.0);
     let missing = 1.0 - weights.iter().sum::<f64>();
     if let Some(most) = weights.iter_mut().max_by(|a, b| a.abs().total_cmp(&b.abs())) {
         *most += missing;

@@ -13,9 +13,8 @@
 use super::gauss_newton::{dot, tangents};
 use crate::geometry::node::ROUNDING;
 use crate::geometry::shape::{Shape, ShapeParameters};
+use crate::scalar::NO_EXTENT;
 
-/// Points nearer to a plane than this share of the size of the element lie in the plane.
-const FLAT: f64 = 1e-12;
 /// Safety factor for second derivatives between nodes: they are at most quadratic along an edge, and known at its ends
 /// and its middle.
 const SAFETY: f64 = 1.25;
@@ -32,7 +31,7 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
     let n = shape.dimensions();
     let descent = slopes.map(|slope| -dot(&x, &slope));
     // A length squared: changes below it are rounding.
-    let least = (FLAT * distance + ROUNDING * size) * size;
+    let least = (NO_EXTENT * distance + ROUNDING * size) * size;
     let falls = |to: &ShapeParameters| (0..n).map(|k| descent[k] * (to[k] - xi[k])).sum::<f64>() > least;
     if shape.corners().iter().any(falls) {
         return false;

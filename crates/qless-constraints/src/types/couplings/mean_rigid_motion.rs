@@ -12,11 +12,9 @@ use super::node6::Component;
 use super::rigid_motion::{about, along, arm, clean};
 use super::svd::{JacobiSvd, svd};
 use crate::geometry::surface::Surface;
+use crate::scalar::HALF_DIGITS;
 use crate::scalar::vector::{Vector, add, axis, cross, hypot, scale};
 
-/// Singular values below this share of the largest count as zero. So nodes count as on a line if they deviate from it by
-/// less than about 1e-8 of its length.
-const LEAST: f64 = 1e-8;
 /// Relative error of an arm: a few operations on the coordinates.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
@@ -38,7 +36,7 @@ pub struct RigidMotionFit {
     centre: Vector<f64>,
     /// The scale of rotations, a length.
     length: f64,
-    /// Largest singular value that counts as zero.
+    /// Largest singular value that counts as zero. Nodes count as on a line if they deviate from it by less than about 1e-8 of its length.
     least: f64,
     /// Size of the coordinates over the size of the arms, at least 1: the factor by which the rounding of coordinates
     /// grows.
@@ -56,7 +54,7 @@ impl RigidMotionFit {
         rows.iter_mut().for_each(|row| row[3..].iter_mut().for_each(|x| *x *= balance));
         let factors = svd(rows);
         let blur = if spread > 0.0 { (size / spread).max(1.0) } else { 1.0 };
-        let least = LEAST.max(ROUNDING * blur).min(0.5) * factors.values.iter().copied().fold(0.0, f64::max);
+        let least = HALF_DIGITS.max(ROUNDING * blur).min(0.5) * factors.values.iter().copied().fold(0.0, f64::max);
         let roots = observations.iter().map(|o| o.root).collect();
         Self { factors, roots, centre, length: unit / balance, least, blur }
     }
@@ -70,7 +68,7 @@ impl RigidMotionFit {
         let undetermined: Vec<usize> = (0..6).filter(|j| !determined(j)).collect();
         let missed = undetermined.iter().fold(0.0, |sum: f64, &j| sum.hypot(v(j)));
         let whole = p.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
-        if missed > LEAST.max(ROUNDING * self.blur) * whole || missed.is_nan() {
+        if missed > HALF_DIGITS.max(ROUNDING * self.blur) * whole || missed.is_nan() {
             return Err(self.undetermined_error(motion, place, &undetermined, v));
         }
         let factor: [f64; 6] = std::array::from_fn(|j| {

@@ -2,6 +2,7 @@
 
 use super::rigid_motion::{about, along, clean};
 use crate::geometry::node::Point;
+use crate::scalar::HALF_DIGITS;
 use crate::scalar::vector::{Vector, axis, cross, dot, norm, scale, sub, unit};
 
 /// A component of the motion of a node.
@@ -186,9 +187,6 @@ impl From<Point> for Node6 {
     }
 }
 
-/// Directions are parallel if the sine of their angle is below this.
-const PARALLEL: f64 = 1e-8;
-
 /// Local axes, a right-handed system of unit vectors: Cartesian, or radial, circumferential and axial at a point.
 ///
 /// ```
@@ -260,7 +258,7 @@ fn across(e: Vector<f64>, other: Vector<f64>) -> Option<Vector<f64>> {
     let part = |x: Vector<f64>| sub(x, scale(dot(e, x), e));
     let rest = part(other);
     // Orthogonalise again: a short remainder of the first pass contains enlarged rounding.
-    if norm(rest) > PARALLEL { unit(part(rest)) } else { None }
+    if norm(rest) > HALF_DIGITS { unit(part(rest)) } else { None }
 }
 
 /// Sets components that are only rounding to zero; they would become coefficients.

@@ -8,6 +8,7 @@ use super::rigid_motion::{along, arm, clean};
 use super::{Section, face_integrals};
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
+use crate::scalar::HALF_DIGITS;
 use crate::scalar::vector::{Vector, add, axis, cross, dot, hypot, norm, perpendicular, scale, unit};
 use crate::{Constraint, EquationSink};
 
@@ -164,8 +165,6 @@ impl Constraint for ShellToSolid {
 
 /// Largest distance of a node from the line, relative to the length of the line.
 const BENT: f64 = 0.01;
-/// Sums of weights below this share of the sum of their absolute values are zero.
-const NEGLIGIBLE: f64 = 1e-8;
 
 /// Solid nodes on a straight line through the thickness, near a shell node. Each has a share of the side of the solid: its area
 /// `w_i = int N_i dA` and its first moment `m_i = int N_i z dA`.
@@ -227,7 +226,7 @@ impl LineShares {
 /// The sum of the terms. An error unless it is positive beyond rounding.
 fn sum(terms: impl Iterator<Item = f64> + Clone) -> Result<f64, LineFault> {
     let (total, size) = (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>());
-    if total > NEGLIGIBLE * size { Ok(total) } else { Err(LineFault::NoArea) }
+    if total > HALF_DIGITS * size { Ok(total) } else { Err(LineFault::NoArea) }
 }
 
 /// The vector between the outermost nodes, and its length.

@@ -15,7 +15,7 @@ use crate::geometry::angle;
 use crate::geometry::quaternion::Quaternion;
 use crate::geometry::rotation::by_euler;
 use crate::scalar::vector::{Vector, dot, lift, perpendicular};
-use crate::scalar::{Arithmetic, Scalar};
+use crate::scalar::{Arithmetic, HALF_DIGITS, Scalar};
 
 /// The value of a prescribed motion at a time. The error is a value that is not finite.
 pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
@@ -23,13 +23,10 @@ pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
     if value.is_finite() { Ok(value) } else { Err(value) }
 }
 
-/// m counts as negative only if it is below minus this share of |v|: at exactly half a turn, rounding must not change
-/// the sense of rotation.
-const HALF_TURN: f64 = 1e-8;
-
-/// Whether -q, which is the same rotation, gives the smaller angle.
+/// Whether -q, which is the same rotation, gives the smaller angle. At exactly half a turn m is rounding, which must not change the sense of
+/// rotation.
 fn negated([m, v @ ..]: [f64; 4]) -> bool {
-    m < -HALF_TURN * v.into_iter().fold(0.0, f64::hypot)
+    m < -HALF_DIGITS * v.into_iter().fold(0.0, f64::hypot)
 }
 
 /// `(m, v)` with the sign of the smaller angle.

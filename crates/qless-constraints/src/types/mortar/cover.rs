@@ -5,10 +5,8 @@ use super::{MortarError, MortarTie};
 use crate::geometry::node::{rounding, within};
 use crate::geometry::search::FaceSearch;
 use crate::geometry::surface::Surface;
+use crate::scalar::HALF_DIGITS;
 use crate::scalar::vector::Vector;
-
-/// Allowed rounding error of the covered size, relative to the size of the facet or piece.
-const ROUNDING: f64 = 1e-8;
 
 /// The segments of a slave facet, each with the index of its master facet.
 pub(super) type FacetSegments = Vec<(usize, MortarSegment)>;
@@ -74,7 +72,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         let (size, tolerance) = (piece.outline.size(), self.tolerance);
         let bare = size - covered;
         // A facet that is mostly uncovered is refused for every tolerance.
-        let allowed = (tolerance * piece.outline.border()).min(size / 2.0) + ROUNDING * size;
+        let allowed = (tolerance * piece.outline.border()).min(size / 2.0) + HALF_DIGITS * size;
         if within(bare.abs(), allowed) {
             Ok(())
         } else if bare < 0.0 {

@@ -6,12 +6,9 @@
 
 use crate::geometry::closest_point::gauss_newton::closest_parameters;
 use crate::geometry::node::relative;
-use crate::geometry::outline::{Outline, PlanePoint};
+use crate::geometry::outline::{Outline, PlanePoint, SLIVER};
 use crate::geometry::shape::Shape;
 use crate::scalar::vector::{Vector, add, cross, dot, norm, perpendicular, scale, sub, unit};
-
-/// Overlaps below this share of the smaller facet are left out: rounding makes such slivers along shared edges.
-const SLIVER: f64 = 1e-10;
 
 /// A plane `x = origin + p axes[0] + q axes[1]`, or a line if the second axis is zero.
 struct MeanPlane {
