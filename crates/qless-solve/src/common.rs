@@ -9,6 +9,9 @@ pub type SparseMatrix = SparseColMat<usize, f64>;
 /// Half of the digits of a double. A quantity above this share of its terms keeps more digits than rounding takes.
 pub const HALF_DIGITS: f64 = 1e-8;
 
+/// Relative rounding of an entry of a matrix, which is the result of about 16 operations.
+pub const ENTRY_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// `y += A x`.
 pub fn add_product(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
     for (j, x) in x.iter().enumerate() {

@@ -16,10 +16,10 @@
 //! describes all unknowns together; if dimensionless multipliers are far larger than u, their rounding is a larger fraction of u, which y
 //! shows. Cost: one solve, and a few more if units are unknown.
 
-use super::equations::{Equations, Solve, WRONG};
+use super::equations::{Equations, Solve};
 use super::matrix::entries;
 use super::part::EnforcedPart;
-use crate::common::RandomForces;
+use crate::common::{ENTRY_ROUNDING, RandomForces};
 
 /// Random solves if a DOF has no known unit: the largest of so many random errors of one DOF is seldom far below the largest possible.
 const TRIALS: usize = 4;
@@ -49,12 +49,14 @@ impl DisplacementErrors {
             sizes.iter_mut().zip(loads).for_each(|(size, load)| *size = size.max(load));
         }
         let known = errors.known.iter().zip(&sizes);
-        errors.rounding = known.map(|(known, size)| if *known { WRONG * growth * size } else { 0.0 }).collect();
+        errors.rounding =
+            known.map(|(known, size)| if *known { ENTRY_ROUNDING * growth * size } else { 0.0 }).collect();
         let terms: Vec<f64> = model.size(x).iter().zip(&part.rhs.1).map(|(ax, b)| ax + b).collect();
         let off: Vec<f64> = model.apply(x).iter().zip(&part.rhs.0).map(|(ax, b)| (ax - b).abs()).collect();
         let mut random = RandomForces::default();
         for _ in 0..if errors.known.contains(&false) { TRIALS } else { 1 } {
-            let forces: Vec<f64> = terms.iter().zip(&off).map(|(t, off)| random.next() * (off + WRONG * t)).collect();
+            let forces: Vec<f64> =
+                terms.iter().zip(&off).map(|(t, off)| random.next() * (off + ENTRY_ROUNDING * t)).collect();
             let moved = errors.levelled(solve(&forces).ok()?.into_iter());
             errors.rounding.iter_mut().zip(moved).for_each(|(most, moved)| *most = most.max(moved));
         }
@@ -88,7 +90,7 @@ impl DisplacementErrors {
 
     /// Relative error of u by rounding, of the DOF where it is largest.
     pub fn share(&self) -> f64 {
-        self.relative(&self.rounding).max(WRONG)
+        self.relative(&self.rounding).max(ENTRY_ROUNDING)
     }
 
     /// The largest ratio to a reference; NaN counts as infinite.

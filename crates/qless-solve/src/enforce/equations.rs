@@ -6,12 +6,10 @@
 
 use super::EnforceError;
 use super::matrix::entries;
-use crate::common::{SparseMatrix, times};
+use crate::common::{ENTRY_ROUNDING, SparseMatrix, times};
 
-/// Relative error assumed for the entries of A, which were rounded several times before.
-pub const WRONG: f64 = 16.0 * f64::EPSILON;
 /// Relative errors up to this size are rounding: those of an entry, and of the few products that it takes part in.
-pub const ROUNDING: f64 = 4.0 * WRONG;
+pub const ROUNDING: f64 = 4.0 * ENTRY_ROUNDING;
 /// The largest relative residual that a row may have: a million times rounding, so that sums of many terms reach it.
 pub const BALANCED: f64 = 1e-10;
 /// Floor for the terms of a row, relative to the largest of its part: `BALANCED FLOOR` is rounding of a sum of hundreds of terms.

@@ -16,10 +16,10 @@
 
 use qless::{Form, Options, SystemBuilder, analyse};
 
-use super::equations::{Equations, ROUNDING, Solve, WRONG};
+use super::equations::{Equations, ROUNDING, Solve};
 use super::matrix::{ScaledFactor, entries};
 use super::{EnforceError, SolverError};
-use crate::common::RandomForces;
+use crate::common::{ENTRY_ROUNDING, RandomForces};
 
 /// Power iterations: the growth in the first one depends on the start vector and does not count.
 const STEPS: usize = 2;
@@ -45,8 +45,8 @@ pub fn check_support(equations: &Equations, solve: &mut Solve<'_>) -> Result<Sup
     let refined = candidates.into_iter().map(|v| refined_null_vector(equations, solve, v));
     let best = refined.min_by(|a, b| a.1.total_cmp(&b.1));
     Ok(match best {
-        // A growth of 1 / WRONG leaves u without a correct digit.
-        Some((motion, resistance)) if resistance <= ROUNDING || growth * WRONG >= 1.0 => {
+        // A growth of 1 / ENTRY_ROUNDING leaves u without a correct digit.
+        Some((motion, resistance)) if resistance <= ROUNDING || growth * ENTRY_ROUNDING >= 1.0 => {
             SupportVerdict::Mechanism(motion, resistance)
         }
         _ => SupportVerdict::Supported(growth),

@@ -10,8 +10,8 @@
 
 use qless::Csr;
 
-use super::equations::WRONG;
 use super::scale::{scales, times_power};
+use crate::common::ENTRY_ROUNDING;
 
 /// Equilibrated entries up to this size are rounding: far above what `eps` becomes in thousands of steps, far below what a user means.
 const NOISE: f64 = 1.0 / (1_u64 << 40) as f64;
@@ -35,6 +35,6 @@ impl TransformNoise {
     pub fn size(&self, (row, col, rows): (usize, usize, usize), value: f64) -> f64 {
         let Some(scale) = &self.0 else { return value.abs() };
         let unit = times_power(1.0, -scale[row] - scale[rows + col]);
-        if value.abs() > NOISE * unit { value.abs() } else { unit.min(value.abs() / WRONG) }
+        if value.abs() > NOISE * unit { value.abs() } else { unit.min(value.abs() / ENTRY_ROUNDING) }
     }
 }

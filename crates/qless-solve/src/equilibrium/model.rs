@@ -2,6 +2,8 @@
 
 use std::error::Error;
 
+use qless::Csr;
+
 /// A finite-element model: forces and stiffness of its elements at u, in its own units.
 ///
 /// ```
@@ -69,9 +71,7 @@ pub struct Assembly {
     pub(super) force: Vec<f64>,
     /// `sum |terms|` of `f_int`.
     pub(super) terms: Vec<f64>,
-    start: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
+    stiffness: Csr,
     wanted: bool,
     pub(super) fault: Option<AssemblyFault>,
 }
@@ -84,16 +84,14 @@ impl Assembly {
             Some(row) if j < n => row.push(j),
             _ => fault = Some(AssemblyFault::Stiffness(i, j)),
         });
-        let mut start = vec![0];
-        let mut columns = Vec::new();
+        let mut stiffness = Csr::empty(n);
         for mut row in rows {
             row.sort_unstable();
             row.dedup();
-            columns.extend(row);
-            start.push(columns.len());
+            let zeros = row.into_iter().map(|j| (j, 0.0));
+            stiffness.push_row(zeros).expect("columns ascend, and are below n");
         }
-        let values = vec![0.0; columns.len()];
-        Self { force: vec![0.0; n], terms: vec![0.0; n], start, columns, values, wanted: true, fault }
+        Self { force: vec![0.0; n], terms: vec![0.0; n], stiffness, wanted: true, fault }
     }
 
     /// Resets all sums to zero. Without `stiffness`, stiffness is neither reset nor summed.
@@ -102,7 +100,7 @@ impl Assembly {
         self.terms.fill(0.0);
         self.wanted = stiffness;
         if stiffness {
-            self.values.fill(0.0);
+            self.stiffness.values_mut().fill(0.0);
         }
     }
 
@@ -122,9 +120,10 @@ impl Assembly {
         if !self.wanted {
             return;
         }
-        let row = if i + 1 < self.start.len() { self.start[i]..self.start[i + 1] } else { 0..0 };
-        match self.columns[row.clone()].binary_search(&j) {
-            Ok(place) => self.values[row.start + place] += value,
+        let starts = self.stiffness.starts();
+        let row = if i < self.stiffness.rows() { starts[i]..starts[i + 1] } else { 0..0 };
+        match self.stiffness.columns()[row.clone()].binary_search_by(|&column| (column as usize).cmp(&j)) {
+            Ok(place) => self.stiffness.values_mut()[row.start + place] += value,
             Err(_) => self.fault = Some(AssemblyFault::Stiffness(i, j)),
         }
     }
@@ -137,14 +136,14 @@ impl Assembly {
     /// Whether the model has stiffness or a force at each DOF.
     pub(super) fn known(&self) -> Vec<bool> {
         let mut known: Vec<bool> = self.terms.iter().map(|&size| size != 0.0).collect();
-        self.columns.iter().for_each(|&j| known[j] = true);
-        known.iter_mut().zip(self.start.windows(2)).for_each(|(known, row)| *known |= row[0] < row[1]);
+        for i in 0..known.len() {
+            self.row(i).for_each(|(j, _)| (known[i], known[j]) = (true, true));
+        }
         known
     }
 
     /// Entries `(j, K_ij)` of a row.
     pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let entries = self.start[i]..self.start[i + 1];
-        self.columns[entries.clone()].iter().copied().zip(self.values[entries].iter().copied())
+        self.stiffness.row(i)
     }
 }

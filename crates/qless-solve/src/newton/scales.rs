@@ -14,9 +14,8 @@
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
 use super::parts::Parts;
+use crate::common::ENTRY_ROUNDING;
 
-/// A bound on the rounding of an entry is at most this multiple of its terms: it has about 16 operations.
-const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 /// Most passes over linear rows and over means. What is farther away than so many equations keeps the unit 1 or adds nothing to a mean, which
 /// is correct but less comparable.
 const SWEEPS: usize = 20;
@@ -59,7 +58,7 @@ impl Sizes<'_> {
         let own = move || {
             let entries = self.evaluation.g().row(r).zip(self.rounding.of_row(r));
             let free = entries.filter(|((j, _), _)| self.parts.of_dof(*j).is_some());
-            free.map(|((j, v), bound)| (j, v.abs().max(bound / ROUNDINGS)))
+            free.map(|((j, v), bound)| (j, v.abs().max(bound / ENTRY_ROUNDING)))
         };
         let mut most = [0.0_f64; 3];
         own().for_each(|(j, size)| most[self.kinds[j]] = most[self.kinds[j]].max(size));
