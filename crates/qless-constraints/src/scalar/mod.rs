@@ -18,6 +18,21 @@ pub(crate) const HALF_DIGITS: f64 = 1e-8;
 /// What is smaller than this share of its size has no extent: four digits above the rounding of coordinates.
 pub(crate) const NO_EXTENT: f64 = 1e-12;
 
+/// Sets factors to zero that are at most `blur` times the rounding of the largest. NaN stays.
+pub(crate) fn clean<'a>(factors: impl Iterator<Item = &'a mut f64>, blur: f64) {
+    let mut factors: Vec<&mut f64> = factors.collect();
+    let largest = factors.iter().fold(0.0, |most: f64, factor| most.max(factor.abs()));
+    factors.iter_mut().filter(|factor| factor.abs() <= SUM_ROUNDING * blur * largest).for_each(|factor| **factor = 0.0);
+}
+
+/// Corrects the largest factor, unless it is zero, so that all factors add up to `sum`.
+pub(crate) fn complete<'a>(factors: impl Iterator<Item = &'a mut f64>, sum: f64) {
+    let factors: Vec<&mut f64> = factors.collect();
+    let missing = sum - factors.iter().map(|a| **a).sum::<f64>();
+    let largest = factors.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    largest.into_iter().filter(|a| **a != 0.0).for_each(|a| *a += missing);
+}
+
 /// Numbers with sums and products: scalars, with or without derivatives, or several scalars side by side.
 pub trait Arithmetic:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>

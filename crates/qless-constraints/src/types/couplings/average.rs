@@ -4,7 +4,8 @@
 use super::equations::{RepeatedNodes, check, lead};
 use super::mean_rigid_motion::{MotionObservation, RigidMotionFit};
 use super::node6::CoupledComponent;
-use super::rigid_motion::{arm, clean};
+use super::rigid_motion::arm;
+use crate::scalar::clean;
 use crate::scalar::vector::hypot;
 use crate::types::{CouplingError, Node6};
 use crate::{Constraint, EquationSink};

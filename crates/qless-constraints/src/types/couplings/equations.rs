@@ -5,8 +5,8 @@ use std::collections::hash_map::Entry;
 
 use super::error::CouplingError;
 use super::node6::{Component, Node6};
-use super::rigid_motion::clean;
 use crate::EquationSink;
+use crate::scalar::clean;
 use crate::scalar::vector::{Vector, dot};
 
 /// Adds `sum_j a_j u_j - motion . q = 0`, where q are the DOFs of the reference. Factors that are only rounding are

@@ -3,10 +3,10 @@
 //! Quadrilaterals have 3 x 3 Gauss points, triangles the seven points of Radon. Both rules have degree five, so that
 //! integrals of `N_i r r^T` are exact on parallelograms and triangles with straight edges.
 
-use super::rigid_motion::clean;
 use crate::geometry::outline::{gauss_points, seven_points};
 use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::geometry::surface::Surface;
+use crate::scalar::clean;
 use crate::scalar::vector::{Vector, add, cross, dot, hypot, scale, sub, unit};
 use crate::types::CouplingError;
 

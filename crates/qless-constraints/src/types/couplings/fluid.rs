@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::face_integrals::point;
-use super::rigid_motion::clean;
 use crate::geometry::search::{FaceSearch, SearchError};
 use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::geometry::surface::{Face, Surface, SurfaceError};
+use crate::scalar::clean;
 use crate::scalar::vector::{Vector, add, dot, unit};
 use crate::types::Point;
 use crate::{Constraint, EquationSink};

@@ -9,11 +9,11 @@ use std::collections::BTreeMap;
 use super::error::CouplingError;
 use super::face_integrals::GaussPoint;
 use super::node6::Component;
-use super::rigid_motion::{about, along, arm, clean};
+use super::rigid_motion::{about, along, arm};
 use super::svd::{JacobiSvd, svd};
 use crate::geometry::surface::Surface;
-use crate::scalar::HALF_DIGITS;
 use crate::scalar::vector::{Vector, add, axis, cross, hypot, scale};
+use crate::scalar::{HALF_DIGITS, clean, complete};
 
 /// Relative error of an arm: a few operations on the coordinates.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -172,18 +172,10 @@ impl MeanRigidMotion {
             }
         }
         clean(nodes.values_mut().flatten(), self.fit.blur);
+        // Far from the origin, the entries that are set to zero would otherwise change a translation.
         for (k, &sum) in motion[..3].iter().enumerate() {
             complete(nodes.values_mut().map(|a| &mut a[k]), sum);
         }
         Ok(nodes.into_iter().flat_map(|(node, a)| (0..3).map(move |k| (face.nodes[node].dofs[k], a[k]))).collect())
     }
-}
-
-/// Corrects the largest entry so that all entries add up to `sum`. Far from the origin, the entries that `clean` has set
-/// to zero would otherwise change a translation.
-fn complete<'a>(parts: impl Iterator<Item = &'a mut f64>, sum: f64) {
-    let parts: Vec<&mut f64> = parts.collect();
-    let missing = sum - parts.iter().map(|a| **a).sum::<f64>();
-    let largest = parts.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    largest.into_iter().filter(|a| **a != 0.0).for_each(|a| *a += missing);
 }

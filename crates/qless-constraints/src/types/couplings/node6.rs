@@ -1,9 +1,9 @@
 //! Nodes with up to six DOFs, their components and local axes.
 
-use super::rigid_motion::{about, along, clean};
+use super::rigid_motion::{about, along};
 use crate::geometry::node::Point;
-use crate::scalar::HALF_DIGITS;
 use crate::scalar::vector::{Vector, axis, cross, dot, norm, scale, sub, unit};
+use crate::scalar::{HALF_DIGITS, clean};
 
 /// A component of the motion of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,15 +1,7 @@
 //! Rigid motion of a point: the coefficients of `q = (u_r, theta)` in `d . (u_r + theta x r)`, with the arm
 //! `r = X - X_r`.
 
-use crate::scalar::SUM_ROUNDING;
 use crate::scalar::vector::{Vector, cross};
-
-/// Sets factors to zero that are at most `blur` times the rounding of the largest. NaN stays.
-pub fn clean<'a>(factors: impl Iterator<Item = &'a mut f64>, blur: f64) {
-    let mut factors: Vec<&mut f64> = factors.collect();
-    let largest = factors.iter().fold(0.0, |most: f64, factor| most.max(factor.abs()));
-    factors.iter_mut().filter(|factor| factor.abs() <= SUM_ROUNDING * blur * largest).for_each(|factor| **factor = 0.0);
-}
 
 /// `x - origin`. Components that are only rounding of the coordinates are zero: a difference below two units in the
 /// last place of rounded numbers has no meaning.

@@ -4,12 +4,12 @@ use super::equations::{DofOwners, follow};
 use super::error::{CouplingError, LineFault};
 use super::face_integrals::GaussPoint;
 use super::node6::Node6;
-use super::rigid_motion::{along, arm, clean};
+use super::rigid_motion::{along, arm};
 use super::{Section, face_integrals};
-use crate::geometry::node::AXES;
+use crate::geometry::node::{AXES, ROUNDING};
 use crate::geometry::surface::Surface;
-use crate::scalar::HALF_DIGITS;
 use crate::scalar::vector::{Vector, add, axis, cross, dot, hypot, norm, perpendicular, scale, unit};
+use crate::scalar::{HALF_DIGITS, clean};
 use crate::{Constraint, EquationSink};
 
 /// The edge of a shell joined to the side of a solid, for small rotations: each shell node with a line of solid nodes.
@@ -92,7 +92,7 @@ impl LineCoupling<'_> {
             sizes = [sizes[0] + a.abs(), sizes[1] + a.abs() * norm(r)];
         }
         // The moments sum to zero, so some factors of the motion are only rounding. They are left out.
-        let rounding = |k: usize| 64.0 * f64::EPSILON * sizes[k / 3];
+        let rounding = |k: usize| ROUNDING * sizes[k / 3];
         motion.iter_mut().enumerate().filter(|(k, x)| x.abs() <= rounding(*k)).for_each(|(_, x)| *x = 0.0);
         clean(terms.iter_mut().map(|(_, a)| a), 1.0);
         follow(sink, format!("line {}, {name}", self.number), terms, self.shell, motion)
