@@ -1,5 +1,6 @@
 use qless::{Options, analyse};
 use qless_constraints::ConstraintSet;
+use qless_constraints::types::Point;
 
 pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
@@ -11,6 +12,17 @@ pub fn at_rest(set: &ConstraintSet, prescribed: &[(usize, f64)]) -> Outcome<qles
 /// Rank of G at u.
 pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
     Ok(analyse(&set.linearised_at(u, &[])?, &Options::default())?.rank())
+}
+
+/// A node whose three DOFs start at `3 node`.
+pub fn point(node: usize, at: [f64; 3]) -> Point {
+    Point::new([3 * node, 3 * node + 1, 3 * node + 2], at)
+}
+
+/// Any displacement that is linear in the coordinates.
+pub fn field(x: [f64; 3]) -> [f64; 3] {
+    let a = [[0.3, -0.2, 0.5], [0.1, 0.4, -0.6], [-0.7, 0.2, 0.9]];
+    std::array::from_fn(|i| 0.1 * i as f64 + (0..3).map(|k| a[i][k] * x[k]).sum::<f64>())
 }
 
 /// A number in [-0.5, 0.5], the same for a seed.

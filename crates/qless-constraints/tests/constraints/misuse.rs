@@ -7,16 +7,12 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::common::random;
+use crate::common::{point, random};
 
 const O: [f64; 3] = [0.0; 3];
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
-
-fn node(i: usize, at: [f64; 3]) -> Point {
-    Point::new([3 * i, 3 * i + 1, 3 * i + 2], at)
-}
 
 /// The error of a constraint, if there is one.
 fn refusal<C: Constraint>(constraint: C) -> Option<String> {
@@ -56,11 +52,11 @@ fn joints_at(at: [f64; 3], b: Body) {
 }
 
 fn points_at(bad: [f64; 3]) {
-    assert_not_finite(Distance { a: node(0, bad), b: node(1, X), length: Some(1.0) });
-    assert_not_finite(OnSphere { point: node(0, bad), centre: O, radius: Some(1.0) });
-    assert_not_finite(OnSphere { point: node(0, X), centre: bad, radius: Some(1.0) });
-    assert_not_finite(OnPlane { point: node(0, bad), plane: Plane::Nodes(node(1, O), node(2, X), node(3, Y)) });
-    assert_not_finite(OnLine { point: node(0, bad), line: Line::Nodes(node(1, O), node(2, X)) });
+    assert_not_finite(Distance { a: point(0, bad), b: point(1, X), length: Some(1.0) });
+    assert_not_finite(OnSphere { point: point(0, bad), centre: O, radius: Some(1.0) });
+    assert_not_finite(OnSphere { point: point(0, X), centre: bad, radius: Some(1.0) });
+    assert_not_finite(OnPlane { point: point(0, bad), plane: Plane::Nodes(point(1, O), point(2, X), point(3, Y)) });
+    assert_not_finite(OnLine { point: point(0, bad), line: Line::Nodes(point(1, O), point(2, X)) });
 }
 
 #[test]
@@ -73,7 +69,7 @@ fn motors_without_a_number_to_start_from_are_refused() {
 /// Duplicate or nested tetrahedra have no closed surface. Regression: a panic, and an equation that a translation violates.
 #[test]
 fn tetrahedra_on_one_side_of_a_face_are_refused() {
-    let nodes: Vec<Point> = [O, X, Y, Z, [0.1, 0.1, 2.0]].into_iter().enumerate().map(|(i, at)| node(i, at)).collect();
+    let nodes: Vec<Point> = [O, X, Y, Z, [0.1, 0.1, 2.0]].into_iter().enumerate().map(|(i, at)| point(i, at)).collect();
     for second in [[0, 1, 2, 3], [1, 2, 0, 3], [0, 1, 2, 4]] {
         let patch = Volume { nodes: nodes.clone(), tetrahedra: vec![[0, 1, 2, 3], second] };
         let said = refusal(patch).expect("they overlap");
@@ -90,7 +86,7 @@ fn tetrahedra_on_one_side_of_a_face_are_refused() {
 fn volumes_do_not_feel_translations() {
     let corners: Vec<[f64; 3]> = (0_u32..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
     let place = |i: usize| std::array::from_fn(|k| corners[i][k] + 0.2 * random(3 * i + k));
-    let nodes = (0..8).map(|i| node(i, place(i))).collect();
+    let nodes = (0..8).map(|i| point(i, place(i))).collect();
     // Kuhn's six tetrahedra around the diagonal from 0 to 7.
     let tetrahedra = vec![[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]];
     let mut builder = ConstraintSet::builder(24);
@@ -112,19 +108,19 @@ fn what_is_flat_to_the_rounding_of_its_coordinates_is_refused() {
     let far = |x: [f64; 3]| [0.1 * x[0] + 1e5, 0.1 * x[1] + 1e5, 0.1 * x[2]];
     let flat = [O, [1.0, 0.3, 0.1], [0.2, 1.0, 0.7], [1.2, 1.3, 0.8]].map(far);
     for tetrahedron in [[0, 1, 2, 3], [1, 0, 2, 3], [2, 3, 0, 1], [3, 2, 0, 1]] {
-        let nodes = flat.iter().enumerate().map(|(i, &at)| node(i, at)).collect();
+        let nodes = flat.iter().enumerate().map(|(i, &at)| point(i, at)).collect();
         let said = refusal(Volume { nodes, tetrahedra: vec![tetrahedron] }).expect("flat");
         assert!(said.contains("more than the rounding of its coordinates"), "{said}");
     }
     let line = [0.1, 0.2, 0.3].map(|x| [1e5 + x, x, 0.0]);
-    let plane = Plane::Nodes(node(1, line[0]), node(2, line[1]), node(3, line[2]));
-    let said = refusal(OnPlane { point: node(0, Z), plane }).expect("in a line");
+    let plane = Plane::Nodes(point(1, line[0]), point(2, line[1]), point(3, line[2]));
+    let said = refusal(OnPlane { point: point(0, Z), plane }).expect("in a line");
     assert!(said.contains("to the rounding of their coordinates"), "{said}");
     // As far away, but valid: a thousandth of the size is not rounding.
-    let nodes = [O, X, Y, [0.3, 0.3, 1e-3]].map(far).iter().enumerate().map(|(i, &at)| node(i, at)).collect();
+    let nodes = [O, X, Y, [0.3, 0.3, 1e-3]].map(far).iter().enumerate().map(|(i, &at)| point(i, at)).collect();
     assert_eq!(refusal(Volume { nodes, tetrahedra: vec![[0, 1, 2, 3]] }), None);
-    let plane = Plane::Nodes(node(1, far(O)), node(2, far(X)), node(3, far([1.0, 1e-3, 0.0])));
-    assert_eq!(refusal(OnPlane { point: node(0, Z), plane }), None);
+    let plane = Plane::Nodes(point(1, far(O)), point(2, far(X)), point(3, far([1.0, 1e-3, 0.0])));
+    assert_eq!(refusal(OnPlane { point: point(0, Z), plane }), None);
 }
 
 /// `sin` and `cos` of quarter and whole turns are exact: a node that is its own image after a whole turn is not constrained.
@@ -134,7 +130,7 @@ fn turns_by_quarters_leave_no_noise() {
         let angle = f64::from(quarters) * std::f64::consts::FRAC_PI_2;
         let turn = Turn::about(O, Z, angle).unwrap_or_else(|error| panic!("{error}"));
         let whole = [X, Y, [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]][quarters as usize % 4];
-        let cyclic = Cyclic { a: node(0, X), b: node(1, whole), turn, fields: Turning::Vectors, tolerance: 1e-12 };
+        let cyclic = Cyclic { a: point(0, X), b: point(1, whole), turn, fields: Turning::Vectors, tolerance: 1e-12 };
         assert!(entries(cyclic).iter().all(|&a| (a.abs() - 1.0).abs() < 1e-14), "{quarters}");
         let harmonic = CyclicHarmonic { real: cyclic, imaginary_a: [6, 7, 8], imaginary_b: [9, 10, 11], harmonic: 3 };
         assert!(entries(harmonic).iter().all(|&a| (a.abs() - 1.0).abs() < 1e-14), "{quarters}");

@@ -3,10 +3,12 @@ use std::fmt::Debug;
 use qless_constraints::types::{
     Average, BeamToSolid, Body, Component, Cyclic, Distance, Equal, Face, FluidNormal, Line, LineTie, LinearEquation,
     MacroStrain, MortarTie, Multipliers, Node, Node6, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane,
-    Point, Prescribed, Revolute, RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface,
-    ThicknessLine, Turn, Turning, Universal, Volume,
+    Prescribed, Revolute, RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface, ThicknessLine,
+    Turn, Turning, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet};
+
+use crate::common::point;
 
 /// The error of a constraint that must be refused; nothing is stored.
 #[track_caller]
@@ -25,10 +27,6 @@ where
 
 fn at(node: usize, x: f64) -> PlanarPoint {
     PlanarPoint::new([2 * node, 2 * node + 1], [x, 0.0])
-}
-
-fn point(node: usize, at: [f64; 3]) -> Point {
-    Point::new([3 * node, 3 * node + 1, 3 * node + 2], at)
 }
 
 #[test]

@@ -2,10 +2,10 @@ use std::array::from_fn;
 
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{
-    Face, FaceSearch, Nearest, Node, NodeTie, PairError, Point, SearchError, Shape, Surface, SurfaceError, pairs,
+    Face, FaceSearch, Nearest, NodeTie, PairError, Point, SearchError, Shape, Surface, SurfaceError, pairs,
 };
 
-use crate::common::{Outcome, random};
+use crate::common::{Outcome, point, random};
 
 /// Lines and faces.
 fn flat() -> Vec<Shape> {
@@ -16,10 +16,6 @@ fn flat() -> Vec<Shape> {
 const TRIANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
 const QUAD: [[f64; 2]; 9] =
     [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5], [0.5, 0.5]];
-
-fn point(node: usize, at: [f64; 3]) -> Point {
-    Point::new(from_fn(|k| 3 * node + k), at)
-}
 
 /// Faces of all shapes anywhere in a cube, each with nodes of its own, a little warped and curved.
 fn scattered(faces: usize) -> Surface<3> {
@@ -187,33 +183,6 @@ fn faults_of_a_search_are_named() -> Outcome {
         assert_eq!(error(&with(face)), Some(SurfaceError::Degenerate { face: 2 }));
     }
     Ok(())
-}
-
-/// The tie of a field has the weights of the tie of displacements, once.
-#[test]
-fn a_field_is_tied_as_a_component_of_displacements() {
-    let surface = scattered(40);
-    let field = Surface {
-        nodes: surface.nodes.iter().enumerate().map(|(i, node)| Node::of_field(i, node.at)).collect(),
-        faces: surface.faces.clone(),
-    };
-    let count = surface.nodes.len();
-    let places: Vec<[f64; 3]> = (0..30).map(|i| from_fn(|k| 10.0 * random(7 * i + k))).collect();
-    let nodes: Vec<_> = places.iter().enumerate().map(|(i, &at)| point(count + i, at)).collect();
-    let of_field: Vec<_> = places.iter().enumerate().map(|(i, &at)| Node::of_field(count + i, at)).collect();
-    let (mut all, mut one) = (ConstraintSet::builder(3 * (count + 30)), ConstraintSet::builder(count + 30));
-    for tie in NodeTie::to_surface(&nodes, &surface, 20.0).expect("near") {
-        all.add("tie", tie).expect("a tie");
-    }
-    for tie in NodeTie::to_surface(&of_field, &field, 20.0).expect("near") {
-        one.add("tie", tie).expect("a tie");
-    }
-    let [all, one] = [all, one].map(|set| set.build().expect("few").allocate().g().clone());
-    assert_eq!((one.rows(), all.rows()), (30, 90));
-    for i in 0..30 {
-        let first: Vec<_> = all.row(3 * i).map(|(dof, v)| (dof / 3, v)).collect();
-        assert_eq!(one.row(i).collect::<Vec<_>>(), first);
-    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use qless::{Options, analyse};
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, MortarTie, Multipliers, PlanarPoint, Point, Shape, Surface};
 
-use crate::common::{Outcome, random};
+use crate::common::{Outcome, field, random};
 
 pub const FACETS: [Shape; 5] = [Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8, Shape::Quad9];
 
@@ -114,13 +114,8 @@ fn sums(set: &ConstraintSet, slaves: usize) -> [f64; 2] {
 }
 
 /// On the plane z = 0.5 x - 0.25 y + 1.
-fn inclined([x, y]: [f64; 2]) -> [f64; 3] {
+pub fn inclined([x, y]: [f64; 2]) -> [f64; 3] {
     [2.0 * x, x + 3.0 * y, 0.5 * 2.0 * x - 0.25 * (x + 3.0 * y) + 1.0]
-}
-
-fn field(x: [f64; 3]) -> [f64; 3] {
-    let a = [[0.3, -0.2, 0.5], [0.1, 0.4, -0.6], [-0.7, 0.2, 0.9]];
-    from_fn(|i| 0.1 * i as f64 + (0..3).map(|k| a[i][k] * x[k]).sum::<f64>())
 }
 
 /// On a flat surface: rows sum to zero, D and M to the area, and what is linear passes, for all pairs of shapes, edges bent too.
@@ -255,36 +250,6 @@ fn collapsed_facets_pass_linear_fields() -> Outcome {
         let mut evaluation = set.allocate();
         set.evaluate(&u, &mut evaluation).expect("of this set");
         assert!(evaluation.c().iter().all(|c| c.abs() < 1e-13));
-    }
-    Ok(())
-}
-
-/// `G = dc/du` by differences; c is linear, so that they are exact but for rounding, and there is no Hessian.
-#[test]
-fn jacobian_is_the_difference_of_values() -> Outcome {
-    let slave = Mesh { shape: Shape::Tri3, cells: 2, wiggle: 0.4, bend: 0.0 };
-    let (slave, master) = pair(slave, Mesh { shape: Shape::Quad4, cells: 3, ..slave }, inclined);
-    let set = tied(&slave, &master, 1e-12)?;
-    let dofs = 3 * (slave.nodes.len() + master.nodes.len());
-    let u: Vec<f64> = (0..dofs).map(random).collect();
-    let mut at = set.allocate();
-    set.evaluate(&u, &mut at).expect("of this set");
-    assert_eq!(at.h().nnz(), 0);
-    let (mut more, mut less) = (at.clone(), at.clone());
-    for j in 0..dofs {
-        let mut v = u.clone();
-        v[j] = u[j] + 0.5;
-        set.evaluate(&v, &mut more).expect("of this set");
-        v[j] = u[j] - 0.5;
-        set.evaluate(&v, &mut less).expect("of this set");
-        for row in 0..set.equations() {
-            let exact = at.g().row(row).find(|&(col, _)| col == j).map_or(0.0, |(_, value)| value);
-            assert!(
-                (more.c()[row] - less.c()[row] - exact).abs() < 1e-14,
-                "{}, DOF {j}",
-                set.label(row).expect("of this set")
-            );
-        }
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use qless_constraints::types::{Distance, Driven, OnSphere, PlanarPoint};
 use qless_constraints::{ConstraintSet, SetBuilder};
-use qless_solve::equilibrium::{EquilibriumError, EquilibriumOptions, Start, Target, drive, solve};
+use qless_solve::equilibrium::{Equilibrium, EquilibriumError, EquilibriumOptions, Start, Target, drive, solve};
 
 use crate::equilibria::Weights;
 use crate::linkages::{Outcome, random};
@@ -65,6 +65,22 @@ impl FourBar {
         Ok(builder)
     }
 
+    /// Drives the crank's end along a path, from time 0 to 1.
+    fn driven(
+        &self,
+        pin: impl Fn(f64) -> Place + Copy + Send + Sync + 'static,
+        unit: f64,
+        options: &EquilibriumOptions,
+    ) -> Outcome<Result<Equilibrium, EquilibriumError>> {
+        let mut builder = self.builder(pin(0.0), unit)?;
+        for k in 0..2 {
+            builder.add("crank", Driven::new([(k, 1.0)], move |s| unit * (pin(s)[k] - pin(0.0)[k])))?;
+        }
+        let mut set = builder.build()?;
+        let (start, target) = (Start::at_rest(&set), Target { loads: &[0.0; 4], prescribed: &[] });
+        Ok(drive(&mut Weights { springs: vec![0.0; 4] }, &mut set, &start, &target, 1.0, options))
+    }
+
     /// Distance of the joint from its right position, for `u` relative to the first pin.
     fn off(&self, [from, to]: [Place; 2], u: &[f64], unit: f64) -> f64 {
         let place = |pin| self.joint(pin).map_or([f64::NAN; 2], |(joint, _)| joint);
@@ -85,15 +101,8 @@ fn cranks_driven_through_whole_turns_keep_their_branch() -> Outcome {
         if !bar.is_sound(pin) {
             continue;
         }
-        let mut builder = bar.builder(pin(0.0), unit)?;
-        for k in 0..2 {
-            builder.add("crank", Driven::new([(k, 1.0)], move |s| unit * (pin(s)[k] - pin(0.0)[k])))?;
-        }
-        let mut set = builder.build()?;
-        let (start, target) = (Start::at_rest(&set), Target { loads: &[0.0; 4], prescribed: &[] });
         let options = EquilibriumOptions { first: [1.0, 0.1, 0.003][seed % 7 % 3], ..Default::default() };
-        let found = drive(&mut Weights { springs: vec![0.0; 4] }, &mut set, &start, &target, 1.0, &options)
-            .map_err(|error| format!("{seed} {bar:?}: {error}"))?;
+        let found = bar.driven(pin, unit, &options)?.map_err(|error| format!("{seed} {bar:?}: {error}"))?;
         let off = bar.off([pin(0.0), pin(1.0)], &found.u, unit);
         assert!(off < 1e-8, "{seed} {bar:?}, crank {crank} by {angle}: {off:e}");
         sound += 1;
@@ -144,14 +153,8 @@ fn what_folds_on_the_way_is_refused() -> Outcome {
         // A crank of 0.9 comes to a position where the pivot is out of reach, and would be back after a full turn.
         let first = 0.9 * random(seed);
         let pin = move |s: f64| [0, 1].map(|k| 0.9 * [f64::cos, f64::sin][k](first + s * TAU));
-        let mut builder = bar.builder(pin(0.0), unit)?;
-        for k in 0..2 {
-            builder.add("crank", Driven::new([(k, 1.0)], move |s| unit * (pin(s)[k] - pin(0.0)[k])))?;
-        }
-        let mut set = builder.build()?;
-        let (start, target) = (Start::at_rest(&set), Target { loads: &[0.0; 4], prescribed: &[] });
         let options = EquilibriumOptions { first: [1.0, 0.4][seed % 2], ..Default::default() };
-        let found = drive(&mut Weights { springs: vec![0.0; 4] }, &mut set, &start, &target, 1.0, &options);
+        let found = bar.driven(pin, unit, &options)?;
         assert!(found.is_err(), "{seed}: {found:?}");
         refused += usize::from(matches!(found, Err(EquilibriumError::Branch { .. })));
     }
@@ -180,14 +183,7 @@ fn whole_turns_that_do_not_close_are_refused() -> Outcome {
         if gaps < 20 || !closes(0.0) {
             continue;
         }
-        let mut builder = bar.builder(pin(0.0), unit)?;
-        for k in 0..2 {
-            builder.add("crank", Driven::new([(k, 1.0)], move |s| unit * (pin(s)[k] - pin(0.0)[k])))?;
-        }
-        let mut set = builder.build()?;
-        let (start, target) = (Start::at_rest(&set), Target { loads: &[0.0; 4], prescribed: &[] });
-        let mut model = Weights { springs: vec![0.0; 4] };
-        let found = drive(&mut model, &mut set, &start, &target, 1.0, &EquilibriumOptions::default());
+        let found = bar.driven(pin, unit, &EquilibriumOptions::default())?;
         let met = found.ok().map(|found| found.steps.iter().any(|step| step.converged && step.branches_meet));
         assert!(met.unwrap_or(true), "{seed} {bar:?}, crank {crank} by {turns} turns, {gaps} gaps");
         said += usize::from(met.is_some());
@@ -214,14 +210,7 @@ fn where_branches_meet_is_said() -> Outcome {
         if bar.rocker <= 0.1 || !closes || (bar.rocker - bar.coupler).abs() > 0.95 * (bar.base - crank).abs() {
             continue;
         }
-        let mut builder = bar.builder(pin(0.0), unit)?;
-        for k in 0..2 {
-            builder.add("crank", Driven::new([(k, 1.0)], move |s| unit * (pin(s)[k] - pin(0.0)[k])))?;
-        }
-        let mut set = builder.build()?;
-        let (start, target) = (Start::at_rest(&set), Target { loads: &[0.0; 4], prescribed: &[] });
-        let mut model = Weights { springs: vec![0.0; 4] };
-        let Ok(found) = drive(&mut model, &mut set, &start, &target, 1.0, &EquilibriumOptions::default()) else {
+        let Ok(found) = bar.driven(pin, unit, &EquilibriumOptions::default())? else {
             refused += 1;
             continue;
         };

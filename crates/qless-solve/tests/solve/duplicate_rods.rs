@@ -1,13 +1,10 @@
 //! Duplicate rods nearly along an axis, defined from either end: their rows of G differ by rounding of the smallest entries.
 
-use std::error::Error;
-
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Distance, PlanarPoint};
-use qless_solve::equilibrium::{
-    Assembly, Equilibrium, EquilibriumError, EquilibriumOptions, Model, Start, Target, solve,
-};
+use qless_solve::equilibrium::{Equilibrium, EquilibriumError, EquilibriumOptions, Start, Target, solve};
 
+use crate::equilibria::Weights;
 use crate::linkages::Outcome;
 
 /// A number in [-1, 1].
@@ -17,27 +14,6 @@ impl Random {
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 11) as f64 / (1_u64 << 52) as f64) - 1.0
-    }
-}
-
-/// A spring on each DOF.
-struct Springs(Vec<f64>);
-
-impl Model for Springs {
-    fn dofs(&self) -> usize {
-        self.0.len()
-    }
-
-    fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
-        (0..self.0.len()).for_each(|j| entry(j, j));
-    }
-
-    fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn Error + Send + Sync>> {
-        for (j, k) in self.0.iter().enumerate() {
-            out.force(j, k * u[j]);
-            out.stiffness(j, j, *k);
-        }
-        Ok(())
     }
 }
 
@@ -132,7 +108,7 @@ impl Case {
         let start = Start { u: self.chain.u.clone(), ..Start::at_rest(set) };
         let target = Target { loads: &self.loads, prescribed: &[] };
         let options = EquilibriumOptions { stability: true, ..EquilibriumOptions::default() };
-        solve(&mut Springs(self.springs.clone()), set, &start, &target, &options)
+        solve(&mut Weights { springs: self.springs.clone() }, set, &start, &target, &options)
     }
 }
 

@@ -1,25 +1,14 @@
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::SparseColMat;
 use qless::{ConstraintSystem, SystemBuilder};
 use qless_solve::enforce::{EnforceError, Problem, Solution};
 
-use crate::linkages::{Outcome, random};
+use crate::linkages::{Outcome, difference, random, spring_chain};
 
 const DOFS: usize = 40;
 
 /// A chain of springs on an elastic bed, DOFs 0 to 39, with a convective term if it is to be unsymmetric.
 fn stiffness(convection: f64) -> Outcome<SparseColMat<usize, f64>> {
-    let mut entries = Vec::new();
-    for i in 0..DOFS {
-        entries.push(Triplet::new(i, i, 0.1 + 0.01 * i as f64));
-        if i + 1 < DOFS {
-            let s = 2.0 + random(i);
-            entries.extend(
-                [(i, i, s), (i + 1, i + 1, s), (i, i + 1, -s + convection), (i + 1, i, -s - convection)]
-                    .map(|(i, j, v)| Triplet::new(i, j, v)),
-            );
-        }
-    }
-    Ok(SparseColMat::try_new_from_triplets(DOFS, DOFS, &entries)?)
+    spring_chain(DOFS, |i| 0.1 + 0.01 * i as f64, |i| 2.0 + random(i), convection)
 }
 
 /// Ties, a mean, a closed chain of equal DOFs, sums of rows; four of 13 equations are redundant. Two DOFs are prescribed.
@@ -45,11 +34,6 @@ fn constraints(conflict: f64) -> Outcome<ConstraintSystem> {
 
 fn loads() -> Vec<f64> {
     (0..DOFS).map(|j| 1.0 + random(j + 300)).collect()
-}
-
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    let size = b.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / size
 }
 
 #[track_caller]

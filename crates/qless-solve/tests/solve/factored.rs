@@ -8,7 +8,7 @@ use qless_scenes::fssi::{self, Mesh};
 use qless_solve::enforce::{Problem, Solution, reduced};
 use qless_solve::newton::{NewtonOptions, solve};
 
-use crate::linkages::{Outcome, bricard, four_bar, random};
+use crate::linkages::{Outcome, bricard, difference, four_bar, random};
 
 /// A chain in which each link depends on the one before and on two DOFs shared by two links: row i of T has i nonzeros. Beside it, a tie.
 fn chain() -> Outcome<ConstraintSystem> {
@@ -40,11 +40,6 @@ fn springs(dofs: usize) -> Outcome<SparseColMat<usize, f64>> {
 
 fn loads(dofs: usize) -> Vec<f64> {
     (0..dofs).map(|j| 1.0 + random(j + 300)).collect()
-}
-
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    let size = b.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / size
 }
 
 /// `max |K u + C^T lambda - f|` over the free DOFs, and `max |C u - b|`.

@@ -5,6 +5,7 @@ use qless_solve::newton::{NewtonOptions, solve as assemble};
 
 use crate::equilibria::{UNITS, Weights, assert_quadratic};
 use crate::linkages::{Outcome, four_bar};
+use crate::stability::Springs;
 
 /// A frame of n scissors: bars of length L from bottom i to top i + 1 and from top i to bottom i + 1, pinned in their middles. Redundant
 /// equations keep the bottoms in line.
@@ -172,35 +173,13 @@ fn what_cannot_be_is_named() -> Outcome {
     let options = EquilibriumOptions::default();
     for force in [1e-6, 1.0, 1e6] {
         // 0.1 + 0.2 - 0.3 is not zero.
-        struct Tied(f64);
-        impl Model for Tied {
-            fn dofs(&self) -> usize {
-                3
-            }
-            fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
-                (0..9).for_each(|k| entry(k / 3, k % 3));
-            }
-            fn assemble(
-                &mut self,
-                u: &[f64],
-                out: &mut qless_solve::equilibrium::Assembly,
-            ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-                for (i, j, k) in [(0, 1, 0.1 * self.0), (1, 2, 0.2 * self.0)] {
-                    out.force(i, k * (u[i] - u[j]));
-                    out.force(j, k * (u[j] - u[i]));
-                    for (a, b, k) in [(i, i, k), (j, j, k), (i, j, -k), (j, i, -k)] {
-                        out.stiffness(a, b, k);
-                    }
-                }
-                Ok(())
-            }
-        }
+        let mut tied = Springs(vec![(0, Some(1), 0.1 * force), (1, Some(2), 0.2 * force)], 3);
         let mut builder = ConstraintSet::builder(3);
         builder.add("tie", Equal::new([0, 2]))?;
         let set = builder.build()?;
         for loads in [[force, 0.0, 0.0], [0.0; 3], [force, -force, 0.0]] {
             let target = Target { loads: &loads, prescribed: &[] };
-            let error = solve(&mut Tied(force), &set, &Start::at_rest(&set), &target, &options);
+            let error = solve(&mut tied, &set, &Start::at_rest(&set), &target, &options);
             match error {
                 Err(EquilibriumError::Unsupported { mut dofs, .. }) => {
                     dofs.sort_unstable();

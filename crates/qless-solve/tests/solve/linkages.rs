@@ -1,3 +1,4 @@
+use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, analyse};
 use qless_constraints::types::{Body, Distance, LinearEquation, OnSphere, PlanarPoint, Revolute};
 use qless_constraints::{ConstraintSet, SetBuilder};
@@ -14,6 +15,28 @@ pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
 pub fn random(seed: usize) -> f64 {
     let z = (seed as u64 + 11).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29).wrapping_mul(0xD6E8_FEB8_6659_FD93);
     f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5
+}
+
+/// Springs to the ground, and from each DOF to the next, with a convective term if K is to be unsymmetric.
+pub fn spring_chain(
+    dofs: usize,
+    ground: impl Fn(usize) -> f64,
+    spring: impl Fn(usize) -> f64,
+    convection: f64,
+) -> Outcome<SparseColMat<usize, f64>> {
+    let mut entries: Vec<_> = (0..dofs).map(|i| (i, i, ground(i))).collect();
+    for i in 0..dofs - 1 {
+        let s = spring(i);
+        entries.extend([(i, i, s), (i + 1, i + 1, s), (i, i + 1, convection - s), (i + 1, i, -convection - s)]);
+    }
+    let entries: Vec<_> = entries.into_iter().map(|(i, j, v)| Triplet::new(i, j, v)).collect();
+    Ok(SparseColMat::try_new_from_triplets(dofs, dofs, &entries)?)
+}
+
+/// `max |a - b| / max |b|`.
+pub fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let size = b.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / size
 }
 
 /// Three arms of length 1 on the ground at x = 0, 1, 2 that carry a rigid coupler of three points: 6 DOFs.

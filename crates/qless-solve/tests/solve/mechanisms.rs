@@ -6,45 +6,37 @@ use qless_solve::newton::{NewtonOptions, Redundancy, redundancies};
 
 use crate::linkages::{Outcome, bricard, four_bar, moved, parallelogram, random, rank};
 
-/// Six coordinates, six equations, one of them redundant: one motion is left.
+/// Each linkage has one motion: its DOFs, its equations, their rank, and how many are redundant everywhere.
+///
+/// The parallelogram has three arms. 5 moving bodies of Bricard's linkage have 35 DOFs; 6 hinges with 5 equations and 5 norms of Euler
+/// parameters are 35 equations. The spatial four-bar linkage has 4 hinges with 5 equations and 3 norms.
 #[test]
-fn parallelogram_with_three_arms() -> Outcome {
-    let set = parallelogram()?.build()?;
-    let u = moved(&set, 0, 0.4)?;
-    assert_eq!((set.dofs(), set.equations(), rank(&set, &u)?), (6, 6, 5));
-    let found = redundancies(&set, &u, &NewtonOptions::default())?;
-    assert_eq!(found.iter().map(|f| f.1).collect::<Vec<_>>(), [Redundancy::Everywhere]);
+fn linkages_have_one_motion() -> Outcome {
+    let linkages = [
+        ("parallelogram", parallelogram()?, (0, 0.4), (6, 6, 5), 1),
+        ("Bricard", bricard()?, (2, 0.1), (35, 35, 34), 1),
+        ("four-bar", four_bar()?, (0, 0.1), (21, 23, 20), 3),
+    ];
+    for (name, builder, (dof, by), counts, redundant) in linkages {
+        let set = builder.build()?;
+        let u = moved(&set, dof, by)?;
+        assert_eq!((set.dofs(), set.equations(), rank(&set, &u)?), counts, "{name}");
+        let found = redundancies(&set, &u, &NewtonOptions::default())?;
+        assert_eq!(found.iter().map(|f| f.1).collect::<Vec<_>>(), vec![Redundancy::Everywhere; redundant], "{name}");
+    }
     Ok(())
 }
 
-/// 5 moving bodies have 35 DOFs. 6 hinges with 5 equations and 5 norms of Euler parameters are 35 equations, 36 with the one that drives the
-/// linkage. Without it one motion is left: rank 34. With it, 36 equations have rank 35: one is redundant, and nothing moves.
+/// A driven Bricard linkage: 36 equations have rank 35, so that one is redundant, and nothing moves.
 #[test]
-fn bricard_linkage() -> Outcome {
-    let free = bricard()?.build()?;
+fn a_driven_linkage_does_not_move() -> Outcome {
     // The middle of the first link can only move vertically.
-    let u = moved(&free, 2, 0.1)?;
+    let u = moved(&bricard()?.build()?, 2, 0.1)?;
     assert!(u.iter().map(|u| u.abs()).fold(0.0, f64::max) > 0.05);
-    assert_eq!((free.dofs(), free.equations(), rank(&free, &u)?), (35, 35, 34));
-    let found = redundancies(&free, &u, &NewtonOptions::default())?;
-    assert_eq!(found.iter().map(|f| f.1).collect::<Vec<_>>(), [Redundancy::Everywhere]);
-
     let mut builder = bricard()?;
     builder.add("drive", Prescribed { values: vec![(2, u[2])] })?;
-    let driven = builder.build().expect("few DOFs");
+    let driven = builder.build()?;
     assert_eq!((driven.equations(), rank(&driven, &u)?), (36, 35));
-    Ok(())
-}
-
-/// 21 coordinates, 4 hinges with 5 equations and 3 norms: 23 equations of rank 20, three of them redundant.
-#[test]
-fn spatial_four_bar_linkage() -> Outcome {
-    let set = four_bar()?.build()?;
-    let u = moved(&set, 0, 0.1)?;
-    assert_eq!((set.dofs(), set.equations(), rank(&set, &u)?), (21, 23, 20));
-    let found = redundancies(&set, &u, &NewtonOptions::default())?;
-    assert_eq!(found.len(), 3);
-    assert!(found.iter().all(|f| f.1 == Redundancy::Everywhere));
     Ok(())
 }
 

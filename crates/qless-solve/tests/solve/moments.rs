@@ -6,6 +6,7 @@ use qless_constraints::types::{Fixed, Spherical};
 use qless_constraints::{ConstraintSet, rotation_tangent};
 use qless_solve::equilibrium::{Assembly, EquilibriumError, EquilibriumOptions, Model, Start, Target, drive, solve};
 
+use crate::equilibria::Weights;
 use crate::linkages::Outcome;
 use crate::poses::{KINDS, Kind, Pose, STRIDE, Vector, add, body, cross, dot, norm, place, scale, sub, turn, turned};
 
@@ -184,16 +185,6 @@ fn loads_are_moments() -> Outcome {
 /// A turned body carries another one by a weld: the force of the weld on the carrier has the moment `(x_b - x_a) x F`.
 #[test]
 fn forces_of_a_joint_are_moments() -> Outcome {
-    struct Nothing;
-    impl Model for Nothing {
-        fn dofs(&self) -> usize {
-            2 * STRIDE
-        }
-        fn pattern(&self, _: &mut dyn FnMut(usize, usize)) {}
-        fn assemble(&mut self, _: &[f64], _: &mut Assembly) -> Result<(), Box<dyn Error + Send + Sync>> {
-            Ok(())
-        }
-    }
     for (kinds, theta) in [[KINDS[0]; 2], [KINDS[0], KINDS[1]], [KINDS[1], KINDS[0]]].into_iter().zip(THETAS) {
         let (from, force) = ([[0.3, 0.0, 0.1], [1.5, 0.2, -0.4]], [3.0, -7.0, 5.0]);
         let [a, b] = [0, 1].map(|i| body(i, kinds[i], from[i]));
@@ -209,7 +200,14 @@ fn forces_of_a_joint_are_moments() -> Outcome {
         let target = Target { loads: &loads, prescribed: &held };
         // Prescribed Euler parameters keep their length only where they start.
         let start = Start { u, ..Start::at_rest(&set) };
-        let found = drive(&mut Nothing, &mut set, &start, &target, 1.0, &EquilibriumOptions::default())?;
+        let found = drive(
+            &mut Weights { springs: vec![0.0; 2 * STRIDE] },
+            &mut set,
+            &start,
+            &target,
+            1.0,
+            &EquilibriumOptions::default(),
+        )?;
         let x = [0, 1].map(|i| std::array::from_fn(|k| from[i][k] + found.u[STRIDE * i + k]));
         let truth = cross(sub(x[1], x[0]), force);
         let mut evaluation = set.allocate();

@@ -18,8 +18,8 @@ fn said(directions: usize) -> Stability {
     if directions == 0 { Stability::Stable } else { Stability::Unstable { directions } }
 }
 
-/// Linear springs between DOFs and to the ground.
-struct Springs(Vec<(usize, Option<usize>, f64)>, usize);
+/// Linear springs between DOFs and to the ground, and the number of DOFs.
+pub struct Springs(pub Vec<(usize, Option<usize>, f64)>, pub usize);
 
 impl Model for Springs {
     fn dofs(&self) -> usize {

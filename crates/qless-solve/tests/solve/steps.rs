@@ -1,26 +1,18 @@
 //! `Steps` with each solver and each storage of K, compared with Lagrange's method.
 
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::SparseColMat;
 use qless::elimination::{EliminationError, Storage, View};
 use qless::{ConstraintSystem, Elimination, Options, SystemBuilder};
 use qless_solve::enforce::{EnforceError, Ldlt, Llt, Lu, Problem, Solver, Steps};
 
-use crate::linkages::{Outcome, random};
+use crate::linkages::{Outcome, random, spring_chain};
 
 const DOFS: usize = 30;
 
 /// Springs between neighbours and to the ground, with a convective term if K is to be unsymmetric.
 fn stiffness(convection: f64, step: usize) -> Outcome<SparseColMat<usize, f64>> {
-    let mut entries = Vec::new();
-    for i in 0..DOFS {
-        entries.push(Triplet::new(i, i, 0.5 + 0.1 * (step + i % 3) as f64));
-        if i + 1 < DOFS {
-            let s = 1.0 + random(i + step).abs();
-            let parts = [(i, i, s), (i + 1, i + 1, s), (i, i + 1, convection - s), (i + 1, i, -convection - s)];
-            entries.extend(parts.map(|(i, j, v)| Triplet::new(i, j, v)));
-        }
-    }
-    Ok(SparseColMat::try_new_from_triplets(DOFS, DOFS, &entries)?)
+    let ground = |i: usize| 0.5 + 0.1 * (step + i % 3) as f64;
+    spring_chain(DOFS, ground, |i| 1.0 + random(i + step).abs(), convection)
 }
 
 fn constraints(t: f64) -> Outcome<ConstraintSystem> {

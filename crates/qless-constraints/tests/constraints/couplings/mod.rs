@@ -25,7 +25,7 @@ use faer::Mat;
 use qless_constraints::types::{Component, Node6};
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::common::random;
+use crate::common::{Outcome, random, rank};
 
 /// A set of one constraint.
 fn only<C: Constraint>(dofs: usize, constraint: C) -> ConstraintSet {
@@ -52,6 +52,23 @@ fn frame(seed: usize) -> [[f64; 3]; 3] {
 
 fn turned(r: [[f64; 3]; 3], x: [f64; 3]) -> [f64; 3] {
     from_fn(|i| (0..3).map(|k| r[i][k] * x[k]).sum())
+}
+
+/// A coupling has this many independent equations, rigid motions pass, and its forces have no resultant.
+fn assert_joined(
+    name: &str,
+    set: &ConstraintSet,
+    equations: usize,
+    nodes: &[Node6],
+    [scale, far]: [f64; 2],
+) -> Outcome {
+    let rest = vec![0.0; set.dofs()];
+    assert_eq!((set.equations(), svd_rank(set), rank(set, &rest)?), (equations, equations, equations), "{name}");
+    let u = rigid(set.dofs(), nodes, [scale, -scale, 2.0 * scale], [0.3, -0.2, 0.5]);
+    let tolerance = 1e-13 * (1.0 + far / 100.0);
+    assert!(relative_residual(set, &u) < tolerance, "{name}");
+    assert_balanced(set, nodes, tolerance);
+    Ok(())
 }
 
 /// A node whose six DOFs start at `6 i`.

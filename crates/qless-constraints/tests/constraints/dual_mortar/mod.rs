@@ -11,7 +11,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, MortarTie, Multipliers, Node, Shape, Surface};
 
 use crate::common::{Outcome, random};
-use crate::surface_mortar::Mesh;
+use crate::surface_mortar::{Mesh, inclined};
 
 fn tied<const D: usize>(
     slave: &Surface<D, 1>,
@@ -63,8 +63,4 @@ fn residual(set: &ConstraintSet, u: &[f64]) -> Outcome<f64> {
         if size > 0.0 { evaluation.c()[row].abs() / size } else { 0.0 }
     };
     Ok((0..set.equations()).map(of_row).fold(0.0, f64::max))
-}
-
-fn inclined([x, y]: [f64; 2]) -> [f64; 3] {
-    [2.0 * x, x + 3.0 * y, 0.5 * 2.0 * x - 0.25 * (x + 3.0 * y) + 1.0]
 }

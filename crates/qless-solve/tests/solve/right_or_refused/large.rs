@@ -4,6 +4,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
 use qless_solve::enforce::{EnforceError, Problem};
 
+use super::models::beam_element;
 use crate::linkages::Outcome;
 
 type Entries = Vec<Triplet<usize, usize, f64>>;
@@ -117,16 +118,9 @@ fn floating_beams() -> Outcome {
     let count = 400;
     let mut entries = Entries::new();
     for i in 0..count {
-        let h = 0.3;
-        let k = [
-            [12.0, 6.0 * h, -12.0, 6.0 * h],
-            [6.0 * h, 4.0 * h * h, -6.0 * h, 2.0 * h * h],
-            [-12.0, -6.0 * h, 12.0, -6.0 * h],
-            [6.0 * h, 2.0 * h * h, -6.0 * h, 4.0 * h * h],
-        ];
         // The nodes of the second half come after the tie.
         let shift = if i < count / 2 { 2 * i } else { 2 * i + 2 };
-        for (r, row) in k.iter().enumerate() {
+        for (r, row) in beam_element(0.3).iter().enumerate() {
             entries.extend(row.iter().enumerate().map(|(c, v)| Triplet::new(shift + r, shift + c, 0.7 * v)));
         }
     }

@@ -129,6 +129,16 @@ fn truss(a: &mut Assembly, random: &mut Random) -> Part {
     Part { ground: [of(0), of(1)].concat(), tie: [of(2 * bays), of(2 * bays + 1)].concat() }
 }
 
+/// `l^3 / EI` times the stiffness of a beam element of length h = l: deflection and rotation of both ends.
+pub fn beam_element(h: f64) -> [[f64; 4]; 4] {
+    [
+        [12.0, 6.0 * h, -12.0, 6.0 * h],
+        [6.0 * h, 4.0 * h * h, -6.0 * h, 2.0 * h * h],
+        [-12.0, -6.0 * h, 12.0, -6.0 * h],
+        [6.0 * h, 2.0 * h * h, -6.0 * h, 4.0 * h * h],
+    ]
+}
+
 /// A beam of deflections and rotations, in units of length.
 fn beam(a: &mut Assembly, random: &mut Random, units: Units) -> Part {
     let count = 3 + random.below(25);
@@ -137,13 +147,10 @@ fn beam(a: &mut Assembly, random: &mut Random, units: Units) -> Part {
         let h = random.between(0.5, 1.5) * units.length;
         // Forces are in plain units; those of the whole matrix are applied later. Lengths are in the entries here.
         let s = random.between(0.5, 5.0) * (units.length / h).powi(3);
-        let k = [
-            [12.0, 6.0 * h, -12.0, 6.0 * h],
-            [6.0 * h, 4.0 * h * h, -6.0 * h, 2.0 * h * h],
-            [-12.0, -6.0 * h, 12.0, -6.0 * h],
-            [6.0 * h, 2.0 * h * h, -6.0 * h, 4.0 * h * h],
-        ];
-        a.element([nodes[i][0], nodes[i][1], nodes[i + 1][0], nodes[i + 1][1]], k.map(|row| row.map(|v| s * v)));
+        a.element(
+            [nodes[i][0], nodes[i][1], nodes[i + 1][0], nodes[i + 1][1]],
+            beam_element(h).map(|row| row.map(|v| s * v)),
+        );
     }
     Part { ground: nodes[0].to_vec(), tie: nodes[count].to_vec() }
 }

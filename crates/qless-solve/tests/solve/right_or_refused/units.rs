@@ -6,7 +6,7 @@ use qless_solve::enforce::{EnforceError, Problem, Solution};
 
 use super::Random;
 use super::dense;
-use super::models::{Kind, Lack, Model, Units, all_units, model, off};
+use super::models::{Kind, Lack, Model, Units, all_units, beam_element, model, off};
 use crate::linkages::Outcome;
 use crate::patch::Block;
 
@@ -128,14 +128,8 @@ fn slender_beams_are_held() -> Outcome {
                 // The second half starts with its own node.
                 let a = if i == count / 2 { 2 * i + 2 } else { node(i) };
                 let (b, s) = (node(i + 1), stiffness / h.powi(3));
-                let k = [
-                    [12.0, 6.0 * h, -12.0, 6.0 * h],
-                    [6.0 * h, 4.0 * h * h, -6.0 * h, 2.0 * h * h],
-                    [-12.0, -6.0 * h, 12.0, -6.0 * h],
-                    [6.0 * h, 2.0 * h * h, -6.0 * h, 4.0 * h * h],
-                ];
                 let dofs = [a, a + 1, b, b + 1];
-                for (r, row) in k.iter().enumerate() {
+                for (r, row) in beam_element(h).iter().enumerate() {
                     entries.extend(row.iter().zip(dofs).map(|(v, j)| Triplet::new(dofs[r], j, s * v)));
                 }
             }

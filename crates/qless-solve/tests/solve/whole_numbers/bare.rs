@@ -36,7 +36,7 @@ fn methods(random: &mut Random, rows: usize, turn: usize) -> (Vec<Method>, f64) 
 fn accuracies_are_true_where_no_units_can_be_compared() -> Outcome {
     let mut counts = Counts::default();
     for seed in FIRST..FIRST + 33 * MODELS {
-        let (mut model, random) = (model(seed), &mut Random(seed as u64));
+        let (mut model, random) = (model(seed), &mut Random::new(seed as u64));
         (0..model.f.len()).for_each(|i| model.k[i][i] = 0);
         let Some((_, false)) = model.rank() else { continue };
         let unit = |_| 2_f64.powi(random.below(2 * POWER + 1) as i32 - POWER as i32);

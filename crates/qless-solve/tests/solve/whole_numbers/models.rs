@@ -1,6 +1,7 @@
 //! Small random models of small whole numbers.
 
 use faer::sparse::{SparseColMat, Triplet};
+use qless::common::SplitMix64;
 use qless::{ConstraintSystem, SystemBuilder};
 
 use super::exact;
@@ -10,16 +11,16 @@ use crate::linkages::Outcome;
 pub type Solution = (Vec<f64>, Vec<f64>);
 
 /// Random numbers, the same in every run.
-pub struct Random(pub u64);
+pub struct Random(SplitMix64);
 
 impl Random {
-    /// From 0 to n - 1 (SplitMix64).
+    pub fn new(seed: u64) -> Self {
+        Self(SplitMix64::new(seed))
+    }
+
+    /// From 0 to n - 1.
     pub fn below(&mut self, n: u64) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) % n) as usize
+        (self.0.next() % n) as usize
     }
 
     /// From -most to most.
@@ -99,7 +100,7 @@ fn equations(random: &mut Random, m: usize, n: usize) -> (Vec<Vec<i128>>, Vec<i1
 }
 
 pub fn model(seed: usize) -> Model {
-    let mut random = Random(seed as u64 * 7919 + 13);
+    let mut random = Random::new(seed as u64 * 7919 + 13);
     let n = 1 + random.below(8);
     let kind = random.below(6);
     let k = stiffness(&mut random, kind, n);

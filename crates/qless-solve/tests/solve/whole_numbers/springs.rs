@@ -72,7 +72,8 @@ fn penalised(model: &Model, kept: &[usize], methods: &[Method]) -> Vec<f64> {
 fn check(case: &Case, counts: &mut Counts) {
     let Some((right, _)) = &case.right else { return };
     let kept = case.problem.kept();
-    let (measure, random) = (Measure::new(case.model, kept), &mut Random(case.name.len() as u64 + counts.right as u64));
+    let (measure, random) =
+        (Measure::new(case.model, kept), &mut Random::new(case.name.len() as u64 + counts.right as u64));
     for turn in 0..6 {
         let methods = methods(random, case.given.system.equations(), turn);
         let accuracy = 10_f64.powi(-1 - random.below(9) as i32);

@@ -14,7 +14,7 @@ const POWERS: [u64; 3] = [0, 10, 20];
 #[test]
 fn units_of_dofs_make_nothing_wrong_that_was_right() -> Outcome {
     let (mut right, mut refused, mut singular) = (0, 0, 0);
-    let random = &mut Random(25);
+    let random = &mut Random::new(25);
     for (model, powers) in (0..3 * MODELS).map(model).flat_map(|model| POWERS.map(|power| (model.clone(), power))) {
         let Some((_, false)) = model.rank() else { continue };
         let unit = |_| 2_f64.powi(random.below(2 * powers + 1) as i32 - powers as i32);

@@ -42,7 +42,7 @@ fn number(random: &mut Random, most: u64) -> i128 {
 
 /// A model with its u; none if a number is not a double.
 fn model(seed: usize) -> Option<(Model, Vec<f64>)> {
-    let random = &mut Random(seed as u64 * 6007 + 5);
+    let random = &mut Random::new(seed as u64 * 6007 + 5);
     let n = 2 + random.below(7);
     let definite = random.below(3) > 0;
     let k = stiffness(random, n, definite);
