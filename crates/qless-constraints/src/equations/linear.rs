@@ -63,8 +63,8 @@ impl LinearEquations {
         self.col[entries.clone()].iter().copied().zip(self.val[entries].iter().copied())
     }
 
-    /// Replaces the equations of a constraint, which may have none before or after. Returns the old ones. If the new ones have as many rows and
-    /// terms, no other equation moves.
+    /// Replaces the equations of a constraint, which may have none before or after. Returns the old ones. No other equation moves if
+    /// the new ones have as many rows and terms.
     pub fn replace(
         &mut self,
         constraint: u32,

@@ -23,8 +23,8 @@ pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
     if value.is_finite() { Ok(value) } else { Err(value) }
 }
 
-/// Whether -q, which is the same rotation, gives the smaller angle. At exactly half a turn m is rounding, which must not change the sense of
-/// rotation.
+/// Whether -q, which is the same rotation, gives the smaller angle. At exactly half a turn m is rounding, which must not change the
+/// sense of rotation.
 fn negated([m, v @ ..]: [f64; 4]) -> bool {
     m < -HALF_DIGITS * v.into_iter().fold(0.0, f64::hypot)
 }
