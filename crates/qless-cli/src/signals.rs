@@ -4,10 +4,13 @@
 //! was ignored when the program started, as under `nohup`, stays ignored.
 
 use std::io;
+use std::thread::Builder;
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
+
+use crate::memory::threads;
 
 /// Starts the thread that waits for signals.
 ///
@@ -16,7 +19,7 @@ use signal_hook::low_level::emulate_default_handler;
 pub fn watch() -> io::Result<()> {
     let heeded = [SIGTERM, SIGINT, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
     let mut signals = Signals::new(heeded)?;
-    std::thread::Builder::new().name("signals".into()).spawn(move || {
+    threads::begin(Builder::new().name("signals".into()), move || {
         if let Some(signal) = signals.forever().next() {
             qless_io::write::abandon();
             // This returns only if the signal cannot be raised.

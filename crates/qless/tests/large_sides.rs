@@ -105,6 +105,31 @@ fn a_stated_tolerance_decides_without_doubt() {
     }
 }
 
+/// `x - y = L; y - z = d - L; x - z = 0` with d = 0 or 1, and a component beside it whose solution needs more corrections. Whole numbers, so
+/// that d is exact.
+#[test]
+fn a_conflict_without_a_side_of_its_own_does_not_depend_on_other_components() {
+    for seed in 0..400 {
+        let mut random = SplitMix64::new(seed);
+        let mut real = || (random.next() >> 11) as f64 / (1_u64 << 53) as f64 + 0.5;
+        let (large, off) = ((real() * 10_f64.powi((seed % 12) as i32)).ceil(), (seed % 2) as f64);
+        let alone = [
+            (vec![1.0, -1.0, 0.0, 0.0], large),
+            (vec![0.0, 1.0, -1.0, 0.0], off - large),
+            (vec![1.0, 0.0, -1.0, 0.0], 0.0),
+            (vec![0.0, 0.0, 1.0, 1.0], 0.0),
+        ];
+        let mut beside: Vec<Row> = (0..4).map(|_| ((0..4).map(|_| real()).collect(), real())).collect();
+        beside.push((beside[0].0.iter().zip(&beside[1].0).map(|(a, b)| a + b).collect(), beside[0].1 + beside[1].1));
+        let first = alone.iter().map(|(row, b)| ([row.as_slice(), &[0.0; 4]].concat(), *b));
+        let both: Vec<Row> =
+            first.chain(beside.into_iter().map(|(row, b)| ([vec![0.0; 4], row].concat(), b))).collect();
+        let (alone, both) = (analysed(&alone), analysed(&both));
+        assert_eq!(alone.kinds(), &both.kinds()[..4], "{seed}");
+        assert_eq!(conflicts(&alone), seed as usize % 2, "{seed}: {:?}", alone.kinds());
+    }
+}
+
 /// `a u + e u_f = b; a u = b'` with a tiny e fixes u_f to `(b - b') / e`, which is exact here. Doubles lose all of its digits if the other
 /// DOFs are rounded first.
 #[test]
@@ -124,6 +149,7 @@ fn a_dof_that_a_tiny_coefficient_fixes_has_its_value() {
         let found = analysis.generated();
         assert!(matches!(found, [(dof, _)] if *dof == place), "{seed}: {found:?}");
         let exact = ((b + tiny * value) - b) / tiny;
+        // Sums of two doubles have 32 digits, and the sides are of size 1.
         assert!(
             (found[0].1 - exact).abs() <= (1e-12 * exact.abs()).max(1e-30 / tiny),
             "{seed}: {found:?}, but {exact:e} is right"

@@ -60,9 +60,25 @@ fn possible(count: usize) -> usize {
 /// A thread that ends when the sender is dropped.
 fn waiting() -> std::io::Result<(JoinHandle<()>, Sender<()>)> {
     let (end, wait) = channel::<()>();
-    let thread = Builder::new().spawn(move || {
+    let thread = begin(Builder::new(), move || {
         // The sender sends nothing.
         let _ = wait.recv();
     })?;
     Ok((thread, end))
+}
+
+/// Starts a thread and returns when it runs `work`. Until then, the thread takes memory of its own; if it finds none, because this thread
+/// took the last of it meanwhile, the process aborts.
+///
+/// # Errors
+/// The system provides no thread.
+pub fn begin(builder: Builder, work: impl FnOnce() + Send + 'static) -> std::io::Result<JoinHandle<()>> {
+    let (runs, wait) = channel::<()>();
+    let thread = builder.spawn(move || {
+        drop(runs);
+        work();
+    })?;
+    // The other end is dropped without a message.
+    let _ = wait.recv();
+    Ok(thread)
 }

@@ -45,6 +45,24 @@ impl<S> Arithmetic for S where
 }
 
 /// A smooth function of one number, written for any scalar.
+///
+/// ```
+/// use qless_constraints::scalar::{Dual, Scalar, Univariate};
+/// #[derive(Clone, Copy)]
+/// struct Damping {
+///     rate: f64,
+/// }
+/// impl Univariate for Damping {
+///     /// `rate sin(x) / x`
+///     fn at<S: Scalar>(self, x: S) -> S {
+///         S::from(self.rate) * x.sin() / x
+///     }
+/// }
+/// // The derivative of 3 sin(x) / x at x = 2 is 3 (2 cos(2) - sin(2)) / 4.
+/// let x = Dual::<1>::variable(2.0, 0);
+/// let slope = x.map(Damping { rate: 3.0 }).slope[0];
+/// assert!((slope - 0.75 * (2.0 * 2.0_f64.cos() - 2.0_f64.sin())).abs() < 1e-15);
+/// ```
 pub trait Univariate: Copy {
     /// The function at x.
     fn at<S: Scalar>(self, x: S) -> S;

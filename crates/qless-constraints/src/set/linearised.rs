@@ -91,10 +91,11 @@ impl ConstraintSet {
     }
 
     /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by
-    /// `units`, at least n numbers `s_j`. Prescribed increments are those of y. `rounding` is that of the configuration of the evaluation.
+    /// `units`, at least n numbers `s_j`. Prescribed increments are those of y. `rounding` must be [`ConstraintSet::rounding`] at the u of the
+    /// evaluation; bounds of another u are not detected.
     ///
     /// # Errors
-    /// As [`ConstraintSet::linearised`], and if `units` is shorter than n.
+    /// As [`ConstraintSet::linearised`], and if `units` is shorter than n, or `rounding` belongs to another set.
     pub fn linearised_in(
         &self,
         units: &[f64],
@@ -104,7 +105,8 @@ impl ConstraintSet {
     ) -> Result<ConstraintSystem, LineariseError> {
         self.current(evaluation)?;
         long("the list of units", units.len().min(self.dofs), self.dofs)?;
-        long("the bounds on rounding", rounding.c().len(), self.equations())?;
+        long("the bounds on rounding of c", rounding.c().len(), self.equations())?;
+        long("the bounds on rounding of G", rounding.g().len(), evaluation.g.values().len())?;
         self.system(units, evaluation, Some(rounding), prescribed)
     }
 

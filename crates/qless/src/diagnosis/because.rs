@@ -17,6 +17,7 @@ use super::classify::{Dependent, Source};
 use super::generated::{self, Explainer};
 use super::preferred_equations::add;
 use crate::common::argument::{ArgumentError, within};
+use crate::common::two_sum;
 use crate::factor::backend::{Backend, BackendError};
 use crate::input::scale::ldexp;
 
@@ -148,9 +149,8 @@ impl Analysis {
             let [mut left, mut lost, mut size] = [0.0_f64; 3];
             for &(_, coefficient, v) in of_dof {
                 let part = coefficient * v;
-                let sum = left + part;
-                let second = sum - left;
-                lost += coefficient.mul_add(v, -part) + ((left - (sum - second)) + (part - second));
+                let (sum, error) = two_sum(left, part);
+                lost += coefficient.mul_add(v, -part) + error;
                 left = sum;
                 size += part.abs();
             }

@@ -24,7 +24,7 @@ const DONE: f64 = f64::EPSILON * f64::EPSILON * 16.0;
 pub(crate) struct Solutions<const W: usize> {
     high: Slab<W>,
     low: Slab<W>,
-    /// The last correction.
+    /// The last correction, zero where the solution has converged.
     pub last: Slab<W>,
 }
 
@@ -39,6 +39,7 @@ impl KeptRows<'_> {
             let rest = |(left, size): (f64, f64)| if left.abs() <= DONE * size { 0.0 } else { left };
             let left = |i: usize| solutions.left(self.system, i, sides(i)).map(rest);
             if self.rows().all(|i| left(i) == [0.0; W]) {
+                solutions.last.fill([0.0; W]);
                 break;
             }
             solutions.add(self.correction(left));
