@@ -8,7 +8,8 @@
 //!
 //! The elimination measures a mismatch against the largest right-hand side that it met, also if that side cancelled and is not in the
 //! certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. One solution shows the mismatches of all equations,
-//! and three their sizes. A certificate is computed only for an equation whose mismatch is within its error.
+//! and three their sizes. The sizes come first, in doubles: most equations are clear then. A certificate is computed only for an equation
+//! whose mismatch is within its error.
 
 use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, MismatchRule};
@@ -18,28 +19,38 @@ use super::nullspace_probe::RandomKeys;
 use super::pass_result::PassResult;
 use super::refined::product;
 use crate::common::random::signed;
+use crate::factor::backend::many::Slab;
 use crate::input::components::Labels;
+use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
-/// Number of solutions: u and three v. Three random sums are all a million times too small in one of 1e18 cases.
-const W: usize = 4;
+/// Number of v. Three random sums are all a million times too small in one of 1e18 cases.
+const V: usize = 3;
+/// Number of solutions: u and the v.
+const W: usize = V + 1;
 /// Seeds of the weights.
-const SEEDS: [u64; W - 1] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
+const SEEDS: [u64; V] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
 
 /// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side.
 pub(super) fn find(pass: &mut PassResult, rule: &MismatchRule) {
-    let is_unclear = |d: &Dependent| {
+    let is_unclear = |d: &Dependent, size: f64| {
         let most = d.mismatch.abs() + MORE_THAN_ROUNDING * d.rest.error;
-        d.kind == Kind::Redundant && !d.is_suspect && most > rule.tolerance * side(rule, d.row).size
+        d.kind == Kind::Redundant && !d.is_suspect && most > rule.tolerance * size
     };
-    let unclear: Vec<usize> = (0..pass.dependent.len()).filter(|&k| is_unclear(&pass.dependent[k])).collect();
+    let is_own_too_small = |&k: &usize| is_unclear(&pass.dependent[k], side(rule, pass.dependent[k].row).size);
+    let mut unclear: Vec<usize> = (0..pass.dependent.len()).filter(is_own_too_small).collect();
     if unclear.is_empty() {
         return;
     }
     if !pass.keys.are_within_components() {
         pass.keys = RandomKeys::within_components(&Labels::of(rule.system), rule.system);
+    }
+    let v = pass.kept(rule.system, rule.scaling).correction(|i| weights(&pass.keys, i, side(rule, i).size));
+    unclear.retain(|&k| is_unclear(&pass.dependent[k], size_above_rounding(rule.system, pass.dependent[k].row, &v)));
+    if unclear.is_empty() {
+        return;
     }
     let rows: Vec<usize> = unclear.iter().map(|&k| pass.dependent[k].row).collect();
     for (k, rest) in unclear.into_iter().zip(mismatches(pass, rule, &rows)) {
@@ -75,13 +86,26 @@ fn reclassify(d: &mut Dependent, history: &History, rule: &MismatchRule) {
     }
 }
 
+/// `w number` for the three v.
+fn weights(keys: &RandomKeys, i: usize, number: f64) -> [f64; V] {
+    SEEDS.map(|seed| number * signed(seed, keys.row(i as u32)))
+}
+
+/// The largest `|C_k v|` that is more than the rounding of its terms.
+fn size_above_rounding(system: LocalSystem, k: usize, v: &Slab<V>) -> f64 {
+    let mut terms = [0.0_f64; V];
+    system.row(k).for_each(|(j, a)| terms.iter_mut().zip(&v[j]).for_each(|(t, v)| *t = t.max((a * v).abs())));
+    let above = |(sum, t): (&f64, f64)| if sum.abs() > MORE_THAN_ROUNDING * f64::EPSILON * t { sum.abs() } else { 0.0 };
+    product(system, k, v).iter().zip(terms).map(above).fold(0.0, f64::max)
+}
+
 /// The mismatches of dependent equations.
 fn mismatches(pass: &PassResult, rule: &MismatchRule, dependent: &[usize]) -> Vec<Mismatch> {
     let system = rule.system;
     let kept = pass.kept(system, rule.scaling);
     let weighted = |i: usize, first: f64, number: f64| {
-        let key = pass.keys.row(i as u32);
-        std::array::from_fn(|c| if c == 0 { first } else { number * signed(SEEDS[c - 1], key) })
+        let [a, b, c] = weights(&pass.keys, i, number);
+        [first, a, b, c]
     };
     let sides = |i: usize| weighted(i, system.rhs()[i], side(rule, i).size);
     let mut start = vec![[0.0; W]; system.dofs()];

@@ -17,8 +17,9 @@ use crate::input::scale::ldexp;
 
 /// The largest number of corrections. Sides that span 32 digits need five if d > 1e-9, and one more finds that nothing is left.
 const CORRECTIONS: usize = 6;
-/// A remainder of this part of the terms of an equation is rounding: a sum of two doubles has 106 bits, of which 6 are left to the sum.
-const DONE: f64 = f64::EPSILON * f64::EPSILON * 16.0;
+/// A remainder of this part of the terms of an equation is rounding: a sum of two doubles has 106 bits, of which a sum of a thousand of them
+/// loses 10.
+const DONE: f64 = f64::EPSILON * f64::EPSILON * 256.0;
 
 /// W solutions by DOF, each number a sum of two doubles.
 pub(crate) struct Solutions<const W: usize> {
