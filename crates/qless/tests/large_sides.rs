@@ -105,28 +105,32 @@ fn a_stated_tolerance_decides_without_doubt() {
     }
 }
 
-/// `x - y = L; y - z = d - L; x - z = 0` with d = 0 or 1, and a component beside it whose solution needs more corrections. Whole numbers, so
-/// that d is exact.
+/// `p u = 1; q u = d - 1; (p + q) u = 0; r u = L` with d = 0 or 1, and a component beside it whose solution needs more corrections. Whole
+/// numbers, so that d is exact. Beside `L = 1e15` rounded coefficients may hide d, and it counts as rounding.
 #[test]
 fn a_conflict_without_a_side_of_its_own_does_not_depend_on_other_components() {
-    for seed in 0..400 {
+    for seed in 0..2_000 {
         let mut random = SplitMix64::new(seed);
-        let mut real = || (random.next() >> 11) as f64 / (1_u64 << 53) as f64 + 0.5;
-        let (large, off) = ((real() * 10_f64.powi((seed % 12) as i32)).ceil(), (seed % 2) as f64);
-        let alone = [
-            (vec![1.0, -1.0, 0.0, 0.0], large),
-            (vec![0.0, 1.0, -1.0, 0.0], off - large),
-            (vec![1.0, 0.0, -1.0, 0.0], 0.0),
-            (vec![0.0, 0.0, 1.0, 1.0], 0.0),
-        ];
-        let mut beside: Vec<Row> = (0..4).map(|_| ((0..4).map(|_| real()).collect(), real())).collect();
-        beside.push((beside[0].0.iter().zip(&beside[1].0).map(|(a, b)| a + b).collect(), beside[0].1 + beside[1].1));
+        let mut number = |most: u64| (random.next() % most) as f64;
+        let off = (seed % 2) as f64;
+        let mut row = || -> Vec<f64> { (0..4).map(|_| number(9) - 4.0).collect() };
+        let (p, q, r) = (row(), row(), row());
+        let sum: Vec<f64> = p.iter().zip(&q).map(|(p, q)| p + q).collect();
+        let mut alone =
+            vec![(p, 1.0), (q, off - 1.0), (sum, 0.0), (r, 10_f64.powi((seed % 15) as i32) * (1.0 + number(4)))];
+        alone.rotate_left(seed as usize % 4);
+        if analysed(&alone).rank() < 3 {
+            continue;
+        }
+        let beside: Vec<Row> = (0..3).map(|_| ((0..4).map(|_| number(1 << 50)).collect(), number(1 << 50))).collect();
+        let twice = beside[0].0.iter().zip(&beside[1].0).map(|(a, b)| a + b).collect();
+        let beside = beside.iter().cloned().chain([(twice, beside[0].1 + beside[1].1)]);
         let first = alone.iter().map(|(row, b)| ([row.as_slice(), &[0.0; 4]].concat(), *b));
-        let both: Vec<Row> =
-            first.chain(beside.into_iter().map(|(row, b)| ([vec![0.0; 4], row].concat(), b))).collect();
+        let both: Vec<Row> = first.chain(beside.map(|(row, b)| ([vec![0.0; 4], row].concat(), b))).collect();
         let (alone, both) = (analysed(&alone), analysed(&both));
         assert_eq!(alone.kinds(), &both.kinds()[..4], "{seed}");
-        assert_eq!(conflicts(&alone), seed as usize % 2, "{seed}: {:?}", alone.kinds());
+        let is_right = conflicts(&alone) == seed as usize % 2;
+        assert!(is_right || alone.confidence().doubt.is_some(), "{seed}: {:?}", alone.kinds());
     }
 }
 
