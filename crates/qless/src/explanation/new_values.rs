@@ -7,6 +7,8 @@
 //!
 //! The sum is computed in twice the precision. `from + change` would keep only the digits of the larger of the two.
 
+use std::collections::BTreeMap;
+
 use super::changes::Number;
 use crate::common::two_sum;
 
@@ -20,36 +22,59 @@ const FIT: f64 = 1e-2;
 /// A mismatch as a sum over all its numbers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MismatchSum {
-    pub constant: f64,
     /// Numbers with their effects a_ow and present values.
-    pub terms: Vec<(Number, f64, f64)>,
+    pub terms: BTreeMap<Number, (f64, f64)>,
+    /// The sum with the present values, and what its additions lost.
+    present: (f64, f64),
+    constant: f64,
+    /// The size of each term, descending.
+    sizes: Vec<(f64, Number)>,
 }
 
 impl MismatchSum {
-    /// The mismatch with the values of a way, in twice the precision, and its largest term.
-    pub fn at(&self, way: &[(Number, f64)]) -> (f64, f64) {
-        let (mut sum, mut lost, mut size) = (self.constant, 0.0, self.constant.abs());
-        for &(number, effect, value) in &self.terms {
-            let x = way.iter().find(|of| of.0 == number).map_or(value, |of| of.1);
-            let part = effect * x;
-            let (next, error) = two_sum(sum, part);
-            lost += effect.mul_add(x, -part) + error;
-            sum = next;
-            size = size.max(part.abs());
+    /// The constant and the terms: number, effect, present value.
+    pub fn new(constant: f64, terms: impl IntoIterator<Item = (Number, f64, f64)>) -> Self {
+        let (mut all, mut present) = (BTreeMap::new(), (constant, 0.0));
+        for (number, effect, value) in terms {
+            all.entry(number).or_insert((0.0, value)).0 += effect;
+            present = plus(present, effect, value);
         }
-        (sum + lost, size)
+        let mut sizes: Vec<(f64, Number)> = all.iter().map(|(of, (a, x))| ((a * x).abs(), *of)).collect();
+        sizes.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        Self { terms: all, present, constant, sizes }
+    }
+
+    /// The mismatch with the values of a way, in twice the precision, and its largest term. O(numbers of the way).
+    pub fn at(&self, way: &[(Number, f64)]) -> (f64, f64) {
+        let is_kept = |of: &&(f64, Number)| way.iter().all(|(number, _)| *number != of.1);
+        let (mut sum, kept) = (self.present, self.sizes.iter().find(is_kept));
+        let mut size = kept.map_or(0.0, |of| of.0).max(self.constant.abs());
+        for (number, x) in way {
+            if let Some(&(effect, value)) = self.terms.get(number) {
+                sum = plus(plus(sum, -effect, value), effect, *x);
+                size = size.max((effect * x).abs());
+            }
+        }
+        (sum.0 + sum.1, size)
     }
 
     fn effect(&self, number: Number) -> f64 {
-        self.terms.iter().filter(|term| term.0 == number).map(|term| term.1).sum()
+        self.terms.get(&number).map_or(0.0, |term| term.0)
     }
+}
+
+/// A sum, and what its additions lost, plus a product.
+fn plus((sum, lost): (f64, f64), effect: f64, x: f64) -> (f64, f64) {
+    let part = effect * x;
+    let (next, error) = two_sum(sum, part);
+    (next, lost + (effect.mul_add(x, -part) + error))
 }
 
 /// The new values of a way, given as changes: refined, then with as few digits as the tolerance allows.
 pub(super) fn new_values(sums: &[MismatchSum], changes: &[(Number, f64)], tolerance: f64) -> Vec<(Number, f64)> {
-    let value = |number: Number| sums.iter().flat_map(|sum| &sum.terms).find(|term| term.0 == number);
+    let value = |number: &Number| sums.iter().find_map(|sum| sum.terms.get(number)).map_or(0.0, |term| term.1);
     let mut way: Vec<(Number, f64)> =
-        changes.iter().map(|&(number, change)| (number, value(number).map_or(0.0, |term| term.2) + change)).collect();
+        changes.iter().map(|(number, change)| (*number, value(number) + change)).collect();
     let touched: Vec<&MismatchSum> =
         sums.iter().filter(|sum| way.iter().any(|&(number, _)| sum.effect(number) != 0.0)).collect();
     for _ in 0..REFINEMENTS {

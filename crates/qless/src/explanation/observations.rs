@@ -29,7 +29,7 @@ impl Observations {
     pub fn add(&mut self, sum: MismatchSum) {
         let o = self.mismatches.len();
         self.mismatches.push(sum.at(&[]).0);
-        for &(number, effect, _) in &sum.terms {
+        for (&number, &(effect, _)) in &sum.terms {
             self.effects.entry(number).or_default().push((o, effect));
         }
         self.sums.push(sum);

@@ -15,12 +15,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::Explanation;
 use super::change_order::Plausibility;
 use super::changes::{Change, Number};
 use super::new_values::{MismatchSum, new_values};
 use super::observations::Observations;
 use super::verification::Verification;
-use super::{Explanation, Member};
 use crate::common::SplitMix64;
 use crate::factor::backend::BackendError;
 use crate::input::scale::ldexp;
@@ -122,20 +122,18 @@ impl Analysis {
         for dependent in conflicts {
             let explanation = self.explained(dependent, false).0;
             let own = Number::RightHandSide(dependent.row);
-            let mut sum = self.mismatch_sum(0.0, &explanation);
-            sum.terms.push((own, 1.0, self.value(own)));
-            observed.add(sum);
+            let own = (own, 1.0, self.value(own));
+            observed.add(MismatchSum::new(0.0, self.terms(&explanation).chain([own])));
         }
         observed
     }
 
-    /// `constant - sum c_i b_i - sum d_j value_j`: the effect of a number is minus the coefficient of its member.
-    fn mismatch_sum(&self, constant: f64, explanation: &Explanation) -> MismatchSum {
-        let term = |&member: &Member| {
+    /// The terms of `-sum c_i b_i - sum d_j value_j`: the effect of a number is minus the coefficient of its member.
+    fn terms(&self, explanation: &Explanation) -> impl Iterator<Item = (Number, f64, f64)> {
+        explanation.members.iter().map(|&member| {
             let number = Number::from(member);
             (number, -member.coefficient(), self.value(number))
-        };
-        MismatchSum { constant, terms: explanation.members.iter().map(term).collect() }
+        })
     }
 
     /// Mismatches of random sums of the conflicts.
@@ -143,7 +141,7 @@ impl Analysis {
         let mut observed = Observations::default();
         for sum in 0..SUMS {
             let (explanation, b) = self.random_sum(conflicts, sum as u64)?;
-            observed.add(self.mismatch_sum(b, &explanation));
+            observed.add(MismatchSum::new(b, self.terms(&explanation)));
         }
         Ok(observed)
     }
