@@ -266,3 +266,40 @@ fn a_new_value_has_its_own_digits() {
     let values: Vec<f64> = ways.iter().map(|way| way[0].to).collect();
     assert_eq!(values, [1e-12, 2e12, 2e12]);
 }
+
+/// A loop of ties has as many ways as equations; the cost of each must not grow with their number.
+#[test]
+fn a_long_loop_has_a_repair() {
+    let n = 100_000;
+    let mut builder = SystemBuilder::new(n);
+    for k in 0..n {
+        builder.equation([(k, 1.0), ((k + 1) % n, -1.0)], if k == 70_000 { 1.0 } else { 0.0 });
+    }
+    let analysis = analyse(&builder.build().expect("valid"), &Options::default()).expect("an analysis");
+    let repair = analysis.repairs().expect("repairs").remove(0);
+    let first = repair.ways[0][0];
+    assert_eq!((first.number, first.from, first.to), (Number::RightHandSide(70_000), 1.0, 0.0));
+    assert_eq!(repair.count, n);
+}
+
+/// `u_k + 4 u_(k+1) + u_(k+2) = b_k` fixes all DOFs if two are prescribed. The effects of far numbers decay by 3.7 for each equation: a
+/// number 20 equations away cures the conflict only if it becomes 1e11, and is no way.
+#[test]
+fn no_way_is_far_larger_than_all_numbers() {
+    for seed in 0..200 {
+        let mut random = SplitMix64::new(seed);
+        let n = 30 + below(&mut random, 60);
+        let mut builder = SystemBuilder::new(n + 2);
+        for k in 0..n {
+            builder.equation([(k, 1.0), (k + 1, 4.0), (k + 2, 1.0)], below(&mut random, 19) as f64 - 9.0);
+        }
+        [0, n + 1].into_iter().for_each(|dof| builder.prescribe(dof, 0.0));
+        let at = 1 + below(&mut random, n);
+        builder.equation([(at, 1.0)], 5.0);
+        let analysis = analyse(&builder.build().expect("valid"), &Options::default()).expect("an analysis");
+        let repairs = analysis.repairs().expect("repairs");
+        let changes = repairs.iter().flat_map(|repair| &repair.ways).flatten();
+        let largest = changes.fold(0.0, |most: f64, change| most.max(change.to.abs()));
+        assert!(largest > 0.0 && largest < 1e11, "{seed}: {largest:e}");
+    }
+}

@@ -25,11 +25,11 @@ pub(super) struct Observations {
 }
 
 impl Observations {
-    /// Adds a mismatch.
-    pub fn add(&mut self, sum: MismatchSum) {
+    /// Adds a mismatch, which some of its numbers may cure.
+    pub fn add(&mut self, sum: MismatchSum, may_cure: impl Fn(&Number) -> bool) {
         let o = self.mismatches.len();
         self.mismatches.push(sum.at(&[]).0);
-        for (&number, &(effect, _)) in &sum.terms {
+        for (&number, &(effect, _)) in sum.terms.iter().filter(|term| may_cure(term.0)) {
             self.effects.entry(number).or_default().push((o, effect));
         }
         self.sums.push(sum);
@@ -118,7 +118,7 @@ impl Observations {
     }
 
     /// Changes one number after the other, always the one that cures most of the remaining mismatches. Each change lowers the number of
-    /// remaining mismatches, so this ends. The right-hand side of a conflicting equation cures its mismatch, so none is left.
+    /// remaining mismatches, so this ends. The number of the largest effect cures a mismatch, so none is left.
     pub fn greedy(&self) -> Vec<(Number, f64)> {
         let mut left = self.mismatches.clone();
         let mut chosen: BTreeMap<Number, f64> = BTreeMap::new();

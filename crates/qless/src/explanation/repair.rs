@@ -13,14 +13,14 @@
 //!
 //! Certificates decide which changes are candidates. A candidate becomes a repair if the analysis of the changed system agrees.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use super::Explanation;
 use super::change_order::Plausibility;
 use super::changes::{Change, Number};
 use super::new_values::{MismatchSum, new_values};
 use super::observations::Observations;
 use super::verification::Verification;
+use super::{Explanation, Member};
 use crate::common::SplitMix64;
 use crate::factor::backend::BackendError;
 use crate::input::scale::ldexp;
@@ -34,9 +34,12 @@ const SUMS: usize = 2;
 const HANDFUL: usize = 8;
 /// Largest number of ways that are listed; the others are only counted.
 const MOST_WAYS: usize = 16;
+/// Number of ways that are tried in any case until one holds, however long an analysis takes.
+const TRIED: usize = 4;
 /// Largest number of rounds of changes. A round uncovers wrong numbers that are smaller by the tolerance, 10 digits, and doubles have 16.
 const ROUNDS: usize = 4;
-/// A number below this fraction of the largest one of a random sum counts as zero, because its terms cancel.
+/// A coefficient below this fraction of the largest one of a certificate or a random sum counts as zero: its terms cancel, or only a change
+/// that is larger than all other numbers would cure the conflict.
 const NOISE: f64 = 1e-9;
 
 /// A search of ways: numbers and how much each changes.
@@ -61,8 +64,8 @@ pub struct Repair {
     /// Changes that cure all of them together, the most plausible way first; all have the same number of changes. At most 16. Each was
     /// verified: in the analysis of the changed system, none of `conflicts` conflicts, and no other equation has become conflicting.
     ///
-    /// Empty if no way was found that holds, if more than 64 conflicts have no single change that cures them, or after a million equations
-    /// were analysed again.
+    /// Fewer if an analysis takes long. Empty if no way was found that holds, or if more than 64 conflicts have no single change that cures
+    /// them.
     pub ways: Vec<Vec<Change>>,
     /// Number of ways of this size: the listed ones, and further ones that were not verified.
     pub count: usize,
@@ -120,17 +123,34 @@ impl Analysis {
     fn observe(&self, conflicts: &[&Dependent]) -> Observations {
         let mut observed = Observations::default();
         for dependent in conflicts {
-            let explanation = self.explained(dependent, false).0;
-            let own = Number::RightHandSide(dependent.row);
-            let own = (own, 1.0, self.value(own));
-            observed.add(MismatchSum::new(0.0, self.terms(&explanation).chain([own])));
+            let mut members = self.explained(dependent, false).0.members;
+            members.push(Member::Equation { row: dependent.row, coefficient: -1.0 });
+            let major = self.major(&members);
+            observed.add(MismatchSum::new(0.0, self.terms(&members)), |number| major.contains(number));
         }
         observed
     }
 
+    /// The right-hand sides of equations whose coefficients are more than noise beside the largest, and the prescribed DOFs in these.
+    fn major(&self, members: &[Member]) -> HashSet<Number> {
+        let equations = || {
+            members.iter().filter_map(|member| match *member {
+                Member::Equation { row, coefficient } => Some((row, ldexp(coefficient.abs(), -self.scaling.row[row]))),
+                Member::Prescribed { .. } => None,
+            })
+        };
+        let least = NOISE * equations().map(|(_, size)| size).fold(0.0, f64::max);
+        let major = equations().filter(|&(_, size)| size >= least).map(|(row, _)| row);
+        let numbers = |row: usize| {
+            let dofs = self.system.matrix().row(row).map(|(dof, _)| Number::Prescribed(dof));
+            dofs.chain([Number::RightHandSide(row)])
+        };
+        major.flat_map(numbers).collect()
+    }
+
     /// The terms of `-sum c_i b_i - sum d_j value_j`: the effect of a number is minus the coefficient of its member.
-    fn terms(&self, explanation: &Explanation) -> impl Iterator<Item = (Number, f64, f64)> {
-        explanation.members.iter().map(|&member| {
+    fn terms(&self, members: &[Member]) -> impl Iterator<Item = (Number, f64, f64)> {
+        members.iter().map(|&member| {
             let number = Number::from(member);
             (number, -member.coefficient(), self.value(number))
         })
@@ -141,7 +161,7 @@ impl Analysis {
         let mut observed = Observations::default();
         for sum in 0..SUMS {
             let (explanation, b) = self.random_sum(conflicts, sum as u64)?;
-            observed.add(MismatchSum::new(b, self.terms(&explanation)));
+            observed.add(MismatchSum::new(b, self.terms(&explanation.members)), |_| true);
         }
         Ok(observed)
     }
@@ -232,7 +252,8 @@ impl Analysis {
             let mut found: Vec<Vec<Change>> = search().iter().map(|way| self.changes(observed, way)).collect();
             found.sort_by_cached_key(|way| plausibility.key(way));
             let (mut ways, mut tried) = (Vec::new(), 0);
-            while tried < found.len() && ways.len() < MOST_WAYS && !verification.is_over() {
+            let is_over = |tried: usize, none: bool| verification.is_over() && !(none && tried < TRIED);
+            while tried < found.len() && ways.len() < MOST_WAYS && !is_over(tried, ways.is_empty()) {
                 if verification.holds(&conflicts, &found[tried]) {
                     ways.push(found[tried].clone());
                 }

@@ -5,12 +5,15 @@
 use std::cell::Cell;
 
 use super::changes::{Change, Number};
+use crate::factor::block::Block;
 use crate::input::components::Labels;
 use crate::input::incidence::Incidence;
 use crate::{Analysis, Effort, Kind, Options, analyse};
 
-/// Number of equations that are analysed again for all repairs of a system; this takes about a second.
+/// Number of equations that are analysed again for all repairs of a system; this takes about a second if presolve settles them.
 const MOST_ANALYSED: usize = 1 << 20;
+/// An equation of presolve takes as long as this number of operations of a dense factorization: a microsecond.
+const OPERATIONS: usize = 4096;
 
 /// A changed system.
 pub(super) struct ChangedSystem {
@@ -25,7 +28,7 @@ pub(super) struct Verification<'a> {
     analysis: &'a Analysis,
     labels: Labels,
     options: Options,
-    /// Number of equations that may still be analysed.
+    /// Number of equations that may still be analysed; those of blocks count by the operations of dense blocks.
     left: Cell<usize>,
 }
 
@@ -50,8 +53,6 @@ impl<'a> Verification<'a> {
     /// Analyses the system with these changes; `None` if that fails.
     pub fn changed(&self, conflicts: &[usize], way: &[Change]) -> Option<ChangedSystem> {
         let concerned = self.concerned(conflicts, way);
-        let count = concerned.iter().filter(|&&concerned| concerned).count();
-        self.left.set(self.left.get().saturating_sub(count));
         let system = self.analysis.system.only(|i, _| concerned[i], |i| concerned[i]);
         let system = system.with_numbers(|rhs, prescribed| {
             for &Change { number, to, .. } in way {
@@ -64,6 +65,10 @@ impl<'a> Verification<'a> {
             }
         });
         let analysis = analyse(&system, &self.options).ok()?;
+        let of_block = |block: &Block| block.rows.len().pow(2).saturating_mul(block.dofs.len()) / OPERATIONS;
+        let count = concerned.iter().filter(|&&concerned| concerned).count();
+        let cost = analysis.blocks.iter().map(of_block).fold(count, usize::saturating_add);
+        self.left.set(self.left.get().saturating_sub(cost));
         let conflicted = |row: &usize| self.analysis.kinds[*row] == Kind::Conflicting;
         let may_conflict = |row: &usize| conflicted(row) && conflicts.binary_search(row).is_err();
         let found = analysis.dependent.iter().filter(|d| d.kind == Kind::Conflicting).map(|d| d.row);
