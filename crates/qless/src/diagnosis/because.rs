@@ -129,7 +129,7 @@ impl Analysis {
     /// The remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms, by local DOF in ascending order.
     /// The remainder is summed in twice the precision, so that a refinement uses its true value. Time and memory depend on the terms only,
     /// not on the system: thousands of certificates are checked, one by one.
-    pub(super) fn parts(
+    pub(crate) fn parts(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
         terms: &[CertificateTerm],

@@ -14,13 +14,14 @@
 //! certificate    if neither finds an explanation that agrees with the verdict, or if the certificate has fewer members
 //! ```
 //!
-//! Every explanation is *irreducible*: its members are independent and no factor is zero, so no smaller set of its members explains the
-//! equation.
+//! Every explanation is *irreducible*, unless it is too long to be examined ([`Explanation::is_irreducible`]): its members are independent
+//! and no factor is zero or rounding, so no smaller set of its members explains the equation.
 
 mod arithmetic;
 mod candidates;
 mod change_order;
 mod changes;
+mod irreducible;
 mod neighbourhood;
 mod new_values;
 mod observations;
@@ -34,6 +35,7 @@ use crate::common::argument::{ArgumentError, within};
 use crate::diagnosis::classify::Dependent;
 use crate::factor::backend::BackendError;
 use crate::input::incidence::Incidence;
+use crate::input::numbering::LocalSystem;
 use crate::{Analysis, CertificateTerm, Kind};
 use candidates::Candidates;
 
@@ -94,12 +96,14 @@ pub struct Explanation {
     pub right_hand_side: f64,
     /// `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs.
     pub error: f64,
+    /// False if it may be possible to leave out a member: more than 128 equations, some with small coefficients, are not examined.
+    pub is_irreducible: bool,
 }
 
 impl Explanation {
-    /// An explanation with these members, right-hand side and error.
+    /// An irreducible explanation with these members, right-hand side and error.
     pub fn new(members: Vec<Member>, right_hand_side: f64, error: f64) -> Self {
-        Self { members, right_hand_side, error }
+        Self { members, right_hand_side, error, is_irreducible: true }
     }
 }
 
@@ -108,7 +112,7 @@ impl Analysis {
     ///
     /// `row_k = sum_i c_i row_i + sum_j d_j e_j` over all DOFs, where `e_j` are prescribed values. The members are irreducible: without any
     /// one of them, the others do not explain the equation. The search is bounded (16,384 visited or 128 eliminated equations); beyond that
-    /// the certificate is the explanation.
+    /// the certificate is the explanation, and a long one is not always examined: [`Explanation::is_irreducible`].
     ///
     /// ```
     /// use qless::explanation::Member;
@@ -172,39 +176,44 @@ impl Analysis {
 
     /// Expresses a vector by few equations if they are found, else by kept equations.
     fn combination(&self, vector: &[(u32, f64)]) -> Result<Explanation, BackendError> {
-        let terms = if let Some(terms) = self.short(None, vector).0 {
-            terms
+        let (terms, distance) = if let Some(found) = self.short(None, vector).0 {
+            found
         } else {
             let is_free = self.numbering.free.as_slice();
             let free = vector.iter().copied().filter(|&(j, _)| is_free[j as usize]);
-            self.without_rounding(vector, self.expressed(free)?)
+            (self.expressed(free)?, self.confidence.distance)
         };
-        Ok(self.with_values(vector, terms, None))
+        let whole = self.with_values(vector, terms.clone(), None);
+        let side = whole.right_hand_side;
+        let agrees = |found: &Explanation| (found.right_hand_side - side).abs() <= self.side_error(found);
+        Ok(self.irreducible(vector, &terms, distance, whole, &agrees).0)
     }
 
     /// The explanation of a dependent equation and its cost in operations. Without `search`, the explanation is the certificate.
     pub(crate) fn explained(&self, dependent: &Dependent, search: bool) -> (Explanation, usize) {
-        let local = self.numbering.view(&self.system, self.system.rhs());
-        let vector: Vec<(u32, f64)> = local.row(dependent.row).map(|(j, value)| (j as u32, value)).collect();
-        let (short, effort) = if search { self.short(Some(dependent), &vector) } else { (None, 0) };
-        let certificate = || {
+        let vector: Vec<(u32, f64)> = self.local().row(dependent.row).map(|(j, value)| (j as u32, value)).collect();
+        let (short, mut effort) = if search { self.short(Some(dependent.row), &vector) } else { (None, 0) };
+        let agrees = |found: &Explanation| self.is_of(dependent, found);
+        let mut explain = |terms: Vec<CertificateTerm>, distance: f64, error: Option<f64>| {
+            let whole = self.with_values(&vector, terms.clone(), error);
+            let (found, more) = self.irreducible(&vector, &terms, distance, whole, &agrees);
+            effort += more;
+            found
+        };
+        let short = short.map(|(terms, distance)| explain(terms, distance, None)).filter(agrees);
+        let is_short = |short: &Explanation| short.members.len() <= SHORT;
+        let certificate = (!short.as_ref().is_some_and(is_short)).then(|| {
             let (terms, error) = self.checked(dependent);
-            self.with_values(&vector, self.without_rounding(&vector, terms), Some(error))
-        };
-        let explanation = match short.map(|terms| self.with_values(&vector, terms, None)) {
-            Some(short) if self.is_of(dependent, &short) => {
-                let other = (short.members.len() > SHORT).then(certificate);
-                other.filter(|other| other.members.len() < short.members.len()).unwrap_or(short)
-            }
-            _ => certificate(),
-        };
-        (explanation, effort)
+            explain(terms, self.confidence.distance, Some(error))
+        });
+        let shortest = short.into_iter().chain(certificate).min_by_key(|found| found.members.len());
+        (shortest.expect("one of both"), effort)
     }
 
-    /// A vector as a combination of few equations, if one is found within the bounds, and the number of operations.
-    fn short(&self, dependent: Option<&Dependent>, vector: &[(u32, f64)]) -> (Option<Vec<CertificateTerm>>, usize) {
-        let system = self.numbering.view(&self.system, self.system.rhs());
-        let row = dependent.map(|dependent| dependent.row);
+    /// A vector as a combination of few equations, if one is found within the bounds, and the number of operations; the equations with a
+    /// bound for their distance from dependence.
+    fn short(&self, row: Option<usize>, vector: &[(u32, f64)]) -> (Option<(Vec<CertificateTerm>, f64)>, usize) {
+        let system = self.local();
         let incidence = self.incidence.get_or_init(|| Incidence::new(system));
         let candidates = Candidates { system, incidence, kinds: &self.kinds, scaling: &self.scaling, row };
         let tolerance = self.options.tolerance.value();
@@ -213,29 +222,36 @@ impl Analysis {
         let (circle, visited) = tie_path::shortest_circle(&candidates, &ends, MOST_VISITED);
         let circle = circle.map(|circle| terms(tie_path::factors(&candidates, vector, &circle)));
         if let Some(circle) = circle.filter(is_good) {
-            return (Some(circle), visited);
+            // Each equation of a path has a DOF of its own: they are triangular.
+            return (Some((circle, 1.0)), visited);
         }
         let free: Vec<(u32, f64)> = vector.iter().copied().filter(|&(j, _)| system.free()[j as usize]).collect();
         let (near, effort) = neighbourhood::near(&candidates, &free, tolerance);
-        (near.map(terms).filter(is_good), visited + effort)
+        (near.map(terms).filter(is_good).map(|near| (near, 0.0)), visited + effort)
     }
 
-    /// A certificate without terms that are rounding of others. It is unique, so no other term can be left out.
-    fn without_rounding(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
-        let pruned = self.pruned(&terms, NOISE);
-        let error = |terms: &[CertificateTerm]| self.error_of(vector.iter().copied(), terms);
-        let is_good = pruned.len() < terms.len() && error(&pruned) <= error(&terms).max(self.options.tolerance.value());
-        if is_good { pruned } else { terms }
+    /// The system with local DOFs.
+    fn local(&self) -> LocalSystem<'_> {
+        self.numbering.view(&self.system, self.system.rhs())
     }
 
     /// Returns true if the right-hand side of an explanation agrees with the verdict of the certificate. Differences come from equations
     /// that agree only to the tolerance.
     fn is_of(&self, dependent: &Dependent, explanation: &Explanation) -> bool {
         let b = self.system.rhs()[dependent.row];
-        let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);
         let mismatch = b - explanation.right_hand_side;
-        let agrees = (mismatch - dependent.mismatch).abs() <= 10.0 * self.options.tolerance.value() * size;
-        agrees && (dependent.kind == Kind::Redundant || mismatch.abs() >= dependent.mismatch.abs() / 2.0)
+        let error = self.side_error(explanation).max(10.0 * self.options.tolerance.value() * b.abs());
+        let agrees = (mismatch - dependent.mismatch).abs() <= error;
+        match dependent.kind {
+            Kind::Redundant => agrees || mismatch.abs() <= dependent.mismatch.abs(),
+            _ => agrees && mismatch.abs() >= dependent.mismatch.abs() / 2.0,
+        }
+    }
+
+    /// Differences of the right-hand side of an explanation that come from equations that agree only to the tolerance.
+    fn side_error(&self, explanation: &Explanation) -> f64 {
+        let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(0.0, f64::max);
+        10.0 * self.options.tolerance.value() * size
     }
 
     /// The contribution of a member to the right-hand side.
@@ -248,7 +264,7 @@ impl Analysis {
 
     /// The explanation by these equations and the prescribed values in their remainder; computes the error unless it is known.
     fn with_values(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>, error: Option<f64>) -> Explanation {
-        let system = self.numbering.view(&self.system, self.system.rhs());
+        let system = self.local();
         let mut left: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
         let mut add = |j: usize, part: f64| {
             if !system.free()[j] {
@@ -276,7 +292,7 @@ impl Analysis {
         };
         let members: Vec<Member> = terms.into_iter().map(equation).chain(values.into_iter().map(value)).collect();
         let right_hand_side = members.iter().map(|&member| self.part(member)).sum();
-        Explanation { members, right_hand_side, error }
+        Explanation::new(members, right_hand_side, error)
     }
 }
 
