@@ -46,16 +46,16 @@ impl Analysis {
     /// The explanation of a vector by these equations, without members that can be left out, and the number of operations.
     ///
     /// A smaller set is good if its error is within the tolerance, or no larger than before, and if it `agrees` with the verdict like the
-    /// whole. The equations are at least this `distance` from dependence, 0 if it is not known.
+    /// whole. Coefficients that should be zero are at most `rounding`, relative to the sums at their DOFs.
     pub(super) fn irreducible(
         &self,
         vector: &[(u32, f64)],
         terms: &[CertificateTerm],
-        distance: f64,
+        rounding: f64,
         whole: Explanation,
         agrees: &dyn Fn(&Explanation) -> bool,
     ) -> (Explanation, usize) {
-        if distance > 0.0 && self.are_needed(vector, terms, distance) {
+        if self.are_above(vector, terms, rounding * terms.len() as f64) {
             return (whole, 0);
         }
         let (limit, must_agree) = (whole.error.max(self.options.tolerance.value()), agrees(&whole));
@@ -90,22 +90,19 @@ impl Analysis {
         (best, effort)
     }
 
-    /// Returns true if each equation is needed: without it, the remainder at each of its DOFs is above the tolerance. At one of them, it is
-    /// at least the fraction `distance` of the term, else a smaller change would make the equations dependent. The estimate of the
-    /// distance is within a factor of their number.
-    fn are_needed(&self, vector: &[(u32, f64)], terms: &[CertificateTerm], distance: f64) -> bool {
+    /// Returns true if each term is above a fraction of the sum at each of its DOFs.
+    fn are_above(&self, vector: &[(u32, f64)], terms: &[CertificateTerm], least: f64) -> bool {
         let sums = self.parts(vector.iter().copied(), terms);
-        let least = self.options.tolerance.value() * terms.len() as f64 / distance;
         let system = self.local();
         let is_large = |term: &CertificateTerm, j: usize, value: f64| {
             let place = sums.binary_search_by_key(&(j as u32), |sum| sum.0);
             place.is_ok_and(|place| (term.coefficient * value).abs() > least * sums[place].1.1)
         };
-        let is_needed = |term: &CertificateTerm| {
+        let is_above = |term: &CertificateTerm| {
             let mut free = system.row(term.row).filter(|&(j, _)| system.free()[j]);
             free.all(|(j, value)| is_large(term, j, value))
         };
-        terms.iter().all(is_needed)
+        terms.iter().all(is_above)
     }
 }
 

@@ -176,17 +176,17 @@ impl Analysis {
 
     /// Expresses a vector by few equations if they are found, else by kept equations.
     fn combination(&self, vector: &[(u32, f64)]) -> Result<Explanation, BackendError> {
-        let (terms, distance) = if let Some(found) = self.short(None, vector).0 {
+        let (terms, rounding) = if let Some(found) = self.short(None, vector).0 {
             found
         } else {
             let is_free = self.numbering.free.as_slice();
             let free = vector.iter().copied().filter(|&(j, _)| is_free[j as usize]);
-            (self.expressed(free)?, self.confidence.distance)
+            (self.expressed(free)?, self.rounding())
         };
         let whole = self.with_values(vector, terms.clone(), None);
         let side = whole.right_hand_side;
         let agrees = |found: &Explanation| (found.right_hand_side - side).abs() <= self.side_error(found);
-        Ok(self.irreducible(vector, &terms, distance, whole, &agrees).0)
+        Ok(self.irreducible(vector, &terms, rounding, whole, &agrees).0)
     }
 
     /// The explanation of a dependent equation and its cost in operations. Without `search`, the explanation is the certificate.
@@ -194,24 +194,24 @@ impl Analysis {
         let vector: Vec<(u32, f64)> = self.local().row(dependent.row).map(|(j, value)| (j as u32, value)).collect();
         let (short, mut effort) = if search { self.short(Some(dependent.row), &vector) } else { (None, 0) };
         let agrees = |found: &Explanation| self.is_of(dependent, found);
-        let mut explain = |terms: Vec<CertificateTerm>, distance: f64, error: Option<f64>| {
+        let mut explain = |terms: Vec<CertificateTerm>, rounding: f64, error: Option<f64>| {
             let whole = self.with_values(&vector, terms.clone(), error);
-            let (found, more) = self.irreducible(&vector, &terms, distance, whole, &agrees);
+            let (found, more) = self.irreducible(&vector, &terms, rounding, whole, &agrees);
             effort += more;
             found
         };
-        let short = short.map(|(terms, distance)| explain(terms, distance, None)).filter(agrees);
+        let short = short.map(|(terms, rounding)| explain(terms, rounding, None)).filter(agrees);
         let is_short = |short: &Explanation| short.members.len() <= SHORT;
         let certificate = (!short.as_ref().is_some_and(is_short)).then(|| {
             let (terms, error) = self.checked(dependent);
-            explain(terms, self.confidence.distance, Some(error))
+            explain(terms, self.rounding(), Some(error))
         });
         let shortest = short.into_iter().chain(certificate).min_by_key(|found| found.members.len());
         (shortest.expect("one of both"), effort)
     }
 
-    /// A vector as a combination of few equations, if one is found within the bounds, and the number of operations; the equations with a
-    /// bound for their distance from dependence.
+    /// A vector as a combination of few equations, if one is found within the bounds, and the number of operations; with a bound for
+    /// coefficients that should be zero.
     fn short(&self, row: Option<usize>, vector: &[(u32, f64)]) -> (Option<(Vec<CertificateTerm>, f64)>, usize) {
         let system = self.local();
         let incidence = self.incidence.get_or_init(|| Incidence::new(system));
@@ -222,12 +222,20 @@ impl Analysis {
         let (circle, visited) = tie_path::shortest_circle(&candidates, &ends, MOST_VISITED);
         let circle = circle.map(|circle| terms(tie_path::factors(&candidates, vector, &circle)));
         if let Some(circle) = circle.filter(is_good) {
-            // Each equation of a path has a DOF of its own: they are triangular.
-            return (Some((circle, 1.0)), visited);
+            // Each equation of a path eliminates one DOF, with a factor that is not zero.
+            return (Some((circle, 0.0)), visited);
         }
         let free: Vec<(u32, f64)> = vector.iter().copied().filter(|&(j, _)| system.free()[j as usize]).collect();
         let (near, effort) = neighbourhood::near(&candidates, &free, tolerance);
-        (near.map(terms).filter(is_good).map(|near| (near, 0.0)), visited + effort)
+        // Pivots are above the tolerance of their sums, so that they enlarge rounding by less than its inverse.
+        let rounding = f64::EPSILON / tolerance;
+        (near.map(terms).filter(is_good).map(|near| (near, rounding)), visited + effort)
+    }
+
+    /// A larger coefficient of a kept equation leaves more than the tolerance: changes of this size make the equations dependent. The
+    /// distance is an estimate within a factor of their number.
+    fn rounding(&self) -> f64 {
+        self.options.tolerance.value() / self.confidence.distance
     }
 
     /// The system with local DOFs.
