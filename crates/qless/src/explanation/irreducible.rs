@@ -68,7 +68,8 @@ impl Analysis {
             let found = explain(self.pruned(terms, NOISE)).unwrap_or(whole);
             return (Explanation { is_irreducible: false, ..found }, 0);
         }
-        let (mut best, mut members) = (whole, Members::new(self, vector, terms.to_vec()));
+        let mut members = Members::new(self, vector, terms.to_vec()).refined();
+        let mut best = explain(members.terms.clone()).unwrap_or(whole);
         let (mut needed, mut effort) = (HashSet::new(), members.effort());
         while let Some(row) = members.weakest(&needed).filter(|_| effort < MOST_EFFORT) {
             let mut fewer = members.without(row);
@@ -90,19 +91,21 @@ impl Analysis {
         (best, effort)
     }
 
-    /// Returns true if each term is above a fraction of the sum at each of its DOFs.
+    /// Returns true if each term is above a fraction of the sum at each of its free DOFs, and each prescribed value that is no rounding too.
     fn are_above(&self, vector: &[(u32, f64)], terms: &[CertificateTerm], least: f64) -> bool {
-        let sums = self.parts(vector.iter().copied(), terms);
-        let system = self.local();
-        let is_large = |term: &CertificateTerm, j: usize, value: f64| {
+        let (sums, free) = (self.sums(vector.iter().copied(), terms), self.numbering.free.as_slice());
+        let is_large = |part: f64, j: usize| {
             let place = sums.binary_search_by_key(&(j as u32), |sum| sum.0);
-            place.is_ok_and(|place| (term.coefficient * value).abs() > least * sums[place].1.1)
+            place.is_ok_and(|place| part.abs() > least * sums[place].1.1)
         };
         let is_above = |term: &CertificateTerm| {
-            let mut free = system.row(term.row).filter(|&(j, _)| system.free()[j]);
-            free.all(|(j, value)| is_large(term, j, value))
+            let mut entries = self.local().row(term.row).filter(|&(j, _)| free[j]);
+            entries.all(|(j, value)| is_large(term.coefficient * value, j))
         };
-        terms.iter().all(is_above)
+        let is_clear = |&(j, (left, size)): &(u32, (f64, f64))| {
+            free[j as usize] || left.abs() <= NOISE * size || left.abs() > least * size
+        };
+        terms.iter().all(is_above) && sums.iter().all(is_clear)
     }
 }
 
@@ -130,21 +133,25 @@ impl<'a> Members<'a> {
     /// The other members, with the coefficients that leave the smallest remainder.
     fn without(&self, row: usize) -> Self {
         let rest = self.terms.iter().copied().filter(|term| term.row != row).collect();
-        let mut fewer = Self::new(self.analysis, self.vector, rest);
-        let before = fewer.terms.clone();
+        Self::new(self.analysis, self.vector, rest).refined()
+    }
+
+    /// Replaces the coefficients by those that leave the smallest remainder.
+    fn refined(mut self) -> Self {
+        let before = self.terms.clone();
         for _ in 0..PASSES {
-            let sums = fewer.sums().zip(&fewer.sizes);
+            let sums = self.sums().zip(&self.sizes);
             let mut left: Vec<f64> = sums.map(|((_, (left, _)), (_, size))| left / size).collect();
             let mut change = vec![0.0; before.len()];
-            fewer.project(&mut left, &mut change);
-            fewer.back_substitute(&mut change);
+            self.project(&mut left, &mut change);
+            self.back_substitute(&mut change);
             for (k, change) in change.into_iter().enumerate() {
-                fewer.factors[k] += change;
-                let is_zero = fewer.factors[k].abs() <= NOISE;
-                fewer.terms[k].coefficient = if is_zero { 0.0 } else { before[k].coefficient * fewer.factors[k] };
+                self.factors[k] += change;
+                let is_zero = self.factors[k].abs() <= NOISE;
+                self.terms[k].coefficient = if is_zero { 0.0 } else { before[k].coefficient * self.factors[k] };
             }
         }
-        fewer
+        self
     }
 
     /// Multiplications of the factorization.

@@ -29,7 +29,7 @@ mod repair;
 mod tie_path;
 mod verification;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use crate::common::argument::{ArgumentError, within};
 use crate::diagnosis::classify::Dependent;
@@ -145,7 +145,7 @@ impl Analysis {
     /// [`BackendError`] if the block of the DOF cannot be factored again.
     pub fn explain_fixed(&self, dof: usize) -> Result<Option<Explanation>, BackendError> {
         let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(None) };
-        self.combination(&[(self.fixed[place], 1.0)]).map(Some)
+        self.combination(&[(self.fixed[place], 1.0)], Some(self.generated[place].1)).map(Some)
     }
 
     /// Why the equations fix a sum `sum a_j u_j` to a value, which is [`Explanation::right_hand_side`]; `None` if they do not.
@@ -170,23 +170,26 @@ impl Analysis {
             return Ok(None);
         };
         let vector: Vec<(u32, f64)> = vector;
-        let found = self.combination(&vector)?;
+        let found = self.combination(&vector, None)?;
         Ok((found.error <= SAME).then_some(found))
     }
 
-    /// Expresses a vector by few equations if they are found, else by kept equations.
-    fn combination(&self, vector: &[(u32, f64)]) -> Result<Explanation, BackendError> {
-        let (terms, rounding) = if let Some(found) = self.short(None, vector).0 {
-            found
-        } else {
-            let is_free = self.numbering.free.as_slice();
-            let free = vector.iter().copied().filter(|&(j, _)| is_free[j as usize]);
-            (self.expressed(free)?, self.rounding())
+    /// Expresses a vector by few equations if they are found and agree with its `value`, else by kept equations.
+    fn combination(&self, vector: &[(u32, f64)], value: Option<f64>) -> Result<Explanation, BackendError> {
+        let agrees =
+            |found: &Explanation, value: f64| (found.right_hand_side - value).abs() <= self.side_error(found, value);
+        let explain = |terms: Vec<CertificateTerm>, rounding: f64| {
+            let whole = self.with_values(vector, terms.clone(), None);
+            let value = value.unwrap_or(whole.right_hand_side);
+            self.irreducible(vector, &terms, rounding, whole, &|found| agrees(found, value)).0
         };
-        let whole = self.with_values(vector, terms.clone(), None);
-        let side = whole.right_hand_side;
-        let agrees = |found: &Explanation| (found.right_hand_side - side).abs() <= self.side_error(found);
-        Ok(self.irreducible(vector, &terms, rounding, whole, &agrees).0)
+        let short = self.short(None, vector).0.map(|(terms, rounding)| explain(terms, rounding));
+        if let Some(short) = short.filter(|found| value.is_none_or(|value| agrees(found, value))) {
+            return Ok(short);
+        }
+        let is_free = self.numbering.free.as_slice();
+        let free = vector.iter().copied().filter(|&(j, _)| is_free[j as usize]);
+        Ok(explain(self.expressed(free)?, self.rounding()))
     }
 
     /// The explanation of a dependent equation and its cost in operations. Without `search`, the explanation is the certificate.
@@ -217,7 +220,10 @@ impl Analysis {
         let incidence = self.incidence.get_or_init(|| Incidence::new(system));
         let candidates = Candidates { system, incidence, kinds: &self.kinds, scaling: &self.scaling, row };
         let tolerance = self.options.tolerance.value();
-        let is_good = |terms: &Vec<CertificateTerm>| self.error_of(vector.iter().copied(), terms) <= tolerance;
+        let is_good = |terms: &Vec<CertificateTerm>| {
+            let sums = self.sums(vector.iter().copied(), terms);
+            self.error_in(&sums) <= tolerance && self.says_something(vector, &sums)
+        };
         let ends: Vec<u32> = vector.iter().map(|&(j, _)| j).collect();
         let (circle, visited) = tie_path::shortest_circle(&candidates, &ends, MOST_VISITED);
         let circle = circle.map(|circle| terms(tie_path::factors(&candidates, vector, &circle)));
@@ -230,6 +236,13 @@ impl Analysis {
         // Pivots are above the tolerance of their sums, so that they enlarge rounding by less than its inverse.
         let rounding = f64::EPSILON / tolerance;
         (near.map(terms).filter(is_good).map(|near| (near, rounding)), visited + effort)
+    }
+
+    /// Returns false if the remainder of each coefficient is as large as the coefficient itself: sums that are far larger hide it.
+    fn says_something(&self, vector: &[(u32, f64)], sums: &[(u32, (f64, f64))]) -> bool {
+        let left = |j: u32| sums.binary_search_by_key(&j, |sum| sum.0).map_or(0.0, |place| sums[place].1.0);
+        let mut free = vector.iter().filter(|&&(j, _)| self.numbering.free[j as usize]).peekable();
+        free.peek().is_none() || free.any(|&(j, value)| left(j).abs() <= value.abs() / 2.0)
     }
 
     /// A larger coefficient of a kept equation leaves more than the tolerance: changes of this size make the equations dependent. The
@@ -248,17 +261,17 @@ impl Analysis {
     fn is_of(&self, dependent: &Dependent, explanation: &Explanation) -> bool {
         let b = self.system.rhs()[dependent.row];
         let mismatch = b - explanation.right_hand_side;
-        let error = self.side_error(explanation).max(10.0 * self.options.tolerance.value() * b.abs());
-        let agrees = (mismatch - dependent.mismatch).abs() <= error;
+        let agrees = (mismatch - dependent.mismatch).abs() <= self.side_error(explanation, b);
         match dependent.kind {
             Kind::Redundant => agrees || mismatch.abs() <= dependent.mismatch.abs(),
             _ => agrees && mismatch.abs() >= dependent.mismatch.abs() / 2.0,
         }
     }
 
-    /// Differences of the right-hand side of an explanation that come from equations that agree only to the tolerance.
-    fn side_error(&self, explanation: &Explanation) -> f64 {
-        let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(0.0, f64::max);
+    /// Largest difference of the right-hand side of an explanation from another number b that comes from equations that agree only to the
+    /// tolerance.
+    fn side_error(&self, explanation: &Explanation, b: f64) -> f64 {
+        let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);
         10.0 * self.options.tolerance.value() * size
     }
 
@@ -272,26 +285,13 @@ impl Analysis {
 
     /// The explanation by these equations and the prescribed values in their remainder; computes the error unless it is known.
     fn with_values(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>, error: Option<f64>) -> Explanation {
-        let system = self.local();
-        let mut left: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
-        let mut add = |j: usize, part: f64| {
-            if !system.free()[j] {
-                let (sum, size) = left.entry(j).or_default();
-                *sum += part;
-                *size += part.abs();
-            }
-        };
-        vector.iter().for_each(|&(j, value)| add(j as usize, value));
-        for term in &terms {
-            system.row(term.row).for_each(|(j, value)| add(j, -term.coefficient * value));
-        }
-        let mut values: Vec<(usize, f64)> = left
-            .into_iter()
-            .filter(|&(_, (sum, size))| sum.abs() > NOISE * size)
-            .map(|(j, (sum, _))| (self.numbering.dofs[j] as usize, sum))
-            .collect();
+        let sums = self.sums(vector.iter().copied(), &terms);
+        let is_value =
+            |&(j, (left, size)): &(u32, (f64, f64))| !self.numbering.free[j as usize] && left.abs() > NOISE * size;
+        let value = |(j, (left, _)): (u32, (f64, f64))| (self.numbering.dofs[j as usize] as usize, left);
+        let error = error.unwrap_or_else(|| self.error_in(&sums));
+        let mut values: Vec<(usize, f64)> = sums.into_iter().filter(is_value).map(value).collect();
         values.sort_unstable_by_key(|&(dof, _)| dof);
-        let error = error.unwrap_or_else(|| self.error_of(vector.iter().copied(), &terms));
         let equation = |term: CertificateTerm| Member::Equation { row: term.row, coefficient: term.coefficient };
         let value = |(dof, coefficient)| Member::Prescribed {
             dof,
