@@ -173,9 +173,8 @@ fn a_redundant_tie_of_a_grid_closes_a_square() {
         let analysis = analyse(&system, &Options::default()).expect("an analysis");
         let length = |row| analysis.explain(row).expect("a row").expect("dependent").members.len();
         let lengths: Vec<usize> = analysis.dependent().iter().map(|found| length(found.row)).collect();
-        let mean = lengths.iter().sum::<usize>() as f64 / lengths.len() as f64;
         assert_eq!(lengths.len(), 841);
-        assert!(mean <= 4.0 && lengths.iter().all(|&length| length <= 8), "{mean} {:?}", lengths.iter().max());
+        assert!(lengths.iter().all(|&length| length <= 4), "{lengths:?}");
     }
 }
 
@@ -216,7 +215,7 @@ fn explanations_are_irreducible_and_give_the_equation() {
     assert!(lengths.len() > 15_000, "{} explanations", lengths.len());
 }
 
-/// Springs in a row: `u_k - u_(k+1) - c_k f_k = b_k` and `f_k - f_(k+1) = 0`, with compliances of `2^-24` to 1, and sums of a few of these
+/// Springs in a row: `u_k - u_(k+1) - c_k f_k = b_k` and `f_k - f_(k+1) = 0`, with compliances of `2^-28` to 1, and sums of a few of these
 /// equations. All coefficients are whole multiples of `2^-40`.
 fn springs(seed: u64) -> Model {
     let random = &mut SplitMix64::new(seed);
@@ -224,7 +223,7 @@ fn springs(seed: u64) -> Model {
     let one = 1 << 40;
     let mut rows: Vec<Vec<(usize, i64)>> = Vec::new();
     for k in 0..n {
-        let compliance = (1 + below(random, 1 << 7) as i64) << (16 + below(random, 17));
+        let compliance = (1 + below(random, 1 << 7) as i64) << (12 + below(random, 21));
         rows.push(vec![(k, one), (k + 1, -one), (n + 1 + k, -compliance)]);
     }
     rows.extend((1..n).map(|k| vec![(n + k, one), (n + 1 + k, -one)]));
@@ -233,7 +232,7 @@ fn springs(seed: u64) -> Model {
     for _ in 0..=below(random, 2) {
         let (mut sum, mut side) = (BTreeMap::new(), 0);
         for _ in 0..=below(random, 3) {
-            let (part, factor) = (below(random, parts), [1, 16, -2][below(random, 3)]);
+            let (part, factor) = (below(random, parts), [1, 32, -2][below(random, 3)]);
             rows[part].iter().for_each(|&(j, a)| *sum.entry(j).or_default() += factor * a);
             side += factor * sides[part];
         }
@@ -253,13 +252,6 @@ fn springs(seed: u64) -> Model {
 /// Law: coefficients of all sizes do not bring rounding into explanations.
 #[test]
 fn explanations_with_wide_coefficients_are_irreducible() {
-    let mut bad = Vec::new();
-    for seed in 1..=4000 {
-        if std::panic::catch_unwind(|| springs(seed).check_all()).is_err() {
-            bad.push(seed)
-        }
-    }
-    eprintln!("BAD {} {bad:?}", bad.len());
     let lengths: Vec<usize> = (1..=4000).flat_map(|seed| springs(seed).check_all()).collect();
     assert!(lengths.len() > 10_000, "{} explanations", lengths.len());
 }

@@ -36,6 +36,7 @@ use crate::diagnosis::classify::Dependent;
 use crate::factor::backend::BackendError;
 use crate::input::incidence::Incidence;
 use crate::input::numbering::LocalSystem;
+use crate::input::scale::ldexp;
 use crate::{Analysis, CertificateTerm, Kind};
 use candidates::Candidates;
 
@@ -235,7 +236,13 @@ impl Analysis {
         let (near, effort) = neighbourhood::near(&candidates, &free, tolerance);
         // Pivots are above the tolerance of their sums, so that they enlarge rounding by less than its inverse.
         let rounding = f64::EPSILON / tolerance;
-        (near.map(terms).filter(is_good).map(|near| (near, rounding)), visited + effort)
+        // Terms that are larger than the vector by the inverse of the tolerance explain any vector within the tolerance.
+        let largest =
+            free.iter().map(|&(j, value)| ldexp(value.abs(), self.scaling.col(j as usize))).fold(0.0, f64::max);
+        let size = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
+        let is_bounded = |terms: &Vec<CertificateTerm>| terms.iter().all(|term| tolerance * size(term) < largest);
+        let near = near.map(terms).filter(is_good).filter(is_bounded);
+        (near.map(|near| (near, rounding)), visited + effort)
     }
 
     /// Returns false if the remainder of each coefficient is as large as the coefficient itself: sums that are far larger hide it.
