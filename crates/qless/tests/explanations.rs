@@ -255,3 +255,21 @@ fn explanations_with_wide_coefficients_are_irreducible() {
     let lengths: Vec<usize> = (1..=4000).flat_map(|seed| springs(seed).check_all()).collect();
     assert!(lengths.len() > 10_000, "{} explanations", lengths.len());
 }
+
+/// The sum of 160 equations, of which the last has a small factor: too long to be examined, and said to be so.
+#[test]
+fn a_long_explanation_with_small_factors_is_marked() {
+    let n = 160;
+    for (unit, is_irreducible) in [(1.0, true), (2_f64.powi(-27), false)] {
+        let mut builder = SystemBuilder::new(n + 2);
+        let row =
+            |i: usize, factor: f64| [1.0, 4.0, 1.0].into_iter().enumerate().map(move |(k, a)| (i + k, a * factor));
+        (0..n).for_each(|i| _ = builder.equation(row(i, 1.0), 0.0));
+        builder.equation((0..n).flat_map(|i| row(i, if i + 1 < n { 1.0 } else { unit })), 0.0);
+        let analysis = analyse(&builder.build().expect("valid"), &Options::default()).expect("an analysis");
+        let explanation = analysis.explain(analysis.dependent()[0].row).expect("a row").expect("dependent");
+        assert_eq!((explanation.members.len(), explanation.is_irreducible), (n, is_irreducible));
+        let report = Report::new(&analysis, Report::TERMS);
+        assert_eq!(report.dependent[0].certificate.is_irreducible, is_irreducible);
+    }
+}
