@@ -46,12 +46,13 @@ impl Analysis {
     /// The explanation of a vector by these equations, without members that can be left out, and the number of operations.
     ///
     /// A smaller set is good if its error is within the tolerance, or no larger than before, and if it `agrees` with the verdict like the
-    /// whole. Coefficients that should be zero are at most `rounding`, relative to the sums at their DOFs.
+    /// whole. Coefficients that should be zero are at most `rounding`, relative to the sums at their DOFs. Without `search`, members are
+    /// not tried one by one.
     pub(super) fn irreducible(
         &self,
         vector: &[(u32, f64)],
         terms: &[CertificateTerm],
-        rounding: f64,
+        (rounding, search): (f64, bool),
         whole: Explanation,
         agrees: &dyn Fn(&Explanation) -> bool,
     ) -> (Explanation, usize) {
@@ -64,7 +65,7 @@ impl Analysis {
             terms.retain(|term| term.coefficient != 0.0);
             Some(self.with_values(vector, terms, None)).filter(is_good)
         };
-        if terms.len() > MOST {
+        if terms.len() > MOST || !search {
             let found = explain(self.pruned(terms, NOISE)).unwrap_or(whole);
             return (Explanation { is_irreducible: false, ..found }, 0);
         }
@@ -76,7 +77,7 @@ impl Analysis {
             let mut found = explain(fewer.terms.clone());
             effort += fewer.effort();
             // Several members may have to be left out together.
-            while let (None, Some(next)) = (&found, fewer.weakest(&HashSet::new())) {
+            while let (None, Some(next)) = (&found, fewer.weakest(&HashSet::new()).filter(|_| effort < MOST_EFFORT)) {
                 fewer = fewer.without(next);
                 found = explain(fewer.terms.clone());
                 effort += fewer.effort();

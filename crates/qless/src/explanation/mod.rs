@@ -182,7 +182,7 @@ impl Analysis {
         let explain = |terms: Vec<CertificateTerm>, rounding: f64| {
             let whole = self.with_values(vector, terms.clone(), None);
             let value = value.unwrap_or(whole.right_hand_side);
-            self.irreducible(vector, &terms, rounding, whole, &|found| agrees(found, value)).0
+            self.irreducible(vector, &terms, (rounding, true), whole, &|found| agrees(found, value)).0
         };
         let short = self.short(None, vector).0.map(|(terms, rounding)| explain(terms, rounding));
         if let Some(short) = short.filter(|found| value.is_none_or(|value| agrees(found, value))) {
@@ -200,7 +200,7 @@ impl Analysis {
         let agrees = |found: &Explanation| self.is_of(dependent, found);
         let mut explain = |terms: Vec<CertificateTerm>, rounding: f64, error: Option<f64>| {
             let whole = self.with_values(&vector, terms.clone(), error);
-            let (found, more) = self.irreducible(&vector, &terms, rounding, whole, &agrees);
+            let (found, more) = self.irreducible(&vector, &terms, (rounding, search), whole, &agrees);
             effort += more;
             found
         };

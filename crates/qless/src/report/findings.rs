@@ -96,7 +96,7 @@ pub struct Certificate {
     #[cfg_attr(feature = "serde", serde(rename = "because_error", skip_serializing_if = "Option::is_none"))]
     pub error: Option<f64>,
     /// [`Explanation::is_irreducible`](crate::explanation::Explanation::is_irreducible); the key is absent if it is true.
-    #[cfg_attr(feature = "serde", serde(rename = "because_irreducible", skip_serializing_if = "is_true"))]
+    #[cfg_attr(feature = "serde", serde(rename = "because_irreducible", skip_serializing_if = "bool::clone"))]
     pub is_irreducible: bool,
 }
 
@@ -140,11 +140,6 @@ pub enum Omitted {
     Terms(usize),
     /// The certificate was not computed; serializes as null.
     NotComputed,
-}
-
-#[cfg(feature = "serde")]
-fn is_true(value: &bool) -> bool {
-    *value
 }
 
 impl Omitted {
