@@ -126,23 +126,32 @@ impl Analysis {
         terms.iter().copied().filter(|term| scaled(term) > part * largest).collect()
     }
 
-    /// The remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms, by local DOF in ascending order.
-    /// The remainder is summed in twice the precision, so that a refinement uses its true value. Time and memory depend on the terms only,
+    /// The remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms, by free local DOF in ascending
+    /// order.
+    pub(crate) fn parts(
+        &self,
+        vector: impl IntoIterator<Item = (u32, f64)>,
+        terms: &[CertificateTerm],
+    ) -> Vec<(u32, (f64, f64))> {
+        let mut sums = self.sums(vector, terms);
+        sums.retain(|&(j, _)| self.numbering.free[j as usize]);
+        sums
+    }
+
+    /// The same for all local DOFs. The remainder is summed in twice the precision, so that a refinement uses its true value. Time and memory depend on the terms only,
     /// not on the system: thousands of certificates are checked, one by one.
-    pub(super) fn parts(
+    pub(crate) fn sums(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
         terms: &[CertificateTerm],
     ) -> Vec<(u32, (f64, f64))> {
         let local = self.numbering.view(&self.system, self.system.rhs());
-        let is_free = |j: u32| local.free()[j as usize];
         let of_term = |term: &CertificateTerm| {
             let coefficient = term.coefficient;
             local.row(term.row).map(move |(j, v)| (j as u32, -coefficient, v))
         };
         let own = vector.into_iter().map(|(j, v)| (j, 1.0, v));
-        let mut products: Vec<(u32, f64, f64)> =
-            terms.iter().flat_map(of_term).chain(own).filter(|&(j, ..)| is_free(j)).collect();
+        let mut products: Vec<(u32, f64, f64)> = terms.iter().flat_map(of_term).chain(own).collect();
         // A stable sort keeps the order of the terms of each DOF.
         products.sort_by_key(|&(j, ..)| j);
         let sum = |of_dof: &[(u32, f64, f64)]| {
@@ -170,12 +179,14 @@ impl Analysis {
 
     /// The error of a combination that should equal a vector: the largest over the free DOFs.
     pub(crate) fn error_of(&self, vector: impl IntoIterator<Item = (u32, f64)>, terms: &[CertificateTerm]) -> f64 {
-        let error = |&(left, size): &(f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
-        let parts = self.parts(vector, terms);
-        parts
-            .iter()
-            .map(|(_, parts)| error(parts))
-            .fold(0.0, |most, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
+        self.error_in(&self.sums(vector, terms))
+    }
+
+    /// The largest error of these sums.
+    pub(crate) fn error_in(&self, sums: &[(u32, (f64, f64))]) -> f64 {
+        let error = |(left, size): (f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
+        let free = sums.iter().filter(|sum| self.numbering.free[sum.0 as usize]);
+        free.map(|&(_, sum)| error(sum)).fold(0.0, |most, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
     }
 
     /// Expresses a vector of free DOFs, by local number, as a combination of the kept equations.

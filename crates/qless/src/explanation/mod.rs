@@ -14,13 +14,14 @@
 //! certificate    if neither finds an explanation that agrees with the verdict, or if the certificate has fewer members
 //! ```
 //!
-//! Every explanation is *irreducible*: its members are independent and no factor is zero, so no smaller set of its members explains the
-//! equation.
+//! Every explanation is *irreducible*, unless it is too long to be examined ([`Explanation::is_irreducible`]): its members are independent
+//! and no factor is zero or rounding, so no smaller set of its members explains the equation.
 
 mod arithmetic;
 mod candidates;
 mod change_order;
 mod changes;
+mod irreducible;
 mod neighbourhood;
 mod new_values;
 mod observations;
@@ -28,12 +29,14 @@ mod repair;
 mod tie_path;
 mod verification;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use crate::common::argument::{ArgumentError, within};
 use crate::diagnosis::classify::Dependent;
 use crate::factor::backend::BackendError;
 use crate::input::incidence::Incidence;
+use crate::input::numbering::LocalSystem;
+use crate::input::scale::ldexp;
 use crate::{Analysis, CertificateTerm, Kind};
 use candidates::Candidates;
 
@@ -94,12 +97,14 @@ pub struct Explanation {
     pub right_hand_side: f64,
     /// `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs.
     pub error: f64,
+    /// False if it may be possible to leave out a member: more than 128 equations, some with small coefficients, are not examined.
+    pub is_irreducible: bool,
 }
 
 impl Explanation {
-    /// An explanation with these members, right-hand side and error.
+    /// An irreducible explanation with these members, right-hand side and error.
     pub fn new(members: Vec<Member>, right_hand_side: f64, error: f64) -> Self {
-        Self { members, right_hand_side, error }
+        Self { members, right_hand_side, error, is_irreducible: true }
     }
 }
 
@@ -108,7 +113,7 @@ impl Analysis {
     ///
     /// `row_k = sum_i c_i row_i + sum_j d_j e_j` over all DOFs, where `e_j` are prescribed values. The members are irreducible: without any
     /// one of them, the others do not explain the equation. The search is bounded (16,384 visited or 128 eliminated equations); beyond that
-    /// the certificate is the explanation.
+    /// the certificate is the explanation, and a long one is not always examined: [`Explanation::is_irreducible`].
     ///
     /// ```
     /// use qless::explanation::Member;
@@ -141,7 +146,7 @@ impl Analysis {
     /// [`BackendError`] if the block of the DOF cannot be factored again.
     pub fn explain_fixed(&self, dof: usize) -> Result<Option<Explanation>, BackendError> {
         let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(None) };
-        self.combination(&[(self.fixed[place], 1.0)]).map(Some)
+        self.combination(&[(self.fixed[place], 1.0)], Some(self.generated[place].1)).map(Some)
     }
 
     /// Why the equations fix a sum `sum a_j u_j` to a value, which is [`Explanation::right_hand_side`]; `None` if they do not.
@@ -166,76 +171,115 @@ impl Analysis {
             return Ok(None);
         };
         let vector: Vec<(u32, f64)> = vector;
-        let found = self.combination(&vector)?;
+        let found = self.combination(&vector, None)?;
         Ok((found.error <= SAME).then_some(found))
     }
 
-    /// Expresses a vector by few equations if they are found, else by kept equations.
-    fn combination(&self, vector: &[(u32, f64)]) -> Result<Explanation, BackendError> {
-        let terms = if let Some(terms) = self.short(None, vector).0 {
-            terms
-        } else {
-            let is_free = self.numbering.free.as_slice();
-            let free = vector.iter().copied().filter(|&(j, _)| is_free[j as usize]);
-            self.without_rounding(vector, self.expressed(free)?)
+    /// Expresses a vector by few equations if they are found and agree with its `value`, else by kept equations.
+    fn combination(&self, vector: &[(u32, f64)], value: Option<f64>) -> Result<Explanation, BackendError> {
+        let agrees =
+            |found: &Explanation, value: f64| (found.right_hand_side - value).abs() <= self.side_error(found, value);
+        let explain = |terms: Vec<CertificateTerm>, rounding: f64| {
+            let whole = self.with_values(vector, terms.clone(), None);
+            let value = value.unwrap_or(whole.right_hand_side);
+            self.irreducible(vector, &terms, (rounding, true), whole, &|found| agrees(found, value)).0
         };
-        Ok(self.with_values(vector, terms, None))
+        let short = self.short(None, vector).0.map(|(terms, rounding)| explain(terms, rounding));
+        if let Some(short) = short.filter(|found| value.is_none_or(|value| agrees(found, value))) {
+            return Ok(short);
+        }
+        let is_free = self.numbering.free.as_slice();
+        let free = vector.iter().copied().filter(|&(j, _)| is_free[j as usize]);
+        Ok(explain(self.expressed(free)?, self.rounding()))
     }
 
     /// The explanation of a dependent equation and its cost in operations. Without `search`, the explanation is the certificate.
     pub(crate) fn explained(&self, dependent: &Dependent, search: bool) -> (Explanation, usize) {
-        let local = self.numbering.view(&self.system, self.system.rhs());
-        let vector: Vec<(u32, f64)> = local.row(dependent.row).map(|(j, value)| (j as u32, value)).collect();
-        let (short, effort) = if search { self.short(Some(dependent), &vector) } else { (None, 0) };
-        let certificate = || {
+        let vector: Vec<(u32, f64)> = self.local().row(dependent.row).map(|(j, value)| (j as u32, value)).collect();
+        let (short, mut effort) = if search { self.short(Some(dependent.row), &vector) } else { (None, 0) };
+        let agrees = |found: &Explanation| self.is_of(dependent, found);
+        let mut explain = |terms: Vec<CertificateTerm>, rounding: f64, error: Option<f64>| {
+            let whole = self.with_values(&vector, terms.clone(), error);
+            let (found, more) = self.irreducible(&vector, &terms, (rounding, search), whole, &agrees);
+            effort += more;
+            found
+        };
+        let short = short.map(|(terms, rounding)| explain(terms, rounding, None)).filter(agrees);
+        let is_short = |short: &Explanation| short.members.len() <= SHORT;
+        let certificate = (!short.as_ref().is_some_and(is_short)).then(|| {
             let (terms, error) = self.checked(dependent);
-            self.with_values(&vector, self.without_rounding(&vector, terms), Some(error))
-        };
-        let explanation = match short.map(|terms| self.with_values(&vector, terms, None)) {
-            Some(short) if self.is_of(dependent, &short) => {
-                let other = (short.members.len() > SHORT).then(certificate);
-                other.filter(|other| other.members.len() < short.members.len()).unwrap_or(short)
-            }
-            _ => certificate(),
-        };
-        (explanation, effort)
+            explain(terms, self.rounding(), Some(error))
+        });
+        let shortest = short.into_iter().chain(certificate).min_by_key(|found| found.members.len());
+        (shortest.expect("one of both"), effort)
     }
 
-    /// A vector as a combination of few equations, if one is found within the bounds, and the number of operations.
-    fn short(&self, dependent: Option<&Dependent>, vector: &[(u32, f64)]) -> (Option<Vec<CertificateTerm>>, usize) {
-        let system = self.numbering.view(&self.system, self.system.rhs());
-        let row = dependent.map(|dependent| dependent.row);
+    /// A vector as a combination of few equations, if one is found within the bounds, and the number of operations; with a bound for
+    /// coefficients that should be zero.
+    fn short(&self, row: Option<usize>, vector: &[(u32, f64)]) -> (Option<(Vec<CertificateTerm>, f64)>, usize) {
+        let system = self.local();
         let incidence = self.incidence.get_or_init(|| Incidence::new(system));
         let candidates = Candidates { system, incidence, kinds: &self.kinds, scaling: &self.scaling, row };
         let tolerance = self.options.tolerance.value();
-        let is_good = |terms: &Vec<CertificateTerm>| self.error_of(vector.iter().copied(), terms) <= tolerance;
+        let is_good = |terms: &Vec<CertificateTerm>| {
+            let sums = self.sums(vector.iter().copied(), terms);
+            self.error_in(&sums) <= tolerance && self.says_something(vector, &sums)
+        };
         let ends: Vec<u32> = vector.iter().map(|&(j, _)| j).collect();
         let (circle, visited) = tie_path::shortest_circle(&candidates, &ends, MOST_VISITED);
         let circle = circle.map(|circle| terms(tie_path::factors(&candidates, vector, &circle)));
         if let Some(circle) = circle.filter(is_good) {
-            return (Some(circle), visited);
+            // Each equation of a path eliminates one DOF, with a factor that is not zero.
+            return (Some((circle, 0.0)), visited);
         }
         let free: Vec<(u32, f64)> = vector.iter().copied().filter(|&(j, _)| system.free()[j as usize]).collect();
         let (near, effort) = neighbourhood::near(&candidates, &free, tolerance);
-        (near.map(terms).filter(is_good), visited + effort)
+        // Pivots are above the tolerance of their sums, so that they enlarge rounding by less than its inverse.
+        let rounding = f64::EPSILON / tolerance;
+        // Terms that are larger than the vector by the inverse of the tolerance explain any vector within the tolerance.
+        let largest =
+            free.iter().map(|&(j, value)| ldexp(value.abs(), self.scaling.col(j as usize))).fold(0.0, f64::max);
+        let size = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
+        let is_bounded = |terms: &Vec<CertificateTerm>| terms.iter().all(|term| tolerance * size(term) < largest);
+        let near = near.map(terms).filter(is_good).filter(is_bounded);
+        (near.map(|near| (near, rounding)), visited + effort)
     }
 
-    /// A certificate without terms that are rounding of others. It is unique, so no other term can be left out.
-    fn without_rounding(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
-        let pruned = self.pruned(&terms, NOISE);
-        let error = |terms: &[CertificateTerm]| self.error_of(vector.iter().copied(), terms);
-        let is_good = pruned.len() < terms.len() && error(&pruned) <= error(&terms).max(self.options.tolerance.value());
-        if is_good { pruned } else { terms }
+    /// Returns false if the remainder of each coefficient is as large as the coefficient itself: sums that are far larger hide it.
+    fn says_something(&self, vector: &[(u32, f64)], sums: &[(u32, (f64, f64))]) -> bool {
+        let left = |j: u32| sums.binary_search_by_key(&j, |sum| sum.0).map_or(0.0, |place| sums[place].1.0);
+        let mut free = vector.iter().filter(|&&(j, _)| self.numbering.free[j as usize]).peekable();
+        free.peek().is_none() || free.any(|&(j, value)| left(j).abs() <= value.abs() / 2.0)
+    }
+
+    /// A larger coefficient of a kept equation leaves more than the tolerance: changes of this size make the equations dependent. The
+    /// distance is an estimate within a factor of their number.
+    fn rounding(&self) -> f64 {
+        self.options.tolerance.value() / self.confidence.distance
+    }
+
+    /// The system with local DOFs.
+    fn local(&self) -> LocalSystem<'_> {
+        self.numbering.view(&self.system, self.system.rhs())
     }
 
     /// Returns true if the right-hand side of an explanation agrees with the verdict of the certificate. Differences come from equations
     /// that agree only to the tolerance.
     fn is_of(&self, dependent: &Dependent, explanation: &Explanation) -> bool {
         let b = self.system.rhs()[dependent.row];
-        let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);
         let mismatch = b - explanation.right_hand_side;
-        let agrees = (mismatch - dependent.mismatch).abs() <= 10.0 * self.options.tolerance.value() * size;
-        agrees && (dependent.kind == Kind::Redundant || mismatch.abs() >= dependent.mismatch.abs() / 2.0)
+        let agrees = (mismatch - dependent.mismatch).abs() <= self.side_error(explanation, b);
+        match dependent.kind {
+            Kind::Redundant => agrees || mismatch.abs() <= dependent.mismatch.abs(),
+            _ => agrees && mismatch.abs() >= dependent.mismatch.abs() / 2.0,
+        }
+    }
+
+    /// Largest difference of the right-hand side of an explanation from another number b that comes from equations that agree only to the
+    /// tolerance.
+    fn side_error(&self, explanation: &Explanation, b: f64) -> f64 {
+        let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);
+        10.0 * self.options.tolerance.value() * size
     }
 
     /// The contribution of a member to the right-hand side.
@@ -248,26 +292,13 @@ impl Analysis {
 
     /// The explanation by these equations and the prescribed values in their remainder; computes the error unless it is known.
     fn with_values(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>, error: Option<f64>) -> Explanation {
-        let system = self.numbering.view(&self.system, self.system.rhs());
-        let mut left: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
-        let mut add = |j: usize, part: f64| {
-            if !system.free()[j] {
-                let (sum, size) = left.entry(j).or_default();
-                *sum += part;
-                *size += part.abs();
-            }
-        };
-        vector.iter().for_each(|&(j, value)| add(j as usize, value));
-        for term in &terms {
-            system.row(term.row).for_each(|(j, value)| add(j, -term.coefficient * value));
-        }
-        let mut values: Vec<(usize, f64)> = left
-            .into_iter()
-            .filter(|&(_, (sum, size))| sum.abs() > NOISE * size)
-            .map(|(j, (sum, _))| (self.numbering.dofs[j] as usize, sum))
-            .collect();
+        let sums = self.sums(vector.iter().copied(), &terms);
+        let is_value =
+            |&(j, (left, size)): &(u32, (f64, f64))| !self.numbering.free[j as usize] && left.abs() > NOISE * size;
+        let value = |(j, (left, _)): (u32, (f64, f64))| (self.numbering.dofs[j as usize] as usize, left);
+        let error = error.unwrap_or_else(|| self.error_in(&sums));
+        let mut values: Vec<(usize, f64)> = sums.into_iter().filter(is_value).map(value).collect();
         values.sort_unstable_by_key(|&(dof, _)| dof);
-        let error = error.unwrap_or_else(|| self.error_of(vector.iter().copied(), &terms));
         let equation = |term: CertificateTerm| Member::Equation { row: term.row, coefficient: term.coefficient };
         let value = |(dof, coefficient)| Member::Prescribed {
             dof,
@@ -276,7 +307,7 @@ impl Analysis {
         };
         let members: Vec<Member> = terms.into_iter().map(equation).chain(values.into_iter().map(value)).collect();
         let right_hand_side = members.iter().map(|&member| self.part(member)).sum();
-        Explanation { members, right_hand_side, error }
+        Explanation::new(members, right_hand_side, error)
     }
 }
 

@@ -10,7 +10,7 @@ use super::candidates::Candidates;
 use crate::input::scale::ldexp;
 
 /// Largest number of equations of a neighbourhood: one elimination is about 128^2 * 512 operations, which take some milliseconds.
-const MOST: usize = 128;
+pub(super) const MOST: usize = 128;
 /// Largest number of DOFs of a neighbourhood: longer equations are not local.
 const MOST_DOFS: usize = 512;
 /// A sum that cancels to this fraction of its terms is zero.

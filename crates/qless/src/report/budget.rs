@@ -85,11 +85,13 @@ impl<'a> Budget<'a> {
         }
         let before = self.remaining;
         self.remaining = self.remaining.saturating_sub(work);
-        let Some(Explanation { members, .. }) = explain() else { return Certificate::left_out(Omitted::NotComputed) };
+        let Some(Explanation { members, is_irreducible, .. }) = explain() else {
+            return Certificate::left_out(Omitted::NotComputed);
+        };
         self.remaining = self.remaining.saturating_sub(members.len());
         if members.len() > before {
             return Certificate::left_out(Omitted::Terms(members.len()));
         }
-        Certificate::of_members(self.system, &members)
+        Certificate { is_irreducible, ..Certificate::of_members(self.system, &members) }
     }
 }

@@ -61,7 +61,7 @@ pub struct DependentEquation {
     /// [`Explanation::arithmetic`](crate::explanation::Explanation::arithmetic); the key is absent otherwise.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub arithmetic: Option<String>,
-    /// The keys `because` and, if they apply, `because_omitted` and `because_error`.
+    /// The keys `because` and, if they apply, `because_omitted`, `because_error` and `because_irreducible`.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
@@ -77,7 +77,7 @@ pub struct GeneratedCondition {
     pub label: String,
     /// The only value of the DOF that the equations allow.
     pub value: f64,
-    /// The keys `because` and, if they apply, `because_omitted` and `because_error`.
+    /// The keys `because` and, if they apply, `because_omitted`, `because_error` and `because_irreducible`.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
@@ -95,6 +95,9 @@ pub struct Certificate {
     /// Error of the terms, [`Analysis::because_error`](crate::Analysis::because_error); the key is absent if it is at most the tolerance.
     #[cfg_attr(feature = "serde", serde(rename = "because_error", skip_serializing_if = "Option::is_none"))]
     pub error: Option<f64>,
+    /// [`Explanation::is_irreducible`](crate::explanation::Explanation::is_irreducible); the key is absent if it is true.
+    #[cfg_attr(feature = "serde", serde(rename = "because_irreducible", skip_serializing_if = "bool::clone"))]
+    pub is_irreducible: bool,
 }
 
 /// `coefficient` times an equation or a prescribed value.
@@ -173,7 +176,7 @@ impl GeneratedCondition {
 impl Certificate {
     /// A certificate with all of its terms.
     pub fn complete(because: Vec<Term>) -> Self {
-        Self { because, omitted: Omitted::Nothing, error: None }
+        Self { because, omitted: Omitted::Nothing, error: None, is_irreducible: true }
     }
 
     /// A complete certificate with the labels of a system.
@@ -199,7 +202,7 @@ impl Certificate {
 
     /// A certificate whose terms are omitted.
     pub fn left_out(omitted: Omitted) -> Self {
-        Self { because: Vec::new(), omitted, error: None }
+        Self { because: Vec::new(), omitted, error: None, is_irreducible: true }
     }
 }
 

@@ -1,0 +1,216 @@
+//! Leaves out members of a combination without which the others still explain the vector.
+//!
+//! ```text
+//! row_k = 1000 row_1 + 1000 row_2                                        irreducible
+//! row_k = 1000 row_1 + 1000 row_2 + 2e-6 row_3 - 2e-6 row_4 + ...        an elimination through a coefficient of 1e-10 finds this
+//!
+//! v_j = sum_i c_i a_ij                          the vector
+//! s_j = |v_j| + sum_i |c_i a_ij|                sizes of the sums
+//! M_ji = c_i a_ij / s_j,   M = Q R              the terms of the members, without units
+//! d_i = 1 / |row i of R^-1|                     distance of member i from the span of the others
+//! ```
+//!
+//! Without member i, the smallest remainder is d_i: if it is within the tolerance, the others may explain v. Members are independent, so that
+//! their coefficients are unique: such a member has a coefficient that should be zero.
+
+use std::collections::HashSet;
+
+use super::{Explanation, NOISE, neighbourhood};
+use crate::{Analysis, CertificateTerm};
+
+/// Most members that are examined, as many as a neighbourhood has: a factorization of M takes some milliseconds then.
+const MOST: usize = neighbourhood::MOST;
+
+/// Multiplications of all factorizations for one explanation, after which no other member is tried: about a tenth of a second.
+const MOST_EFFORT: usize = 1 << 28;
+
+/// Each projection is subtracted twice, and each solution refined once: that leaves no more than rounding.
+const PASSES: usize = 2;
+
+/// Equations with nonzero coefficients, and their factorization `M = Q R`.
+struct Members<'a> {
+    analysis: &'a Analysis,
+    vector: &'a [(u32, f64)],
+    terms: Vec<CertificateTerm>,
+    /// The free DOFs, ascending, with the sizes of their sums: the rows of M.
+    sizes: Vec<(u32, f64)>,
+    /// The columns of Q.
+    q: Vec<Vec<f64>>,
+    /// The columns of R; column i has `i + 1` numbers.
+    r: Vec<Vec<f64>>,
+    /// The factors of the columns of M: the coefficients by those for which M was computed.
+    factors: Vec<f64>,
+}
+
+impl Analysis {
+    /// The explanation of a vector by these equations, without members that can be left out, and the number of operations.
+    ///
+    /// A smaller set is good if its error is within the tolerance, or no larger than before, and if it `agrees` with the verdict like the
+    /// whole. Coefficients that should be zero are at most `rounding`, relative to the sums at their DOFs. Without `search`, members are
+    /// not tried one by one.
+    pub(super) fn irreducible(
+        &self,
+        vector: &[(u32, f64)],
+        terms: &[CertificateTerm],
+        (rounding, search): (f64, bool),
+        whole: Explanation,
+        agrees: &dyn Fn(&Explanation) -> bool,
+    ) -> (Explanation, usize) {
+        if self.are_above(vector, terms, rounding * terms.len() as f64) {
+            return (whole, 0);
+        }
+        let (limit, must_agree) = (whole.error.max(self.options.tolerance.value()), agrees(&whole));
+        let is_good = |found: &Explanation| found.error <= limit && (agrees(found) || !must_agree);
+        let explain = |mut terms: Vec<CertificateTerm>| {
+            terms.retain(|term| term.coefficient != 0.0);
+            Some(self.with_values(vector, terms, None)).filter(is_good)
+        };
+        if terms.len() > MOST || !search {
+            let found = explain(self.pruned(terms, NOISE)).unwrap_or(whole);
+            return (Explanation { is_irreducible: false, ..found }, 0);
+        }
+        let mut members = Members::new(self, vector, terms.to_vec()).refined();
+        let mut best = explain(members.terms.clone()).unwrap_or(whole);
+        let (mut needed, mut effort) = (HashSet::new(), members.effort());
+        while let Some(row) = members.weakest(&needed).filter(|_| effort < MOST_EFFORT) {
+            let mut fewer = members.without(row);
+            let mut found = explain(fewer.terms.clone());
+            effort += fewer.effort();
+            // Several members may have to be left out together.
+            while let (None, Some(next)) = (&found, fewer.weakest(&HashSet::new()).filter(|_| effort < MOST_EFFORT)) {
+                fewer = fewer.without(next);
+                found = explain(fewer.terms.clone());
+                effort += fewer.effort();
+            }
+            match found {
+                Some(found) => (best, members) = (found, fewer),
+                // A member that a set needs is needed by each smaller set.
+                None => _ = needed.insert(row),
+            }
+        }
+        best.is_irreducible = effort < MOST_EFFORT;
+        (best, effort)
+    }
+
+    /// Returns true if each term is above a fraction of the sum at each of its free DOFs, and each prescribed value that is no rounding too.
+    fn are_above(&self, vector: &[(u32, f64)], terms: &[CertificateTerm], least: f64) -> bool {
+        let (sums, free) = (self.sums(vector.iter().copied(), terms), self.numbering.free.as_slice());
+        let is_large = |part: f64, j: usize| {
+            let place = sums.binary_search_by_key(&(j as u32), |sum| sum.0);
+            place.is_ok_and(|place| part.abs() > least * sums[place].1.1)
+        };
+        let is_above = |term: &CertificateTerm| {
+            let mut entries = self.local().row(term.row).filter(|&(j, _)| free[j]);
+            entries.all(|(j, value)| is_large(term.coefficient * value, j))
+        };
+        let is_clear = |&(j, (left, size)): &(u32, (f64, f64))| {
+            free[j as usize] || left.abs() <= NOISE * size || left.abs() > least * size
+        };
+        terms.iter().all(is_above) && sums.iter().all(is_clear)
+    }
+}
+
+impl<'a> Members<'a> {
+    fn new(analysis: &'a Analysis, vector: &'a [(u32, f64)], terms: Vec<CertificateTerm>) -> Self {
+        let mut members =
+            Self { analysis, vector, terms, sizes: Vec::new(), q: Vec::new(), r: Vec::new(), factors: Vec::new() };
+        members.terms.retain(|term| term.coefficient != 0.0);
+        members.factors = vec![1.0; members.terms.len()];
+        members.sizes = members.sums().map(|(j, (_, size))| (j, size)).collect();
+        for i in 0..members.terms.len() {
+            let (mut column, mut factors) = (members.column(members.terms[i]), vec![0.0; i]);
+            for _ in 0..PASSES {
+                members.project(&mut column, &mut factors);
+            }
+            let length = dot(&column, &column).sqrt();
+            column.iter_mut().filter(|_| length > 0.0).for_each(|value| *value /= length);
+            factors.push(length.max(f64::MIN_POSITIVE));
+            members.q.push(column);
+            members.r.push(factors);
+        }
+        members
+    }
+
+    /// The other members, with the coefficients that leave the smallest remainder.
+    fn without(&self, row: usize) -> Self {
+        let rest = self.terms.iter().copied().filter(|term| term.row != row).collect();
+        Self::new(self.analysis, self.vector, rest).refined()
+    }
+
+    /// Replaces the coefficients by those that leave the smallest remainder.
+    fn refined(mut self) -> Self {
+        let before = self.terms.clone();
+        for _ in 0..PASSES {
+            let sums = self.sums().zip(&self.sizes);
+            let mut left: Vec<f64> = sums.map(|((_, (left, _)), (_, size))| left / size).collect();
+            let mut change = vec![0.0; before.len()];
+            self.project(&mut left, &mut change);
+            self.back_substitute(&mut change);
+            for (k, change) in change.into_iter().enumerate() {
+                self.factors[k] += change;
+                let is_zero = self.factors[k].abs() <= NOISE;
+                self.terms[k].coefficient = if is_zero { 0.0 } else { before[k].coefficient * self.factors[k] };
+            }
+        }
+        self
+    }
+
+    /// Multiplications of the factorization.
+    fn effort(&self) -> usize {
+        PASSES * self.terms.len() * self.terms.len() * self.sizes.len() + 1
+    }
+
+    /// The remainder of each free DOF, and the size of its sum.
+    fn sums(&self) -> impl Iterator<Item = (u32, (f64, f64))> + use<> {
+        self.analysis.parts(self.vector.iter().copied(), &self.terms).into_iter()
+    }
+
+    /// The column of M of an equation.
+    fn column(&self, term: CertificateTerm) -> Vec<f64> {
+        let (system, mut column) = (self.analysis.local(), vec![0.0; self.sizes.len()]);
+        for (j, value) in system.row(term.row) {
+            if let Ok(k) = self.sizes.binary_search_by_key(&(j as u32), |size| size.0) {
+                column[k] = term.coefficient * value / self.sizes[k].1;
+            }
+        }
+        column
+    }
+
+    /// Subtracts the projections on the columns of Q, and adds their factors.
+    fn project(&self, vector: &mut [f64], factors: &mut [f64]) {
+        for (q, sum) in self.q.iter().zip(factors) {
+            let factor = dot(q, vector);
+            vector.iter_mut().zip(q).for_each(|(value, q)| *value -= factor * q);
+            *sum += factor;
+        }
+    }
+
+    /// Solves `R x = b` in place; b may be the first numbers of a longer vector that is zero behind them.
+    fn back_substitute(&self, b: &mut [f64]) {
+        for i in (0..b.len()).rev() {
+            b[i] /= self.r[i][i];
+            let (x, r) = (b[i], &self.r[i]);
+            b[..i].iter_mut().zip(r).for_each(|(value, r)| *value -= x * r);
+        }
+    }
+
+    /// Of the equations that may not be needed, the one that leaves the smallest remainder. None if all leave more than the tolerance.
+    fn weakest(&self, needed: &HashSet<usize>) -> Option<usize> {
+        let mut squares = vec![0.0; self.terms.len()];
+        for k in 0..squares.len() {
+            let mut column = vec![0.0; k + 1];
+            column[k] = 1.0;
+            self.back_substitute(&mut column);
+            squares.iter_mut().zip(column).for_each(|(sum, x)| *sum += x * x);
+        }
+        let limit = self.analysis.options.tolerance.value() * (self.sizes.len() as f64).sqrt();
+        let remainder = |k: usize| (self.factors[k].abs() / squares[k].sqrt(), self.terms[k].row);
+        let remainders = (0..squares.len()).map(remainder);
+        let weak = remainders.filter(|&(remainder, row)| remainder <= limit && !needed.contains(&row));
+        weak.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, row)| row)
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
