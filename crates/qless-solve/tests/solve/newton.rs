@@ -56,6 +56,27 @@ fn disturbed_parallelogram_goes_back_to_what_is_near() -> Outcome {
     Ok(())
 }
 
+/// Off the constraints, the redundant arm is independent by less than a step changes G. A step that satisfies it is far too long.
+#[test]
+fn parallelograms_converge_from_ordinary_starts() -> Outcome {
+    let set = parallelogram()?.build()?;
+    for size in [1e-3, 1e-2, 5e-2, 1e-1] {
+        let (mut steps, mut most) = (Vec::new(), 0.0_f64);
+        for case in 0..200 {
+            let start: Vec<f64> = (0..6).map(|j| 2.0 * size * random(j + 17 * case)).collect();
+            let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
+            assert_eq!(solution.redundant.len(), 1, "size {size}, case {case}");
+            let way = start.iter().zip(&solution.u).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            most = most.max(way / size);
+            steps.push(solution.iterates.len() - 1);
+        }
+        steps.sort_unstable();
+        println!("size {size}: {} steps in the middle, at most {}; {most} times as far", steps[100], steps[199]);
+        assert!(steps[100] <= 6 && steps[199] <= 20 && most < 50.0, "size {size}: {most} {steps:?}");
+    }
+    Ok(())
+}
+
 /// Example 2, redundant and spatial: Bricard's linkage from a disturbed configuration.
 #[test]
 fn bricard_linkage_is_assembled() -> Outcome {
