@@ -138,8 +138,8 @@ impl Analysis {
         sums
     }
 
-    /// The same for all local DOFs. The remainder is summed in twice the precision, so that a refinement uses its true value. Time and memory depend on the terms only,
-    /// not on the system: thousands of certificates are checked, one by one.
+    /// The same for all local DOFs, prescribed ones too. The remainder is summed in twice the precision, so that a refinement uses its true
+    /// value. Time and memory depend on the terms only, not on the system: thousands of certificates are checked, one by one.
     pub(crate) fn sums(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
