@@ -109,7 +109,7 @@ impl Triangle {
         Vectors { sample: lane(&x, 0), particular: lane(&x, 1), ..Vectors::default() }
     }
 
-    /// Two random vectors of the null space. They are zero if there are as many rows as DOFs, whatever rounding leaves.
+    /// Two random vectors of the null space. If there are as many rows as DOFs, they are set to zero, because only rounding would remain.
     pub fn motions(&self, block: &Block) -> Vectors {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         if r == n {
@@ -133,7 +133,7 @@ impl Triangle {
         Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], ..Vectors::default() }
     }
 
-    /// `x` with `C_k x = b`, in the range of `C_k^T`: a solve and one correction.
+    /// The minimum-norm `x` with `C_k x = b`, by a solve and one correction.
     pub fn shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
         let mut x = self.first_shortest(block, b);
         let mut step = self.times(block, &x);

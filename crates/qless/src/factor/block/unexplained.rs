@@ -94,7 +94,7 @@ fn moved(block: &Block, k: usize, moves: &[Vec<f64>; 2]) -> f64 {
     moves.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A dropped row of which its certificate leaves more than [`SUSPECT`].
+/// A dropped row whose certificate has an error `e_k` above [`SUSPECT`].
 struct Unexplained {
     /// The place of the row among the dependent rows.
     place: usize,
@@ -107,8 +107,8 @@ struct Unexplained {
     is_open: bool,
 }
 
-/// Refines certificates that leave more than [`SUSPECT`] of their row. If a refined certificate still leaves more, the remainder counts as
-/// dropped. Returns the number of such rows.
+/// Refines certificates with an error `e_k` above [`SUSPECT`]. If the error stays above, it becomes the `dropped` remainder of the row.
+/// Returns the number of such rows.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> usize {
     let Rows { dependent, triangle, left, nearness, .. } = rows;
     let new = || Rest::new(block.matrix.cols, nearness.sigma);

@@ -184,7 +184,8 @@ fn confirmed(block: &Block, tableau: &Tableau, i: usize) -> f64 {
     if left > noise_of(block) * parts { left } else { 0.0 }
 }
 
-/// The remainder of row k. A row that is small as a whole may be nonzero in fact; its own coefficients then count as dropped.
+/// The remainder of row k. A row that is small as a whole is dropped although its coefficients may be more than rounding. They then count
+/// as the remainder.
 pub(super) fn small_row(block: &Block, k: usize, left: f64) -> f64 {
     let norm = block.matrix.row(k).map(|(_, v)| v * v).sum::<f64>().sqrt();
     if norm < SMALL_ROW { left.max(block.certain[k]) } else { left }

@@ -59,7 +59,7 @@ impl LateCertificates {
 }
 
 impl LateCertificates {
-    /// `R1^-1 R2_k`, from the last row up. Rounding errors are not followed, so the cost is that of the nonzero terms.
+    /// `R1^-1 R2_k`, from the last row up. Entries that are only rounding are set to zero, so that they cost nothing in the rows above.
     fn solved(&self, k: usize) -> Vec<f64> {
         let rank = self.rows.len();
         let columns = self.columns.get_or_init(|| self.factor.r.transposed());
