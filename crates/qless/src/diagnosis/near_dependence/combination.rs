@@ -9,7 +9,7 @@ use crate::diagnosis::certificate::CertificateTerm;
 use crate::factor::backend::{Factor, norm};
 use crate::input::scale::ldexp;
 
-/// Terms of a combination below this many times the difference only fit rounding errors.
+/// Terms of a combination below this many times the difference are dropped: they only fit rounding errors.
 const FITTED: f64 = 3.0;
 /// Terms with `|y_i| |row_i|` below this many times `sqrt(distance) |row_k|` are uncertain: they may belong to the combination or not.
 const UNTOLD: f64 = 0.3;

@@ -13,7 +13,7 @@ use crate::exact::Reading;
 use crate::input::numbering::LocalSystem;
 use crate::input::reading::Number;
 
-/// The result of verifying an explanation exactly.
+/// The result of verifying a certificate in exact arithmetic.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     /// True if the equation is a combination of the equations of its certificate.
@@ -31,7 +31,7 @@ const ROWS: usize = 32;
 /// Largest number of coefficients that the elimination for minors may store.
 const FILL: usize = 1 << 20;
 
-/// Different primes whose product has more than `bits` bits; None if this needs more than [`PRIMES`].
+/// Different primes whose product exceeds `2^bits`; None if more than [`PRIMES`] are needed.
 fn primes(bits: f64) -> Option<&'static [u64]> {
     let count = (bits.max(0.0) / BITS).floor() + 1.0;
     (count <= PRIMES as f64).then(|| &prime::first(PRIMES)[..count as usize])
