@@ -35,7 +35,8 @@ pub use condense::{CondensedPattern, PrescribedDofs};
 pub use error::EliminationError;
 pub use view::{Index, Storage, View};
 
-/// The constraints in the form `u = L u_q + u_0`. It owns its data and is `Send + Sync`; a code creates it once and stores it.
+/// The constraints in the form `u = L u_q + u_0`. It owns its data and is `Send + Sync`: a finite-element code creates it once and stores
+/// it.
 ///
 /// ```
 /// use qless::{Elimination, Options, SystemBuilder};
