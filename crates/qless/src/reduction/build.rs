@@ -256,8 +256,8 @@ fn residuals_of<'a>(
     }
 }
 
-/// Checks the residuals. Parts with large residuals are computed again, and replaced if that reduces the residual. The residual of g does
-/// not decide about T and G, which depend on C only.
+/// Checks the residuals. Parts with large residuals are computed again. Their T and G, and separately their g, are replaced if that reduces
+/// the residual: T and G depend on C only, so the residual of g does not decide about them.
 fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput) -> Result<Reduction, ReductionError> {
     let ReductionInput { scaling, ref independent, memory, .. } = *input;
     let residuals = residuals_of(local, independent, scaling);
@@ -285,7 +285,7 @@ fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput)
     residual_check::pass(&matrices.worse(constants), &reduction).map(|()| reduction)
 }
 
-/// The largest listed residual of each part.
+/// By part, the largest residual of [`Residuals::above`].
 fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
     let mut worst = BTreeMap::new();
     for &(row, residual) in &found.above {

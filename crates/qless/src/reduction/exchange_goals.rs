@@ -79,10 +79,10 @@ fn excess(exchange: &Exchange, i: u32, limit: f64, preferences: &SlavePreference
     best.map(|(j, _)| j)
 }
 
-/// Entries below this, relative to the largest of their row, are too small for a pivot.
+/// A master whose coefficient is below this fraction of the largest one in the row is not made the slave of the row.
 const SMALL: f64 = 1e-8;
 
-/// Meets the preferences that the equations allow; returns the number of exchanges.
+/// Exchanges slaves and masters to meet the preferences, as far as the equations allow; returns the number of exchanges.
 pub(super) fn meet_preferences(relation: &mut Relation, preferences: &SlavePreferences, limit: f64) -> usize {
     if !preferences.any() {
         return 0;

@@ -152,7 +152,8 @@ impl RowSum {
     }
 }
 
-/// Builds the relation. Rows of fixed slaves keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
+/// Builds the relation. Rows of fixed slaves keep prescribed DOFs only. Lists the rows with coefficients above `limit` in
+/// [`Relation::steep`].
 pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, limit: f64) -> Relation<'a> {
     let ReductionInput { basis, bounds, ref fixed, .. } = *input;
     let rank = basis.rows();
