@@ -137,7 +137,7 @@ macro_rules! index {
 
 index!(u32 u64 usize i32 i64 isize);
 
-/// Target of each given value; `None` if the values already are in the order of the pattern.
+/// For each given value, the entry of the pattern to which it is added; `None` if the values already are in the order of the pattern.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Gather(Option<Vec<u32>>);
 

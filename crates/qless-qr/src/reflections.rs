@@ -58,7 +58,7 @@ pub(crate) struct Q {
     pub fronts: Vec<Reflections>,
 }
 
-/// Vectors that pass through all fronts together, so that each reflection is read once for all of them.
+/// Number of vectors to which each reflection is applied together, so that it is read from memory once for all of them.
 const TOGETHER: usize = 8;
 
 impl Q {
