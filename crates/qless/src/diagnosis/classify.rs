@@ -40,8 +40,8 @@ pub struct Dependent {
     pub relative_mismatch: f64,
     /// Remainder of the equation that was treated as zero, relative to the equation; 0 if it is within rounding.
     pub dropped: f64,
-    /// True if the mismatch exceeds the tolerance, but may be a rounding of the largest right-hand side, so that it does not count as a
-    /// conflict.
+    /// True if the mismatch exceeds the tolerance but may be rounding, of the largest right-hand side or of the certificate. It then does
+    /// not count as a conflict.
     pub(crate) is_suspect: bool,
     /// The mismatch with its size and error, in the units of the equation.
     pub(crate) rest: Mismatch,
@@ -51,8 +51,8 @@ pub struct Dependent {
 /// Decides whether a mismatch is a conflict.
 pub(crate) struct MismatchRule<'a> {
     pub tolerance: f64,
-    /// True if a mismatch below the rounding of the largest right-hand side is suspect, and if typed numbers count as rounded to their
-    /// digits.
+    /// True if a mismatch below the rounding of the largest right-hand side is suspect, and if numbers typed with few digits may be
+    /// rounded.
     is_auto: bool,
     /// The result of [`rounding_of_sides`], computed when it is needed.
     rounding: OnceLock<Vec<f64>>,
