@@ -20,7 +20,7 @@ pub(crate) const PANEL: usize = 48;
 /// The least number of entries of a front and the width of its panels, the largest fronts first. Smaller fronts are eliminated column by
 /// column.
 const WIDTHS: [(usize, usize); 3] = [(2_000_000, PANEL), (60_000, 32), (2_500, 16)];
-/// Columns of one matrix product. The number is fixed, so that the bits do not depend on the number of threads.
+/// Columns of one matrix product. The number is fixed, so that the result is the same to the last bit for every number of threads.
 const TOGETHER: usize = 64;
 /// Least operations of a task: a tenth of a millisecond, many times the time that it takes to wake a thread.
 pub(crate) const TASK: usize = 500_000;

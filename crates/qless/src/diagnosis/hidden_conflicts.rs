@@ -121,7 +121,7 @@ fn mismatches(pass: &PassResult, rule: &MismatchRule, dependent: &[usize]) -> Ve
         let all = solutions.left(system, k, sides(k));
         let (value, terms) = (all[0].0, all.iter().fold(0.0, |most: f64, (_, terms)| most.max(*terms)));
         let size = largest(solutions.product(system, k), side(rule, k).size);
-        // A mismatch that the last correction made smaller has not converged.
+        // If the last correction still changed the mismatch, the mismatch has not converged, so the change counts as its error.
         let last = product(system, k, &solutions.last)[0].abs();
         Mismatch { value, size, error: largest(product(system, k, &errors), last.max(f64::EPSILON * terms)) }
     };

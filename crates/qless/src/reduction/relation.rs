@@ -35,7 +35,7 @@ pub(crate) struct Relation<'a> {
     pub row_of: Vec<u32>,
     /// Slave of each row.
     pub slave: Vec<u32>,
-    /// Index into `own` for each row that differs from the basis; [`OF_BASIS`] for the others, which are most.
+    /// Index into `own` for each row that differs from the basis; [`OF_BASIS`] for most rows, which do not differ.
     place: Vec<u32>,
     own: Vec<OwnRow>,
     dofs: Vec<u32>,

@@ -32,7 +32,7 @@ pub(super) struct NearCombination {
 }
 
 impl NearCombination {
-    /// The least-squares fit by the triangular factor of the kept rows: `y <- y + R^-1 R^-T C d`, twice from 0. Q is not needed.
+    /// The least-squares fit by the triangular factor of the kept rows, without Q: two steps `y <- y + R^-1 R^-T C d` from y = 0.
     pub fn fit(part: &ScaledEquations, factor: &Factor, columns: &Csr, kept: &[usize], row: usize) -> Self {
         let mut rest = dense(part, row);
         let mut y = vec![0.0; kept.len()];

@@ -1,4 +1,5 @@
-//! Whether the equations A of a core are independent: a Cholesky factorization of `fl(A A^T) - s diag(A A^T)`, with its rounding counted.
+//! Proves that the equations A of a core are independent, by a Cholesky factorization of `fl(A A^T) - s diag(A A^T)` and bounds of its
+//! rounding.
 //!
 //! ```text
 //! fl(A A^T) = A A^T + E     |E| <= gamma_(p+3) |A| |A|^T         p terms in a row; three more for the digits of typed decimals

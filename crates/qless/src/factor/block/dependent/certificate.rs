@@ -206,7 +206,8 @@ fn mismatch(sides: &[Mismatch], tableau: &Tableau, i: usize, noise: f64, error: 
     rest
 }
 
-/// Of equivalent equations the later one is dropped: returns true if the kept `candidate` should be dropped instead of `holder`.
+/// Returns true if the kept row `candidate` should be dropped instead of the dropped row `holder`: of equivalent equations the later one is
+/// dropped.
 pub(super) fn later(candidate: u32, holder: u32) -> bool {
     candidate > holder
 }

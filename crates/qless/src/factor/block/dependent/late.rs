@@ -6,7 +6,8 @@
 //! y = R1^-1 R2_k                        the certificate of row k                one triangular solve for each
 //! ```
 //!
-//! c is the certificate of row k, s the sizes or the errors of the right-hand sides, `*` the product by entries.
+//! C_k^+ is the pseudoinverse of the kept rows, c the certificate of the dropped row k, s the sizes or the errors of the right-hand sides,
+//! and `*` the product entry by entry.
 
 use std::sync::{Arc, OnceLock};
 

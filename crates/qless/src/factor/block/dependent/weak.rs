@@ -134,8 +134,8 @@ fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
     tableau.data.iter().all(|v| v.is_finite()).then_some(tableau)
 }
 
-/// Dropped rows that are no combination of the kept ones, nor of one another. The first rows of `tableau` are those asked for; `rests` are
-/// the norms of their remainders.
+/// Dropped rows that are independent of the kept rows and of each other. The first rows of `tableau` are those asked for; `rests` are the
+/// norms of their remainders.
 pub(super) fn unexplained(
     block: &Block,
     tableau: &Tableau,
