@@ -26,7 +26,7 @@ use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
-/// Number of v. Three random sums are all a million times too small in one of 1e18 cases.
+/// Number of solutions v. All three random sums are a million times too small in one of 1e18 cases.
 const V: usize = 3;
 /// Number of solutions: u and the v.
 const W: usize = V + 1;

@@ -16,7 +16,7 @@ pub(crate) const NOISE: f64 = 1e-14;
 /// step without becoming zero, and each would cost operations.
 const FADED: f64 = 1e-19;
 
-/// The factors with the columns of the slaves.
+/// The factors of C_S, and C_S itself for the refinement.
 #[derive(Clone, Debug)]
 pub(crate) struct SlaveSolver {
     lu: SparseLu,

@@ -1,4 +1,4 @@
-//! The findings of a pass, and the limits of their reliability.
+//! The findings of a pass, and the limits above which a row or its slave is not reliable.
 
 /// If a slave moves more than this for masters of size 1, coefficients have grown during substitution: presolve's rows may have lost three
 /// digits or more.

@@ -29,7 +29,7 @@ const DONE: f64 = 1e-12;
 /// Allowed relative error of an estimate, which is reported to a tenth of a digit.
 const ENOUGH: f64 = 1e-3;
 
-/// Two vectors, number by number.
+/// Two vectors, stored entry by entry.
 type VectorPair = Slab<2>;
 
 /// The factor of some rows of a block.
@@ -205,7 +205,7 @@ fn lane(slab: &VectorPair, c: usize) -> Vec<f64> {
     slab.iter().map(|row| row[c]).collect()
 }
 
-/// Two vectors, number by number.
+/// Packs two vectors; entry i of vector c is `of(c, i)`.
 fn pair(length: usize, of: impl Fn(usize, usize) -> f64) -> VectorPair {
     (0..length).map(|i| [of(0, i), of(1, i)]).collect()
 }

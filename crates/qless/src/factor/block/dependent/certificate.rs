@@ -26,7 +26,7 @@ pub(super) const CERTIFICATE_UNITS: f64 = 2.0;
 /// Certificates with at most this many coefficients in total are all computed at once.
 pub(super) const MANY: usize = 4_000_000;
 
-/// Coefficients of certificates above this are exchanged for smaller ones if the kept rows seem nearly dependent.
+/// If the kept rows seem nearly dependent, rows are exchanged until no coefficient of a certificate exceeds this.
 pub(super) const STEEP: f64 = 2.0;
 
 /// Kept rows (positions in the block) and dependent rows.
@@ -212,8 +212,8 @@ pub(super) fn later(candidate: u32, holder: u32) -> bool {
     candidate > holder
 }
 
-/// Applies `sounder`, then keeps the earlier ones of equivalent equations and measures the nearness of these rows. The second choice is
-/// discarded if it more than halves sigma.
+/// Applies `sounder`, then keeps the earlier ones of equivalent equations and measures the nearness of these rows. This second choice is
+/// discarded if its sigma is less than half of the first.
 pub(super) fn in_order(
     block: &Block,
     means: FactorContext,
