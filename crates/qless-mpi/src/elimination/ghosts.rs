@@ -1,4 +1,4 @@
-//! Masters that one rank owns and other ranks use. Sender and receivers are determined once; the values are exchanged in each step.
+//! Masters that one rank owns and other ranks use. Senders and receivers are determined once; the values are exchanged in each step.
 
 use std::ops::Range;
 
@@ -59,8 +59,8 @@ impl Ghosts {
         }
     }
 
-    /// Sends the values for masters of other ranks to their owners, and adds the received values to the own masters in the order of
-    /// ranks. Collective.
+    /// Sends the values for masters of other ranks to their owners, and adds the received values to the masters that this rank owns, in the
+    /// order of ranks. Collective.
     pub fn sum(&self, ranks: &dyn Ranks, local: &[f64], masters: &mut [f64]) {
         let message = |(rank, range): &(usize, Range<usize>)| Message {
             rank: *rank,

@@ -101,7 +101,7 @@ impl Elimination {
         Self::from_analysis(analyse(system, options)?, Form::Explicit)
     }
 
-    /// From an analysis or a shared `Arc` of one; parts of T may be factored ([`Form`]).
+    /// Makes an elimination from an analysis, or from a shared `Arc` of one. Parts of T may be factored ([`Form`]).
     ///
     /// # Errors
     /// As [`Elimination::new`].
@@ -120,8 +120,8 @@ impl Elimination {
         Ok(Self::build(reduction, values, Some(equations)))
     }
 
-    /// From T, G and g that were computed elsewhere, with prescribed values in the order of [`Reduction::prescribed`]. Multipliers and
-    /// [`Elimination::update`] need the equations, so they return an error.
+    /// Makes an elimination from T, G and g that were computed elsewhere, and prescribed values in the order of [`Reduction::prescribed`].
+    /// [`Elimination::multipliers`] and [`Elimination::update`] need the equations, so they return an error.
     ///
     /// ```
     /// use qless::{Csr, Elimination, Reduction};

@@ -10,7 +10,7 @@ use super::exchange::Exchange;
 use super::relation::Relation;
 use crate::input::preferences::{SlavePreference, SlavePreferences};
 
-/// A slave may be exchanged if its coefficient is at least this fraction of the largest one of the master.
+/// A row may give its slave for a master if its coefficient of the master is at least this fraction of the largest one.
 const NEARLY: f64 = 0.5;
 
 /// The smallest bound that is enforced; it exceeds 1 by more than the rounding errors of T.

@@ -74,7 +74,7 @@ pub(super) fn overlap(world: &World, messages: Vec<Message>, from: &[usize], wor
     })
 }
 
-/// The message to the own rank, and the other messages.
+/// The message of this rank to itself, and the other messages.
 fn split_own(world: &World, messages: Vec<Message>) -> (Option<Vec<u64>>, Vec<Message>) {
     let (own, others): (Vec<_>, Vec<_>) = messages.into_iter().partition(|message| message.rank == world.rank);
     (own.into_iter().next().map(|message| message.words), others)
