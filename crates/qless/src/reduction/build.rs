@@ -94,8 +94,8 @@ impl Analysis {
     /// The relative residual of the independent equations, separately for T u_q, G u_p and g with random u_q and u_p:
     /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`. Here s_j is the sum of the magnitudes of the terms of u_j, and D =
     /// diag(d_j) is the scaling of columns (the identity unless units mix). 1 is the vector of ones, and j runs over the DOFs of the part
-    /// of equation i. For g, the residual of an equation with `b_i != 0` is relative to the terms of the equation instead: `|C_i g - b_i| /
-    /// (sum_j |C_ij g_j| + |b_i|)`.
+    /// of equation i. For g, the residual of an equation with `b_i != 0` is relative to the terms of the equation instead:
+    /// `|C_i g - b_i| / (sum_j |C_ij g_j| + |b_i|)`.
     ///
     /// The residual is about 1e-16 times the condition of the kept equations, `1 / confidence.distance`. Computing it takes one pass over C
     /// and T.
