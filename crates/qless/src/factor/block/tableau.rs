@@ -16,7 +16,7 @@ pub(crate) struct Tableau {
     pub data: Vec<f64>,
 }
 
-/// In a tableau with more entries no variables are exchanged, because that would take too long.
+/// In a tableau with more entries, [`Tableau::prefer`] and [`Tableau::limit`] exchange no variables, because that would take too long.
 const LARGE: usize = 4_000_000;
 /// Largest number of exchanges to reach a bound; if more are needed, it is better to choose a new basis.
 const MOST_EXCHANGES: usize = 100;
