@@ -18,7 +18,8 @@ const LIFT: u64 = 1 << 40;
 /// The sum of the numbers of all ranks, rounded to the nearest double. Its bits are the same on all ranks, for any distribution and
 /// order of the numbers. Collective: one [`Ranks::sum`] of 576 bytes.
 ///
-/// Applied to products it gives a dot product whose bits do not depend on the ranks. Infinite numbers and NaN give the same as with `+`.
+/// Applied to products, it gives a dot product whose bits do not depend on the distribution. Infinite numbers and NaN give the same result
+/// as with `+`.
 ///
 /// ```
 /// use qless_mpi::{Alone, exact_sum, on_threads};

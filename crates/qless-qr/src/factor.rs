@@ -278,7 +278,7 @@ fn sum(x: &[f64]) -> f64 {
     finite(x.iter().map(|v| v.abs()).sum())
 }
 
-/// Infinity for NaN: the sums overflowed.
+/// Replaces NaN by infinity: a NaN means that the sums overflowed.
 fn finite(x: f64) -> f64 {
     if x.is_nan() { f64::INFINITY } else { x }
 }

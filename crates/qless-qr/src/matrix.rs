@@ -137,7 +137,7 @@ macro_rules! index {
 
 index!(u32 u64 usize i32 i64 isize);
 
-/// Target of each given value; `None` if the values already are in the order of the pattern.
+/// For each given value, the entry of the pattern to which it is added; `None` if the values already are in the order of the pattern.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Gather(Option<Vec<u32>>);
 
@@ -157,7 +157,7 @@ impl Gather {
 }
 
 impl<P: Index, I: Index> Matrix<'_, P, I> {
-    /// The pattern by columns, rows ascending, each entry once, and the target of each value: two counting sorts.
+    /// The pattern by columns, rows ascending, each entry once, and for each value the entry to which it is added. Two counting sorts.
     pub(crate) fn by_ascending_columns(&self) -> (Lists, Gather) {
         if !self.is_by_rows && self.ascends() {
             let start = self.start.iter().map(|at| at.position()).collect();

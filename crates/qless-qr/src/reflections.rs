@@ -4,9 +4,9 @@
 //! `I - tau v v^T` on the front's rows from `first[t]` on. After all fronts, row k of `Q^T A P` is row `row[k]` of A: first
 //! the r rows of R, then the rows for which no column is left.
 //!
-//! Cost: memory for all v ([`Symbolic::memory_of_q`](crate::Symbolic::memory_of_q)); four operations for each number of v
-//! and each vector (Davis 2011, Sec. 3.4). Vectors are handled eight at a time, in parallel. The result for one vector
-//! does not depend on the others, to the bit. The inner loops use the widest registers of the processor.
+//! Cost: memory for all v ([`Symbolic::memory_of_q`](crate::Symbolic::memory_of_q)); four operations for each number of v and each vector
+//! to which Q is applied (Davis 2011, Sec. 3.4). These vectors are handled eight at a time, in parallel. The result for one vector is the
+//! same to the last bit, whichever other vectors there are. The inner loops use the widest registers of the processor.
 
 #![allow(clippy::inline_always, reason = "code for wider registers must be inlined where they are switched on")]
 
@@ -58,7 +58,7 @@ pub(crate) struct Q {
     pub fronts: Vec<Reflections>,
 }
 
-/// Vectors that pass through all fronts together, so that each reflection is read once for all of them.
+/// Number of vectors to which each reflection is applied together, so that it is read from memory once for all of them.
 const TOGETHER: usize = 8;
 
 impl Q {

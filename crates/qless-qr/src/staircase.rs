@@ -2,9 +2,9 @@
 //!
 //! Step k reflects rows g..stair(k) so that column k vanishes below row g; then g grows by one. A pivotal column is
 //! dependent if the 2-norm of its part in those rows is at most the tolerance (Heath 1982); it takes no row. Any other column whose part is
-//! zero takes no row either. Large fronts apply the reflections of a panel at once by matrix products,
-//! `C <- (I - V T^T V^T) C` (Schreiber, Van Loan 1989). While a panel updates the columns behind the next one, the next one is eliminated
-//! on another thread.
+//! zero takes no row either. Large fronts apply the reflections of a panel at once by matrix products, `C <- (I - V T^T V^T) C` (Schreiber,
+//! Van Loan 1989). While the reflections of a panel are applied to the columns behind the next panel, another thread eliminates the next
+//! panel.
 
 use std::ops::Range;
 
@@ -17,9 +17,10 @@ use crate::reflections::{Reflect, Reflections, SquaredNorm};
 
 /// Width of the widest panel.
 pub(crate) const PANEL: usize = 48;
-/// (entries of the front, width of its panels). Fronts with fewer entries are eliminated column by column.
+/// The least number of entries of a front and the width of its panels, the largest fronts first. Smaller fronts are eliminated column by
+/// column.
 const WIDTHS: [(usize, usize); 3] = [(2_000_000, PANEL), (60_000, 32), (2_500, 16)];
-/// Columns of one matrix product. The number is fixed, so that the bits do not depend on the number of threads.
+/// Columns of one matrix product. The number is fixed, so that the result is the same to the last bit for every number of threads.
 const TOGETHER: usize = 64;
 /// Least operations of a task: a tenth of a millisecond, many times the time that it takes to wake a thread.
 pub(crate) const TASK: usize = 500_000;

@@ -32,7 +32,7 @@ pub(crate) struct ConnectedComponent<const K: usize> {
 }
 
 impl ConnectedComponents {
-    /// Finds the components of the rows for which `included` holds. Collective.
+    /// Finds the components of the rows for which `included` is true. Collective.
     pub fn find(
         ranks: &dyn Ranks,
         layout: &Layout,

@@ -1,6 +1,6 @@
 //! The owner of a DOF tells the ranks that use it whether other ranks use it too, and whether it is prescribed.
 //!
-//! Each rank sends the DOFs that it uses and others own to their owners, 8 bytes each. An owner answers only for DOFs that are shared, that
+//! Each rank sends each DOF that it uses but does not own to the owner, 8 bytes each. An owner answers only for DOFs that are shared, that
 //! are prescribed, or that have a faint coefficient (one that may be rounding).
 
 use std::collections::BTreeMap;

@@ -38,11 +38,11 @@ fn chance(root: u64, round: u64) -> (u64, u64) {
 
 struct LabelsForest<'a> {
     ranks: &'a dyn Ranks,
-    /// The parent of each own vertex.
+    /// The parent of each vertex of this rank.
     parent: Vec<u64>,
 }
 
-/// The root of each of `count` own vertices; `edges` are from own vertices to any. Collective.
+/// The root of each of the `count` vertices of this rank; `edges` lead from vertices of this rank to vertices of any rank. Collective.
 pub(crate) fn roots(ranks: &dyn Ranks, count: usize, mut edges: Vec<(u32, u64)>) -> Vec<u64> {
     let own = ranks.rank();
     let mut forest = LabelsForest { ranks, parent: (0..count).map(|k| vertex(own, k)).collect() };

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::ranks::Ranks;
 use crate::share::ShareError;
 
-/// The start of each rank's range, and at the end n.
+/// The start of each rank's range; the last number is n, the number of DOFs.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     starts: Vec<u64>,

@@ -14,7 +14,7 @@ pub(crate) struct Peel {
     pub position: u32,
 }
 
-/// At most one column in this many may be small in all its rows.
+/// Units count as mixed if more than one column in this many has small coefficients in all its rows.
 const MANY: u64 = 20;
 /// Sizes far from the ends of the range of doubles.
 const MODEST: std::ops::Range<f64> = 1e-100..1e100;

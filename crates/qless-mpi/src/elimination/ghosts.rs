@@ -1,4 +1,4 @@
-//! Masters that one rank owns and other ranks use. Sender and receivers are determined once; the values are exchanged in each step.
+//! Masters that one rank owns and other ranks use. Senders and receivers are determined once; the values are exchanged in each step.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 /// The masters that this rank shares with other ranks.
 #[derive(Debug)]
 pub(super) struct Ghosts {
-    /// The local masters ascend; this range of them belongs to this rank.
+    /// The range of the local masters, which ascend, that this rank owns.
     own: Range<usize>,
     /// For each rank that uses masters of this rank: their places among the local ones.
     sent: Vec<(usize, Vec<u32>)>,
@@ -41,7 +41,7 @@ impl Ghosts {
         Self { own, sent, received }
     }
 
-    /// Places of the own masters among the local ones.
+    /// Places of the masters that this rank owns among the local ones.
     pub fn own(&self) -> Range<usize> {
         self.own.clone()
     }
@@ -59,8 +59,8 @@ impl Ghosts {
         }
     }
 
-    /// Sends the values for masters of other ranks to their owners, and adds the received values to the own masters in the order of
-    /// ranks. Collective.
+    /// Sends the values for masters of other ranks to their owners, and adds the received values to the masters that this rank owns, in the
+    /// order of ranks. Collective.
     pub fn sum(&self, ranks: &dyn Ranks, local: &[f64], masters: &mut [f64]) {
         let message = |(rank, range): &(usize, Range<usize>)| Message {
             rank: *rank,

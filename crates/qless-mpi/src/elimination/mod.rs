@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! gather     u_q of all masters that the rows of a rank use, from their owners            one message to each neighbour
-//! expand     u = L u_q + u_0 on local DOFs; overlaps the transfer with rows that use own masters only
+//! expand     u = L u_q + u_0 on local DOFs; rows that use only masters of this rank are computed during the transfer
 //! restrict   f_q = L^T f: contributions of each rank's local DOFs, summed at the owners   one message to each neighbour
 //! condense   K_q = L^T K L of each rank's own K on its local DOFs                         no messages
 //! ```

@@ -33,8 +33,8 @@ pub trait Ranks {
     /// The number of ranks.
     fn size(&self) -> usize;
 
-    /// Sends messages, at most one to each rank, and returns the received ones, ascending by sender. Receivers need not know the
-    /// senders in advance. A message to the own rank is received too.
+    /// Sends messages, at most one to each rank, and returns the received ones, ascending by sender. Receivers need not know the senders in
+    /// advance. A message of a rank to itself is received too.
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message>;
 
     /// Like [`Ranks::exchange`] for known senders: returns one message from each rank in `from`, ascending. Calls `work` during the

@@ -51,7 +51,8 @@ pub fn on_threads<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) ->
 
 impl ThreadRank {
     fn send(&self, rank: usize, words: Vec<u64>) {
-        // A rank that has ended receives nothing; `receive` then panics because its answer is missing.
+        // Sending to a rank that has ended fails. The error is ignored here, because `receive` panics when the answer of that rank is
+        // missing.
         let _ = self.to[rank].send(words);
     }
 

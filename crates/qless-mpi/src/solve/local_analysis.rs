@@ -18,7 +18,7 @@ pub(crate) struct LocalAnalysis {
     pub reduction: Reduction,
 }
 
-/// Whether the result equals that of the whole components, with their peeled equations.
+/// Sound if the result certainly equals that of an analysis of the whole components, including the equations that were peeled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Soundness {
     Sound,

@@ -17,9 +17,9 @@ pub struct DistributedDependent {
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
     pub mismatch: f64,
-    /// The mismatch relative to its largest term; 0 if it is rounding only.
+    /// The mismatch relative to its largest term; 0 if it is within rounding.
     pub relative_mismatch: f64,
-    /// The dropped remainder of the dependent equation, relative to its size; 0 if it is rounding only.
+    /// The remainder of the equation that was treated as zero, relative to the equation; 0 if it is within rounding.
     pub dropped: f64,
     /// The certificate `row_k = sum c_i row_i` over free DOFs, ascending by equation number. The equations may be of any rank.
     pub because: Vec<DistributedCertificateTerm>,

@@ -12,10 +12,9 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 impl Symbolic {
     /// Factors the matrix with this pattern and the given values, and computes `Q^T B` (`rhs` is B, m x k by columns, or empty).
     ///
-    /// [`Options`] set the tolerance for dependent columns, the memory limit, and whether Q is kept. The forecast is
-    /// checked against the limit before any allocation; memory beyond the forecast is checked before each front.
-    /// The factorization runs on the calling thread's rayon pool. The result does not depend on the number of threads, to
-    /// the bit.
+    /// [`Options`] set the tolerance for dependent columns, the memory limit, and whether Q is kept. The forecast is checked against the
+    /// limit before any allocation; memory beyond the forecast is checked before each front. The factorization runs on the calling thread's
+    /// rayon pool. The result is the same to the last bit for every number of threads.
     ///
     /// One analysis serves any number of matrices with its pattern:
     ///

@@ -18,7 +18,7 @@ pub(super) fn collect(
 ) -> Result<Factor, Error> {
     let place = places(symbolic, &outs);
     let rank = symbolic.peeled + outs.iter().map(|out| out.rank).sum::<usize>();
-    // Zeros are counted here but not stored; their memory is never touched.
+    // This count includes zeros, which are not stored; the memory reserved for them is never touched.
     let packed: usize =
         outs.iter().map(|out| out.values.len() - out.rank * numbers.count - out.rest(numbers.count).len()).sum();
     let entries = symbolic.pattern.start[symbolic.peeled] + packed;
@@ -65,7 +65,7 @@ fn q(symbolic: &Symbolic, outs: &mut [FrontResult], ledger: &MemoryLedger) -> Re
     Ok(Q { row, fronts: fronts.map(|front| *front).collect() })
 }
 
-/// Final position of each column position of the analysis.
+/// For each column position of the analysis, its position in R: independent columns first.
 fn places(symbolic: &Symbolic, outs: &[FrontResult]) -> Vec<u32> {
     let mut place = vec![NONE; symbolic.cols];
     let mut next = 0..;

@@ -1,8 +1,8 @@
 //! Schedule of the fronts: subtrees in parallel, children before parents.
 //!
-//! A front depends only on its children, which are assembled in a fixed order, so the result is the same for every
-//! schedule, to the bit. A subtree with enough work becomes a task. With one thread, or without memory for subtrees in
-//! parallel, all fronts run in postorder on the calling thread.
+//! A front depends only on its children, which are assembled in a fixed order, so the result is the same to the last bit for every
+//! schedule. A subtree with enough work becomes a task. With one thread, or without memory for subtrees in parallel, all fronts run in
+//! postorder on the calling thread.
 
 use rayon::prelude::*;
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! Forecast of the size, work and memory of each front, before any values are known.
 //!
-//! The forecast simulates the numeric phase with patterns instead of values, for the case that no column is dependent by
-//! its values. Column k of a front has `stair(k)` rows that begin at or before it. If `stair(k) > g`, where g
-//! rows are already eliminated, the column takes one more row and costs `4 (stair(k) - g) (c - k)` operations.
+//! The forecast simulates the numeric phase with patterns instead of values, for the case that no column is dependent by its values. In a
+//! front with c columns, `stair(k)` rows begin at column k or before it. If `stair(k) > g`, where g rows are already eliminated, column k
+//! takes one more row and costs `4 (stair(k) - g) (c - k)` operations.
 //!
 //! Memory: `peak(f) = max(peaks of the children one after the other, their contributions + that of f)` plus one front.
 //! Sequentially, a child runs while the contributions of its elder siblings wait, and all children share one buffer of

@@ -1,8 +1,8 @@
 //! Fronts: runs of consecutive columns whose rows of R have nearly the same pattern, and the tree that they form.
 //!
-//! Columns j and j + 1 share a pattern if `parent(j) = j + 1` and `c_j = c_{j+1} + 1`. A front is merged with its parent
-//! if the zeros that this adds to R are a small share of the merged trapezoid; the larger the trapezoid, the smaller the
-//! share may be (Ashcraft, Grimes 1989).
+//! Columns j and j + 1 share a pattern if `parent(j) = j + 1` and `c_j = c_{j+1} + 1`, where c_j is the number of entries in row j of R. A
+//! front is merged with its parent if the zeros that this adds to R are a small share of the merged trapezoid; the larger the trapezoid,
+//! the smaller the share may be (Ashcraft, Grimes 1989).
 
 use super::tree::first_descendants;
 use crate::lists::{Lists, NONE};
@@ -66,7 +66,7 @@ fn fundamental(parent: &[u32], count: &[u32]) -> Vec<usize> {
     (0..parent.len()).filter(|&j| !continues(j)).collect()
 }
 
-/// Runs merged to one front.
+/// Runs that are merged to one front: first column, number of pivotal columns, number of columns, and zeros that merging adds to R.
 #[derive(Clone, Copy)]
 struct FrontGroup {
     start: usize,
@@ -75,8 +75,8 @@ struct FrontGroup {
     zeros: f64,
 }
 
-/// First column of each front. From the last run to the first, a run is merged with the group behind it if its parent is
-/// in that group.
+/// First column of each front. From the last run to the first, a run is merged with the group behind it if its parent is in that group and
+/// the merged front has few zeros.
 fn joined(starts: &[usize], parent: &[u32], count: &[u32]) -> Vec<usize> {
     let mut groups: Vec<FrontGroup> = Vec::with_capacity(starts.len());
     let mut end = parent.len();

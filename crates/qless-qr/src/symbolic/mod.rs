@@ -27,7 +27,7 @@ pub struct Symbolic {
     pub(crate) cols: usize,
     /// Column of A at each position; peeled ones first.
     pub(crate) order: Vec<u32>,
-    /// Number of peeled columns; for i below it, the diagonal entry of row i is at position i.
+    /// Number of peeled columns. They have the first positions, and the diagonal entry of peeled row i is at position i.
     pub(crate) peeled: usize,
     /// Row of A at each row position: peeled rows, then the others by first column, empty rows last.
     pub(crate) row_order: Vec<u32>,
@@ -71,8 +71,8 @@ impl Symbolic {
     /// Upper bound of the bytes that a factorization with `rhs` right-hand sides allocates (result, fronts, contributions
     /// to parents), if no column is dependent by its values and all fronts run on one thread.
     ///
-    /// A dependent column passes one more row to the parent than the pattern foresees; then [`Self::memory_at_worst`]
-    /// is the bound. Subtrees run in parallel only if the memory limit has room for that too.
+    /// A column that is dependent by its values passes one more row to the parent than the pattern foresees; then [`Self::memory_at_worst`]
+    /// is the bound. Subtrees run in parallel only if the memory limit has room for all of them at once.
     pub fn memory(&self, rhs: usize) -> usize {
         self.forecast.bytes(self, rhs, false)
     }

@@ -85,8 +85,8 @@ pub(super) fn read(
     let kept = keep_preferred(&options.preferences.equations, &mut pass.dependent, &pass.history, &rule);
     let mut rhs = system.rhs().to_vec();
     if !kept.overruled.is_empty() {
-        // The constants of the basis come from equations that were replaced by preferred ones: run again with a b that agrees with the
-        // latter.
+        // The constants of the basis come from equations that preferred ones replaced. So the stages run again with a b that agrees with
+        // the preferred ones.
         kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
         let agreeing = Pipeline { local: numbering.view(&system, &rhs), ..pipeline };
         let agreed = agreeing.run_stages(&held_back)?;
@@ -195,9 +195,9 @@ impl Pipeline<'_> {
         Ok(self.with_confidence(pass, decided, (dropped, false), None))
     }
 
-    /// Runs without the equations in `gone`. Keeps them in components where one of them is then not redundant, or where the number of
-    /// dependent equations changes or that of conflicting ones falls. Conflicts may appear: a large right-hand side hid them. Returns the
-    /// result and the equations left out.
+    /// Runs without the equations in `gone`. Takes the equations of a component back if one of them is then not redundant, or if the number
+    /// of dependent equations of the component changes or that of conflicting ones falls. A new conflict is accepted if it is clear,
+    /// because a large right-hand side may have hidden it. Returns the result and the equations left out.
     fn without(
         &self,
         mut gone: BTreeSet<usize>,

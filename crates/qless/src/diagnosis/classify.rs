@@ -40,17 +40,19 @@ pub struct Dependent {
     pub relative_mismatch: f64,
     /// Remainder of the equation that was treated as zero, relative to the equation; 0 if it is within rounding.
     pub dropped: f64,
-    /// True if the mismatch would be a conflict, were it not within rounding of the largest right-hand side.
+    /// True if the mismatch exceeds the tolerance but may be rounding, of the largest right-hand side or of the certificate. It then does
+    /// not count as a conflict.
     pub(crate) is_suspect: bool,
     /// The mismatch with its size and error, in the units of the equation.
     pub(crate) rest: Mismatch,
     pub(crate) source: Source,
 }
 
-/// The rule by which a mismatch is a conflict.
+/// Decides whether a mismatch is a conflict.
 pub(crate) struct MismatchRule<'a> {
     pub tolerance: f64,
-    /// True if mismatches below the rounding of the largest right-hand side are suspect, and typed numbers may be rounded.
+    /// True if a mismatch below the rounding of the largest right-hand side is suspect, and if numbers typed with few digits may be
+    /// rounded.
     is_auto: bool,
     /// The result of [`rounding_of_sides`], computed when it is needed.
     rounding: OnceLock<Vec<f64>>,

@@ -6,13 +6,14 @@ use crate::{ConstraintSystem, Tolerance};
 
 /// If smaller changes make the kept equations dependent, they are in doubt: computed coefficients may be wrong in their 8th digit.
 const NEAR: f64 = 1e-7;
-/// A mismatch of the right-hand sides up to this, relative to its terms, is zero: sums of rounded numbers differ by as much.
+/// A mismatch of the right-hand sides up to this, relative to its terms, is zero: rounding of the terms can cause it.
 const NO_MISMATCH: f64 = 1e-12;
 /// A nonzero mismatch below this may stand for zero.
 const SMALL_MISMATCH: f64 = 1e-6;
 /// A term of a certificate below this fraction of the largest one may be rounding: certificates are accurate to `1e-11 / d`.
 pub(super) const ACCURACY: f64 = 1e-11;
-/// A relative mismatch above this is no error of a certificate: with `d < NEAR`, the kept equations are in doubt anyway.
+/// A relative mismatch above this is larger than the error of any certificate with `d >= NEAR`. If `d < NEAR`, the kept equations are in
+/// doubt anyway.
 pub(super) const CLEAR_MISMATCH: f64 = ACCURACY / NEAR;
 
 /// Why a verdict is in doubt.

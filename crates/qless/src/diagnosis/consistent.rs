@@ -1,12 +1,13 @@
 //! Chooses kept equations from which all consistent equations follow to the last digits.
 //!
 //! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but u1 from the first two lacks the digits that `1e12 + 1e-3` has lost.
-//! A dropped equation k may not hold to the tolerance of its terms in two cases: a solution of the kept equations leaves a larger residual
-//! in k, or a rounding of the largest term of the certificate of k is larger. If the residual is within the rounding of the certificate, a
-//! kept equation i of the certificate is given up so that k can be kept. The coefficient of i must be at least half of the largest one, so
-//! that the kept equations come nearer to dependence by a factor of two at most. Among the equations with such a coefficient, i has the
-//! largest right-hand side term, and this term must exceed the terms of k. The exchange is undone in components where an equation that was
-//! given up is then not redundant, or where the number of dependent equations changes or that of conflicting ones falls.
+//! A dropped equation k is examined if it may not hold to the tolerance of its terms: the residual that a solution of the kept equations
+//! leaves in k, or one rounding of the largest term of the certificate of k, exceeds this tolerance. If that residual is within the
+//! rounding of the certificate, a kept equation i of the certificate is given up so that k can be kept. The coefficient of i must be at
+//! least half of the largest one, so that the kept equations come nearer to dependence by a factor of two at most. Among the equations with
+//! such a coefficient, i has the largest right-hand side term, and this term must exceed the terms of k. The exchange is undone in
+//! components where an equation that was given up is then not redundant, or where the number of dependent equations changes or that of
+//! conflicting ones falls.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +21,7 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::rows::{MORE_THAN_ROUNDING, WorkingRow};
 
-/// Kept equations to give up, so that dropped equations that do not hold are kept instead. Equations of `wanted` are never given up.
+/// Kept equations to give up, so that dropped equations that may not hold are kept instead. Equations of `wanted` are never given up.
 pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize]) -> BTreeSet<usize> {
     let (system, PassResult { basis, history, dependent, .. }) = (rule.system, pass);
     let is_zero = |values: &[f64]| values.iter().all(|&value| value == 0.0);
@@ -50,7 +51,8 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
     gone
 }
 
-/// Classifies equations that were given up, as combinations of those that a pass without them kept. Returns those that are not redundant.
+/// Adds the equations that were given up to the dependent ones of a pass that ran without them, as combinations of the equations that it
+/// kept. Returns those that are not redundant.
 ///
 /// # Errors
 /// [`AnalysisError::Backend`] if a block cannot be factored again.

@@ -35,7 +35,7 @@ enum Removal {
     Dof(u32),
 }
 
-/// The cores of some equations, by first row.
+/// The cores of some equations, sorted by the first row of each.
 pub fn cores(system: LocalSystem, rows: &[u32]) -> Vec<Core> {
     let mut place = vec![u32::MAX; system.dofs()];
     let mut holders: Vec<Vec<u32>> = Vec::new();

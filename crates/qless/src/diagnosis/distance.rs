@@ -48,7 +48,7 @@ pub(crate) struct CoreDistance {
     pub row: u32,
     /// The estimate of d, at most 1.
     pub distance: f64,
-    /// True if the core is so near dependence that the number of typed digits of its coefficients decides.
+    /// True if changes in the last digit with which coefficients were typed can make the core dependent.
     pub is_typed: bool,
 }
 

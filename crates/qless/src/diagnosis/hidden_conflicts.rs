@@ -26,7 +26,7 @@ use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
-/// Number of v. Three random sums are all a million times too small in one of 1e18 cases.
+/// Number of solutions v. All three random sums are a million times too small in one of 1e18 cases.
 const V: usize = 3;
 /// Number of solutions: u and the v.
 const W: usize = V + 1;
@@ -56,7 +56,7 @@ pub(super) fn find(pass: &mut PassResult, rule: &MismatchRule) {
     for (k, rest) in unclear.into_iter().zip(mismatches(pass, rule, &rows)) {
         let d = &mut pass.dependent[k];
         let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
-        // Terms within the error may be rounding, if the equation has no right-hand side of its own.
+        // If the equation has no right-hand side of its own, terms within the error may be rounding.
         let has_side = side(rule, d.row).size > 0.0 || rest.size > MORE_THAN_ROUNDING * rest.error;
         if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect) {
             *d = found;
@@ -66,8 +66,8 @@ pub(super) fn find(pass: &mut PassResult, rule: &MismatchRule) {
     }
 }
 
-/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is larger than the error of a
-/// certificate can be. If errors of the coefficients may be as large as the mismatch, it stays redundant, in doubt.
+/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is larger than any error of a
+/// certificate. If errors of the certificate's coefficients may explain the mismatch, it stays redundant but is suspect.
 fn reclassify(d: &mut Dependent, history: &History, rule: &MismatchRule) {
     let terms = d.source.explain(history);
     let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
@@ -86,7 +86,7 @@ fn reclassify(d: &mut Dependent, history: &History, rule: &MismatchRule) {
     }
 }
 
-/// `w number` for the three v.
+/// `number` times the random weight w of equation i, for each of the three v.
 fn weights(keys: &RandomKeys, i: usize, number: f64) -> [f64; V] {
     SEEDS.map(|seed| number * signed(seed, keys.row(i as u32)))
 }
@@ -121,7 +121,7 @@ fn mismatches(pass: &PassResult, rule: &MismatchRule, dependent: &[usize]) -> Ve
         let all = solutions.left(system, k, sides(k));
         let (value, terms) = (all[0].0, all.iter().fold(0.0, |most: f64, (_, terms)| most.max(*terms)));
         let size = largest(solutions.product(system, k), side(rule, k).size);
-        // A mismatch that the last correction made smaller has not converged.
+        // If the last correction still changed the mismatch, the mismatch has not converged, so the change counts as its error.
         let last = product(system, k, &solutions.last)[0].abs();
         Mismatch { value, size, error: largest(product(system, k, &errors), last.max(f64::EPSILON * terms)) }
     };

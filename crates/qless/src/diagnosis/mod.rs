@@ -79,7 +79,7 @@ pub enum AnalysisError {
 pub struct PresolveStatistics {
     /// Equations removed with a DOF that occurs in no other equation (column singletons).
     pub rows_removed_by_column_singletons: usize,
-    /// Equations removed by elimination without fill (row singletons, two-term rows, DOFs in two rows).
+    /// Equations removed by elimination with little fill (row singletons, two-term rows, DOFs in few rows).
     pub rows_removed_by_elimination: usize,
     /// Equations found dependent before any factorization (empty rows included).
     pub rows_found_dependent: usize,

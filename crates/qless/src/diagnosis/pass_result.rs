@@ -147,7 +147,7 @@ impl PassResult {
     }
 }
 
-/// Least number of rows for a thread of their own.
+/// Least number of rows for which another thread is used.
 const ROWS_PER_GROUP: usize = 1 << 14;
 /// Largest number of groups; each group visits all DOFs once.
 const MOST_GROUPS: usize = 16;

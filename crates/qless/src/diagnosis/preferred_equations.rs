@@ -12,7 +12,7 @@ use crate::input::scale::{Scaling, ldexp};
 /// A term of a certificate that cancels to this fraction of its parts is zero.
 const NOISE: f64 = 1e-11;
 
-/// The result of the preferences.
+/// Which preferences could not be met, and which equations were given up for others.
 #[derive(Default)]
 pub(crate) struct PreferenceOutcome {
     /// Preferred equations that are dependent nevertheless, ascending.

@@ -93,7 +93,7 @@ impl Analysis {
     }
 }
 
-/// The result of the analysis for each part of an exact rank.
+/// The rank and solvability that the floating-point analysis found for each part of an exact rank.
 pub(crate) fn analysed_parts(kinds: &[Kind], exact: &ExactRank) -> Vec<PartRank> {
     let mut parts = vec![PartRank { equations: 0, rank: 0, solvable: true }; exact.parts.len()];
     for (&kind, &part) in kinds.iter().zip(&exact.part_of) {
@@ -105,8 +105,9 @@ pub(crate) fn analysed_parts(kinds: &[Kind], exact: &ExactRank) -> Vec<PartRank>
     parts
 }
 
-/// Analyses the system with `suspects.rows` read as zero: the coefficients of equations that may consist of rounding only. Then analyses
-/// the affected components again with suspect numbers read the other way, if the noise is [`Noise::Auto`] and the effort has checks.
+/// Analyses the system with the coefficients `suspects.rows` read as zero: they belong to equations that may consist of rounding only. Then
+/// analyses the affected components again with suspect numbers read the other way, if the noise is [`Noise::Auto`] and the effort has
+/// checks.
 fn read_twice(system: &ConstraintSystem, options: &Options, suspects: &Suspects) -> Result<Analysis, AnalysisError> {
     let without = |terms: &[NoiseTerm], is_read: &dyn Fn(usize) -> bool| {
         let gone: HashSet<(usize, usize)> = terms.iter().map(|term| (term.row, term.dof)).collect();

@@ -15,10 +15,11 @@ use crate::factor::backend::many::Slab;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 
-/// The largest number of corrections. Sides that span 32 digits need five if d > 1e-9, and one more finds that nothing is left.
+/// The largest number of corrections. Right-hand sides that span 32 digits need five if d > 1e-9; the sixth pass finds that nothing is
+/// left.
 const CORRECTIONS: usize = 6;
-/// A remainder of this part of the terms of an equation is rounding: a sum of two doubles has 106 bits, of which a sum of a thousand of them
-/// loses 10.
+/// A remainder up to this fraction of the largest term of an equation is rounding: a sum of two doubles has 106 bits, and adding a thousand
+/// such numbers loses 10 of them.
 const DONE: f64 = f64::EPSILON * f64::EPSILON * 256.0;
 
 /// W solutions by DOF, each number a sum of two doubles.
@@ -36,7 +37,8 @@ impl KeptRows<'_> {
         let mut solutions =
             Solutions { low: vec![[0.0; W]; start.len()], last: vec![[0.0; W]; start.len()], high: start };
         for _ in 0..CORRECTIONS {
-            // What is rounding is left alone, so that one component does not change the last bits of another.
+            // A remainder that is only rounding counts as zero, so that corrections for one component do not change the last bits of
+            // another.
             let rest = |(left, size): (f64, f64)| if left.abs() <= DONE * size { 0.0 } else { left };
             let left = |i: usize| solutions.left(self.system, i, sides(i)).map(rest);
             if self.rows().all(|i| left(i) == [0.0; W]) {

@@ -10,7 +10,7 @@ use crate::input::numbering::Numbering;
 use crate::input::scale::{balanced_where, ldexp};
 use crate::{ArgumentError, Csr, Kind, SystemBuilder};
 
-/// Factors of the independent equations in the columns of their slaves.
+/// Factors of `C_S`: the independent equations in the columns of the slaves.
 pub(super) struct MultiplierFactors {
     /// The independent equations.
     equations: Vec<usize>,
@@ -24,7 +24,7 @@ pub(super) struct MultiplierFactors {
 impl MultiplierFactors {
     fn new(known: &EliminationSource, slaves: &[usize]) -> Result<Self, BackendError> {
         let system = known.analysis.system();
-        // The independent equations never change.
+        // An update changes b and u_p only, so the independent equations stay the same.
         let equations: Vec<usize> = (0..known.kinds.len()).filter(|&i| known.kinds[i] == Kind::Independent).collect();
         let place = |(j, v): (usize, f64)| slaves.binary_search(&j).ok().map(|k| (k, v));
         // A system needs at least one DOF, even if there are no slaves.

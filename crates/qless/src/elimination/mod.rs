@@ -35,7 +35,8 @@ pub use condense::{CondensedPattern, PrescribedDofs};
 pub use error::EliminationError;
 pub use view::{Index, Storage, View};
 
-/// The constraints in the form `u = L u_q + u_0`. It owns its data and is `Send + Sync`; a code creates it once and stores it.
+/// The constraints in the form `u = L u_q + u_0`. It owns its data and is `Send + Sync`: a finite-element code creates it once and stores
+/// it.
 ///
 /// ```
 /// use qless::{Elimination, Options, SystemBuilder};
@@ -100,7 +101,7 @@ impl Elimination {
         Self::from_analysis(analyse(system, options)?, Form::Explicit)
     }
 
-    /// From an analysis or a shared `Arc` of one; parts of T may be factored ([`Form`]).
+    /// Makes an elimination from an analysis, or from a shared `Arc` of one. Parts of T may be factored ([`Form`]).
     ///
     /// # Errors
     /// As [`Elimination::new`].
@@ -119,8 +120,8 @@ impl Elimination {
         Ok(Self::build(reduction, values, Some(equations)))
     }
 
-    /// From T, G and g that were computed elsewhere, with prescribed values in the order of [`Reduction::prescribed`]. Multipliers and
-    /// [`Elimination::update`] need the equations, so they return an error.
+    /// Makes an elimination from T, G and g that were computed elsewhere, and prescribed values in the order of [`Reduction::prescribed`].
+    /// [`Elimination::multipliers`] and [`Elimination::update`] need the equations, so they return an error.
     ///
     /// ```
     /// use qless::{Csr, Elimination, Reduction};

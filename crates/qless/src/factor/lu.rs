@@ -1,8 +1,9 @@
 //! `C^T = [L11; L21] U`, rows in the order of the slaves: sparse LU of independent equations (Gilbert and Peierls 1988).
 //!
-//! Column k of L and U is an equation. After the earlier equations are eliminated from it, one of its largest DOFs becomes its slave, so
-//! that `|L_ij|` is bounded by `1 / THRESHOLD`. In practice this also bounds `T^T = -L21 L11^-1`: slaves are well-conditioned because they
-//! are chosen among all DOFs of the equation, and not by their order. The cost is that of the operations on nonzeros.
+//! Column k of L and U is an equation. After the earlier equations are eliminated from it, a DOF with one of the largest remaining
+//! coefficients becomes its slave, so that `|L_ij|` is bounded by `1 / THRESHOLD`. In practice this also bounds `T^T = -L21 L11^-1`: the
+//! columns of the slaves are well-conditioned, because each slave is chosen among all DOFs of its equation. Only operations on nonzeros
+//! cost time.
 
 use crate::Csr;
 use crate::factor::backend::BackendError;
@@ -13,7 +14,7 @@ const THRESHOLD: f64 = 0.9;
 /// After the elimination, a number below this fraction of the largest number of its equation is rounding.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// The slaves, and the factors of their columns. Steps count equations in the order of the elimination.
+/// The slaves, and the factors of their columns. Step k eliminates the k-th equation of the order.
 #[derive(Clone, Debug)]
 pub(crate) struct SparseLu {
     /// DOF of each step.
@@ -105,7 +106,7 @@ pub(crate) fn factor(
     for (k, &equation) in order.iter().enumerate() {
         work.reach(k as u32, equation);
         work.eliminate(k, equation)?;
-        // The numbers of L and U exist twice while columns are converted to rows.
+        // L and U exist twice while they are converted from columns to rows.
         let bytes = 32 * (work.values.len() + work.upper.nnz());
         if bytes > memory {
             return Err(LuError::Memory(bytes));
@@ -115,7 +116,8 @@ pub(crate) fn factor(
 }
 
 impl LuWork<'_> {
-    /// Lists the DOFs of the equation after the elimination, each one after the DOFs that it changes.
+    /// Lists the DOFs that the equation contains after the elimination. Each one follows the DOFs whose coefficients its elimination
+    /// changes.
     fn reach(&mut self, k: u32, equation: usize) {
         self.reached.clear();
         for (j, _) in self.equations.row(equation) {

@@ -8,14 +8,15 @@ use rayon::prelude::*;
 use super::lu::SparseLu;
 use crate::Csr;
 
-/// Entries of a row of the relation below this, relative to its largest, are rounding. Slaves have units of their own, so entries of a
-/// column cannot be compared.
+/// In a row of T, entries below this fraction of the largest one are rounding. The entries of a column belong to slaves with different
+/// units, so they cannot be compared.
 pub(crate) const NOISE: f64 = 1e-14;
 
-/// Numbers below this fraction of the largest one of a column are not followed further, because they would decay without end.
+/// During the solve for one column, numbers below this fraction of the largest one are skipped. Otherwise they would decay from step to
+/// step without becoming zero, and each would cost operations.
 const FADED: f64 = 1e-19;
 
-/// The factors with the columns of the slaves.
+/// The factors of C_S, and C_S itself for the refinement.
 #[derive(Clone, Debug)]
 pub(crate) struct SlaveSolver {
     lu: SparseLu,
@@ -59,7 +60,7 @@ impl SparseFactors {
         }
     }
 
-    /// Removes the numbers in ascending order; `next` may add later ones.
+    /// Removes the numbers in ascending order of their steps and passes each to `next`, which may add numbers at later steps.
     fn drain_up(&mut self, mut next: impl FnMut(&mut Self, usize, f64)) {
         for word in 0..self.bits.len() {
             while self.bits[word] != 0 {
@@ -71,7 +72,7 @@ impl SparseFactors {
         }
     }
 
-    /// Removes the numbers in descending order; `next` may add earlier ones.
+    /// Removes the numbers in descending order of their steps and passes each to `next`, which may add numbers at earlier steps.
     fn drain_down(&mut self, mut next: impl FnMut(&mut Self, usize, f64)) {
         for word in (0..self.bits.len()).rev() {
             while self.bits[word] != 0 {
@@ -107,7 +108,7 @@ impl SlaveSolver {
         Self { columns: rows.transposed(), step, lu }
     }
 
-    /// The slaves, in the order of the columns of [`SlaveSolver::solve`].
+    /// The slaves, in the order of the columns of the result of [`SlaveSolver::solve`].
     pub fn slaves(&self) -> &[u32] {
         &self.lu.slaves
     }
@@ -185,7 +186,7 @@ impl SlaveSolver {
         &self.lu
     }
 
-    /// `x = C_S^-1 right`, solved twice: the second time for the residual of the first.
+    /// `x = C_S^-1 right`, solved twice: the second solve is for the residual of the first and corrects x.
     fn column(&self, work: &mut SolverWork) -> Vec<(usize, f64)> {
         self.add_solution(work);
         self.subtract_product(work);

@@ -24,7 +24,8 @@ pub(crate) struct Step {
 #[derive(Clone, Debug)]
 pub(crate) struct EmptiedRow {
     pub row: u32,
-    /// [`WorkingRow::dropped`], or more if coefficients were left when the row was classified. 0 if only rounding was dropped.
+    /// [`WorkingRow::dropped`], or the [`Entry::certain_left`](super::rows::Entry::certain_left) of a coefficient that was left when the
+    /// row was classified, if that is larger. 0 if only rounding was dropped.
     pub dropped: f64,
     /// As [`WorkingRow::reach`].
     pub reach: f64,

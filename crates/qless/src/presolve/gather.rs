@@ -12,8 +12,8 @@ pub(crate) struct Gathered {
     pub dofs: Vec<u32>,
     /// By number, true if the DOF is free.
     pub free: Vec<bool>,
-    /// In `rows`, coefficients of DOF j are multiplied by `2^power[j]`. A prescribed DOF may have any unit; this makes its coefficients
-    /// comparable with the others.
+    /// In `rows`, coefficients of DOF j are multiplied by `2^power[j]`. The column scaling leaves prescribed DOFs in the user's units; this
+    /// factor makes their coefficients comparable with the others.
     pub power: Vec<i32>,
     pub rows: Vec<WorkingRow>,
 }

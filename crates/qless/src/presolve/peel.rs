@@ -38,7 +38,7 @@ enum SlaveSize {
     Tiny,
 }
 
-/// Four digits above a tolerance of 1e-10: every factorization keeps larger coefficients.
+/// Four digits above the default tolerance of 1e-10, so every factorization keeps larger coefficients.
 const TINY: f64 = 1e-6;
 
 struct Peeling<'a> {
@@ -107,7 +107,7 @@ impl Peeling<'_> {
     fn leave_column(&mut self, i: usize, j: u32) {
         let column = &mut self.columns[j as usize];
         column.leave(i as u32);
-        // A row that was not tried yet is tried later anyway.
+        // The DOF is pushed only if its row was tried already; the other rows are tried later anyway.
         self.ready[self.top] = j;
         self.top += usize::from(column.count == 1 && (column.rows as usize) < self.tried);
     }

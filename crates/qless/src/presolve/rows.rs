@@ -13,7 +13,8 @@ pub(crate) struct Entry {
     pub dof: u32,
     /// Bound of the rounding error, relative to `size`. The ratio does not depend on units, so single precision has enough range.
     error: f32,
-    /// The largest term that was added to the value: a multiple of a user's coefficient. [`Entry::left`] is relative to it.
+    /// The largest term of the sum that gave the value; each term is a multiple of a user's coefficient. [`Entry::left`] is relative to
+    /// this size.
     size: f64,
     pub value: f64,
 }
@@ -77,7 +78,7 @@ pub(crate) struct WorkingRow {
     pub effective: f64,
     pub effective_size: f64,
     pub effective_error: f64,
-    /// The largest [`Entry::left`] of the dropped coefficients of free DOFs. One that may be only rounding counts as 0.
+    /// The largest [`Entry::left`] of the dropped coefficients of free DOFs. A coefficient that may be only rounding counts as 0.
     pub dropped: f64,
     /// The largest product of factors by which a user's equation was added to this row, at least 1. It amplifies the rounding errors of
     /// that equation.

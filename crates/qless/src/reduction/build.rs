@@ -94,9 +94,11 @@ impl Analysis {
     /// The relative residual of the independent equations, separately for T u_q, G u_p and g with random u_q and u_p:
     /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`. Here s_j is the sum of the magnitudes of the terms of u_j, and D =
     /// diag(d_j) is the scaling of columns (the identity unless units mix). 1 is the vector of ones, and j runs over the DOFs of the part
-    /// of equation i. With g, an equation with `b_i != 0` counts by its own terms instead: `|C_i g - b_i| / (sum_j |C_ij g_j| + |b_i|)`.
+    /// of equation i. For g, the residual of an equation with `b_i != 0` is relative to the terms of the equation instead:
+    /// `|C_i g - b_i| / (sum_j |C_ij g_j| + |b_i|)`.
     ///
-    /// About 1e-16 times the condition of the kept equations, `1 / confidence.distance`. One pass over C and T.
+    /// The residual is about 1e-16 times the condition of the kept equations, `1 / confidence.distance`. Computing it takes one pass over C
+    /// and T.
     ///
     /// # Errors
     /// [`ArgumentError`] if the reduction has other DOFs. It may have been computed elsewhere ([`Reduction::from_parts`]).
@@ -256,8 +258,8 @@ fn residuals_of<'a>(
     }
 }
 
-/// Checks the residuals. Parts with large residuals are computed again, and replaced if that reduces the residual. The residual of g does
-/// not decide about T and G, which depend on C only.
+/// Checks the residuals. Parts with large residuals are computed again. Their T and G, and separately their g, are replaced if that reduces
+/// the residual: T and G depend on C only, so the residual of g does not decide about them.
 fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput) -> Result<Reduction, ReductionError> {
     let ReductionInput { scaling, ref independent, memory, .. } = *input;
     let residuals = residuals_of(local, independent, scaling);
@@ -285,7 +287,7 @@ fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput)
     residual_check::pass(&matrices.worse(constants), &reduction).map(|()| reduction)
 }
 
-/// The largest listed residual of each part.
+/// By part, the largest residual of [`Residuals::above`].
 fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
     let mut worst = BTreeMap::new();
     for &(row, residual) in &found.above {

@@ -75,7 +75,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
     }
 }
 
-/// `old - (its entry at master) + factor row`, ascending, without entries that cancel to rounding.
+/// The row `old` without its entry at `master`, plus `factor` times `row`; ascending, without entries that cancel to rounding.
 fn merge(old: &[(u32, f64)], master: u32, factor: f64, row: &[(u32, f64)]) -> Vec<(u32, f64)> {
     let mut merged = Vec::with_capacity(old.len() + row.len());
     let (mut a, mut b) = (old.iter().filter(|e| e.0 != master).peekable(), row.iter().peekable());

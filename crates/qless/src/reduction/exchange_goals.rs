@@ -10,7 +10,7 @@ use super::exchange::Exchange;
 use super::relation::Relation;
 use crate::input::preferences::{SlavePreference, SlavePreferences};
 
-/// A slave may be exchanged if its coefficient is at least this fraction of the largest one of the master.
+/// A row may give its slave for a master if its coefficient of the master is at least this fraction of the largest one.
 const NEARLY: f64 = 0.5;
 
 /// The smallest bound that is enforced; it exceeds 1 by more than the rounding errors of T.
@@ -79,10 +79,10 @@ fn excess(exchange: &Exchange, i: u32, limit: f64, preferences: &SlavePreference
     best.map(|(j, _)| j)
 }
 
-/// Entries below this, relative to the largest of their row, are too small for a pivot.
+/// A master whose coefficient is below this fraction of the largest one in the row is not made the slave of the row.
 const SMALL: f64 = 1e-8;
 
-/// Meets the preferences that the equations allow; returns the number of exchanges.
+/// Exchanges slaves and masters to meet the preferences, as far as the equations allow; returns the number of exchanges.
 pub(super) fn meet_preferences(relation: &mut Relation, preferences: &SlavePreferences, limit: f64) -> usize {
     if !preferences.any() {
         return 0;

@@ -51,7 +51,7 @@ fn write_row(
     g: &mut [f64],
 ) {
     let (dofs, is_free) = (&relation.system.numbering.dofs, relation.system.free());
-    // Most constants are zero, and untouched memory costs nothing.
+    // Most constants are zero; not writing them leaves the zeroed memory of g untouched, which costs nothing.
     if relation.constant[i] != 0.0 {
         g[row] = relation.constant[i];
     }

@@ -35,7 +35,7 @@ pub(crate) struct Relation<'a> {
     pub row_of: Vec<u32>,
     /// Slave of each row.
     pub slave: Vec<u32>,
-    /// Index into `own` for each row that differs from the basis; [`OF_BASIS`] for the others, which are most.
+    /// Index into `own` for each row that differs from the basis; [`OF_BASIS`] for most rows, which do not differ.
     place: Vec<u32>,
     own: Vec<OwnRow>,
     dofs: Vec<u32>,
@@ -152,7 +152,8 @@ impl RowSum {
     }
 }
 
-/// Builds the relation. Rows of fixed slaves keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
+/// Builds the relation. Rows of fixed slaves keep prescribed DOFs only. Lists the rows with coefficients above `limit` in
+/// [`Relation::steep`].
 pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, limit: f64) -> Relation<'a> {
     let ReductionInput { basis, bounds, ref fixed, .. } = *input;
     let rank = basis.rows();

@@ -1,7 +1,7 @@
 //! Recomputes `[T G g] = C_S^-1 [-C_M -C_p b]` of some parts from the user's equations, for the slaves that were chosen.
 //!
-//! Presolve and exchanges can lose digits of T, but their slaves are still good. With these slaves T is computed again, by sparse LU with a
-//! step of refinement.
+//! Presolve and exchanges of slaves can lose digits of T, but the slaves that they chose are still good. With these slaves T is computed
+//! again, by sparse LU with a step of refinement.
 
 use super::{Reduction, ReductionError};
 use crate::Csr;

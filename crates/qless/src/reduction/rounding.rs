@@ -10,7 +10,7 @@ const ZERO_UNITS: f64 = 8.0;
 /// Upper limit of the bound of a row that is zero, for any condition.
 const ZERO_LIMIT: f64 = 1e-8;
 
-/// The bound of the entries of a row that is zero; `sigma` is the smallest singular value of the kept rows.
+/// The bound below which all entries of a row count as zero; `sigma` is the smallest singular value of the kept rows.
 pub(super) fn zero(sigma: f64) -> f64 {
     (ZERO_UNITS * f64::EPSILON / sigma).clamp(NOISE, ZERO_LIMIT)
 }
@@ -61,7 +61,7 @@ pub(super) struct Cleaning<'a> {
     /// DOFs of the block.
     pub slaves: &'a [u32],
     pub masters: &'a [u32],
-    /// The bound of a row that is zero: the result of [`zero`].
+    /// The bound below which all entries of a row count as zero: the result of [`zero`].
     pub zero: f64,
     /// Whether the block is solved as a dense matrix.
     pub is_small: bool,
@@ -99,7 +99,7 @@ impl Cleaning<'_> {
         ColumnSizes { units, of_column }
     }
 
-    /// Marks entries that are more than rounding beside the others of their row.
+    /// Marks entries that are more than rounding, compared with the other entries of their row.
     fn large_in_rows(&self, rows: &[Vec<(usize, f64)>], sizes: &ColumnSizes, is_large: &mut Large) {
         let (q, constant) = (self.masters.len(), self.masters.len() + self.block.prescribed.len());
         let side = |c: usize| usize::from(c >= q);
@@ -240,7 +240,7 @@ impl ColumnSums {
     }
 }
 
-/// Units, and the factors of `Units::sizes` for each column of the relation, with 1 for the constant.
+/// A choice of units, and the factors of [`Units::sizes`] for the columns of the relation; the factor of the constant is 1.
 struct ColumnSizes<'a> {
     units: Units<'a>,
     of_column: Vec<f64>,

@@ -22,7 +22,7 @@ use super::{Message, World};
 
 /// A rank may begin the next round while a slower one still receives in this one, but no rank gets two rounds ahead.
 const ROUND_TAGS: [Tag; 2] = [0, 1];
-/// Messages from known senders are taken in their order: one tag suffices.
+/// One tag is enough for messages from known senders, because MPI delivers the messages of one sender in order.
 const KNOWN_TAG: Tag = 2;
 
 type Sends<'scope, 'a> = Vec<Request<'a, [u64], &'scope LocalScope<'a>>>;
@@ -74,7 +74,7 @@ pub(super) fn overlap(world: &World, messages: Vec<Message>, from: &[usize], wor
     })
 }
 
-/// The message to the own rank, and the other messages.
+/// The message of this rank to itself, and the other messages.
 fn split_own(world: &World, messages: Vec<Message>) -> (Option<Vec<u64>>, Vec<Message>) {
     let (own, others): (Vec<_>, Vec<_>) = messages.into_iter().partition(|message| message.rank == world.rank);
     (own.into_iter().next().map(|message| message.words), others)
@@ -98,7 +98,7 @@ fn receive(world: &World, rank: usize, own: &mut Option<Vec<u64>>) -> Vec<u64> {
     words
 }
 
-/// 1 GiB.
+/// Default length of a piece: 1 GiB.
 pub(super) const WORDS: usize = 1 << 27;
 
 /// The pieces of a message.

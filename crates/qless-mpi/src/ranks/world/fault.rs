@@ -23,7 +23,8 @@ pub(super) fn end_job_if_panicking() {
     }
 }
 
-/// Makes MPI errors end the job. A duplicated communicator inherits the error handler of the calling code, but rsmpi ignores error codes.
+/// Makes MPI errors end the job. A duplicated communicator inherits the error handler of the calling code. That handler may return error
+/// codes, and rsmpi ignores them.
 #[allow(unsafe_code)]
 pub(super) fn make_fatal(communicator: &SimpleCommunicator) {
     // SAFETY: the communicator is alive, and the handler is one that MPI itself holds from its start to its end.

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use mpi::request::{Request, Scope};
 
-/// Until this waiting time the thread yields, which responds faster than sleeping.
+/// A thread that has waited for less than this yields instead of sleeping, so that it responds faster.
 const AWAKE: Duration = Duration::from_micros(200);
 const LONGEST_SLEEP: Duration = Duration::from_millis(1);
 

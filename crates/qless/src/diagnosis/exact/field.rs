@@ -2,7 +2,7 @@
 
 use crate::input::reading::Number;
 
-/// Arithmetic on residues. Zero is stored as 0; other stored values have no meaning outside.
+/// Arithmetic on residues. Zero is stored as 0; other stored values have a meaning only within this type.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnosis) struct Field {
     p: u64,

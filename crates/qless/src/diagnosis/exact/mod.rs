@@ -1,9 +1,9 @@
 //! `rank C_f` and `rank [C_f | b - C_p u_p]` in exact arithmetic, modulo two primes drawn at random.
 //!
-//! This is the third way to find a rank, beside the analysis in floating point and the singular values. It has no tolerance: an
-//! equation either is exactly a combination of others, or it is not. So it decides a rank that the analysis calls ambiguous,
-//! provided that the numbers are exact as given. Equations that were rounded before they were typed (0.3333 for 1/3) are not exactly
-//! dependent; for these the floating-point rank is the intended one.
+//! This rank has no tolerance: an equation is exactly a combination of others, or it is not. So exact arithmetic decides a rank that the
+//! floating-point analysis calls ambiguous, provided that the numbers are exact as given. Equations that were rounded before they were
+//! typed (0.3333 for 1/3) are not exactly dependent; for these the floating-point rank is the intended one.
+//!
 //! # How sure
 //! A matrix of whole numbers, rows scaled by a power of ten (or two), has modulo p its exact rank or a smaller one, never a larger
 //! one. The rank is smaller only if p divides every minor of the size of the rank. A double is a whole

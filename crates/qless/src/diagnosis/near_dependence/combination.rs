@@ -9,7 +9,7 @@ use crate::diagnosis::certificate::CertificateTerm;
 use crate::factor::backend::{Factor, norm};
 use crate::input::scale::ldexp;
 
-/// Terms of a combination below this many times the difference only fit rounding errors.
+/// Terms of a combination below this many times the difference are dropped: they only fit rounding errors.
 const FITTED: f64 = 3.0;
 /// Terms with `|y_i| |row_i|` below this many times `sqrt(distance) |row_k|` are uncertain: they may belong to the combination or not.
 const UNTOLD: f64 = 0.3;
@@ -32,7 +32,7 @@ pub(super) struct NearCombination {
 }
 
 impl NearCombination {
-    /// The least-squares fit by the triangular factor of the kept rows: `y <- y + R^-1 R^-T C d`, twice from 0. Q is not needed.
+    /// The least-squares fit by the triangular factor of the kept rows, without Q: two steps `y <- y + R^-1 R^-T C d` from y = 0.
     pub fn fit(part: &ScaledEquations, factor: &Factor, columns: &Csr, kept: &[usize], row: usize) -> Self {
         let mut rest = dense(part, row);
         let mut y = vec![0.0; kept.len()];

@@ -48,14 +48,15 @@ impl ScaledEquations {
     }
 }
 
-/// Least coefficient of a DOF that occurs in one row only, relative to the largest of this row, for which the row is left out.
+/// A row is left out if a DOF that occurs in no other row has at least this fraction of the largest coefficient of the row.
 const LARGE: f64 = 0.25;
-/// Number of rounds in which rows are left out. Each round can leave more DOFs in one row only, and costs accuracy.
+/// Number of rounds in which rows are left out. After each round, more DOFs may occur in one row only. Each round also costs accuracy.
 const TIMES: usize = 3;
 
 /// The rows without a large coefficient on a DOF that occurs in no other row, ascending.
 ///
-/// In a combination with difference d, a row with such a coefficient has a factor of at most `|d| / 0.25`, so it can be left out.
+/// In a combination with difference d, a row with a large coefficient on such a DOF has a factor of at most `|d| / 0.25`, so it can be left
+/// out.
 pub(super) fn without_own(system: LocalSystem, mut rows: Vec<u32>, scaling: &Scaling) -> Vec<u32> {
     let free = |i: u32| system.row(i as usize).filter(|&(j, _)| system.free()[j]);
     let mut count = vec![0_u32; system.dofs()];

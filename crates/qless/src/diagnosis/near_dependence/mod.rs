@@ -137,8 +137,8 @@ impl ScaledEquations {
         Ok(reading.near.iter().map(|c| explain(self, c)).collect())
     }
 
-    /// Returns rows beyond the limit to the kept ones. The factorization drops a row by the 2-norm of its remainder. In a chain this norm
-    /// can be small although the row is not near its combination (`is_near`).
+    /// Moves rows beyond the limit back to the kept ones. The factorization drops a row if the 2-norm of its remainder is small. In a chain
+    /// this norm can be small although the row is not near its combination ([`NearCombination::is_near`]).
     fn within(
         &self,
         reading: SplitEquations,

@@ -1,4 +1,4 @@
-//! The findings of a pass, and the limits of their reliability.
+//! The findings of a pass, and the limits above which a row or its slave is not reliable.
 
 /// If a slave moves more than this for masters of size 1, coefficients have grown during substitution: presolve's rows may have lost three
 /// digits or more.
@@ -6,8 +6,8 @@ const STEEP: f64 = 1e3;
 /// A slave whose row is not peeled is doubtful if it moves more than this for right-hand sides of size 1: its equation may be nearly
 /// dependent.
 const WEAK: f64 = 3e4;
-/// A row that contains more than this many times a user's equation has lost more than five digits. So has a slave that moves more than
-/// this. Up to this limit, the digits that a tolerance of 1e-10 needs are left of the sixteen of a double.
+/// A row to which a user's equation was added with a factor above this has lost more than five digits. So has a slave that moves more than
+/// this. Below this limit, enough of the sixteen digits of a double remain for a tolerance of 1e-10.
 const FAR: f64 = 1e5;
 
 /// A sample that is within this factor of its limit is drawn again, with numbers that depend on the component alone.
@@ -19,14 +19,14 @@ const HARMLESS: f64 = 8.0;
 /// The findings of a pass.
 #[derive(Default)]
 pub(crate) struct NullspaceProbe {
-    /// Largest value of a slave for right-hand sides of size 1: a bound from the entries of `C_S^-1`, or a random sample. C_S contains
-    /// the kept equations on their slaves.
+    /// Largest value of a slave for right-hand sides of size 1: a bound from the entries of `C_S^-1`, or a random sample. C_S holds the
+    /// columns of the slaves in the kept equations.
     pub(super) largest: f64,
     /// The largest motion of a slave for random masters.
     pub(super) steepest: f64,
     /// Rows made by presolve that are not reliable, because of growth or nearness to dependence.
     pub doubtful: Vec<usize>,
-    /// The doubtful rows whose slaves have too few digits left, whatever the distance from dependence.
+    /// The doubtful rows whose slaves have too few digits left, so that the rows are doubtful at any distance from dependence.
     pub lost: Vec<usize>,
     /// Slaves that stay zero for random masters and zero prescribed values.
     pub immobile: Vec<u32>,

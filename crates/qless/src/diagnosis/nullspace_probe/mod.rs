@@ -101,7 +101,7 @@ impl ProbePass<'_> {
 /// The state of a DOF during the pass.
 #[derive(Clone, Copy)]
 pub struct State {
-    /// The value of the DOF for the random masters; exactly zero if the terms of the DOF cancel.
+    /// The value of the DOF for the random masters; exactly zero if the terms of its row cancel to rounding.
     pub u: f64,
     /// Its value in scaled units for random right-hand sides. It is 0 only for masters, prescribed DOFs, and slaves whose value is
     /// not known yet.
@@ -161,7 +161,7 @@ pub struct Sums {
     pub moves: f64,
     /// The largest term of `moves`.
     pub size: f64,
-    /// `sum_k value_k w_k` in scaled columns; with `SIZES`, the sum of the magnitudes of these terms.
+    /// `sum_k value_k w_k` in scaled columns; if `SIZES` is true, the sum of the magnitudes of these terms.
     pub sample: f64,
     /// `max_k |value_k|`; infinite if a slave is among the DOFs.
     pub bound: f64,

@@ -9,8 +9,9 @@ use crate::presolve::eliminated::Eliminated;
 /// Seeds of the random masters and right-hand sides.
 pub(super) const SEEDS: [u64; 2] = [0x9e37_79b9, 0x85eb_ca6b];
 
-/// Keys from which random numbers are drawn: places within the component, so that the numbers do not depend on other components. If the
-/// result does not depend on the numbers, the keys are places in the whole system.
+/// Keys from which random numbers are drawn. A key is the place of a row or DOF within its component, so that the numbers do not depend on
+/// other components. If both lists are empty, it is the place in the whole system, which is enough if the result does not depend on the
+/// numbers.
 #[derive(Default)]
 pub(crate) struct RandomKeys {
     rows: Vec<u32>,
@@ -73,7 +74,7 @@ pub fn sizes_of_inverse(history: &History) -> Vec<f64> {
     bounds
 }
 
-/// A right-hand side after the steps that were subtracted from its row.
+/// A right-hand side after elimination: the right-hand sides of the steps that were subtracted from its row are subtracted from it.
 fn after(own: f64, factors: &[(u32, f64)], steps: &[f64]) -> f64 {
     own - factors.iter().map(|&(step, factor)| factor * steps[step as usize]).sum::<f64>()
 }

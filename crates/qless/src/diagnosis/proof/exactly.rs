@@ -13,7 +13,7 @@ use crate::exact::Reading;
 use crate::input::numbering::LocalSystem;
 use crate::input::reading::Number;
 
-/// The result of verifying an explanation exactly.
+/// The result of verifying a certificate in exact arithmetic.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     /// True if the equation is a combination of the equations of its certificate.
@@ -26,12 +26,13 @@ pub(super) struct Found {
 const BITS: f64 = 60.0;
 /// Largest number of primes: 64 of them hold numbers of 3,840 bits. From the smallest to the largest double there are 2,098 bits.
 const PRIMES: usize = 64;
-/// Largest number of rows of a certificate whose minors are computed: each row adds up to two primes, and each prime an elimination.
+/// Largest number of rows of a certificate whose minors are computed. [`PRIMES`] then leave almost 120 bits for each row, and each prime
+/// costs an elimination.
 const ROWS: usize = 32;
 /// Largest number of coefficients that the elimination for minors may store.
 const FILL: usize = 1 << 20;
 
-/// Different primes whose product has more than `bits` bits; None if this needs more than [`PRIMES`].
+/// Different primes whose product exceeds `2^bits`; None if more than [`PRIMES`] are needed.
 fn primes(bits: f64) -> Option<&'static [u64]> {
     let count = (bits.max(0.0) / BITS).floor() + 1.0;
     (count <= PRIMES as f64).then(|| &prime::first(PRIMES)[..count as usize])
@@ -55,7 +56,8 @@ impl<'a> Explanation<'a> {
         Number::read(value, self.reading)
     }
 
-    /// Verifies `row_k = sum_i c_i row_i` with fractions near the coefficients; None if there are no such fractions.
+    /// Verifies `row_k = sum_i c_i row_i` with fractions near the coefficients; None if there are no such fractions, or if the numbers are
+    /// too large for [`PRIMES`].
     pub fn identity(&self, row: usize, terms: &[CertificateTerm]) -> Option<Found> {
         let own =
             Rational { numerator: Number { negative: true, digits: 1, decimal: false, exponent: 0 }, denominator: 1 };

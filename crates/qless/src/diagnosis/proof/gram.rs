@@ -1,4 +1,5 @@
-//! Whether the equations A of a core are independent: a Cholesky factorization of `fl(A A^T) - s diag(A A^T)`, with its rounding counted.
+//! Proves that the equations A of a core are independent, by a Cholesky factorization of `fl(A A^T) - s diag(A A^T)` and bounds of its
+//! rounding.
 //!
 //! ```text
 //! fl(A A^T) = A A^T + E     |E| <= gamma_(p+3) |A| |A|^T         p terms in a row; three more for the digits of typed decimals
@@ -20,14 +21,14 @@ use crate::input::scale::{Component, RANGE, exponent, ldexp};
 const SHIFT: f64 = f64::EPSILON * 4.0;
 /// With fewer equations, their order is not changed.
 const FEW: usize = 16;
-/// Factor by which a computed sum of positive numbers can be too small as a bound, with a margin.
+/// A computed sum of positive numbers is a bound after multiplication by this factor, which exceeds the effect of its roundings.
 const SLACK: f64 = 1.0 + 1e-6;
 /// Bytes of an entry of L.
 const BYTES: usize = 16;
 
 /// Returns false if independence could not be proved, also because of a lack of `memory` (in bytes).
 pub(super) fn is_independent(core: &Core, memory: usize) -> bool {
-    // Most cores need no balanced units, which cost more than the factorization of a small core.
+    // Balanced units are tried last: most cores do not need them, and they cost more than the factorization of a small core.
     [false, true]
         .into_iter()
         .any(|is_balanced| ScaledCore::new(core, is_balanced).is_some_and(|a| a.is_independent(memory)))

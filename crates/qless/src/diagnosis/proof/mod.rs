@@ -109,12 +109,12 @@ fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &D
         return false;
     }
     let agrees = exact_sides(explanation, row, &terms).is_none_or(|agree| agree == is_redundant);
-    // Computed numbers agree only to rounding.
+    // Computed numbers cannot be expected to agree better than to rounding.
     let is_rounded = || has_computed_sides(analysis, row, &terms) || is_computed(analysis, row, &terms);
     !(agrees || is_redundant && is_rounded())
 }
 
-/// Whether the right-hand side is exactly the combination of its certificate. None if the equation itself has no such proof.
+/// Whether the right-hand side equals exactly the combination of the certificate. None if it is not proved that the coefficients do.
 fn exact_sides(explanation: &Explanation, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
     let is_exact = |found: &Found| found.is_combination;
     let found = explanation.identity(row, terms).filter(is_exact);
@@ -189,7 +189,7 @@ fn dropped(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent
     let row = dependent.row;
     match exact_sides(explanation, row, &terms) {
         Some(agree) if agree == (dependent.kind == Kind::Redundant) => Some(true),
-        // A computed right-hand side agrees only to rounding.
+        // A computed right-hand side cannot be expected to agree better than to rounding.
         Some(_) if dependent.kind == Kind::Redundant && has_computed_sides(analysis, row, &terms) => {
             is_enclosed(analysis, dependent, &terms).then_some(false)
         }
@@ -210,11 +210,12 @@ fn is_enclosed(analysis: &Analysis, dependent: &Dependent, terms: &[CertificateT
     }
 }
 
-/// A number below this fraction of others may be rounding of them.
+/// A sum below this fraction of its terms may be their rounding.
 const ROUNDING: f64 = f64::EPSILON * 64.0;
 
-/// Returns true if a certificate gives its equation to rounding, with the error of the sums counted. A sum of n terms in twice the digits
-/// is wrong by at most a unit in the last place and `(n u)^2` of its terms (Ogita, Rump, Oishi 2005).
+/// Returns true if the combination of a certificate equals its equation to rounding, with the errors of the sums counted. A sum of n terms,
+/// computed with twice the digits, is wrong by at most a unit in its last place plus `(n u)^2` times the sum of the magnitudes of its terms
+/// (Ogita, Rump, Oishi 2005).
 fn is_combination(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let n = (terms.len() + 2) as f64 * f64::EPSILON;
     let is_rounding = |&(left, size): &(f64, f64)| {

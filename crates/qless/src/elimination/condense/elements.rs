@@ -120,10 +120,10 @@ impl CondensedPattern {
         self.add(elimination, &element, &mut LineRange { lines: 0..self.unknowns(), values: k_q, load: f_q })
     }
 
-    /// Computes `K_q` and `f_q` from all elements. Element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` adds its numbers to
-    /// zeros. Each thread computes a range of rows of K_q, or of columns if K is stored by columns, from the elements that contribute to
-    /// it. An element that contributes to several ranges is computed once by each of their threads. Sums are in the order of the
-    /// elements, so that bits do not depend on the number of threads.
+    /// Computes `K_q` and `f_q` from all elements. Element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` writes its numbers to
+    /// arrays of zeros. Each thread computes a range of rows of K_q, or of columns if K is stored by columns, from the elements that
+    /// contribute to it. An element that contributes to several ranges is computed once by each of their threads. Elements are added in
+    /// their order, so the result is the same to the last bit for every number of threads.
     ///
     /// # Errors
     /// As [`CondensedPattern::add_element`].

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! A line of K is copied if its indices ascend, all of its DOFs are unknowns and no slave depends on the DOF of the line. Most lines are
-//! copied. One thread computes each line of K_q, in a fixed order, so bits do not depend on the number of threads. Lines are rows or
-//! columns, like those of K.
+//! copied. Each line of K_q is computed by one thread, in a fixed order, so the result is the same to the last bit for every number of
+//! threads. Lines are rows or columns, like those of K.
 
 mod elements;
 mod lines;
@@ -276,7 +276,7 @@ impl CondensedPattern {
     }
 }
 
-/// T, and G if prescribed DOFs are unknowns too.
+/// The rows of T over the unknowns of K_q, together with those of G if prescribed DOFs are unknowns too.
 fn rows_over(elimination: &Elimination, number: &[u32], unknowns: usize, kept: bool) -> Csr {
     let reduction = &elimination.reduction;
     let mut rows = Csr::empty(unknowns);

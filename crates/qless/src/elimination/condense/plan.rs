@@ -19,7 +19,7 @@ pub(super) struct CondensePlan {
     pub of_slaves: Entries,
     /// Each eliminated prescribed DOF with the entries of its line, if `K u_0` is summed by columns.
     pub of_prescribed: Vec<(u32, Entries)>,
-    /// True if lines are columns of a matrix that need not be symmetric.
+    /// True if K is stored by columns with all entries, so that it need not be symmetric.
     pub by_columns: bool,
     /// Pattern of `W = K_S L`.
     pub w: Lines,
@@ -34,7 +34,7 @@ pub(super) enum LineSource {
     Mixed(u32),
 }
 
-/// By line, entries of K with the DOF of their other index.
+/// By line, the index of each entry in the values of K, and the DOF of the other index of this entry.
 #[derive(Clone, Debug)]
 pub(super) struct Entries {
     starts: Vec<usize>,

@@ -114,8 +114,8 @@ impl CondensedPattern {
     }
 }
 
-/// Calls `work` for ranges of lines with about the same number of entries, on all threads; returns whether every call returned true.
-/// One thread allocates nothing.
+/// Calls `work` for ranges of lines with about the same number of entries, on all threads; returns true if every call returned true. With
+/// one thread there is a single range, and no list of ranges is allocated.
 fn each(starts: &[u32], values: &mut [f64], work: &(impl Fn(Range<usize>, &mut [f64]) -> bool + Sync)) -> bool {
     match rayon::current_num_threads() {
         threads if threads == 1 || values.len() < 2 * ENTRIES_PER_THREAD => work(0..starts.len() - 1, values),
@@ -182,8 +182,7 @@ impl CondensedPattern {
         f_q: &mut [f64],
     ) -> Result<(), ArgumentError> {
         let (plan, slaves) = (&self.plan, elimination.slaves());
-        // `(K u_0)_dof` from the line of K. Unknowns have a u_0 of zero, so the caller may pass no entries of a line that has only
-        // unknowns.
+        // `(K u_0)_dof` from the line of K. u_0 is zero for unknowns, so `line` may be empty if all DOFs of the line are unknowns.
         let stress = |dof: usize, line: &[(u32, u32)]| {
             if plan.by_columns {
                 return by_columns[dof];
@@ -205,7 +204,7 @@ impl CondensedPattern {
         })
     }
 
-    /// Computes `K u_0` at all DOFs if lines of K are columns.
+    /// Computes `K u_0` at all DOFs, if K is stored by columns with all entries.
     fn stress_by_columns(&self, elimination: &Elimination, k: &[f64], stress: &mut [f64]) {
         if !self.plan.by_columns {
             return;

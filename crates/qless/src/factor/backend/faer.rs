@@ -92,8 +92,9 @@ fn largest_left(r: &Mat<f64>, rank: usize) -> f64 {
     (rank..r.ncols()).map(norm).fold(0.0, f64::max)
 }
 
-/// QR with column pivoting by faer; returns P and the number of pivots that are large enough to be reliable. One thread, so that bits do
-/// not depend on the number of threads. Only reflections of nonzero pivots are applied, as the others are undefined.
+/// QR with column pivoting by faer; returns P and the number of pivots that are large enough to be reliable. It runs on one thread, so that
+/// the result is the same to the last bit for every number of threads. Only reflections of nonzero pivots are applied, because the others
+/// are undefined.
 fn stage(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
     let (m, n, steps) = (a.nrows(), a.ncols(), a.nrows().min(a.ncols()));
     let block = recommended_block_size::<f64>(m, n);

@@ -1,9 +1,9 @@
 //! Columns that a QR without pivoting kept although they nearly depend on others.
 //!
 //! They are found by the right singular vectors of R1 for its smallest singular values: block inverse iteration
-//! `X <- orth(R1^-1 R1^-T X)` with a Ritz step (Foster and Davis 2013, Algorithm 933). X gets more columns until one of its values is
-//! above the limit. O(nnz(R1) k) for k columns; these are computed in parallel. Dense factorizations run on one thread, so that bits do not
-//! depend on the number of threads.
+//! `X <- orth(R1^-1 R1^-T X)` with a Ritz step (Foster and Davis 2013, Algorithm 933). X gets more columns until one of its Ritz values is
+//! above the limit. A step costs O(nnz(R1) k) for k columns, which are solved in parallel. Dense factorizations run on one thread, so that
+//! the result is the same to the last bit for every number of threads.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -23,7 +23,7 @@ use super::{Backend, BackendError, Factor};
 use crate::Csr;
 use crate::common::random::randoms;
 
-/// Steps of inverse iteration: values far below the limit separate in the first step.
+/// Largest number of steps of inverse iteration. The first is enough if the values below the limit are far smaller than all others.
 const STEPS: usize = 2;
 /// Values below the limit have converged if they are smaller than all others by this factor.
 const CLEAR: f64 = 1e3;

@@ -29,8 +29,8 @@ pub(crate) struct Block {
     pub rhs: Vec<f64>,
     /// `b - C_p u_p`, scaled as the rows: first for this block, then for each other block with the same matrix that is diagnosed with it.
     pub effective: Vec<Vec<Mismatch>>,
-    /// By row, the largest part of its terms that a coefficient of a free DOF certainly keeps after cancellation ([`Entry::certain_left`]).
-    /// Coefficients that presolve dropped count too.
+    /// By row, the largest [`Entry::certain_left`] of its free DOFs: the fraction of a coefficient's largest term that certainly remains
+    /// after cancellation. Coefficients that presolve dropped count too.
     pub certain: Vec<f64>,
     /// A random right-hand side, after presolve.
     pub random: Vec<f64>,
@@ -111,7 +111,7 @@ impl Block {
         let free =
             || row.entries.iter().map(|entry| (place[entry.dof as usize], entry)).filter(|&(j, _)| j != u32::MAX);
         let free = || free().map(|(j, entry)| (j as usize, entry));
-        // A row without remaining coefficients has no size.
+        // A row without free coefficients is not scaled.
         let largest = free().map(|(j, entry)| ldexp(entry.size(), self.units[j])).reduce(f64::max);
         let shift = if is_scaled { largest.map_or(0, |largest| -exponent(largest)) } else { 0 };
         let sorted = |mut entries: Vec<(usize, f64)>| {

@@ -29,10 +29,10 @@ struct Found {
 
 /// Finds which rows of a block depend on which, and how its DOFs can move.
 ///
-/// Balanced units work best if the coefficients of a row are of similar size. If rows that are no combinations are dropped in balanced
-/// units, the block is diagnosed again in the units of its rows, and the result that keeps more rows is used. Rotations become large in
-/// balanced units, and DOFs with smaller motions then seem fixed. If a DOF seems fixed, the motions are computed in the units of the rows
-/// too, and those with fewer fixed DOFs are used.
+/// The block is diagnosed in balanced units first. If this drops rows that are no combinations of others, the block is diagnosed again in
+/// the units of its rows, and the result that keeps more rows is used. In balanced units the rotations of a motion can be so large that
+/// DOFs with smaller motions seem fixed. If a DOF seems fixed, the motions are computed in the units of the rows too, and those with fewer
+/// fixed DOFs are used.
 fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendError> {
     let mut rows = dependent::find(block, means)?;
     let mut motions = rows.triangle.motions(block);

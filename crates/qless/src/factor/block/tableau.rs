@@ -16,11 +16,11 @@ pub(crate) struct Tableau {
     pub data: Vec<f64>,
 }
 
-/// A tableau with more entries is not exchanged for the sake of order.
+/// In a tableau with more entries, [`Tableau::prefer`] and [`Tableau::limit`] exchange no variables, because that would take too long.
 const LARGE: usize = 4_000_000;
-/// Largest number of exchanges to reach a bound; a basis further away from it is better chosen anew.
+/// Largest number of exchanges to reach a bound; if more are needed, it is better to choose a new basis.
 const MOST_EXCHANGES: usize = 100;
-/// Least `|y_ij|` of an exchange for the sake of order, so that the determinant hardly decreases.
+/// Least `|y_ij|` of an exchange that only makes a preferred variable basic, so that the determinant hardly decreases.
 const NEUTRAL: f64 = 0.9;
 
 impl Tableau {
@@ -43,8 +43,9 @@ impl Tableau {
         }
     }
 
-    /// Exchanges until no entry of a column that may be exchanged is larger than `bound`. Each exchange multiplies the determinant of the
-    /// basis by more than that, so this ends. Returns false if it gives up: the tableau is too large, or needs too many exchanges.
+    /// Exchanges variables until no entry of a column that may be exchanged is larger than `bound`. Each exchange multiplies the
+    /// determinant of the basis by more than `bound`, so this ends. Returns false if entries stay larger: the tableau is too large, or
+    /// needs too many exchanges.
     pub fn limit(&mut self, bound: f64) -> bool {
         for _ in 0..MOST_EXCHANGES {
             match self.largest().filter(|&(i, j)| self.row(i)[j].abs() > bound) {

@@ -29,7 +29,7 @@ const DONE: f64 = 1e-12;
 /// Allowed relative error of an estimate, which is reported to a tenth of a digit.
 const ENOUGH: f64 = 1e-3;
 
-/// Two vectors, number by number.
+/// Two vectors, stored entry by entry.
 type VectorPair = Slab<2>;
 
 /// The factor of some rows of a block.
@@ -109,7 +109,7 @@ impl Triangle {
         Vectors { sample: lane(&x, 0), particular: lane(&x, 1), ..Vectors::default() }
     }
 
-    /// Two random vectors of the null space. They are zero if there are as many rows as DOFs, whatever rounding leaves.
+    /// Two random vectors of the null space. If there are as many rows as DOFs, they are set to zero, because only rounding would remain.
     pub fn motions(&self, block: &Block) -> Vectors {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         if r == n {
@@ -133,7 +133,7 @@ impl Triangle {
         Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], ..Vectors::default() }
     }
 
-    /// `x` with `C_k x = b`, in the range of `C_k^T`: a solve and one correction.
+    /// The minimum-norm `x` with `C_k x = b`, by a solve and one correction.
     pub fn shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
         let mut x = self.first_shortest(block, b);
         let mut step = self.times(block, &x);
@@ -205,7 +205,7 @@ fn lane(slab: &VectorPair, c: usize) -> Vec<f64> {
     slab.iter().map(|row| row[c]).collect()
 }
 
-/// Two vectors, number by number.
+/// Packs two vectors; entry i of vector c is `of(c, i)`.
 fn pair(length: usize, of: impl Fn(usize, usize) -> f64) -> VectorPair {
     (0..length).map(|i| [of(0, i), of(1, i)]).collect()
 }

@@ -152,7 +152,8 @@ fn translated(
     (diagnosed, rows.triangle.clone())
 }
 
-/// A certificate with names in place of places. Places and names ascend, so the order of the terms stays.
+/// A certificate with the names of rows instead of their places in the common matrix. Places and names ascend, so the order of the terms
+/// stays.
 fn named(certificate: &BlockCertificate, names: &Arc<[u32]>) -> BlockCertificate {
     match certificate {
         BlockCertificate::Known(terms) => BlockCertificate::Known(with_names(terms, names)),

@@ -5,11 +5,13 @@
 //! y <- y + (R^T R)^-1 C_k (row_k - sum y_i row_i)       while e_k is above 1e-3
 //! ```
 //!
+//! C_k holds the kept rows, R is their triangular factor and sigma their smallest singular value; u is the rounding unit.
+//!
 //! A factorization compares the remainder of a row with its largest coefficients, so it may drop a row that is independent only because of
-//! its small coefficients. A row is no combination if more than 1e-3 of the terms of a coefficient is left, the limit of presolve for
-//! pivots; rounding leaves less. A coefficient y_i below `u |y| / (1e-3 sigma)` has itself an error of more than 1e-3. If only such y_i
-//! contribute to a DOF, and the row has no coefficient there, the remainder at that DOF is their rounding error. Certificates that decay
-//! along a chain are therefore accepted.
+//! its small coefficients. A row is no combination if more than 1e-3 of the terms of a coefficient is left; this is also the limit of
+//! presolve for pivots, and rounding leaves less. A coefficient y_i below `u |y| / (1e-3 sigma)` has itself a relative error of more than
+//! 1e-3. If only such y_i contribute to a DOF, and the row has no coefficient there, the remainder at that DOF is their rounding error.
+//! Certificates whose coefficients decay along a chain are therefore accepted.
 //!
 //! Cost for each dropped row: the coefficients of the rows of its certificate. If certificates are computed late: the coefficients of the
 //! dropped row itself.
@@ -94,7 +96,7 @@ fn moved(block: &Block, k: usize, moves: &[Vec<f64>; 2]) -> f64 {
     moves.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A dropped row of which its certificate leaves more than [`SUSPECT`].
+/// A dropped row whose certificate has an error `e_k` above [`SUSPECT`].
 struct Unexplained {
     /// The place of the row among the dependent rows.
     place: usize,
@@ -107,8 +109,8 @@ struct Unexplained {
     is_open: bool,
 }
 
-/// Refines certificates that leave more than [`SUSPECT`] of their row. If a refined certificate still leaves more, the remainder counts as
-/// dropped. Returns the number of such rows.
+/// Refines certificates with an error `e_k` above [`SUSPECT`]. If the error stays above, it becomes the `dropped` remainder of the row.
+/// Returns the number of such rows.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> usize {
     let Rows { dependent, triangle, left, nearness, .. } = rows;
     let new = || Rest::new(block.matrix.cols, nearness.sigma);

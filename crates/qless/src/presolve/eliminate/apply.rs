@@ -101,7 +101,7 @@ impl LowFillElimination<'_> {
         let free = self.is_free[l as usize];
         let row = &mut self.out.rows[k as usize];
         if free {
-            // A product that underflowed was not exactly zero.
+            // A product that underflows is not exactly zero, so it counts as dropped.
             let underflow = if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { 0.0 };
             row.dropped = row.dropped.max(underflow);
         }

@@ -22,7 +22,8 @@ const NOISE: f64 = 1e-14;
 const STEPS: usize = 6;
 
 impl FactoredBlock {
-    /// Slaves and masters to exchange: entries of T above the limit, at most one in each row and column. Updates the growth.
+    /// Pairs of a slave and a master to exchange: the places of entries of T above the limit, at most one in each row and column. Updates
+    /// the growth.
     pub(super) fn search(&mut self, limit: f64) -> Vec<(usize, usize)> {
         let mut found: Vec<(usize, usize)> = Vec::new();
         let entries: Vec<_> = if limit < SURE {

@@ -1,8 +1,8 @@
 //! Chooses slaves locally: groups of equations that can be solved for DOFs that occur in no other remaining equation.
 //!
-//! Each step takes the DOF with the fewest remaining equations, these equations as a group, and the DOFs that occur only in the group. If
-//! the group can be solved for some of these DOFs, that does not change the other equations. In a chain of bodies the groups are the
-//! bodies one after the other, from an end, and `C_S` is a narrow band. The part of L on masters, which would fill, is never formed.
+//! Each step takes the DOF with the fewest remaining equations. These equations are a group. If the group can be solved for DOFs that occur
+//! only in the group, the other equations do not change. In a chain of bodies the groups are the equations of one body after the other,
+//! from an end of the chain, and `C_S` is a narrow band. The rows of L of masters, which would fill, are never formed.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,7 +14,7 @@ const GROUP: usize = 8;
 /// Lower bound of the pivot of a slave, relative to the largest coefficient of its equation.
 const LEAST: f64 = 0.25;
 
-/// The DOFs that may be slaves: the slaves of solved groups, and all DOFs of the remaining equations.
+/// The DOFs that may be slaves: the slaves of the groups that were solved, and all DOFs of the equations that are in no such group.
 pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
     let mut work = GroupSearch::new(equations);
     let mut waiting: BinaryHeap<_> = work.count.iter().enumerate().map(|(j, &count)| Reverse((count, j))).collect();

@@ -67,7 +67,8 @@ impl FactoredBlock {
         &self.prescribed
     }
 
-    /// Number of nonzeros that its rows of T would have: an estimate from a sample of columns, or an upper bound if that is smaller.
+    /// Number of nonzeros that the rows of T of this part would have: an estimate from a sample of columns, or an upper bound if that is
+    /// smaller.
     pub fn predicted(&self) -> usize {
         self.predicted
     }

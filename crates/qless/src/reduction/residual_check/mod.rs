@@ -22,7 +22,7 @@ pub(crate) const LIMIT: f64 = 1e-10;
 /// A residual up to this, relative to the terms of its own equation, is accepted; above it T, G and g are computed again or refined.
 pub(crate) const FINE: f64 = 1e-13;
 
-/// Residuals up to this fraction of [`FINE`] are accepted for any random numbers.
+/// If no residual exceeds this fraction of [`FINE`], the verdict does not depend on the random numbers.
 const NEARLY: f64 = 0.1;
 
 /// The residuals of the independent equations.
@@ -66,7 +66,8 @@ fn residuals_of(
     scaling: &Scaling,
 ) -> Residuals {
     let mut found = Residuals { worst: 0.0, row: 0, above: Vec::new() };
-    // Residuals are computed in the user's units and, if these mix, in balanced units too: either alone may hide an equation beside others.
+    // Residuals are computed in the user's units and, if these mix, in balanced units too: in either of them alone, other DOFs may be so
+    // large that they hide the residual of an equation.
     let is_mixed = |i: usize| local.row(i).any(|(j, _)| scaling.col(j) != 0);
     let balanced = if scaling.col.is_empty() { Scaling::none(0) } else { balanced_where(local, is_mixed) };
     let units = [Some((scaling, false)), (!balanced.col.is_empty()).then_some((&balanced, true))];
@@ -132,7 +133,7 @@ impl Expanded {
                 return 0.0;
             }
             let (sum, size) = self.sums(local, i, 1.0, sizes);
-            // Near the limit of the range of doubles the sums are computed in another unit.
+            // If a sum overflows, the sums are computed again in a larger unit.
             let (sum, size) = if size.is_finite() { (sum, size) } else { self.sums(local, i, 1e-100, sizes) };
             relative(sum, size)
         })
@@ -149,7 +150,8 @@ impl Expanded {
         }
         for (i, out) in out.iter_mut().enumerate().filter(|(_, out)| **out > FINE) {
             let b = self.rhs(local, i);
-            // Large DOFs elsewhere do not excuse that g misses a right-hand side.
+            // If b is not zero, the residual stays relative to the terms of the equation: large DOFs elsewhere do not excuse that g misses
+            // b.
             if b != 0.0 {
                 continue;
             }

@@ -25,7 +25,7 @@ impl Ledger {
         Ok(())
     }
 
-    /// Counts `count` values of type T that were freed.
+    /// Subtracts `count` values of type T that were freed.
     fn give<T>(&mut self, count: usize) {
         self.used -= count * size_of::<T>();
     }

@@ -1,9 +1,9 @@
 //! `L^-1 A P = U`: the paper's Gauss elimination of one block (Figure 7, section 3.1), on sparse rows.
 //!
-//! The elimination proceeds row by row and pivots in rows and columns: the pivot is an entry near the largest of the shortest remaining
+//! The elimination proceeds row by row and pivots in rows and columns: the pivot is one of the larger entries of the shortest remaining
 //! row. A row whose largest entry is at most the tolerance is numerically dependent and moves to the bottom of the block. Rows store
-//! nonzeros only, so time and memory follow the fill and not m n. Nothing but [`crate::Options::memory`] bounds the fill: this
-//! backend is the baseline for the orthogonal ones.
+//! nonzeros only, so time and memory follow the fill and not m n. Nothing but [`crate::Options::memory`] bounds the fill. This backend is
+//! the baseline with which the orthogonal ones are compared.
 
 mod eliminate;
 mod ledger;
@@ -60,7 +60,8 @@ mod tests {
     fn the_largest_entry_of_each_row_is_the_pivot() {
         let columns = check::from_dense(&[vec![1.0, -1.0, 2.0], vec![1.0, 2.0, -1.0], vec![2.0, 1.0, 1.0]]);
         let factor = GAUSS.factor(&columns, &[1.0, 0.0, 1.0], 1e-5).expect("small");
-        // The pivot of (12) is u3, its largest; that of (13) + (12) / 2 = 1.5 u1 + 1.5 u2 = 0.5 is u1; (14) vanishes.
+        // The rows are equations (12) to (14) of the paper. The pivot of (12) is u3, its largest; that of (13) + (12) / 2 = 1.5 u1 + 1.5 u2
+        // = 0.5 is u1; (14) vanishes.
         assert_eq!((factor.rank, factor.order.as_slice()), (2, [2, 0, 1].as_slice()));
         assert_eq!(factor.r.row(1).collect::<Vec<_>>(), [(1, 1.5), (2, 1.5)]);
         assert_eq!((factor.rhs.as_slice(), factor.rest[0]), ([1.0, 0.5].as_slice(), 0.0));

@@ -26,7 +26,7 @@ pub(super) const CERTIFICATE_UNITS: f64 = 2.0;
 /// Certificates with at most this many coefficients in total are all computed at once.
 pub(super) const MANY: usize = 4_000_000;
 
-/// Coefficients of certificates above this are exchanged for smaller ones if the kept rows seem nearly dependent.
+/// If the kept rows seem nearly dependent, rows are exchanged until no coefficient of a certificate exceeds this.
 pub(super) const STEEP: f64 = 2.0;
 
 /// Kept rows (positions in the block) and dependent rows.
@@ -184,7 +184,8 @@ fn confirmed(block: &Block, tableau: &Tableau, i: usize) -> f64 {
     if left > noise_of(block) * parts { left } else { 0.0 }
 }
 
-/// The remainder of row k. A row that is small as a whole may be nonzero in fact; its own coefficients then count as dropped.
+/// The remainder of row k. A row that is small as a whole is dropped although its coefficients may be more than rounding. They then count
+/// as the remainder.
 pub(super) fn small_row(block: &Block, k: usize, left: f64) -> f64 {
     let norm = block.matrix.row(k).map(|(_, v)| v * v).sum::<f64>().sqrt();
     if norm < SMALL_ROW { left.max(block.certain[k]) } else { left }
@@ -205,13 +206,14 @@ fn mismatch(sides: &[Mismatch], tableau: &Tableau, i: usize, noise: f64, error: 
     rest
 }
 
-/// Of equivalent equations the later one is dropped: returns true if the kept `candidate` should be dropped instead of `holder`.
+/// Returns true if the kept row `candidate` should be dropped instead of the dropped row `holder`: of equivalent equations the later one is
+/// dropped.
 pub(super) fn later(candidate: u32, holder: u32) -> bool {
     candidate > holder
 }
 
-/// Applies `sounder`, then keeps the earlier ones of equivalent equations and measures the nearness of these rows. The second choice is
-/// discarded if it more than halves sigma.
+/// Applies `sounder`, then keeps the earlier ones of equivalent equations and measures the nearness of these rows. This second choice is
+/// discarded if its sigma is less than half of the first.
 pub(super) fn in_order(
     block: &Block,
     means: FactorContext,

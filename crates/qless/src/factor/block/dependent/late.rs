@@ -6,7 +6,8 @@
 //! y = R1^-1 R2_k                        the certificate of row k                one triangular solve for each
 //! ```
 //!
-//! c is the certificate of row k, s the sizes or the errors of the right-hand sides, `*` the product by entries.
+//! C_k^+ is the pseudoinverse of the kept rows, c the certificate of the dropped row k, s the sizes or the errors of the right-hand sides,
+//! and `*` the product entry by entry.
 
 use std::sync::{Arc, OnceLock};
 
@@ -59,7 +60,7 @@ impl LateCertificates {
 }
 
 impl LateCertificates {
-    /// `R1^-1 R2_k`, from the last row up. Rounding errors are not followed, so the cost is that of the nonzero terms.
+    /// `R1^-1 R2_k`, from the last row up. Entries that are only rounding are set to zero, so that they cost nothing in the rows above.
     fn solved(&self, k: usize) -> Vec<f64> {
         let rank = self.rows.len();
         let columns = self.columns.get_or_init(|| self.factor.r.transposed());

@@ -87,8 +87,8 @@ fn drop_weak(mut weak: Vec<usize>, kept: &mut Vec<usize>, dropped: &mut Vec<usiz
     dropped.extend(weak.into_iter().map(|k| kept.swap_remove(k)));
 }
 
-/// The dropped and the weak rows as combinations of the rest, after exchanges for steep certificates and equivalent equations. None if this
-/// needs too many numbers, or if some of them are not finite.
+/// The dropped and the weak rows as combinations of the rest. Rows are exchanged to bound the coefficients by [`STEEP`] and to keep the
+/// earlier ones of equivalent equations. None if the tableau is too large, or if some numbers are not finite.
 fn foreseen(first: &Choice, weak: &Weak) -> Option<Tableau> {
     let mut tableau = without(weak, with_null_space(first, weak)?)?;
     tableau.limit(STEEP);
@@ -134,8 +134,8 @@ fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
     tableau.data.iter().all(|v| v.is_finite()).then_some(tableau)
 }
 
-/// Dropped rows that are no combination of the kept ones, nor of one another. The first rows of `tableau` are those asked for; `rests` are
-/// the norms of their remainders.
+/// Dropped rows that are independent of the kept rows and of each other. The first rows of `tableau` are those asked for; `rests` are the
+/// norms of their remainders.
 pub(super) fn unexplained(
     block: &Block,
     tableau: &Tableau,
