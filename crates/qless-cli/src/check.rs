@@ -83,7 +83,7 @@ fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8, Vec<Strin
         // The output must not replace a file that the deck includes either.
         drop(OneFile::at(file, diagnosis.inputs())?);
     }
-    // The plan takes time, and only reports for people show it. A page has all redundant equations, so that it may be large.
+    // Making a plan takes time. Only reports for people say whether one exists, and a page only if the solver itself has trouble.
     let is_planned = match args.report.format {
         ReportFormat::Text => true,
         ReportFormat::Html => diagnosis.deck.as_ref().is_some_and(DeckInput::needs_cleaning),

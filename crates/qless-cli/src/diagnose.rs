@@ -66,7 +66,7 @@ pub fn diagnose<'a>(
                 .map_err(|error| refused(error, Some(system)))
         })?;
     if let Some(deck) = deck.as_ref().filter(|_| !preferences.is_empty()) {
-        // Rows are numbered as in the deck, even if a load case removes some equations.
+        // The options of the diagnosis number rows as in the whole deck, even if a load case removes some equations.
         let all = LoadCase::default();
         let model = deck.deck.model();
         let whole = model.system(&all).map_err(|error| CliFailure::from_deck(&deck.deck, &error))?;

@@ -45,7 +45,7 @@ pub fn is_one_more_possible() -> bool {
     possible(1) == 1
 }
 
-/// How many of `count` threads can be started at once. The system keeps their stacks for the threads of the pool.
+/// How many of `count` threads can run at once: starts them and ends them again. The system keeps their stacks for the threads of the pool.
 fn possible(count: usize) -> usize {
     let started: Vec<(JoinHandle<()>, Sender<()>)> = (0..count).map_while(|_| waiting().ok()).collect();
     let count = started.len();
@@ -67,8 +67,8 @@ fn waiting() -> std::io::Result<(JoinHandle<()>, Sender<()>)> {
     Ok((thread, end))
 }
 
-/// Starts a thread and returns when it runs `work`. Until then, the thread takes memory of its own; if it finds none, because this thread
-/// took the last of it meanwhile, the process aborts.
+/// Starts a thread and waits until it is about to run `work`. A new thread allocates memory first. If the caller went on at once, it could
+/// use up the memory meanwhile, and the process would abort.
 ///
 /// # Errors
 /// The system provides no thread.

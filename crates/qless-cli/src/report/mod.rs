@@ -60,7 +60,7 @@ impl ReportFormat {
         if matches!(self, Self::Text | Self::Vtu) { 0 } else { Report::TERMS }
     }
 
-    /// Bound of the terms of explanations for each load case; only JSON has those of load cases that are not shown.
+    /// Limit on the terms of the explanations of all load cases together; 0 except for JSON, which alone lists those of every load case.
     pub fn case_terms(self) -> usize {
         if self == Self::Json { Report::TERMS } else { 0 }
     }

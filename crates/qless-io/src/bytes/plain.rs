@@ -107,7 +107,7 @@ fn utf8(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> io::Result<Vec<u8>> {
         return Err(Damaged::OddUtf16.into());
     }
     let mut text = String::new();
-    // One UTF-16 unit becomes at most three bytes.
+    // One byte for each UTF-16 unit: enough for ASCII. The string grows if the text has other characters.
     text.try_reserve(bytes.len() / 2).map_err(|_| TooMuch::Memory { size: bytes.len() })?;
     let mut units = 0;
     for character in char::decode_utf16(pairs.iter().map(|pair| unit(*pair))) {

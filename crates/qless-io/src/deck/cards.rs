@@ -131,7 +131,7 @@ pub struct Cards {
     divisible: BTreeSet<u32>,
 }
 
-/// A run of cards: the number of card `first + k` is higher by `k numbers` than that of `card`, and its line by `k lines`.
+/// A run of cards: the number of card `first + k` is that of `card` plus `k * numbers`, and its line that of `card` plus `k * lines`.
 #[derive(Clone, Debug)]
 struct CardRun {
     first: u32,

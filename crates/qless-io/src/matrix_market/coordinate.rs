@@ -16,7 +16,8 @@ const SIZES: &str = "rows columns entries";
 const VALUE: &str = "value";
 const ARRAY_SIZES: &str = "rows columns";
 
-/// Bytes of the shortest entry, `1 1 1` and LF. Entries of an array are shorter, so its list may grow.
+/// Bytes of the shortest entry, `1 1 1` and LF: limits the memory reserved for entries to what the file can hold. Entries of an array are
+/// shorter, so its list may have to grow.
 const SHORTEST_ENTRY: usize = 6;
 
 /// Most empty rows or columns. Larger sizes are typing errors, and cost memory.

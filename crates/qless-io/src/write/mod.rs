@@ -10,7 +10,7 @@
 //! | the program ends | state of the folder |
 //! | --- | --- |
 //! | while files are written | the old files; a signal that cannot be caught also leaves hidden files, which the next writer removes |
-//! | while files are renamed, by such a signal or a failure | an incomplete set, as its manifest says; the next writer replaces it |
+//! | while files are renamed (error, or uncatchable signal) | an incomplete set, as its manifest says; the next writer replaces it |
 //! | after that | the new files |
 //!
 //! | module | content, lowest layer first |

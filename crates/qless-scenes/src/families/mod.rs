@@ -7,7 +7,7 @@
 //! | [`spider`] | legs x (legs + 1) | legs |
 //! | [`arrow`] | (n + 1) x (n + 1) | n |
 //! | [`ladder`] | rungs x (rungs + 1) | rungs |
-//! | [`rbe2`] | 3 k masters x (3 k + 6 masters) | 3 k, or 3 k + 6 with two masters |
+//! | [`rbe2`] | (3 k masters) x (3 k + 6 masters) | 3 k, or 3 k + 6 with two masters |
 //! | [`rve`] | 9 (n + 1)^2 x 3 ((n + 1)^3 - (n - 1)^3 + 3) | 3 ((n + 1)^3 - n^3) |
 //! | [`geometric_chain`] | (n - 1) x n, one DOF prescribed | n - 1, near-singular for a factor above 1 |
 //! | [`recurrence`] | rows x (rows + 2), two DOFs prescribed | rows, near-singular |
@@ -16,11 +16,11 @@
 //! | [`typed_twice`] | (n + copies) x 2 n | n + copies, at distance 10^-digits from n |
 //! | [`typed_cosines`] | 10 n x (8 n + 2) | 8 n, at distance 10^-digits from 7 n |
 //! | [`near`] | 3 triples x 7 triples | 3 triples, at distance eps from 2 triples |
-//! | [`Mortar`], [`mortar_short`] | d slave nodes + sums x d (slave + master nodes) | d slave nodes |
-//! | [`MortarSurface`] | 3 slave nodes + sums x 3 (slave + master nodes) | 3 slave nodes |
-//! | [`PeriodicCell`] | 9 nodes of a far face x (3 surface nodes + 6) | all but 3 (3 near + 2), or unknown |
-//! | [`Linkage`] | 5 hinges + 3 balls x 6 bodies | all but 3, 1 or 0 per loop |
-//! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
+//! | [`Mortar`], [`mortar_short`] | (d slave nodes + sums) x d (slave + master nodes) | d slave nodes |
+//! | [`MortarSurface`] | (3 slave nodes + sums) x 3 (slave + master nodes) | 3 slave nodes |
+//! | [`PeriodicCell`] | (9 nodes of a far face) x (3 surface nodes + 6) | all but 3 (3 near + 2), or unknown |
+//! | [`Linkage`] | (5 hinges + 3 balls) x 6 bodies | all but 3, 1 or 0 per loop |
+//! | [`gradient`] | (d edges) x (d nodes) of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
 //!
 //! [`crate::Scene::scale_rows`], [`crate::Scene::scale_dofs`] and [`crate::Scene::shuffle`] change the scales and the order of

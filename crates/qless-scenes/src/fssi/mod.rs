@@ -64,9 +64,9 @@ pub fn tie(mesh: &Mesh, seed: u64) -> Result<Scene, SceneError> {
 /// | [`Mesh::nested`]: far-field columns coincide with near-field ones | 12 layers | 1e-16, then 5e-2 |
 /// | [`Mesh::deep`]: far field finer over depth | 0 | 12 layers between 1e-5 and 1e-3, then 5e-2 |
 ///
-/// A combination of rows of both faces of an edge cancels in two cases. On a nested mesh it does because the projection of the
-/// far-field functions to the near field is exact, and at the edge all of them vanish except the edge's own. On another mesh it does
-/// if the weights of the rows over the depth are orthogonal to all far-field functions. This holds in real arithmetic only: the
+/// Rows of the two faces of an edge have a combination that cancels in two cases. On a nested mesh, the projection of the far-field
+/// functions to the near field is exact, and at the edge all of them vanish except the edge's own. On another mesh, the combination
+/// cancels if its weights over the depth are orthogonal to all far-field functions. This holds in real arithmetic only: the
 /// rounded integrals leave 1e-16, so the exact rank of the stored doubles ([`crate::oracle`]) is higher. On the first two meshes dense
 /// SVD and dense pivoted QR give the numbers above with a gap of 1e12 (measured on the 50 % and 80 % levels and the nested 50 % level).
 /// Dropping small pivots without column pivoting (Heath) finds only some of the redundant equations or none, and different numbers on C

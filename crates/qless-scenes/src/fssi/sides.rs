@@ -25,7 +25,7 @@ pub(super) fn tie(model: &mut FssiModel) {
 
 /// Linear weights of node i of n, equally spaced, on its two neighbours among m; exactly 0 and 1 at coinciding nodes.
 ///
-/// The second neighbour of the last node is that node itself, with weight 0.
+/// For i = n - 1 both neighbours are the last of the m nodes, with weights 1 and 0.
 fn weights(i: usize, n: usize, m: usize) -> [(usize, f64); 2] {
     let (cell, rest) = (i * (m - 1) / (n - 1), i * (m - 1) % (n - 1));
     let share = rest as f64 / (n - 1) as f64;

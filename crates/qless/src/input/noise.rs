@@ -31,8 +31,9 @@ const ALIKE: f64 = 16.0;
 /// - In balanced units, it is below `2^-46` (1.4e-14) of the largest coefficient of its equation.
 /// - The same holds in the user's units, and every coefficient of its component is either above `2^-20` of the largest of its equation or
 ///   between `2^-60` and `2^-46` of it.
-/// - All coefficients of its equation look like rounding: each is below `2^-46` of the largest coefficients of the equation's DOFs, a
-///   multiple of their rounding unit, and at most sixteen times the largest other suspect coefficient of the component.
+/// - Every coefficient of its equation is small: below `2^-46` of M, and at most sixteen times the largest coefficient of the component
+///   that is suspect by the first two rules. M is the largest coefficient of the equation's DOFs in all equations. If every coefficient
+///   is also a multiple of the rounding unit of M (`2^-60` times the largest power of two up to M), the whole equation is suspect.
 ///
 /// A mismatch of right-hand sides is suspect if it is below `2^-46` of the largest right-hand side and prescribed term of its component,
 /// in balanced units. Numbers of up to 8 decimal digits were typed and are never suspect.
@@ -49,8 +50,8 @@ pub enum Noise {
     /// equations below this fraction of the largest coefficients of their DOFs, and mismatches below this fraction of the largest
     /// right-hand side and prescribed term.
     Relative(f64),
-    /// The absolute error of each equation's coefficients and right-hand side is known. Coefficients within it are zero. What is left of a
-    /// dependent equation causes no doubt if these errors explain it.
+    /// The absolute error of each equation's coefficients and right-hand side is known. Coefficients within it are zero. A
+    /// dependent equation that differs from its combination by no more than these errors causes no doubt.
     Floors {
         /// By equation: coefficients up to this size are zero.
         coefficients: Vec<f64>,
@@ -258,7 +259,8 @@ fn rows_below(
     rows.into_iter().filter(is_rounding).flat_map(|i| terms(system, i)).collect()
 }
 
-/// Returns true if a number can be the rounding error of a sum of numbers up to `most`: a multiple of their rounding unit, not typed.
+/// Returns true if a number can be the rounding error of a sum of numbers up to `most`: it was not typed, and it is a multiple of the
+/// rounding unit, `2^-60` times the largest power of two up to `most`.
 fn is_left_of(value: f64, most: f64) -> bool {
     let multiple = ldexp(value, -(exponent(most) + QUANTUM));
     multiple.fract() == 0.0 && !is_typed(value)

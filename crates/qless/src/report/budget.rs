@@ -70,7 +70,8 @@ impl<'a> Budget<'a> {
 
     fn condition(&mut self, dof: usize, value: f64) -> GeneratedCondition {
         let (system, analysis) = (self.system, self.analysis);
-        // The cost of a pass over all DOFs and of a factorization of the largest block. A thousand operations count as one member.
+        // The cost of a pass over all DOFs and of a factorization of the largest block, in members: eight DOFs, or a thousand operations of
+        // the factorization, count as one member.
         let block = analysis.presolve.largest_block;
         let work = system.dofs() / 8 + block.saturating_pow(3) / 1000;
         let certificate = self.certificate(work, || analysis.explain_fixed(dof).ok().flatten());

@@ -11,7 +11,7 @@ use crate::diagnose::Diagnosis;
 
 /// Most cells of the pattern along each side.
 const CELLS: usize = 160;
-/// Most nodes drawn that no dependent equation has; they show the shape of the model.
+/// Limit on the nodes drawn besides those of dependent equations and their explanations. They show the shape of the model.
 const OTHERS: usize = 5000;
 
 #[derive(Serialize)]

@@ -13,9 +13,9 @@ use super::combination;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, EquationLookup, count, rough};
 
-/// What is left of a dropped equation may be rounding up to this size. A smaller tolerance would count rounding as data.
+/// The remainder of a dropped equation may be rounding up to this relative size. A smaller tolerance would count rounding as data.
 const ROUNDING: f64 = 1e-13;
-/// Mismatches between these are doubtful.
+/// Relative mismatches between these limits are doubtful.
 const DOUBTFUL: [f64; 2] = [1e-12, 1e-6];
 
 /// The rank and how certain it is. If the rank is ambiguous, advice follows.

@@ -114,7 +114,7 @@ fn tolerance(tolerance: Tolerance) -> f64 {
     if let Tolerance::Relative(value) = tolerance { value } else { 1e-5 }
 }
 
-/// The given and the consistent right-hand side. For ranks of a job, which do not hold the prescribed values.
+/// The given and the consistent right-hand side. This replaces the arithmetic of the explanation if no process holds the whole system.
 fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: bool) -> String {
     let facts = equations.facts(dependent.row);
     let found = facts.rhs;

@@ -96,8 +96,8 @@ fn unit_of(dof: Dof) -> u8 {
     }
 }
 
-/// Finds slaves that depend on each other in a circle, if their equations do not determine them or if ccx cannot insert the equations into
-/// each other.
+/// Finds slaves that depend on each other in a circle. They are a fault only if their equations do not determine them, or if ccx cannot
+/// insert the equations into each other.
 fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault> {
     let masters = |i: usize| {
         let equation = model.nth(i);
@@ -106,7 +106,7 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
         terms.filter(move |(j, a)| Some(**j) != own && **a != 0.0).filter_map(|(j, _)| slave_of.get(j).copied())
     };
     let pairs = || slave_of.values().flat_map(|&i| masters(i).map(move |j| (i, j)));
-    // Neither an equation whose masters are no slaves belongs to a circle, nor one whose slave is no master.
+    // An equation belongs to no circle if none of its masters is a slave, or if its slave is no master.
     let mut circle: FxHashSet<usize> = slave_of.values().copied().collect();
     keep_waiting(&mut circle, pairs());
     keep_waiting(&mut circle, pairs().map(|(i, j)| (j, i)));
@@ -121,7 +121,7 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
     circle.into_iter().map(|i| EquationFault { equation: i, slave: slave(i), kind: FaultKind::Circle }).collect()
 }
 
-/// Removes repeatedly from `left` what waits for nothing that is left; a pair `(i, j)` says that i waits for j.
+/// Removes equations from `left` until each one left waits for another one left. A pair `(i, j)` says that i waits for j.
 fn keep_waiting(left: &mut FxHashSet<usize>, pairs: impl Iterator<Item = (usize, usize)>) {
     let mut waits: FxHashMap<usize, usize> = FxHashMap::default();
     let mut users: FxHashMap<usize, Vec<usize>> = FxHashMap::default();

@@ -54,7 +54,7 @@ fn key(dof: Dof) -> (u32, u8) {
     (dof.node / PAGE, dof.component)
 }
 
-/// A run of equations: equation `first + k` has the origin `origin` moved by `k stride` lines and `k cards` cards.
+/// A run of equations: the origin of equation `first + k` is `origin` moved by `k * stride` lines and `k * cards` cards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OriginRun {
     pub first: u32,

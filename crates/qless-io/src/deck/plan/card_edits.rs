@@ -18,8 +18,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::Removed;
 use crate::deck::{Model, Origin};
 
-/// Most dependent equations, and most operations: the search must not take longer than the analysis.
+/// Limit on the dependent equations of a search, which must not take longer than the analysis.
 const DEPENDENT: usize = 1_000_000;
+/// Limit on the operations of a search, for the same reason.
 const OPERATIONS: usize = 50_000_000;
 
 /// Relative size below which a remainder is rounding.
@@ -187,8 +188,8 @@ impl Echelon {
         true
     }
 
-    /// A row without the pivots of the others. A row has no entry at the pivots of the rows before it, so one pass in order removes all
-    /// pivots; `next` has the rows that are left to subtract.
+    /// Subtracts multiples of the stored rows from a row, so that it has no entry at their pivots. A stored row has no entry at the pivots
+    /// of the rows before it, so one pass in their order suffices. `next` has the stored rows that must still be subtracted.
     fn remainder(&mut self, row: &[(usize, f64)]) -> Vec<(usize, f64)> {
         let mut next = BinaryHeap::new();
         row.iter().for_each(|&(j, a)| self.add(j, a, &mut next));
@@ -203,7 +204,8 @@ impl Echelon {
         columns.drain(..).filter_map(|j| Some((j, values[j].take()?))).collect()
     }
 
-    /// Adds a number to the row. If its column is new and the pivot of another row, that row must be subtracted.
+    /// Adds a number to column j of the row. If the row had no entry there and j is the pivot column of a stored row, adds that row to
+    /// `next`.
     fn add(&mut self, j: usize, part: f64, next: &mut BinaryHeap<Reverse<usize>>) {
         if let Some(value) = &mut self.values[j] {
             *value += part;

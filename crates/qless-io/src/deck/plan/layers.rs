@@ -1,11 +1,11 @@
 //! Chooses independent equations for load cases that follow each other, as steps do: equations hold from the start and
 //! can only be removed.
 //!
-//! Let `U_k` be the DOFs prescribed in any of the cases up to k. The cases are treated from last to first. Layer k
-//! consists of the equations of case k that are independent, without the columns `U_k`, of those kept so far; they
-//! hold up to case k. Kept equations are independent in every case in which they hold, since fewer DOFs are prescribed
-//! there. `steps` compares ranks to see whether they suffice. With constant prescribed DOFs and no removal there is one layer. Cost: one
-//! analysis for each layer, and a second one if edits of cards drop equations.
+//! Let `U_k` be the DOFs prescribed in any of the cases up to k. The cases are treated from last to first. Case k adds a
+//! layer: those of its equations that, without the columns `U_k`, are independent of the equations kept so far. They hold
+//! up to case k. They are independent in each earlier case too, because no DOF outside `U_k` is prescribed there. `steps`
+//! compares ranks to see whether the kept equations suffice for every case. Case k shares the layer of case k + 1 if both have
+//! the same U and the same removed equations. Cost: one analysis for each layer, and a second one if edits of cards drop equations.
 
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -110,7 +110,8 @@ impl<'a> KeptEquations<'a> {
         edit_of(self.model, i, self.edits_cards)
     }
 
-    /// How much it helps to drop an equation: 2 for most faults, 1 for a circle, since dropping another equation can open it too.
+    /// How much it helps to drop an equation: 2 if the equation has a fault, 1 if the fault is a circle. A circle can also be opened by
+    /// dropping another of its equations.
     fn gains(&self, layer: &Layer, rows: &[usize]) -> FxHashMap<usize, u8> {
         let mut left_out = vec![true; self.model.equations()];
         rows.iter().for_each(|&i| left_out[i] = false);

@@ -1,16 +1,16 @@
-//! Behaviour of solvers according to their manuals. Of these, only MYSTRAN was also run.
+//! Behaviour of solvers according to their manuals. MYSTRAN was also run; the others were not.
 //!
-//! | solver | source | rule |
-//! | --- | --- | --- |
-// ! | Abaqus/Standard | Analysis User's Guide: "Linear constraint equations", "Kinematic coupling constraints", "Coupling constraints",
-// "Overconstraint checks" | an eliminated DOF must not be used by another constraint | ! | MSC and Simcenter Nastran | Quick Reference
-// Guide | sets of DOFs are mutually exclusive: a dependent DOF that is dependent again or constrained is fatal (message 2101A) | ! |
-// MYSTRAN | `tests/mystran.rs` runs it on every pair of cards | as MSC Nastran | ! | OptiStruct | Reference Guide | rigid elements may
-// choose other dependent DOFs (`PARAM,AUTOMSET` defaults to `YES`) | ! | ANSYS | Modeling and Meshing Guide: "Coupling and Constraint
-// Equations" | a constraint equation eliminates its first DOF that is in no other equation, in no coupled set and not prescribed; a
-// coupled DOF must be in one set only | ! | LS-DYNA | Keyword User's Manual, `*CONSTRAINED_INTERPOLATION`; modelling guidelines of the
-// vendor | a dependent node must not be constrained elsewhere; supports of nodes of rigid bodies are converted to constraints of the body
-// | ! ! ANSYS's own verification decks go further: they chain `CERIG`, and prescribe a DOF of a coupled set. Both count as accepted.
+//! - Abaqus/Standard (Analysis User's Guide: "Linear constraint equations", "Kinematic coupling constraints", "Coupling constraints",
+//!   "Overconstraint checks"): no other constraint may use an eliminated DOF.
+//! - MSC and Simcenter Nastran (Quick Reference Guide): sets of DOFs are mutually exclusive. A dependent DOF that is dependent again or
+//!   constrained is a fatal error (message 2101A).
+//! - MYSTRAN: as MSC Nastran; `tests/nastran/mystran.rs` runs it on every pair of cards.
+//! - OptiStruct (Reference Guide): it may choose other dependent DOFs for rigid elements, because `PARAM,AUTOMSET` defaults to `YES`.
+//! - ANSYS (Modeling and Meshing Guide: "Coupling and Constraint Equations"): a constraint equation eliminates its first DOF that is in no
+//!   other equation, in no coupled set and not prescribed. A coupled DOF must be in one set only. The verification decks of ANSYS go
+//!   further: they chain `CERIG`, and prescribe a DOF of a coupled set. Both count as accepted.
+//! - LS-DYNA (Keyword User's Manual, `*CONSTRAINED_INTERPOLATION`; modelling guidelines of the vendor): a dependent node must not be
+//!   constrained elsewhere. Supports of nodes of rigid bodies become constraints of the body.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 

@@ -140,7 +140,8 @@ impl<'a> Profile<'a> {
     }
 
     /// Outcome of a small or zero coefficient of a slave. ccx checks only sums of repeated terms for zero, and divides by
-    /// all others. ANSYS may eliminate another DOF. All other solvers refuse zero, and divide by a small coefficient.
+    /// all others. ANSYS may eliminate another DOF. What LS-DYNA does is not known. The other solvers refuse zero, and divide
+    /// by a small coefficient.
     fn vanishes(&self, equation: usize) -> Outcome {
         let row = self.model.nth(equation);
         let terms = row.columns.iter().zip(row.coefficients);

@@ -2,8 +2,9 @@
 
 use crate::deck::CardName;
 
-/// A solver's reaction to a fault. The first claim is the equation that a fault names first; the second is the
-/// prescribed value or the other equation.
+/// A solver's reaction to a fault. If two equations claim the same slave, the first claim is the equation `first` of
+/// [`FaultKind::SlaveTwice`](crate::deck::clean::FaultKind::SlaveTwice). If a slave is prescribed, the first claim is the equation and the
+/// second is the value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
     /// The solver stops.

@@ -33,7 +33,7 @@ pub(crate) const RANGE: i32 = 512;
 /// Bits of the significand of a double.
 const BITS: f64 = 53.0;
 
-/// The coefficients of one component, with powers of two instead of numbers.
+/// The coefficients of one component, as base-2 logarithms of their magnitudes.
 pub(crate) struct Component {
     /// The equations of the component.
     pub rows: Vec<u32>,
@@ -76,7 +76,7 @@ impl Component {
         Some(q.iter().map(|q| (usual - q).round() as i32).collect())
     }
 
-    /// Exponents of the DOFs: equilibrated units, or balanced units if these more than halve the `smallness`. Equilibrated units are nearer
+    /// Exponents of the DOFs: equilibrated units, or balanced units if their `smallness` is less than half. Equilibrated units are nearer
     /// to the user's, but can leave coefficients small beside others of their row: one large coefficient is enough for the norm of a DOF.
     /// None if [`Component::equilibrated`] returns None.
     pub fn near_users(&self, near: i32) -> Option<Vec<i32>> {
@@ -100,8 +100,8 @@ impl Component {
     }
 
     /// Exponents of the DOFs that give all rows and columns about the same 2-norm (Ruiz 2001), relative to the median, so that most are 0.
-    /// Small coefficients hardly influence them. None if every DOF of two equations or more is within the power of two `near`, and for a
-    /// large component if [`Component::is_led`] is true.
+    /// Small coefficients hardly influence them. None if the exponents of all DOFs with at least two coefficients are within `near` of the
+    /// median; for a large component, also if [`Component::is_led`] is true.
     pub fn equilibrated(&self, near: i32) -> Option<Vec<i32>> {
         let (mut row, mut col) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
         let mut count = vec![0; col.len()];
@@ -125,7 +125,7 @@ impl Component {
         units.iter().zip(count).any(|(unit, count)| count > 1 && unit.abs() > near).then_some(units)
     }
 
-    /// Returns true if each DOF of two equations or more has a coefficient within the power of two `near` of the largest of its equation.
+    /// Returns true if each DOF with at least two coefficients has one that is at least `2^-near` of the largest of its equation.
     fn is_led(&self, near: i32, count: &[i32]) -> bool {
         let mut largest = vec![f64::NEG_INFINITY; count.len()];
         for row in self.entries.chunk_by(|a, b| a.0 == b.0) {
@@ -135,7 +135,7 @@ impl Component {
         largest.iter().zip(count).all(|(&largest, &count)| count < 2 || largest >= -f64::from(near))
     }
 
-    /// Calls `job` with the place of each row and its balanced coefficients, as powers of two.
+    /// Calls `job` with the place of each row and the base-2 logarithms of its balanced coefficients.
     pub fn balanced_rows(&self, mut job: impl FnMut(usize, &[f64])) {
         let Some((_, powers)) = self.balanced(-1.0) else { return };
         let mut first = 0;

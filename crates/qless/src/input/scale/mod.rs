@@ -1,8 +1,8 @@
 //! `C' = D_r C D_c` with powers of two: exact, and internal to the factorization.
 //!
-//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Columns are scaled only if whole
-//! columns of a component deviate by more than `2^10`. The rank of a block is found in balanced units ([`balance`]); slaves are chosen and
-//! reductions computed in units near those of the user.
+//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. The columns of a component
+//! are scaled only if equilibration would change a column with several coefficients by more than `2^10`. The rank of a block is found in
+//! balanced units ([`balance`]); slaves are chosen and reductions computed in units near those of the user.
 
 mod balance;
 mod laplacian;
@@ -78,8 +78,8 @@ pub(crate) fn balanced_rows(system: LocalSystem, is_marked: impl Fn(usize) -> bo
     units
 }
 
-/// Calls `job` with each equation of the components that contain a marked one, and with its free coefficients in balanced units, as powers
-/// of two.
+/// Calls `job` with each equation of the components that contain a marked one, and with the base-2 logarithms of its free coefficients in
+/// balanced units.
 pub(crate) fn balanced_powers(
     system: LocalSystem,
     is_marked: impl Fn(usize) -> bool,
@@ -90,7 +90,7 @@ pub(crate) fn balanced_powers(
     }
 }
 
-/// Exponents of the columns; empty if all are 0. Only components with an equation for which `spans_much` is true are scaled.
+/// Exponents of the columns; empty if no component is scaled. Only components with an equation for which `spans_much` is true can be.
 fn units(
     system: LocalSystem,
     spans_much: impl Fn(usize) -> bool,

@@ -10,8 +10,8 @@ use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::{Dof, Model};
 
-/// A rotation is free if the determinant of [`Gram`] is at most this part of the product of its diagonal. Rounding of the coefficients and
-/// of the six products leaves about a hundred units in the last place, a quarter of this limit.
+/// A rotation is free if the determinant of [`Gram`] is at most this fraction of the product of its diagonal. Rounding of the coefficients
+/// and of the six products leaves about a hundred units in the last place, a quarter of this limit.
 const FREE: f64 = 1e-13;
 
 /// A rigid body or a kinematic coupling, with file and line of its card.

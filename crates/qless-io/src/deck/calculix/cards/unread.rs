@@ -19,11 +19,11 @@ const UNREAD: [(&str, &str); 10] = [
     ("*CONTACTPAIR", "*CONTACT PAIR, TIED"),
 ];
 
-/// Keywords of cards that constrain, and are long enough to be told from others if one letter is wrong.
+/// Keywords of cards that constrain. They are so long that a keyword which differs in one letter is probably a misspelling.
 const READ: [&str; 7] =
     ["*BOUNDARY", "*EQUATION", "*COUPLING", "*KINEMATIC", "*DISTRIBUTING", "*RIGIDBODY", "*KINEMATICCOUPLING"];
 
-/// Keywords of CalculiX and Abaqus with one letter more than one of [`READ`].
+/// Valid keywords that differ from one of [`READ`] by one additional letter: they are no misspellings.
 const OTHER: [&str; 2] = ["*BOUNDARYF", "*EQUATIONF"];
 
 /// Leaves out a card whose keyword differs by one letter from one that constrains; CalculiX ignores such a card with a warning.

@@ -50,7 +50,7 @@ pub fn nodal(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeani
     GroupMeaning::of_body(line, all.follow(all.named(line, 0)?, nodes))
 }
 
-/// The same, with a second line that holds the centre of mass.
+/// [`nodal`] with the option `_SPC`: a second line holds components of the centre of mass at zero.
 pub fn nodal_held(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let made = nodal(lines, all)?;
     let Some(line) = lines.get(1) else { return Ok(made) };
@@ -61,7 +61,7 @@ pub fn nodal_held(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<Group
     }
 }
 
-/// What a line `CMO, CON1, CON2` holds.
+/// The components of a centre of mass that a line `CMO, CON1, CON2` holds at zero.
 fn held_at_centre(line: &DynaLine) -> Result<Components, Gap> {
     match line.number(0)?.unwrap_or(0.0) {
         0.0 => Ok(Components::default()),
@@ -111,7 +111,7 @@ pub fn part(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeanin
     GroupMeaning::of_body(&lines[0], all.follow(body, all.mesh.nodes_of(part)?))
 }
 
-/// What a rigid material holds at the centres of its parts.
+/// The components that a rigid material holds at zero at the centres of mass of its parts.
 pub fn material(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let [first, second, ..] = lines else { return Ok(GroupMeaning::default()) };
     let (material, held) = (first.id(0)?, held_at_centre(second)?);

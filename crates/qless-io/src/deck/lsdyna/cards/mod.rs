@@ -47,12 +47,12 @@ impl GroupMeaning {
         Ok(Self { rows, number: Some(line.id(0)?), ..Self::default() })
     }
 
-    /// The same, for equations that hold for small rotations only.
+    /// [`Self::of_rows`] for equations that hold for small rotations only.
     pub fn of_body(line: &DynaLine, rows: Result<Vec<CouplingEquation>, Problem>) -> Result<Self, Gap> {
         Self::of_rows(line, rows).map(|made| Self { is_linearised: !made.rows.is_empty(), ..made })
     }
 
-    /// The same, with DOFs that are held at zero by another line.
+    /// Adds DOFs that `line` holds at zero.
     pub fn with_held(mut self, line: &DynaLine, dofs: impl IntoIterator<Item = Dof>) -> Self {
         let held = |dof| HeldDof { dof, value: 0.0, history: None, line: line.number };
         self.held.extend(dofs.into_iter().map(held));

@@ -7,8 +7,8 @@
 //!   _SET, _RIGID
 //! ```
 //!
-//! A curve is a time history. Its value at the end is not evaluated: SF counts as the value, so that motions of one curve are compared by
-//! their factors, and those of different curves are independent.
+//! A curve (LCID) is a time history. The reader does not evaluate it: the scale factor SF counts as the value at the end. Motions with the
+//! same curve are therefore compared by their factors, and motions with different curves are independent.
 
 use super::{GroupMeaning, HeldDof, coded, dofs};
 use crate::deck::kinematics::components::Components;
@@ -16,7 +16,7 @@ use crate::deck::lsdyna::model::bodies::DynaDefinitions;
 use crate::deck::lsdyna::model::mesh::Gap;
 use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, KeywordFault};
 
-/// Components that a node holds.
+/// Components of a node that its `*NODE` line holds at zero: TC and RC.
 pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let line = lines[0].laid_out(FieldLayout::Node);
     if line.field(4).is_empty() && line.field(5).is_empty() {
@@ -26,13 +26,13 @@ pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning,
     Ok(GroupMeaning::default().with_held(&line, dofs(vec![line.id(0)?], held)))
 }
 
-/// Components that a support of a node holds.
+/// Components that a support of a node holds at zero.
 pub fn node_support(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let nodes = all.mesh.node_list(false, &lines[0], 0)?;
     Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))
 }
 
-/// Components that a support of a node set holds.
+/// Components that a support of a node set holds at zero.
 pub fn set_support(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let nodes = all.mesh.node_list(true, &lines[0], 0)?;
     Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))

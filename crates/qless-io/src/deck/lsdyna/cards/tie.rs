@@ -17,8 +17,8 @@ use crate::deck::lsdyna::model::mesh::{DynaElement, DynaMesh, ElementKind, Gap, 
 use crate::deck::lsdyna::syntax::fields::DynaLine;
 use crate::deck::{Dof, Problem};
 
-/// A node is tied if its distance is at most the larger of these: a part of the shorter diagonal of the segment, and a part of the
-/// thicknesses (Keyword Manual, remarks on tied contact).
+/// A node is tied if its distance from the segment is at most `max(OF_DIAGONAL * d, OF_THICKNESS * t)`: d is the shorter diagonal of the
+/// segment, and t the sum of the thicknesses SST and MST (Keyword Manual, remarks on tied contact).
 const OF_DIAGONAL: f64 = 0.05;
 const OF_THICKNESS: f64 = 0.6;
 

@@ -15,7 +15,7 @@ const MOVES: &str = "moves nodes, and is not understood";
 const CHANGES: &str = "changes which parts are rigid, and is not understood";
 const ELSEWHERE: &str = "includes a file in a way that is not understood";
 
-/// Starts of keywords, the first match counts; without a reason, the card is no constraint.
+/// Starts of keywords, and why their cards are left out; the first match counts. An empty reason: the card is no constraint.
 const STARTS: [(&str, &str); 13] = [
     ("CONSTRAINED_JOINT_STIFFNESS", ""),
     ("CONSTRAINED_RIGID_BODY_STOPPERS", ""),

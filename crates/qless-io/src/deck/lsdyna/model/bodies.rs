@@ -1,8 +1,9 @@
 //! Rigid bodies: parts of a rigid material, and nodal rigid bodies.
 //!
 //! The motion of a body is that of a reference point, `u_k = u_r + w x (x_k - x_r)`, which the model has as a node of its own, `body 5` for
-//! part 5. Constraints of the body hold at its centre of mass. If the deck does not give the centre, any point serves as reference as long
-//! as no translation of the centre is held, or if all rotations are held.
+//! part 5. Values that cards prescribe for a body hold at its centre of mass. If the deck does not give the centre, the reference is
+//! another point. Translations can then be prescribed only if all rotations are held at zero, because then all points
+//! of the body move alike.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 

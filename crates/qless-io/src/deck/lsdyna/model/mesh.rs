@@ -48,7 +48,7 @@ pub enum Gap {
     Fault(KeywordFault),
     /// This reader does not read a definition that the constraint needs, or an option of its card; a clause for a message.
     Unread(String),
-    /// The same, and the lines that follow are not understood either.
+    /// As [`Gap::Unread`], and the following lines of the card are not understood either.
     UnreadFromHere(String),
 }
 

@@ -1,5 +1,5 @@
-//! Cards: a keyword line `*NAME_OPTION` and the lines below it, without comments (`$`). Here the cards of a deck and of its included
-//! files are collected, and the parameters.
+//! Collects the cards of a deck and of its included files, and the parameters. A card is a keyword line `*NAME_OPTION` and the lines below
+//! it, without comments (`$`).
 
 use std::sync::Arc;
 
@@ -68,8 +68,8 @@ impl DynaCards {
         Ok(cards)
     }
 
-    /// Reads a file at this depth of includes. `width` is the width of fields unless a keyword says otherwise; `*KEYWORD` sets it for the
-    /// including file and those below.
+    /// Reads a file at this depth of includes. `width` is the width of fields unless a keyword line sets another one for its card.
+    /// `*KEYWORD` changes `width` for the rest of the file and for the files that it includes.
     fn file(
         &mut self,
         sources: &mut Sources,

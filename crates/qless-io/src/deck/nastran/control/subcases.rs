@@ -64,8 +64,8 @@ struct Subcase {
 pub struct SubcaseLeaf {
     name: String,
     pub selection: CaseSelection,
-    /// Index of what holds the selection: 0 for the lines before the first subcase, then subcases and steps in the order of the
-    /// deck.
+    /// Index of the group of lines that can select sets for this leaf alone: 0 for the lines before the first subcase, then the
+    /// subcases and steps in the order of the deck.
     pub holder: usize,
 }
 
