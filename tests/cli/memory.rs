@@ -37,6 +37,10 @@ fn scenes() -> Vec<(&'static str, Place)> {
 
 /// `qless reduce scene -o out` with more arguments, within so many KiB of address space.
 fn within(place: &Place, kib: usize, arguments: &str) -> Run {
+    ended(limited(place, kib, arguments))
+}
+
+fn limited(place: &Place, kib: usize, arguments: &str) -> std::process::Output {
     let program = place.command(&format!("reduce scene -o out -q --form auto {arguments}"));
     let mut shell = Command::new("sh");
     shell
@@ -44,7 +48,7 @@ fn within(place: &Place, kib: usize, arguments: &str) -> Run {
         .arg(program.get_program())
         .args(program.get_args());
     shell.current_dir(place.path("")).stdin(Stdio::null());
-    ended(shell.output().expect("the shell starts"))
+    shell.output().expect("the shell starts")
 }
 
 fn ended(output: std::process::Output) -> Run {
@@ -88,6 +92,24 @@ fn within_any_address_space_a_run_is_done_or_says_what_it_needs() {
             counts[usize::from(is_done(place, &run, &what))] += 1;
         }
         assert!(counts[1] > 0, "{name}, {backend}: never enough");
+    }
+}
+
+/// Between a thread's stack and what it takes beside it, there is no limit that aborts the process: all limits of one stack, in steps that
+/// are smaller than what a thread takes.
+#[test]
+fn every_thread_has_all_that_it_needs_to_begin() {
+    let place = scene("equations");
+    let arguments = format!("--backend {}", BACKENDS[BACKENDS.len() - 1]);
+    let is_started = |mib: &usize| {
+        let code = limited(&place, mib << 10, &arguments).status.code();
+        matches!(code, Some(0 | 3))
+    };
+    let first = (40..200).find(is_started).expect("it starts in 200 MiB") + 1;
+    for kib in (first << 10..(first + 5) << 10).step_by(8) {
+        let run = ended(limited(&place, kib, &arguments));
+        let _ = std::fs::remove_dir_all(place.path("out"));
+        assert!(run.code == 0 || run.code == 3, "{kib} KiB: {}", run.err);
     }
 }
 

@@ -31,6 +31,16 @@ pub fn address_space_allowed() -> Option<usize> {
     (got == 0 && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur as usize)
 }
 
+/// Whether the system has this many bytes of address space in one piece.
+pub fn is_room_for(bytes: usize) -> bool {
+    // SAFETY: maps pages at an address that the system chooses, and unmaps the same pages. No code uses them.
+    unsafe {
+        let (private, nobody) = (libc::MAP_PRIVATE | libc::MAP_ANONYMOUS, libc::PROT_NONE);
+        let pages = libc::mmap(std::ptr::null_mut(), bytes, nobody, private, -1, 0);
+        pages != libc::MAP_FAILED && libc::munmap(pages, bytes) == 0
+    }
+}
+
 /// Bytes of memory of the machine.
 pub fn physical() -> usize {
     system_number(libc::_SC_PHYS_PAGES) * page()

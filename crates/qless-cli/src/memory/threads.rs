@@ -12,6 +12,9 @@ use super::system;
 /// Bytes of a thread's stack.
 const STACK: usize = 2 << 20;
 
+/// Bytes that a thread may take beside its stack when it begins: its alternative stack, at most 16 KiB, and one growth of the heap, 132 KiB.
+const BESIDE_STACK: usize = 256 << 10;
+
 /// Stacks may take this fraction of the address space: one eighth.
 const STACKS: usize = 8;
 
@@ -67,14 +70,17 @@ fn waiting() -> std::io::Result<(JoinHandle<()>, Sender<()>)> {
     Ok((thread, end))
 }
 
-/// Starts a thread and waits until it is about to run `work`. A new thread allocates memory first. If the caller went on at once, it could
-/// use up the memory meanwhile, and the process would abort.
+/// Starts a thread and waits until it is about to run `work`. A new thread maps an alternative stack for signals first, and the process
+/// aborts if it cannot. So there must be room for that before, and the caller must not take it meanwhile.
 ///
 /// # Errors
 /// The system provides no thread.
 pub fn begin(builder: Builder, work: impl FnOnce() + Send + 'static) -> std::io::Result<JoinHandle<()>> {
+    if !system::is_room_for(STACK + BESIDE_STACK) {
+        return Err(std::io::ErrorKind::OutOfMemory.into());
+    }
     let (runs, wait) = channel::<()>();
-    let thread = builder.spawn(move || {
+    let thread = builder.stack_size(STACK).spawn(move || {
         drop(runs);
         work();
     })?;
