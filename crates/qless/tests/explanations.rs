@@ -256,12 +256,15 @@ fn explanations_with_wide_coefficients_are_irreducible() {
     assert!(lengths.len() > 10_000, "{} explanations", lengths.len());
 }
 
-/// The sum of 160 equations, of which the last has a small factor: too long to be examined, and said to be so.
+/// The sum of 160 equations, of which the last has a small factor: too long to be examined, and said to be so. A nearly dependent component
+/// beside it changes nothing.
 #[test]
 fn a_long_explanation_with_small_factors_is_marked() {
     let n = 160;
     for (unit, is_irreducible) in [(1.0, true), (2_f64.powi(-27), false)] {
-        let mut builder = SystemBuilder::new(n + 2);
+        let mut builder = SystemBuilder::new(n + 4);
+        builder.equation([(n + 2, 1.0), (n + 3, 1.0)], 0.0);
+        builder.equation([(n + 2, 1.0), (n + 3, 1.0 + 2_f64.powi(-31))], 0.0);
         let row =
             |i: usize, factor: f64| [1.0, 4.0, 1.0].into_iter().enumerate().map(move |(k, a)| (i + k, a * factor));
         (0..n).for_each(|i| _ = builder.equation(row(i, 1.0), 0.0));
@@ -272,4 +275,31 @@ fn a_long_explanation_with_small_factors_is_marked() {
         let report = Report::new(&analysis, Report::TERMS);
         assert_eq!(report.dependent[0].certificate.is_irreducible, is_irreducible);
     }
+}
+
+/// Law of components: a nearly dependent component beside changes no bit of an explanation, and not whether it is examined.
+#[test]
+fn explanations_do_not_depend_on_other_components() {
+    let mut compared = 0;
+    for seed in 1..=1000 {
+        let alone = springs(seed);
+        let dofs = alone.units[1].len();
+        let mut both = springs(seed);
+        both.rows.push(vec![(dofs, 1 << 40), (dofs + 1, 1 << 40)]);
+        both.rows.push(vec![(dofs, 1 << 40), (dofs + 1, (1 << 40) + 512)]);
+        both.sides.extend([0, 0]);
+        both.units[0].extend([-40, -40]);
+        both.units[1].extend([0, 0]);
+        let [alone, both] = [alone, both].map(|model| analyse(&model.system(), &Options::default()).expect("small"));
+        assert!(both.confidence().distance < 1e-8 && both.kinds()[..alone.kinds().len()] == *alone.kinds());
+        for found in alone.dependent() {
+            assert_eq!(alone.explain(found.row), both.explain(found.row), "{seed}");
+            compared += 1;
+        }
+        for &(dof, _) in alone.generated() {
+            assert_eq!(alone.explain_fixed(dof).expect("factors"), both.explain_fixed(dof).expect("factors"), "{seed}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 4_000, "{compared}");
 }

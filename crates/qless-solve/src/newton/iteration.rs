@@ -12,6 +12,7 @@ use super::parts::Parts;
 use super::singular::second_order_directions;
 use super::solution::{NewtonIterate, NewtonOptions};
 use super::step::{StepGoal, StepLine};
+use crate::common::HALF_DIGITS;
 
 pub struct Iteration<'a> {
     set: &'a ConstraintSet,
@@ -192,36 +193,51 @@ impl<'a> Iteration<'a> {
         (short, analysis): (&[usize], &Analysis),
         step: usize,
     ) -> Result<(), NewtonError> {
-        let argument = |source| NewtonError::Argument { step, source };
-        // Powers of two, so that parts share analyses.
+        // Powers of two, so that parts share analyses. Smaller rows are left out already.
         let level = |part: usize| self.now.residuals[part].log2().ceil() as i32;
-        let levels: BTreeSet<i32> = short.iter().map(|&part| level(part)).filter(|level| *level < 0).collect();
-        let mut buffer = self.set.allocate();
+        let is_new = |level: &i32| *level < 0 && f64::from(*level).exp2() > HALF_DIGITS;
+        let levels: BTreeSet<i32> = short.iter().map(|&part| level(part)).filter(is_new).collect();
         for of in levels {
-            let tolerance = Tolerance::Relative(f64::from(of).exp2());
-            let options = Options { tolerance, ..self.options.analysis.clone() };
-            let coarse = linearise(self.now.place(self.set), self.prescribed, (step, &options))?;
-            let fewer = |part: &usize| {
-                let rows = &self.parts.list[*part].rows;
-                level(*part) == of && rows.iter().any(|&r| coarse.kinds()[r] != analysis.kinds()[r])
-            };
-            let parts: Vec<usize> = short.iter().copied().filter(fewer).collect();
-            if parts.is_empty() {
+            let parts: Vec<usize> = short.iter().copied().filter(|&part| level(part) == of).collect();
+            let Some((du, found)) = self.rough_step(line, (&parts, analysis), f64::from(of).exp2(), step)? else {
                 continue;
-            }
-            let motions = Motions::new(&coarse, &self.now.scales.units, step)?;
-            let du = motions.expand(&vec![0.0; motions.reduction.masters().len()]).map_err(argument)?;
-            let other = StepLine { du, ..*line };
-            let mut goals = vec![StepGoal::Done; lengths.len()];
-            parts.iter().for_each(|&part| goals[part] = StepGoal::Downhill);
-            let found = other.lengths(&goals, &mut buffer).map_err(argument)?;
-            let longer: Vec<usize> = parts.into_iter().filter(|&part| found[part] > lengths[part]).collect();
-            for part in longer {
-                lengths[part] = found[part];
-                self.parts.list[part].free.iter().for_each(|&j| line.du[j] = other.du[j]);
+            };
+            for part in parts {
+                if found[part] > lengths[part] {
+                    lengths[part] = found[part];
+                    self.parts.list[part].free.iter().for_each(|&j| line.du[j] = du[j]);
+                }
             }
         }
         Ok(())
+    }
+
+    /// The direction without rows that are independent by less than the tolerance, and its lengths in the given parts; 0 in parts where
+    /// these are the same rows. `None` if there is no such direction.
+    fn rough_step(
+        &self,
+        line: &StepLine,
+        (parts, analysis): (&[usize], &Analysis),
+        tolerance: f64,
+        step: usize,
+    ) -> Result<Option<(Vec<f64>, Vec<f64>)>, NewtonError> {
+        let argument = |source| NewtonError::Argument { step, source };
+        let options = Options { tolerance: Tolerance::Relative(tolerance), ..self.options.analysis.clone() };
+        let rough = linearise(self.now.place(self.set), self.prescribed, (step, &options))?;
+        let mut goals = vec![StepGoal::Done; self.states.len()];
+        for &part in parts {
+            if self.parts.list[part].rows.iter().any(|&r| rough.kinds()[r] != analysis.kinds()[r]) {
+                goals[part] = StepGoal::Downhill;
+            }
+        }
+        if goals.iter().all(|&goal| goal == StepGoal::Done) {
+            return Ok(None);
+        }
+        let Ok(motions) = Motions::new(&rough, &self.now.scales.units, step) else { return Ok(None) };
+        let du = motions.expand(&vec![0.0; motions.reduction.masters().len()]).map_err(argument)?;
+        let other = StepLine { du, ..*line };
+        let lengths = other.lengths(&goals, &mut self.set.allocate()).map_err(argument)?;
+        Ok(Some((other.du, lengths)))
     }
 
     /// Parts that do not move although they are not done count as settled, and so do those whose c does not fall.

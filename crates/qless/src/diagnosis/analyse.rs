@@ -283,6 +283,7 @@ impl Pipeline<'_> {
             || (reads_digits && dependent.iter().any(|d| self.agrees_as_typed(d, &pass.history)));
         let other = typed.or(elimination).or(differ.then_some(Doubt::Mismatch));
         let confidence = Confidence::of(distance, error, self.tolerance, other);
+        pass.distances = distances.iter().map(|core| (core.row, core.distance)).collect();
         if !pass.probe.immobile.is_empty() {
             pass.particular = generated::particular(&pass.kept(self.local, self.scaling));
         }
@@ -359,6 +360,7 @@ impl Pipeline<'_> {
             keys,
             probe: NullspaceProbe::default(),
             particular: Vec::new(),
+            distances: Vec::new(),
             presolve,
             started,
             presolved,

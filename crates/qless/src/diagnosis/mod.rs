@@ -25,6 +25,7 @@ use std::time::Duration;
 use crate::common::identity::Identity;
 use crate::factor::backend::BackendError;
 use crate::factor::block::Block;
+use crate::input::components::Labels;
 use crate::input::incidence::Incidence;
 use crate::input::numbering::Numbering;
 use crate::input::scale::Scaling;
@@ -136,6 +137,12 @@ pub struct Analysis {
     times: OnceLock<Vec<u32>>,
     /// The equations of each DOF, computed when an explanation needs them.
     pub(crate) incidence: OnceLock<Incidence>,
+    /// The components, found when an explanation or a repair needs them.
+    labels: OnceLock<Labels>,
+    /// One equation of each core of kept equations, and the distance of the core from dependence.
+    distances: Vec<(u32, f64)>,
+    /// The least distance of each component.
+    distance_of_label: OnceLock<Vec<f64>>,
     /// The basis, extended by the blocks: each block is solved for its slaves, and these relations become rows. The first call that needs
     /// them computes them.
     pub(crate) solved: OnceLock<Basis>,
@@ -233,6 +240,25 @@ impl Analysis {
     /// The dependent equation in this row, if there is one.
     pub(crate) fn dependent_of(&self, row: usize) -> Option<&Dependent> {
         self.dependent.binary_search_by_key(&row, |d| d.row).ok().map(|place| &self.dependent[place])
+    }
+
+    /// The component of each equation.
+    pub(crate) fn labels(&self) -> &Labels {
+        self.labels.get_or_init(|| Labels::of(self.numbering.view(&self.system, self.system.rhs())))
+    }
+
+    /// The distance of the kept equations in the component of a row from dependence.
+    pub(crate) fn distance_near(&self, row: usize) -> f64 {
+        if self.distances.is_empty() {
+            return 1.0;
+        }
+        let label = |row: usize| self.labels().of_row[row] as usize;
+        let least = self.distance_of_label.get_or_init(|| {
+            let mut least = vec![1.0_f64; self.labels().count];
+            self.distances.iter().for_each(|&(row, d)| least[label(row as usize)] = least[label(row as usize)].min(d));
+            least
+        });
+        least[label(row)]
     }
 
     pub(crate) fn independent(&self) -> Vec<bool> {

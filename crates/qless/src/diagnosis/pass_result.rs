@@ -37,6 +37,8 @@ pub struct PassResult {
     pub probe: NullspaceProbe,
     /// A solution of the kept equations by DOF, if some DOFs may be fixed.
     pub particular: Vec<f64>,
+    /// One equation of each core of kept equations, and the distance of the core from dependence.
+    pub distances: Vec<(u32, f64)>,
     pub presolve: PresolveStatistics,
     pub started: Instant,
     pub presolved: Instant,
@@ -138,6 +140,9 @@ impl PassResult {
             fixed: generated.dofs,
             times: OnceLock::new(),
             incidence: OnceLock::new(),
+            labels: OnceLock::new(),
+            distances: self.distances,
+            distance_of_label: OnceLock::new(),
             solved: OnceLock::new(),
             noise: Vec::new(),
             other: None,

@@ -190,7 +190,9 @@ impl Analysis {
         }
         let is_free = self.numbering.free.as_slice();
         let free = vector.iter().copied().filter(|&(j, _)| is_free[j as usize]);
-        Ok(explain(self.expressed(free)?, self.rounding()))
+        let terms = self.expressed(free)?;
+        let rounding = self.rounding(&terms);
+        Ok(explain(terms, rounding))
     }
 
     /// The explanation of a dependent equation and its cost in operations. Without `search`, the explanation is the certificate.
@@ -208,7 +210,8 @@ impl Analysis {
         let is_short = |short: &Explanation| short.members.len() <= SHORT;
         let certificate = (!short.as_ref().is_some_and(is_short)).then(|| {
             let (terms, error) = self.checked(dependent);
-            explain(terms, self.rounding(), Some(error))
+            let rounding = self.rounding(&terms);
+            explain(terms, rounding, Some(error))
         });
         let shortest = short.into_iter().chain(certificate).min_by_key(|found| found.members.len());
         (shortest.expect("one of both"), effort)
@@ -252,10 +255,10 @@ impl Analysis {
         free.peek().is_none() || free.any(|&(j, value)| left(j).abs() <= value.abs() / 2.0)
     }
 
-    /// A larger coefficient of a kept equation leaves more than the tolerance: changes of this size make the equations dependent. The
-    /// distance is an estimate within a factor of their number.
-    fn rounding(&self) -> f64 {
-        self.options.tolerance.value() / self.confidence.distance
+    /// A larger coefficient of a kept equation leaves more than the tolerance: changes of this size make the equations of its component
+    /// dependent. The distance is an estimate within a factor of their number.
+    fn rounding(&self, terms: &[CertificateTerm]) -> f64 {
+        self.options.tolerance.value() / terms.first().map_or(1.0, |term| self.distance_near(term.row))
     }
 
     /// The system with local DOFs.

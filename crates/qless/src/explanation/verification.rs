@@ -6,7 +6,6 @@ use std::cell::Cell;
 
 use super::changes::{Change, Number};
 use crate::factor::block::Block;
-use crate::input::components::Labels;
 use crate::input::incidence::Incidence;
 use crate::{Analysis, Effort, Kind, Options, analyse};
 
@@ -26,7 +25,6 @@ pub(super) struct ChangedSystem {
 /// Analyses changed systems.
 pub(super) struct Verification<'a> {
     analysis: &'a Analysis,
-    labels: Labels,
     options: Options,
     /// Number of equations that may still be analysed; those of blocks count by the operations of dense blocks.
     left: Cell<usize>,
@@ -34,10 +32,9 @@ pub(super) struct Verification<'a> {
 
 impl<'a> Verification<'a> {
     pub fn new(analysis: &'a Analysis) -> Self {
-        let labels = Labels::of(analysis.numbering.view(&analysis.system, analysis.system.rhs()));
         // More effort changes no verdict.
         let options = Options { effort: analysis.options.effort.min(Effort::Checked), ..analysis.options.clone() };
-        Self { analysis, labels, options, left: Cell::new(MOST_ANALYSED) }
+        Self { analysis, options, left: Cell::new(MOST_ANALYSED) }
     }
 
     /// Returns true if no more systems are analysed.
@@ -91,7 +88,7 @@ impl<'a> Verification<'a> {
             }
         }
         let mut concerned = vec![false; system.equations()];
-        self.labels.mark(&rows, &mut concerned);
+        self.analysis.labels().mark(&rows, &mut concerned);
         concerned
     }
 }
