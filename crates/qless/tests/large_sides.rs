@@ -109,11 +109,14 @@ fn a_stated_tolerance_decides_without_doubt() {
 /// numbers, so that d is exact. Beside `L = 1e15` rounded coefficients may hide d, and it counts as rounding.
 #[test]
 fn a_conflict_without_a_side_of_its_own_does_not_depend_on_other_components() {
+    let [mut systems, mut doubts] = [0; 2];
     for seed in 0..2_000 {
         let mut random = SplitMix64::new(seed);
         let mut number = |most: u64| (random.next() % most) as f64;
         let off = (seed % 2) as f64;
-        let mut row = || -> Vec<f64> { (0..4).map(|_| number(9) - 4.0).collect() };
+        // Solutions of rows of zeros and ones are exact after one correction, or two.
+        let most = [1, 4][seed as usize / 2 % 2];
+        let mut row = || -> Vec<f64> { (0..4).map(|_| number(1 + 2 * most) - most as f64).collect() };
         let (p, q, r) = (row(), row(), row());
         let sum: Vec<f64> = p.iter().zip(&q).map(|(p, q)| p + q).collect();
         let mut alone =
@@ -130,8 +133,12 @@ fn a_conflict_without_a_side_of_its_own_does_not_depend_on_other_components() {
         let (alone, both) = (analysed(&alone), analysed(&both));
         assert_eq!(alone.kinds(), &both.kinds()[..4], "{seed}");
         let is_right = conflicts(&alone) == seed as usize % 2;
-        assert!(is_right || alone.confidence().doubt.is_some(), "{seed}: {:?}", alone.kinds());
+        let is_doubted = alone.confidence().doubt.is_some();
+        assert!(is_right || (is_doubted && off > 0.0), "{seed}: {:?}", alone.kinds());
+        (systems, doubts) = (systems + 1, doubts + usize::from(is_doubted));
     }
+    println!("{systems} systems, {doubts} in doubt");
+    assert!(systems > 1_500 && doubts * 20 < systems, "{systems} systems, {doubts} in doubt");
 }
 
 /// `a u + e u_f = b; a u = b'` with a tiny e fixes u_f to `(b - b') / e`, which is exact here. Doubles lose all of its digits if the other

@@ -92,6 +92,9 @@ fn weights(keys: &RandomKeys, i: usize, number: f64) -> [f64; V] {
 }
 
 /// The largest `|C_k v|` that is more than the rounding of its terms.
+///
+/// v has an error of about `eps L / d` beside a side L. It could be taken for a size that excuses a mismatch of `eps L` only if `d` is below
+/// the tolerance, and then the rank is in doubt.
 fn size_above_rounding(system: LocalSystem, k: usize, v: &Slab<V>) -> f64 {
     let mut terms = [0.0_f64; V];
     system.row(k).for_each(|(j, a)| terms.iter_mut().zip(&v[j]).for_each(|(t, v)| *t = t.max((a * v).abs())));
