@@ -44,6 +44,12 @@ struct PartStatus {
     length: f64,
 }
 
+/// A direction, and its length in each part.
+struct Move {
+    du: Vec<f64>,
+    lengths: Vec<f64>,
+}
+
 impl<'a> Iteration<'a> {
     pub fn new(
         (set, parts): (&'a ConstraintSet, &'a Parts),
@@ -199,28 +205,27 @@ impl<'a> Iteration<'a> {
         let levels: BTreeSet<i32> = short.iter().map(|&part| level(part)).filter(is_new).collect();
         for of in levels {
             let parts: Vec<usize> = short.iter().copied().filter(|&part| level(part) == of).collect();
-            let Some((du, found)) = self.rough_step(line, (&parts, analysis), f64::from(of).exp2(), step)? else {
-                continue;
-            };
+            let found = self.rough_step(line, (&parts, analysis), f64::from(of).exp2(), step)?;
+            let Some(other) = found else { continue };
             for part in parts {
-                if found[part] > lengths[part] {
-                    lengths[part] = found[part];
-                    self.parts.list[part].free.iter().for_each(|&j| line.du[j] = du[j]);
+                if other.lengths[part] > lengths[part] {
+                    lengths[part] = other.lengths[part];
+                    self.parts.list[part].free.iter().for_each(|&j| line.du[j] = other.du[j]);
                 }
             }
         }
         Ok(())
     }
 
-    /// The direction without rows that are independent by less than the tolerance, and its lengths in the given parts; 0 in parts where
-    /// these are the same rows. `None` if there is no such direction.
+    /// The direction without rows that are independent by less than the tolerance; of length 0 in parts that keep the same rows or are not
+    /// among the given ones. `None` if there is no such direction.
     fn rough_step(
         &self,
         line: &StepLine,
         (parts, analysis): (&[usize], &Analysis),
         tolerance: f64,
         step: usize,
-    ) -> Result<Option<(Vec<f64>, Vec<f64>)>, NewtonError> {
+    ) -> Result<Option<Move>, NewtonError> {
         let argument = |source| NewtonError::Argument { step, source };
         let options = Options { tolerance: Tolerance::Relative(tolerance), ..self.options.analysis.clone() };
         let rough = linearise(self.now.place(self.set), self.prescribed, (step, &options))?;
@@ -237,7 +242,7 @@ impl<'a> Iteration<'a> {
         let du = motions.expand(&vec![0.0; motions.reduction.masters().len()]).map_err(argument)?;
         let other = StepLine { du, ..*line };
         let lengths = other.lengths(&goals, &mut self.set.allocate()).map_err(argument)?;
-        Ok(Some((other.du, lengths)))
+        Ok(Some(Move { du: other.du, lengths }))
     }
 
     /// Parts that do not move although they are not done count as settled, and so do those whose c does not fall.
