@@ -151,8 +151,9 @@ QLESS_API int qless_reason(const qless_analysis *analysis, int what, int64_t ind
                            int64_t *count);
 
 /* What to change so that no conflict is left. Conflicts that have numbers in common form a group and are cured together; each way of a
- * group cures all of them, the most plausible way comes first, and all have the same number of changes. At most 16 ways are listed, fewer if they take long to verify, none if
- * more than 64 conflicts have no single change that cures them. Without conflicts there is no group. */
+ * group cures all of them, the most plausible way comes first, and all have the same number of changes. At most 16 ways are listed, fewer
+ * if they take long to verify, and none if more than 64 conflicts have no single change that cures them. Without conflicts there is no
+ * group. */
 QLESS_API int qless_repairs(const qless_analysis *analysis, int64_t *groups);
 QLESS_API int qless_repair_sizes(const qless_analysis *analysis, int64_t group, int64_t *conflicts, int64_t *ways, int64_t *changes);
 QLESS_API int qless_repair_conflicts(const qless_analysis *analysis, int64_t group, int64_t *rows, int64_t length);
