@@ -1,13 +1,12 @@
 //! Newton's iteration of all parts: analyse, decide what each part needs, compute its direction, and move it by a length of its own.
 
-use std::collections::BTreeSet;
-
-use qless::{Analysis, ArgumentError, Kind, Options, SystemBuilder, Tolerance};
+use qless::{Analysis, ArgumentError, SystemBuilder};
 use qless_constraints::{ConstraintSet, Evaluation, shorten_rotation};
 
 use super::configuration::{Configuration, at_rest, in_roundings};
 use super::error::NewtonError;
-use super::linearisation::{Motions, dependent, linearise};
+use super::linearisation::{Motions, dependent, kept, linearise};
+use super::lower_rank::LowerRank;
 use super::parts::Parts;
 use super::singular::second_order_directions;
 use super::solution::{NewtonIterate, NewtonOptions};
@@ -152,7 +151,7 @@ impl<'a> Iteration<'a> {
         let argument = |source| NewtonError::Argument { step, source };
         let units = self.now.scales.units.clone();
         let motions = Motions::new(analysis, &units, step)?;
-        let mut du = motions.expand(&vec![0.0; motions.reduction.masters().len()]).map_err(argument)?;
+        let mut du = motions.step().map_err(argument)?;
         let mut exists = vec![true; self.states.len()];
         if !self.contradicted.is_empty() {
             let place = (self.set, self.parts, &mut self.now);
@@ -166,10 +165,11 @@ impl<'a> Iteration<'a> {
         let goals: Vec<StepGoal> = self.states.iter().map(|state| state.goal).collect();
         let (from, kept, tolerance) = (&self.now, &kept(analysis)[..], self.options.tolerance);
         let mut line = StepLine { set: self.set, parts: self.parts, from, kept, tolerance, du };
-        let mut lengths = line.lengths(&goals, &mut self.buffer).map_err(argument)?;
-        let is_short = |part: &usize| goals[*part] == StepGoal::Downhill && lengths[*part] < 1.0;
-        let short: Vec<usize> = (0..goals.len()).filter(is_short).collect();
-        self.lengthen(&mut line, &mut lengths, (&short, analysis), step)?;
+        let mut found = line.lengths(&goals, &mut self.buffer).map_err(argument)?;
+        let (prescribed, options) = (self.prescribed, &self.options.analysis);
+        let lower = LowerRank { prescribed, options, goals: &goals, step };
+        lower.improve(&mut line, &mut found, &mut self.buffer)?;
+        let lengths = found.lengths;
         let u = line.at(&lengths);
         for (part, &goal) in goals.iter().enumerate().filter(|(_, goal)| **goal != StepGoal::Done) {
             if goal == StepGoal::Out && !exists[part] {
@@ -179,49 +179,6 @@ impl<'a> Iteration<'a> {
             }
         }
         self.move_to(u, &lengths).map_err(argument)
-    }
-
-    /// Replaces the steps of some parts by those that ignore more rows, where these are longer.
-    ///
-    /// A step changes G by about the relative residual of the part. Rows that are independent by less determine nothing: off the solution,
-    /// redundant rows are independent by the square of the residual in places, and a step that satisfies them is far too long.
-    fn lengthen(
-        &self,
-        line: &mut StepLine,
-        lengths: &mut [f64],
-        (short, analysis): (&[usize], &Analysis),
-        step: usize,
-    ) -> Result<(), NewtonError> {
-        let argument = |source| NewtonError::Argument { step, source };
-        // Powers of two, so that parts share analyses.
-        let level = |part: usize| self.now.residuals[part].log2().ceil() as i32;
-        let levels: BTreeSet<i32> = short.iter().map(|&part| level(part)).filter(|level| *level < 0).collect();
-        let mut buffer = self.set.allocate();
-        for of in levels {
-            let tolerance = Tolerance::Relative(f64::from(of).exp2());
-            let options = Options { tolerance, ..self.options.analysis.clone() };
-            let coarse = linearise(self.now.place(self.set), self.prescribed, (step, &options))?;
-            let fewer = |part: &usize| {
-                let rows = &self.parts.list[*part].rows;
-                level(*part) == of && rows.iter().any(|&r| coarse.kinds()[r] != analysis.kinds()[r])
-            };
-            let parts: Vec<usize> = short.iter().copied().filter(fewer).collect();
-            if parts.is_empty() {
-                continue;
-            }
-            let motions = Motions::new(&coarse, &self.now.scales.units, step)?;
-            let du = motions.expand(&vec![0.0; motions.reduction.masters().len()]).map_err(argument)?;
-            let other = StepLine { du, ..*line };
-            let mut goals = vec![StepGoal::Done; lengths.len()];
-            parts.iter().for_each(|&part| goals[part] = StepGoal::Downhill);
-            let found = other.lengths(&goals, &mut buffer).map_err(argument)?;
-            let longer: Vec<usize> = parts.into_iter().filter(|&part| found[part] > lengths[part]).collect();
-            for part in longer {
-                lengths[part] = found[part];
-                self.parts.list[part].free.iter().for_each(|&j| line.du[j] = other.du[j]);
-            }
-        }
-        Ok(())
     }
 
     /// Parts that do not move although they are not done count as settled, and so do those whose c does not fall.
@@ -284,8 +241,4 @@ pub fn check_prescribed(set: &ConstraintSet, prescribed: &[(usize, f64)]) -> Res
     // A system has at least one DOF.
     let checked = if prescribed.is_empty() { Ok(()) } else { builder.build().map(drop) };
     checked.map_err(|source| NewtonError::System { step: 0, source: source.into() })
-}
-
-fn kept(analysis: &Analysis) -> Vec<bool> {
-    analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect()
 }

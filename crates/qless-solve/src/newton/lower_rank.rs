@@ -1,0 +1,121 @@
+//! Steps with a lower rank, for parts whose step reduces c slowly.
+//!
+//! At a distance d from a solution, rows of G that are redundant there may be independent by an amount of order d, in some places of order
+//! d^2. A step that satisfies them is then of order one: it leads away from the solution, or has to be cut. The step with the rank of the
+//! solution is of order d and converges quadratically.
+//!
+//! A step changes G, and what this change can make dependent determines nothing. Let e be the change relative to the largest entry of a row.
+//! With entries up to e taken as zero, the analysis finds the rank for the tolerance e. Rows that are redundant then are left out, and the
+//! others keep all their entries. e is not known before the step; it is at least about the relative residual of the part. So e is raised
+//! from there by factors of four until the rank falls.
+
+use qless::{Options, Tolerance};
+use qless_constraints::Evaluation;
+
+use super::error::NewtonError;
+use super::linearisation::{Motions, kept, linearise_above};
+use super::step::{StepGoal, StepLengths, StepLine};
+use crate::common::HALF_DIGITS;
+
+/// A step that leaves more of the merit function is slow. Where Newton's method is known to converge (Kantorovich's h is at most 1/2), a full
+/// step leaves at most h / 2 of c, and the merit function is the square of c.
+const SLOW: f64 = 1.0 / 16.0;
+
+/// How steps with a lower rank are found.
+pub struct LowerRank<'a> {
+    pub prescribed: &'a [(usize, f64)],
+    pub options: &'a Options,
+    pub goals: &'a [StepGoal],
+    pub step: usize,
+}
+
+impl LowerRank<'_> {
+    /// Replaces slow steps by those with a lower rank, where these are better.
+    pub fn improve(
+        &self,
+        line: &mut StepLine,
+        best: &mut StepLengths,
+        buffer: &mut Evaluation,
+    ) -> Result<(), NewtonError> {
+        // A part tries the same powers of four as it does alone.
+        let least = |part: usize| line.from.residuals[part].max(HALF_DIGITS);
+        let is_slow = |part: &usize| self.goals[*part] == StepGoal::Downhill && best.left[*part] > SLOW;
+        let mut open: Vec<usize> = (0..self.goals.len()).filter(is_slow).collect();
+        let first = open.iter().map(|&part| least(part)).fold(1.0, f64::min);
+        for e in (1..=(-0.5 * first.log2()) as i32).rev().map(|k| f64::from(-2 * k).exp2()) {
+            if !open.iter().any(|&part| least(part) <= e) {
+                continue;
+            }
+            let rows = self.independent(line, e)?;
+            let rank = |of: &[bool]| line.parts.fold(0, |rank, r| *rank += usize::from(of[r]));
+            let (full, lower) = (rank(line.kept), rank(&rows));
+            let falls = |part: &usize| least(*part) <= e && lower[*part] < full[*part];
+            let (tried, rest) = open.into_iter().partition::<Vec<usize>, _>(falls);
+            open = rest;
+            if !tried.is_empty() {
+                self.replace(line, best, (&rows, &tried), buffer)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Rows that are independent by more than e. Linear rows do not change.
+    fn independent(&self, line: &StepLine, e: f64) -> Result<Vec<bool>, NewtonError> {
+        let (g, units, linear) = (line.from.evaluation.g(), &line.from.scales.units, line.set.linear_rows());
+        let largest = |r: usize| g.row(r).map(|(j, v)| (v * units[j]).abs()).fold(0.0, f64::max);
+        let floors = (0..g.rows()).map(|r| if linear.contains(&r) { 0.0 } else { e * largest(r) }).collect();
+        let options = Options { tolerance: Tolerance::Relative(e), ..self.options.clone() };
+        Ok(kept(&linearise_above(floors, line.from.place(line.set), self.prescribed, (self.step, &options))?))
+    }
+
+    /// Replaces the steps of the parts `tried` by those that satisfy only `rows`, where these leave less of c.
+    ///
+    /// They must not be slow, unless they are full and the others were cut. Rows that are left out may be needed although G nearly loses
+    /// rank, as at a double root, where each full step leaves a quarter of c. So a full step is replaced only if the other one leaves no more
+    /// of these rows either.
+    fn replace(
+        &self,
+        line: &mut StepLine,
+        best: &mut StepLengths,
+        (rows, tried): (&[bool], &[usize]),
+        buffer: &mut Evaluation,
+    ) -> Result<(), NewtonError> {
+        let argument = |source| NewtonError::Argument { step: self.step, source };
+        let ignored = |c: &[f64]| {
+            let is_ignored = |r: usize| line.kept[r] && !rows[r];
+            let size = |r: usize| if is_ignored(r) { (line.from.scales.weights[r] * c[r]).powi(2) } else { 0.0 };
+            line.parts.fold(0.0, |sum: &mut f64, r| *sum += size(r))
+        };
+        line.set.evaluate(&line.at(&best.lengths), buffer).map_err(argument)?;
+        let before = ignored(buffer.c());
+        let mut goals = vec![StepGoal::Done; self.goals.len()];
+        tried.iter().for_each(|&part| goals[part] = StepGoal::Downhill);
+        let other = StepLine { du: self.step_of(line, rows)?, ..*line };
+        let found = other.lengths(&goals, buffer).map_err(argument)?;
+        line.set.evaluate(&other.at(&found.lengths), buffer).map_err(argument)?;
+        let after = ignored(buffer.c());
+        for &part in tried {
+            let is_fast = found.left[part] <= SLOW;
+            let is_better = if best.lengths[part] < 1.0 {
+                is_fast || found.lengths[part] == 1.0
+            } else {
+                is_fast && after[part] <= before[part]
+            };
+            if is_better && found.left[part] < best.left[part] {
+                (best.lengths[part], best.left[part]) = (found.lengths[part], found.left[part]);
+                line.parts.list[part].free.iter().for_each(|&j| line.du[j] = other.du[j]);
+            }
+        }
+        Ok(())
+    }
+
+    /// The step that satisfies only `rows`.
+    fn step_of(&self, line: &StepLine, rows: &[bool]) -> Result<Vec<f64>, NewtonError> {
+        let floors = rows.iter().map(|&row| if row { 0.0 } else { f64::MAX }).collect();
+        let options = Options { tolerance: Tolerance::Relative(HALF_DIGITS), ..self.options.clone() };
+        let place = line.from.place(line.set);
+        let analysis = linearise_above(floors, place, self.prescribed, (self.step, &options))?;
+        let motions = Motions::new(&analysis, &line.from.scales.units, self.step)?;
+        motions.step().map_err(|source| NewtonError::Argument { step: self.step, source })
+    }
+}
