@@ -7,7 +7,7 @@
 //! A step changes G, and what this change can make dependent determines nothing. Let e be the change relative to the largest entry of a row.
 //! With entries up to e taken as zero, the analysis finds the rank for the tolerance e. Rows that are redundant then are left out, and the
 //! others keep all their entries. e is not known before the step; it is at least about the relative residual of the part. So e is raised
-//! from there by factors of four until the rank falls.
+//! from there by factors of four until the rank falls, unless it does not even fall for the largest.
 
 use qless::{Options, Tolerance};
 use qless_constraints::Evaluation;
@@ -37,19 +37,28 @@ impl LowerRank<'_> {
         best: &mut StepLengths,
         buffer: &mut Evaluation,
     ) -> Result<(), NewtonError> {
-        // A part tries the same powers of four as it does alone.
-        let least = |part: usize| line.from.residuals[part].max(HALF_DIGITS);
-        let is_slow = |part: &usize| self.goals[*part] == StepGoal::Downhill && best.left[*part] > SLOW;
+        let from = line.from;
+        let residual = |part: usize| from.residuals[part];
+        // Nearer to a solution, the analysis itself leaves out such rows.
+        let may_fall = |part: usize| residual(part) > HALF_DIGITS && best.left[part] > SLOW;
+        let is_slow = |part: &usize| self.goals[*part] == StepGoal::Downhill && may_fall(*part);
         let mut open: Vec<usize> = (0..self.goals.len()).filter(is_slow).collect();
-        let first = open.iter().map(|&part| least(part)).fold(1.0, f64::min);
+        if open.is_empty() {
+            return Ok(());
+        }
+        let parts = line.parts;
+        let rank = |of: &[bool]| parts.fold(0, |rank, r| *rank += usize::from(of[r]));
+        let (full, lowest) = (rank(line.kept), rank(&self.independent(line, 0.25)?));
+        open.retain(|&part| lowest[part] < full[part]);
+        // A part tries the same powers of four as it does alone.
+        let first = open.iter().map(|&part| residual(part)).fold(1.0, f64::min);
         for e in (1..=(-0.5 * first.log2()) as i32).rev().map(|k| f64::from(-2 * k).exp2()) {
-            if !open.iter().any(|&part| least(part) <= e) {
+            if !open.iter().any(|&part| residual(part) <= e) {
                 continue;
             }
             let rows = self.independent(line, e)?;
-            let rank = |of: &[bool]| line.parts.fold(0, |rank, r| *rank += usize::from(of[r]));
-            let (full, lower) = (rank(line.kept), rank(&rows));
-            let falls = |part: &usize| least(*part) <= e && lower[*part] < full[*part];
+            let lower = rank(&rows);
+            let falls = |part: &usize| residual(*part) <= e && lower[*part] < full[*part];
             let (tried, rest) = open.into_iter().partition::<Vec<usize>, _>(falls);
             open = rest;
             if !tried.is_empty() {
