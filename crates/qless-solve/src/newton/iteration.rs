@@ -1,18 +1,16 @@
 //! Newton's iteration of all parts: analyse, decide what each part needs, compute its direction, and move it by a length of its own.
 
-use std::collections::BTreeSet;
-
-use qless::{Analysis, ArgumentError, Kind, Options, SystemBuilder, Tolerance};
+use qless::{Analysis, ArgumentError, SystemBuilder};
 use qless_constraints::{ConstraintSet, Evaluation, shorten_rotation};
 
 use super::configuration::{Configuration, at_rest, in_roundings};
 use super::error::NewtonError;
-use super::linearisation::{Motions, dependent, linearise};
+use super::linearisation::{Motions, dependent, kept, linearise};
+use super::lower_rank::LowerRank;
 use super::parts::Parts;
 use super::singular::second_order_directions;
 use super::solution::{NewtonIterate, NewtonOptions};
 use super::step::{StepGoal, StepLine};
-use crate::common::HALF_DIGITS;
 
 pub struct Iteration<'a> {
     set: &'a ConstraintSet,
@@ -42,12 +40,6 @@ struct PartStatus {
     settled: bool,
     /// Length of the last step, relative to du.
     length: f64,
-}
-
-/// A direction, and its length in each part.
-struct Move {
-    du: Vec<f64>,
-    lengths: Vec<f64>,
 }
 
 impl<'a> Iteration<'a> {
@@ -158,13 +150,14 @@ impl<'a> Iteration<'a> {
     fn advance(&mut self, analysis: &Analysis, step: usize) -> Result<(), NewtonError> {
         let argument = |source| NewtonError::Argument { step, source };
         let units = self.now.scales.units.clone();
-        let motions = Motions::new(analysis, &units, step)?;
-        let mut du = motions.expand(&vec![0.0; motions.reduction.masters().len()]).map_err(argument)?;
+        let motions = Motions::new(analysis, &units, step);
+        // Equations that are nearly dependent may have no accurate T. A step with a lower rank is tried then.
+        let mut du = motions.as_ref().map_or_else(|_| Ok(vec![0.0; units.len()]), Motions::step).map_err(argument)?;
         let mut exists = vec![true; self.states.len()];
         if !self.contradicted.is_empty() {
-            let place = (self.set, self.parts, &mut self.now);
+            let (place, motions) = ((self.set, self.parts, &mut self.now), motions.as_ref().map_err(Clone::clone)?);
             let (out, found) =
-                second_order_directions(place, (&self.contradicted, analysis), &motions).map_err(argument)?;
+                second_order_directions(place, (&self.contradicted, analysis), motions).map_err(argument)?;
             let goes_out =
                 |j: &usize| self.parts.of_dof(*j).is_some_and(|part| self.states[part].goal == StepGoal::Out);
             (0..du.len()).filter(goes_out).for_each(|j| du[j] = out[j]);
@@ -173,10 +166,14 @@ impl<'a> Iteration<'a> {
         let goals: Vec<StepGoal> = self.states.iter().map(|state| state.goal).collect();
         let (from, kept, tolerance) = (&self.now, &kept(analysis)[..], self.options.tolerance);
         let mut line = StepLine { set: self.set, parts: self.parts, from, kept, tolerance, du };
-        let mut lengths = line.lengths(&goals, &mut self.buffer).map_err(argument)?;
-        let is_short = |part: &usize| goals[*part] == StepGoal::Downhill && lengths[*part] < 1.0;
-        let short: Vec<usize> = (0..goals.len()).filter(is_short).collect();
-        self.lengthen(&mut line, &mut lengths, (&short, analysis), step)?;
+        let mut found = line.lengths(&goals, &mut self.buffer).map_err(argument)?;
+        let (prescribed, options) = (self.prescribed, &self.options.analysis);
+        let lower = LowerRank { prescribed, options, goals: &goals, step };
+        lower.improve(&mut line, &mut found, &mut self.buffer)?;
+        let lengths = found.lengths;
+        if lengths.iter().all(|&length| length == 0.0) {
+            motions?;
+        }
         let u = line.at(&lengths);
         for (part, &goal) in goals.iter().enumerate().filter(|(_, goal)| **goal != StepGoal::Done) {
             if goal == StepGoal::Out && !exists[part] {
@@ -186,63 +183,6 @@ impl<'a> Iteration<'a> {
             }
         }
         self.move_to(u, &lengths).map_err(argument)
-    }
-
-    /// Replaces the steps of some parts by those that ignore more rows, where these are longer.
-    ///
-    /// A step changes G by about the relative residual of the part. Rows that are independent by less determine nothing: off the solution,
-    /// redundant rows are independent by the square of the residual in places, and a step that satisfies them is far too long.
-    fn lengthen(
-        &self,
-        line: &mut StepLine,
-        lengths: &mut [f64],
-        (short, analysis): (&[usize], &Analysis),
-        step: usize,
-    ) -> Result<(), NewtonError> {
-        // Powers of two, so that parts share analyses. Smaller rows are left out already.
-        let level = |part: usize| self.now.residuals[part].log2().ceil() as i32;
-        let is_new = |level: &i32| *level < 0 && f64::from(*level).exp2() > HALF_DIGITS;
-        let levels: BTreeSet<i32> = short.iter().map(|&part| level(part)).filter(is_new).collect();
-        for of in levels {
-            let parts: Vec<usize> = short.iter().copied().filter(|&part| level(part) == of).collect();
-            let found = self.rough_step(line, (&parts, analysis), f64::from(of).exp2(), step)?;
-            let Some(other) = found else { continue };
-            for part in parts {
-                if other.lengths[part] > lengths[part] {
-                    lengths[part] = other.lengths[part];
-                    self.parts.list[part].free.iter().for_each(|&j| line.du[j] = other.du[j]);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The direction without rows that are independent by less than the tolerance; of length 0 in parts that keep the same rows or are not
-    /// among the given ones. `None` if there is no such direction.
-    fn rough_step(
-        &self,
-        line: &StepLine,
-        (parts, analysis): (&[usize], &Analysis),
-        tolerance: f64,
-        step: usize,
-    ) -> Result<Option<Move>, NewtonError> {
-        let argument = |source| NewtonError::Argument { step, source };
-        let options = Options { tolerance: Tolerance::Relative(tolerance), ..self.options.analysis.clone() };
-        let rough = linearise(self.now.place(self.set), self.prescribed, (step, &options))?;
-        let mut goals = vec![StepGoal::Done; self.states.len()];
-        for &part in parts {
-            if self.parts.list[part].rows.iter().any(|&r| rough.kinds()[r] != analysis.kinds()[r]) {
-                goals[part] = StepGoal::Downhill;
-            }
-        }
-        if goals.iter().all(|&goal| goal == StepGoal::Done) {
-            return Ok(None);
-        }
-        let Ok(motions) = Motions::new(&rough, &self.now.scales.units, step) else { return Ok(None) };
-        let du = motions.expand(&vec![0.0; motions.reduction.masters().len()]).map_err(argument)?;
-        let other = StepLine { du, ..*line };
-        let lengths = other.lengths(&goals, &mut self.set.allocate()).map_err(argument)?;
-        Ok(Some(Move { du: other.du, lengths }))
     }
 
     /// Parts that do not move although they are not done count as settled, and so do those whose c does not fall.
@@ -305,8 +245,4 @@ pub fn check_prescribed(set: &ConstraintSet, prescribed: &[(usize, f64)]) -> Res
     // A system has at least one DOF.
     let checked = if prescribed.is_empty() { Ok(()) } else { builder.build().map(drop) };
     checked.map_err(|source| NewtonError::System { step: 0, source: source.into() })
-}
-
-fn kept(analysis: &Analysis) -> Vec<bool> {
-    analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect()
 }

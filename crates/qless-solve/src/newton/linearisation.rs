@@ -3,7 +3,7 @@
 //! T is not needed for a step and would grow with the square of the length of a chain of bodies, so that it stays in factored form.
 //! Prescribed DOFs already have their values; their increments are zero.
 
-use qless::{Analysis, Form, Noise, Options, Reduction, Tolerance, analyse};
+use qless::{Analysis, Form, Kind, Noise, Options, Reduction, Tolerance, analyse};
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
 use super::error::NewtonError;
@@ -44,8 +44,28 @@ pub fn linearise(
     )
 }
 
+/// As [`linearise`], but entries of row r up to `floors[r]` in the units S are zero.
+pub fn linearise_above(
+    floors: Vec<f64>,
+    place: Place,
+    prescribed: &[(usize, f64)],
+    (step, options): (usize, &Options),
+) -> Result<Analysis, NewtonError> {
+    let noise = Noise::Floors { rhs: vec![0.0; floors.len()], coefficients: floors };
+    analyse_with(place, prescribed, (step, Options { growth: options.growth.max(GROWTH), noise, ..options.clone() }))
+}
+
 /// Analyses `G S y = -c` with the tolerance of the options; the prescribed DOFs do not move.
 pub fn analyse_rows(
+    place: Place,
+    prescribed: &[(usize, f64)],
+    (step, options): (usize, Options),
+) -> Result<Analysis, NewtonError> {
+    // The set has already left out entries within their rounding error, so no other number counts as noise.
+    analyse_with(place, prescribed, (step, Options { noise: Noise::None, ..options }))
+}
+
+fn analyse_with(
     Place { set, evaluation, rounding, units }: Place,
     prescribed: &[(usize, f64)],
     (step, options): (usize, Options),
@@ -53,8 +73,6 @@ pub fn analyse_rows(
     let still: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
     let system = set.linearised_in(units, evaluation, rounding, &still);
     let system = system.map_err(|source| NewtonError::System { step, source })?;
-    // The set has already left out entries within their rounding error, so no other number counts as noise.
-    let options = Options { noise: Noise::None, ..options };
     analyse(&system, &options).map_err(|source| NewtonError::Analysis { step, source })
 }
 
@@ -76,6 +94,11 @@ impl<'a> Motions<'a> {
         Ok(y.iter().zip(self.units).map(|(y, unit)| y * unit).collect())
     }
 
+    /// The step in which no master moves.
+    pub fn step(&self) -> Result<Vec<f64>, qless::ArgumentError> {
+        self.expand(&vec![0.0; self.reduction.masters().len()])
+    }
+
     /// Forces on the masters for forces f on all DOFs: `T^T (S f)_s + (S f)_q`, with the diagonal matrix S of the units.
     pub fn restrict(&self, f: &[f64]) -> Result<Vec<f64>, qless::ArgumentError> {
         let scaled = |&j: &usize| self.units[j] * f[j];
@@ -88,4 +111,9 @@ impl<'a> Motions<'a> {
 /// Equations that the analysis found to be redundant or conflicting.
 pub fn dependent(analysis: &Analysis) -> Vec<usize> {
     analysis.dependent().iter().map(|dependent| dependent.row).collect()
+}
+
+/// Whether each equation is independent.
+pub fn kept(analysis: &Analysis) -> Vec<bool> {
+    analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect()
 }

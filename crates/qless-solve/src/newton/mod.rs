@@ -6,8 +6,8 @@
 //!
 //! - Convergence is measured in roundings of c, so that the result has all digits that the model allows, in any unit.
 //! - A step is at most as long as a second-order model of c is valid along it.
-//! - If such a step is shorter than the full one, the step with a rank by the residual is tried too: rows that are independent by less than
-//!   the step changes G are left out. The longer of the two is taken.
+//! - If a step is shorter than the full one, or the equations are too nearly dependent for one, a step with a lower rank is tried: it leaves
+//!   out rows that are independent by less than a step changes G.
 //! - Connected parts are iterated together, each with its own step lengths, tolerance and termination. The result of a part does not depend
 //!   on other parts, to the last bit. Prescribed DOFs do not connect parts.
 //! - If G loses rank while c is nonzero (a dead centre), no first-order step exists. A second-order step may; see
@@ -18,6 +18,7 @@ mod error;
 mod iteration;
 mod lanczos;
 mod linearisation;
+mod lower_rank;
 mod parts;
 mod redundancy;
 mod scales;

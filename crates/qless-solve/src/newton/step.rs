@@ -43,6 +43,14 @@ pub struct StepLine<'a> {
 /// above rounding.
 const DECREASE: f64 = 1e-4;
 
+/// How far each part moves along du.
+pub struct StepLengths {
+    /// t, relative to du; 0 for parts that do not move.
+    pub lengths: Vec<f64>,
+    /// The fraction of the merit function that the step leaves: 0 if the kept equations then hold, 1 without a step.
+    pub left: Vec<f64>,
+}
+
 /// Result of a part at its trial point.
 #[derive(Clone)]
 struct TrialVerdict {
@@ -56,11 +64,13 @@ struct TrialVerdict {
 }
 
 impl StepLine<'_> {
-    /// The first acceptable t of each part from 1 downwards; 0 for parts that are done or find none that moves them.
-    pub fn lengths(&self, goals: &[StepGoal], buffer: &mut Evaluation) -> Result<Vec<f64>, ArgumentError> {
+    /// The first acceptable t of each part from 1 downwards, 0 for parts that are done or find none that moves them; and the fraction of the
+    /// merit function that it leaves.
+    pub fn lengths(&self, goals: &[StepGoal], buffer: &mut Evaluation) -> Result<StepLengths, ArgumentError> {
         let slope = times(self.from.evaluation.g(), &self.du);
         let mut open: Vec<bool> = goals.iter().map(|&goal| goal != StepGoal::Done).collect();
         let mut lengths: Vec<f64> = open.iter().map(|&open| if open { 1.0 } else { 0.0 }).collect();
+        let mut left = vec![1.0; open.len()];
         while open.contains(&true) {
             let u = self.at(&lengths);
             self.set.evaluate(&u, buffer)?;
@@ -71,13 +81,14 @@ impl StepLine<'_> {
                 let moves = self.parts.list[part].free.iter().any(|&j| u[j] != self.from.u[j]);
                 if verdict.trusted && (goals[part] == StepGoal::Out || falls || verdict.holds) {
                     open[part] = false;
+                    left[part] = if verdict.holds { 0.0 } else { verdict.now / verdict.model[0] };
                 } else {
                     let next = if verdict.trusted { lowest(&verdict.model, *t) } else { 0.25 * *t };
                     (*t, open[part]) = (if moves { next } else { 0.0 }, moves);
                 }
             }
         }
-        Ok(lengths)
+        Ok(StepLengths { lengths, left })
     }
 
     /// `u + t du`. Parts with t = 0 keep the bits of u.

@@ -55,10 +55,18 @@ pub fn parallelogram() -> Outcome<SetBuilder> {
     Ok(builder)
 }
 
-/// A closed ring of hinges `(point, axis)`. The first body is the ground; each other body has seven DOFs.
-pub fn ring(hinges: &[([f64; 3], [f64; 3])]) -> Outcome<SetBuilder> {
+/// A hinge: a point and an axis.
+pub type Hinge = ([f64; 3], [f64; 3]);
+
+/// A closed ring of hinges. The first body is the ground; each other body has seven DOFs.
+pub fn ring(hinges: &[Hinge]) -> Outcome<SetBuilder> {
+    ring_of(hinges, 7)
+}
+
+/// The same with bodies of seven DOFs, with Euler parameters, or of six, with rotation vectors.
+pub fn ring_of(hinges: &[Hinge], width: usize) -> Outcome<SetBuilder> {
     let bodies = hinges.len();
-    let mut builder = ConstraintSet::builder(7 * (bodies - 1));
+    let mut builder = ConstraintSet::builder(width * (bodies - 1));
     let body = |i: usize| {
         if i.is_multiple_of(bodies) {
             return Body::ground();
@@ -66,8 +74,12 @@ pub fn ring(hinges: &[([f64; 3], [f64; 3])]) -> Outcome<SetBuilder> {
         // Between its two hinges.
         let (p, q) = (hinges[i - 1].0, hinges[i % bodies].0);
         let at = std::array::from_fn(|k| f64::midpoint(p[k], q[k]));
-        let first = 7 * (i - 1);
-        Body::with_euler([first, first + 1, first + 2], at, [first + 3, first + 4, first + 5, first + 6])
+        let dofs = |from: usize| std::array::from_fn(|k| width * (i - 1) + from + k);
+        if width == 7 {
+            Body::with_euler(dofs(0), at, std::array::from_fn(|k| width * (i - 1) + 3 + k))
+        } else {
+            Body::with_vector(dofs(0), at, dofs(3))
+        }
     };
     for (i, &(at, axis)) in hinges.iter().enumerate() {
         builder.add(format!("hinge {}", i + 1), Revolute { a: body(i), b: body(i + 1), at, axis })?;

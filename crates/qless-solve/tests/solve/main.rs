@@ -8,6 +8,8 @@ mod branches;
 mod chains;
 /// Contact by an active set, compared with a quadratic program.
 mod contact;
+/// Steps of Newton's method near redundant loops, compared with dense Gauss-Newton.
+mod convergence;
 /// Slider-cranks at and near their dead centres, for rods of all lengths, in all units.
 mod dead_centres;
 /// Equilibria driven by motors.
