@@ -55,7 +55,7 @@ pub struct View<'a, P = usize, I = u32> {
     starts: &'a [P],
     index: &'a [I],
     base: usize,
-    /// Number of rows or columns, without entries, that follow those of `starts`.
+    /// Number of empty lines (rows or columns) that follow those of `starts`.
     empty: usize,
     pub(super) by_columns: bool,
     pub(super) storage: Storage,
@@ -77,7 +77,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         Self { base: 1, ..self }
     }
 
-    /// The same arrays, with this half of a symmetric matrix stored.
+    /// Declares that the arrays hold only this half of a symmetric matrix.
     pub fn storing(self, storage: Storage) -> Self {
         Self { storage, ..self }
     }
@@ -117,7 +117,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         })
     }
 
-    /// Which entries are stored.
+    /// Which entries of the matrix are stored.
     pub fn storage(&self) -> Storage {
         self.storage
     }
@@ -142,7 +142,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// # Errors
     /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::BadIndex`], [`SystemError::WrongHalf`].
     pub fn checked(self, n: usize) -> Result<Self, SystemError> {
-        // The arrays have one start more than lines.
+        // `starts` has one number more than there are lines.
         let Some(lines) = n.checked_sub(self.empty).filter(|lines| self.starts.len().checked_sub(1) == Some(*lines))
         else {
             let (found, expected) = (self.starts.len(), n.saturating_sub(self.empty).saturating_add(1));

@@ -39,7 +39,7 @@ impl Column {
         self.rows ^= row;
     }
 
-    /// Adds the rows that another part of the equations has for the same DOF.
+    /// Adds the rows of the other half of the equations that contain the same DOF.
     #[inline]
     fn join(&mut self, other: Self) {
         self.count += other.count;

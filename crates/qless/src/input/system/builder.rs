@@ -22,7 +22,7 @@ pub struct SystemBuilder {
 }
 
 impl SystemBuilder {
-    /// No equations yet, on DOFs `0..dofs`.
+    /// A builder without equations, on DOFs `0..dofs`.
     pub fn new(dofs: usize) -> Self {
         Self { dofs, start: vec![0], ..Self::default() }
     }
@@ -68,7 +68,7 @@ impl SystemBuilder {
         self.places.push((dof, place.into()));
     }
 
-    /// Names all DOFs, in order.
+    /// Sets the labels of all DOFs, in order.
     pub fn dof_labels(&mut self, labels: Vec<String>) {
         self.dof_labels = labels;
     }

@@ -166,7 +166,7 @@ impl Csr {
     /// [`SystemError::TooLarge`] if there are more columns than the library allows rows, or than memory allows.
     pub fn transpose(&self) -> Result<Self, SystemError> {
         fits("the number of columns", self.cols)?;
-        // The number of columns can be large without any stored data; the other sizes cannot.
+        // No stored data limit the number of columns, so memory for one number per column may not exist.
         let room = |_| SystemError::TooLarge { what: "the number of columns", found: self.cols };
         let (mut start, mut next) = (Vec::new(), Vec::new());
         start.try_reserve_exact(self.cols + 1).map_err(room)?;
@@ -175,7 +175,7 @@ impl Csr {
         Ok(self.transposed_with(start, next))
     }
 
-    /// [`Csr::transpose`] of a matrix whose columns are known to be few enough.
+    /// [`Csr::transpose`] without its check, for a matrix whose number of columns is known to be below the limit.
     #[must_use]
     pub(crate) fn transposed(&self) -> Self {
         self.transposed_with(vec![0; self.cols + 1], Vec::new())
@@ -220,12 +220,12 @@ impl Csr {
     }
 }
 
-/// Indices are 32-bit, and the library marks "none" with `u32::MAX`.
+/// Checks that a size fits 32-bit indices; `u32::MAX` itself marks a missing index.
 pub(super) fn fits(what: &'static str, found: usize) -> Result<(), SystemError> {
     if found < u32::MAX as usize { Ok(()) } else { Err(SystemError::TooLarge { what, found }) }
 }
 
-/// Checks starts of compressed rows or columns: they ascend from 0 to the number of entries, and there are as many values as indices.
+/// Checks the starts of compressed rows or columns: they ascend from 0 to the number of entries, and there are as many values as indices.
 pub(super) fn check_starts(start: &[usize], nnz: usize, values: usize) -> Result<(), SystemError> {
     if values != nnz {
         return Err(SystemError::WrongLength { what: "the list of values", found: values, expected: nnz });

@@ -81,7 +81,7 @@ pub enum SystemError {
     BadIndex {
         /// The place of the index in the list of indices.
         place: usize,
-        /// Rows and columns of the matrix.
+        /// Number of rows and of columns of the matrix.
         dofs: usize,
     },
     /// An entry lies in the half of a symmetric matrix that, according to the caller, is not stored.

@@ -1,4 +1,4 @@
-//! `C u = b` with some DOFs prescribed (Eq. 2, 20): the validated input of all other stages.
+//! `C u = b` with some DOFs prescribed (Eq. 2 and 20 of the paper): the validated input of all other stages.
 //!
 //! All numbers of a [`ConstraintSystem`] are finite, all indices are in range, and a row has each DOF at most once. Coefficients given for
 //! the same row and DOF are summed; a sum that cancels to rounding (a few units in the last place of its terms) is not stored.
@@ -141,7 +141,7 @@ impl ConstraintSystem {
         self
     }
 
-    /// A copy with the selected coefficients and right-hand sides; the others are zero. Labels are shared.
+    /// A copy with the selected coefficients and right-hand sides; all others become zero. Labels are shared.
     pub(crate) fn only(&self, entry: impl Fn(usize, usize) -> bool, side: impl Fn(usize) -> bool) -> Self {
         let Numbers { matrix, rhs, prescribed } = &*self.numbers;
         let mut some = Csr::empty(matrix.cols);
