@@ -68,13 +68,13 @@ pub(crate) const MORE_THAN_ROUNDING: f64 = 2.0;
 /// `sum entries = rhs` in scaled coefficients, with bounds of the rounding errors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkingRow {
-    /// Free and prescribed DOFs.
+    /// The terms of free and prescribed DOFs.
     pub entries: Vec<Entry>,
     /// Number of free DOFs among the entries.
     pub free: u32,
-    /// b.
+    /// The right-hand side b.
     pub rhs: f64,
-    /// `b - C_p u_p`, the largest term of this sum, and a bound of its rounding error.
+    /// `b - C_p u_p`. The next two fields are the largest term of this sum and a bound of its rounding error.
     pub effective: f64,
     pub effective_size: f64,
     pub effective_error: f64,

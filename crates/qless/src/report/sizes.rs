@@ -10,7 +10,7 @@ use crate::Form;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct InputSizes {
-    /// Equations.
+    /// Number of equations.
     pub rows: usize,
     /// All DOFs, including prescribed ones.
     pub dofs: usize,
@@ -70,7 +70,7 @@ pub struct ReductionSizes {
     pub growth: f64,
     /// The residual of the reduced form: [`crate::Analysis::residual`].
     pub residual: f64,
-    /// Entries of T and G.
+    /// Number of entries of T and G.
     pub nnz: usize,
     /// Number of exchanges of a slave and a master that kept the growth within the bound.
     pub exchanges: usize,
