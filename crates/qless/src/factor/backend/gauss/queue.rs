@@ -41,7 +41,7 @@ impl Queue {
         self.head.get(self.least).copied()
     }
 
-    /// The row waits with this length from now on.
+    /// Makes the row wait with this length.
     pub fn set(&mut self, row: u32, length: usize) {
         if self.length[row as usize] == length as u32 {
             return;
@@ -56,7 +56,7 @@ impl Queue {
         self.least = self.least.min(length);
     }
 
-    /// The row waits behind all others until its length is set again.
+    /// Makes the row wait behind all others until its length is set again.
     pub fn set_last(&mut self, row: u32) {
         self.set(row, self.head.len() - 1);
     }
@@ -65,7 +65,7 @@ impl Queue {
         self.length[row as usize] as usize == self.head.len() - 1
     }
 
-    /// The row no longer waits.
+    /// Removes the row from the queue, if it waits.
     pub fn remove(&mut self, row: u32) {
         if !self.waits(row) {
             return;

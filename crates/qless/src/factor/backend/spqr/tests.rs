@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A by columns, with its rank.
+/// A matrix A by columns, with its rank.
 struct Case {
     name: &'static str,
     columns: Csr,
