@@ -126,7 +126,7 @@ impl Analysis {
         terms.iter().copied().filter(|term| scaled(term) > part * largest).collect()
     }
 
-    /// The remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms, by free local DOF in ascending
+    /// What remains of a vector after its certificate is subtracted, and the sum of the sizes of all terms, by free local DOF in ascending
     /// order.
     pub(crate) fn parts(
         &self,
@@ -138,8 +138,8 @@ impl Analysis {
         sums
     }
 
-    /// The same for all local DOFs, prescribed ones too. The remainder is summed in twice the precision, so that a refinement uses its true
-    /// value. Time and memory depend on the terms only, not on the system: thousands of certificates are checked, one by one.
+    /// As [`Self::parts`], for all local DOFs, prescribed ones too. The remainder is summed in twice the precision, so that a refinement
+    /// uses its true value. Time and memory depend on the terms only, not on the system: thousands of certificates are checked, one by one.
     pub(crate) fn sums(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,

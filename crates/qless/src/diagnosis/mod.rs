@@ -141,7 +141,7 @@ pub struct Analysis {
     labels: OnceLock<Labels>,
     /// One equation of each core of kept equations, and the distance of the core from dependence.
     distances: Vec<(u32, f64)>,
-    /// The least distance of each component.
+    /// For each component, the least of the distances of its cores.
     distance_of_label: OnceLock<Vec<f64>>,
     /// The basis, extended by the blocks: each block is solved for its slaves, and these relations become rows. The first call that needs
     /// them computes them.

@@ -2,7 +2,7 @@
 
 use crate::input::reading::Number;
 
-/// Arithmetic on residues. Zero is stored as 0; other stored values have a meaning only within this type.
+/// Arithmetic on residues modulo p. Zero is stored as 0; other stored values have a meaning only within this type.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnosis) struct Field {
     p: u64,
@@ -10,13 +10,13 @@ pub(in crate::diagnosis) struct Field {
     inverse: u64,
     /// `2^128 mod p`.
     square: u64,
-    /// `1/2` and `1/10`.
+    /// The residue of 1/2. The next field is that of 1/10.
     half: u64,
     tenth: u64,
 }
 
 impl Field {
-    /// For an odd p below 2^62. Inverses need a prime; all else holds for every odd p.
+    /// The residues modulo an odd p below 2^62. Inverses need a prime; all else holds for every odd p.
     pub(in crate::diagnosis) fn new(p: u64) -> Self {
         debug_assert!(p % 2 == 1 && p < 1 << 62);
         // Newton's step doubles the number of correct bits: 3, 6, 12, 24, 48, 96.
@@ -102,7 +102,7 @@ mod tests {
         drawn.chain([(1 << 61) - 1, (1 << 61) - 31, 11, 13]).map(Field::new).collect()
     }
 
-    /// Whole numbers of up to 60 bits.
+    /// Random whole numbers of up to 60 bits.
     fn numbers(seed: u64, count: usize) -> Vec<u64> {
         randoms(seed).map(|x| (x * (1_u64 << 60) as f64) as u64).take(count).collect()
     }

@@ -9,7 +9,7 @@ use crate::common::DisjointSets;
 use crate::input::reading::Number;
 use crate::{ConstraintSystem, Csr};
 
-/// See [`super::rank()`].
+/// Computes the exact rank of [`super::rank()`].
 pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<ExactRank, ExactError> {
     let mut free = vec![true; system.dofs()];
     system.prescribed().iter().for_each(|&(dof, _)| free[dof] = false);

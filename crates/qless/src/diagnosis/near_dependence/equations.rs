@@ -14,7 +14,7 @@ pub(super) struct ScaledEquations {
 }
 
 impl ScaledEquations {
-    /// `number` has an entry for each DOF; no DOF of these rows belongs to another part.
+    /// Scales rows and numbers their DOFs. `number` has an entry for each DOF of the system; no DOF of these rows belongs to another part.
     pub fn new(system: LocalSystem, rows: Vec<u32>, scaling: &Scaling, number: &mut [u32]) -> Self {
         let mut entries = Vec::new();
         let (mut starts, mut exponents) = (vec![0], Vec::new());

@@ -10,10 +10,10 @@ const WEAK: f64 = 3e4;
 /// this. Below this limit, enough of the sixteen digits of a double remain for a tolerance of 1e-10.
 const FAR: f64 = 1e5;
 
-/// A sample that is within this factor of its limit is drawn again, with numbers that depend on the component alone.
+/// A probe above this fraction of its limit is repeated with random numbers that depend on the component alone.
 const NEARLY: f64 = 0.1;
 
-/// Rows of `C_S^-1` up to this size need no closer estimate.
+/// If the rows of `C_S^-1` (C_S: the columns of the slaves) are no larger than this, they need no closer estimate.
 const HARMLESS: f64 = 8.0;
 
 /// The findings of a pass.

@@ -23,13 +23,13 @@ pub(crate) enum ProbeSample {
     Second,
 }
 
-/// Estimate of the rows of `C_S^-1`.
+/// How the rows of `C_S^-1` are estimated. C_S holds the columns of the slaves in the kept equations.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum InverseEstimate {
     /// Upper bound of the sum of magnitudes of each row, by substitution with the magnitudes of all coefficients. It depends on the
     /// component alone, not on random numbers.
     Bound,
-    /// The value for random right-hand sides.
+    /// The value of each slave for random right-hand sides.
     Sample,
 }
 
@@ -125,7 +125,7 @@ pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: P
     states
 }
 
-/// By DOF, the power of two of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
+/// By DOF, the exponent of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
 fn exponents(system: LocalSystem, scaling: &Scaling) -> Vec<i32> {
     let mut most = vec![None; system.dofs()];
     for i in 0..system.equations() {
