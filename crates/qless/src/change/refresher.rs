@@ -109,7 +109,7 @@ impl Refresher {
         Ok(Self { analysis, pivots, solvers, exponents })
     }
 
-    /// The analysis.
+    /// The analysis that was given to [`Refresher::new`].
     pub fn analysis(&self) -> &Arc<Analysis> {
         &self.analysis
     }
@@ -202,7 +202,7 @@ impl Refresher {
         constants
     }
 
-    /// u in local numbers; masters are zero, prescribed DOFs are zero or have the given values.
+    /// Computes u in local numbers. Masters are zero; prescribed DOFs are zero or have the given values.
     fn complete(&self, replay: &Replay, prescribed: Option<&[f64]>) -> Vec<f64> {
         let (basis, local) = (&self.analysis.basis, self.local());
         let mut u = vec![0.0; local.dofs()];

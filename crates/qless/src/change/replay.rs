@@ -34,7 +34,7 @@ impl RowRhs {
 pub struct Replay<'a> {
     analysis: &'a Analysis,
     local: LocalSystem<'a>,
-    /// The user's b.
+    /// The user's right-hand sides b.
     pub rhs: &'a [f64],
     /// Values of prescribed DOFs, in local numbers.
     values: Vec<f64>,

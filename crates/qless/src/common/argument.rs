@@ -74,7 +74,7 @@ pub enum ArgumentError {
     },
 }
 
-/// Checks a length.
+/// Checks the length of a list.
 pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<(), ArgumentError> {
     if found == expected { Ok(()) } else { Err(ArgumentError::WrongLength { what, found, expected }) }
 }

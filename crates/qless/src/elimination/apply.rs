@@ -42,7 +42,7 @@ impl Elimination {
         self.spread(masters, du, |_| 0.0)
     }
 
-    /// [`Elimination::expand_increment_into`] for many vectors, such as modes, one after the other in both lists.
+    /// [`Elimination::expand_increment_into`] for many vectors, such as modes. Both lists hold one vector after the other.
     ///
     /// # Errors
     /// As [`Elimination::expand_into`]; [`ArgumentError::WrongLength`] unless both lists hold the same number of vectors.
@@ -69,7 +69,7 @@ impl Elimination {
         fill(masters, "L^T f", |q| forces[places[q]] + sums[q])
     }
 
-    /// [`Elimination::restrict_into`] for many vectors, one after the other in both lists.
+    /// [`Elimination::restrict_into`] for many vectors. Both lists hold one vector after the other.
     ///
     /// # Errors
     /// As [`Elimination::expand_increments_into`].

@@ -69,7 +69,7 @@ pub struct Elimination {
     roles: Roles,
     /// Current values of the prescribed DOFs.
     prescribed_values: Vec<f64>,
-    /// None if the elimination was made from a reduction.
+    /// The equations; None if the elimination was made from a reduction.
     equations: Option<EliminationSource>,
 }
 
@@ -79,7 +79,7 @@ struct EliminationSource {
     /// Current right-hand sides.
     rhs: Vec<f64>,
     kinds: Vec<Kind>,
-    /// Created on first use.
+    /// The refresher, which is created on first use.
     refresher: OnceLock<Refresher>,
     multipliers: OnceLock<MultiplierFactors>,
 }

@@ -122,7 +122,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         self.storage
     }
 
-    /// Entries of line i.
+    /// The range of the entries of line i.
     #[inline]
     pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {
         match self.starts.get(i + 1) {

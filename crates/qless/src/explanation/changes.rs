@@ -16,7 +16,7 @@ pub enum Number {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Change {
-    /// The number.
+    /// The number that changes.
     pub number: Number,
     /// The present value of the number.
     pub from: f64,

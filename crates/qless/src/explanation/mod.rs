@@ -281,7 +281,7 @@ impl Analysis {
         }
     }
 
-    /// Largest difference of the right-hand side of an explanation from another number b that comes from equations that agree only to the
+    /// Largest difference between the right-hand side of an explanation and a number b that may be due to equations that agree only to the
     /// tolerance.
     fn side_error(&self, explanation: &Explanation, b: f64) -> f64 {
         let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);

@@ -62,7 +62,7 @@ pub enum Noise {
 }
 
 impl Noise {
-    /// Checks ranges and lengths.
+    /// Checks the range of every number and the length of every list.
     pub(crate) fn validate(&self, system: &ConstraintSystem) -> Result<(), OptionError> {
         let is_size = |x: f64| x >= 0.0 && x.is_finite();
         match self {

@@ -36,9 +36,9 @@ pub enum OptionError {
     /// A list of noise floors must have one number for each equation.
     #[error("a list of noise floors has {found} numbers; the system has {expected} equations")]
     Floors {
-        /// Numbers given.
+        /// How many numbers were given.
         found: usize,
-        /// Equations.
+        /// How many equations there are.
         expected: usize,
     },
     /// The bound of growth must be at least 1, because a smaller one cannot always be reached.
@@ -51,7 +51,7 @@ pub enum OptionError {
         what: &'static str,
         /// The number given, 0-based.
         found: usize,
-        /// How many there are.
+        /// How many DOFs or equations there are.
         count: usize,
     },
     /// A DOF cannot be preferred as a slave and excluded from being one.

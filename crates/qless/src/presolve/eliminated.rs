@@ -29,7 +29,7 @@ pub(crate) struct EmptiedRow {
     pub dropped: f64,
     /// [`WorkingRow::reach`] of this row.
     pub reach: f64,
-    /// `b - C_p u_p` of the row minus that of its certificate.
+    /// The right-hand side of the row (without prescribed terms) minus that of its certificate.
     pub mismatch: Mismatch,
 }
 
@@ -48,7 +48,7 @@ impl Mismatch {
         Self { value: row.effective, size: row.effective_size, error: row.effective_error }
     }
 
-    /// All three numbers times `2^exponent`.
+    /// Multiplies value, size and error by `2^exponent`.
     pub fn scaled(self, exponent: i32) -> Self {
         let Self { value, size, error } = self;
         Self { value: ldexp(value, exponent), size: ldexp(size, exponent), error: ldexp(error, exponent) }

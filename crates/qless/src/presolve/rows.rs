@@ -65,7 +65,7 @@ const NOISE: f64 = 16.0;
 /// A number above this many times its error bound is more than rounding.
 pub(crate) const MORE_THAN_ROUNDING: f64 = 2.0;
 
-/// `sum entries = rhs` in scaled coefficients, with bounds of the rounding errors.
+/// A row `sum entries = rhs` in scaled coefficients, with bounds of their rounding errors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkingRow {
     /// The terms of free and prescribed DOFs.
@@ -105,7 +105,7 @@ impl std::hash::Hasher for DofHasher {
 }
 
 impl WorkingRow {
-    /// `0 = rhs`, without terms.
+    /// A row without terms: `0 = rhs`.
     pub fn new(rhs: f64) -> Self {
         let error = f64::EPSILON * rhs.abs();
         Self { rhs, effective: rhs, effective_size: rhs.abs(), effective_error: error, reach: 1.0, ..Self::default() }

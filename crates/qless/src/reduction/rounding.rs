@@ -15,7 +15,7 @@ pub(super) fn zero(sigma: f64) -> f64 {
     (ZERO_UNITS * f64::EPSILON / sigma).clamp(NOISE, ZERO_LIMIT)
 }
 
-/// One choice of units for a block, as exponents of its DOFs and rows: the units of `matrix`, or balanced ones.
+/// One choice of units for a block, as exponents of its DOFs and rows: the units of the block's matrix, or balanced ones.
 struct Units<'a> {
     block: &'a Block,
     is_balanced: bool,
@@ -201,7 +201,7 @@ impl Cleaning<'_> {
     }
 }
 
-/// The rows of X, and which entries are marked.
+/// The rows of the relation X, and which of their entries are marked.
 type Entries<'a> = (&'a [Vec<(usize, f64)>], &'a Large);
 
 /// The place of a DOF in the relation.

@@ -135,7 +135,7 @@ pub enum Term {
 /// The omitted part of a certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Omitted {
-    /// Nothing: the JSON key is absent.
+    /// Nothing is omitted: the JSON key is absent.
     Nothing,
     /// All terms are omitted; the number is how many.
     Terms(usize),

@@ -143,7 +143,7 @@ pub struct Milliseconds {
     pub read: f64,
     /// Scaling and presolve.
     pub presolve: f64,
-    /// The backend.
+    /// Factorizations by the backend.
     pub factor: f64,
     /// Classification and generated boundary conditions.
     pub classify: f64,
@@ -159,7 +159,7 @@ pub(super) fn milliseconds(time: Duration) -> f64 {
 }
 
 impl BackendUsed {
-    /// Name and version as in [`backend::Backend`](crate::backend::Backend).
+    /// A backend with its name and version, as in [`backend::Backend`](crate::backend::Backend).
     pub fn new(name: &'static str, threads: usize, version: String) -> Self {
         Self { name, threads, version }
     }

@@ -6,9 +6,9 @@ use crate::input::reading::Number;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnosis) struct Field {
     p: u64,
-    /// `-1 / p mod 2^64`.
+    /// The constant `-1 / p mod 2^64` of Montgomery's multiplication.
     inverse: u64,
-    /// `2^128 mod p`.
+    /// The constant `2^128 mod p`, which converts numbers to stored residues.
     square: u64,
     /// The residue of 1/2. The next field is that of 1/10.
     half: u64,

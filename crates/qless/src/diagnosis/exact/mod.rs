@@ -1,4 +1,5 @@
-//! `rank C_f` and `rank [C_f | b - C_p u_p]` in exact arithmetic, modulo two primes drawn at random.
+//! `rank C_f` and `rank [C_f | b - C_p u_p]` in exact arithmetic, modulo two primes drawn at random. C_f and C_p are the columns of free
+//! and of prescribed DOFs.
 //!
 //! This rank has no tolerance: an equation is exactly a combination of others, or it is not. So exact arithmetic decides a rank that the
 //! floating-point analysis calls ambiguous, provided that the numbers are exact as given. Equations that were rounded before they were

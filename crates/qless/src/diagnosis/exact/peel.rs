@@ -5,7 +5,7 @@
 
 use crate::Csr;
 
-/// The remaining part of `C_f`, and the equations that were removed.
+/// What remains of `C_f` (the columns of free DOFs), and the equations that were removed.
 pub(super) struct Peeled {
     /// Equations with a DOF that occurs in no remaining equation: independent, whatever their coefficients are.
     pub(super) rows: Vec<u32>,

@@ -1,4 +1,4 @@
-//! The findings of a pass, and the limits above which a row or its slave is not reliable.
+//! The findings of a pass over the kept equations, and the limits above which a row or its slave is not reliable.
 
 /// If a slave moves more than this for masters of size 1, coefficients have grown during substitution: presolve's rows may have lost three
 /// digits or more.
@@ -16,7 +16,7 @@ const NEARLY: f64 = 0.1;
 /// If the rows of `C_S^-1` (C_S: the columns of the slaves) are no larger than this, they need no closer estimate.
 const HARMLESS: f64 = 8.0;
 
-/// The findings of a pass.
+/// The findings of a pass over the kept equations.
 #[derive(Default)]
 pub(crate) struct NullspaceProbe {
     /// Largest value of a slave for right-hand sides of size 1: a bound from the entries of `C_S^-1`, or a random sample. C_S holds the

@@ -103,8 +103,8 @@ impl ProbePass<'_> {
 pub struct State {
     /// The value of the DOF for the random masters; exactly zero if the terms of its row cancel to rounding.
     pub u: f64,
-    /// Its value in scaled units for random right-hand sides. It is 0 only for masters, prescribed DOFs, and slaves whose value is
-    /// not known yet.
+    /// The value of the DOF in scaled units for random right-hand sides. It is 0 only for masters, prescribed DOFs, and slaves whose value
+    /// is not known yet.
     pub w: f64,
 }
 

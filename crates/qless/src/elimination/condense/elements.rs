@@ -12,7 +12,7 @@ use crate::common::argument::{long, numbers, within};
 use crate::elimination::view::{Storage, View};
 use crate::elimination::{Elimination, EliminationError};
 
-/// A range of lines of K_q, with its entries of f_q.
+/// A range of lines (rows or columns) of K_q, with the entries of f_q that belong to it.
 struct LineRange<'a> {
     lines: Range<usize>,
     values: &'a mut [f64],

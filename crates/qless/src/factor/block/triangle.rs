@@ -40,7 +40,7 @@ pub(crate) struct Triangle {
     pub rows: Vec<usize>,
     /// Rows whose certificates the factor can compute: those asked for, then those left out as dependent.
     pub dropped: Vec<usize>,
-    /// Number of rows asked for.
+    /// Number of rows whose certificates were asked for.
     asked: usize,
 }
 
@@ -79,12 +79,12 @@ impl Triangle {
         self.asked == 0
     }
 
-    /// 2-norm of the remainder of each row asked for.
+    /// For each row whose certificate was asked for, the 2-norm of what remains of the row.
     pub fn rests(&self) -> &[f64] {
         &self.factor.rest[SEEDS.len()..]
     }
 
-    /// `y = R1^-1 Q^T c` for [`Triangle::dropped`], in the order of [`Triangle::rows`].
+    /// The certificates `y = R1^-1 Q^T c` of the rows c in [`Triangle::dropped`]; coefficients are in the order of [`Triangle::rows`].
     pub fn certificates(&self) -> Vec<Vec<f64>> {
         let r = self.factor.rank;
         let asked = self.factor.rhs[SEEDS.len() * r..].chunks(r.max(1));

@@ -116,7 +116,7 @@ impl<'a> LocalSystem<'a> {
         self.system.equations()
     }
 
-    /// Number of DOFs that occur.
+    /// Number of DOFs that occur in equations.
     pub fn dofs(self) -> usize {
         self.numbering.dofs.len()
     }

@@ -53,7 +53,7 @@ impl Tree {
         Self(found)
     }
 
-    /// The p with `L_T p = f`, zero at the root; `L_T` is the Laplacian of the tree alone.
+    /// The solution p of `L_T p = f`, zero at the root. `L_T` is the Laplacian of the tree alone.
     fn solve(&self, edges: &[Edge], f: &[f64]) -> Vec<f64> {
         let mut flow = f.to_vec();
         for &(node, parent, _) in self.0[1..].iter().rev() {
@@ -67,7 +67,7 @@ impl Tree {
     }
 }
 
-/// The p with `L p = f`, apart from a constant; f sums to zero.
+/// The solution p of `L p = f` with the Laplacian L, apart from a constant; f sums to zero.
 pub fn solve(edges: &[Edge], f: &[f64]) -> Vec<f64> {
     let tree = Tree::heaviest(f.len(), edges);
     let mut p = tree.solve(edges, f);

@@ -152,7 +152,7 @@ impl Csr {
         self.start.push(self.col.len());
     }
 
-    /// `A^T`, n x m, in O(m + n + nnz).
+    /// The transpose `A^T` (n x m), in O(m + n + nnz).
     ///
     /// ```
     /// use qless::Csr;
@@ -203,7 +203,7 @@ impl Csr {
         Self { cols: self.rows(), start, col, val }
     }
 
-    /// `A x`.
+    /// The product `A x`.
     ///
     /// # Errors
     /// [`SystemError::WrongLength`] unless x has length n.
@@ -214,7 +214,7 @@ impl Csr {
         Ok(self.product(x))
     }
 
-    /// `A x` for x of length n.
+    /// The product `A x` for x of length n, which is not checked.
     pub(crate) fn product(&self, x: &[f64]) -> Vec<f64> {
         (0..self.rows()).map(|i| self.row(i).map(|(j, v)| v * x[j]).sum()).collect()
     }

@@ -173,12 +173,12 @@ impl ConstraintSystem {
         self.dofs() - self.numbers.prescribed.len()
     }
 
-    /// C, m x n.
+    /// The matrix C of the equations, m x n.
     pub fn matrix(&self) -> &Csr {
         &self.numbers.matrix
     }
 
-    /// b, length m.
+    /// The right-hand sides b; length m.
     pub fn rhs(&self) -> &[f64] {
         &self.numbers.rhs
     }

@@ -30,7 +30,7 @@ impl BlockCertificate {
 
 /// Computes certificates of the rows that a block dropped.
 pub(crate) trait LateTerms: Debug + Send + Sync {
-    /// The terms for the k-th row, ascending.
+    /// The terms of the certificate of the k-th dropped row, ascending.
     fn terms(&self, k: usize) -> Vec<(u32, f64)>;
 }
 
@@ -44,8 +44,8 @@ pub(crate) struct BlockDependent {
     pub units: f64,
     /// What remains of the row after its certificate is subtracted, relative to the size of the row.
     pub dropped: f64,
-    /// `b - C_p u_p` of the row minus that of its certificate. While blocks with the same matrix are diagnosed together,
-    /// there is one for each of them.
+    /// The right-hand side of the row (without prescribed terms) minus that of its certificate. While blocks with the same matrix are
+    /// diagnosed together, there is one for each of them.
     pub mismatches: Vec<Mismatch>,
 }
 

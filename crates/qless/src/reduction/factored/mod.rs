@@ -41,7 +41,7 @@ pub struct FactoredBlock {
     rows: Vec<i32>,
 }
 
-/// `x_i <- 2^(sign exponents_i) x_i`.
+/// Multiplies each `x_i` by `2^(sign exponents_i)`.
 fn rescale(x: &mut [f64], exponents: &[i32], sign: i32) {
     x.iter_mut().zip(exponents).for_each(|(x, &e)| *x = ldexp(*x, sign * e));
 }
@@ -127,7 +127,7 @@ impl FactoredBlock {
         std::mem::replace(&mut self.rhs, new)
     }
 
-    /// Number of stored entries: of L, U, C_M and C_p.
+    /// Number of stored entries of the factors L and U and of the columns of masters and prescribed DOFs.
     pub fn nnz(&self) -> usize {
         self.solver.nnz() + self.of_masters.nnz() + self.of_prescribed.nnz()
     }

@@ -18,7 +18,7 @@ pub(super) struct Queue {
 }
 
 impl Queue {
-    /// Rows `0..rows` of at most `longest` entries, none of them waiting yet.
+    /// A queue for rows `0..rows` of at most `longest` entries; none of them waits yet.
     pub fn new(rows: usize, longest: usize, ledger: &mut Ledger) -> Result<Self, BackendError> {
         Ok(Self {
             head: ledger.filled(NONE, longest + 2)?,
@@ -33,7 +33,7 @@ impl Queue {
         self.length[row as usize] != NONE
     }
 
-    /// A shortest row, of these the one whose length changed last.
+    /// Among the shortest waiting rows, the one whose length changed last.
     pub fn first(&mut self) -> Option<u32> {
         while self.least < self.head.len() && self.head[self.least] == NONE {
             self.least += 1;
