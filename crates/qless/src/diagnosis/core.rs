@@ -10,7 +10,7 @@ use crate::input::numbering::LocalSystem;
 pub struct Core {
     /// The equations, ascending.
     pub rows: Vec<u32>,
-    /// By equation, its remaining DOFs and their coefficients.
+    /// For each equation, its remaining DOFs and their coefficients.
     pub entries: Vec<Vec<(u32, f64)>>,
 }
 
@@ -21,7 +21,7 @@ struct Peeling<'a> {
     rows: &'a [u32],
     stays: Vec<bool>,
     length: Vec<u32>,
-    /// By DOF, the places of its equations. The next two fields are the number of those that remain, and whether the DOF remains.
+    /// For each DOF, the places of its equations. The next two fields are the number of those that remain, and whether the DOF remains.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
     is_left: Vec<bool>,

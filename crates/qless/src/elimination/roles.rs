@@ -18,7 +18,7 @@ pub(super) struct Roles {
     pub constants: Vec<f64>,
     /// `T^T`: for each master the DOFs of the slaves whose rows contain it.
     pub of_masters: Csr,
-    /// By slave, true if it belongs to a factored part; empty if T is explicit.
+    /// For each slave, true if it belongs to a factored part; empty if T is explicit.
     factored: Vec<bool>,
 }
 

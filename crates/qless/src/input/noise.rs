@@ -54,9 +54,9 @@ pub enum Noise {
     /// The absolute error of each equation's coefficients and right-hand side is known. Coefficients within it are zero. A
     /// dependent equation that differs from its combination by no more than these errors causes no doubt.
     Floors {
-        /// By equation: coefficients up to this size are zero.
+        /// For each equation, the size up to which coefficients count as zero.
         coefficients: Vec<f64>,
-        /// By equation: the error of its right-hand side.
+        /// For each equation, the error of its right-hand side.
         rhs: Vec<f64>,
     },
 }
@@ -268,7 +268,7 @@ fn is_left_of(value: f64, most: f64) -> bool {
     multiple.fract() == 0.0 && !is_typed(value)
 }
 
-/// By equation, the error of its coefficients relative to the largest one; None if the option states no errors.
+/// For each equation, the error of its coefficients relative to the largest one; None if the option states no errors.
 pub(crate) fn relative_floors(system: LocalSystem, noise: &Noise) -> Option<Vec<f64>> {
     let largest = |i: usize| free(system, i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
     match noise {
@@ -280,7 +280,7 @@ pub(crate) fn relative_floors(system: LocalSystem, noise: &Noise) -> Option<Vec<
     }
 }
 
-/// By equation, the error of its right-hand side in scaled rows (row i times `2^of_row[i]`); None if the option states no errors.
+/// For each equation, the error of its right-hand side in scaled rows (row i times `2^of_row[i]`); None if the option states no errors.
 pub(crate) fn of_right_hand_sides(system: LocalSystem, of_row: &[i32], noise: &Noise) -> Option<Vec<f64>> {
     match noise {
         Noise::Auto | Noise::None => None,
@@ -304,7 +304,7 @@ fn largest_side(system: LocalSystem, of_row: &[i32]) -> f64 {
     most
 }
 
-/// By equation, `log2` of the largest mismatch that may be rounding: `2^-46` of the largest right-hand side or prescribed term of its
+/// For each equation, `log2` of the largest mismatch that may be rounding: `2^-46` of the largest right-hand side or prescribed term of its
 /// component. These are compared in balanced units; the result is in the user's units. NaN for an equation without free DOFs.
 pub(crate) fn rounding_of_sides(system: LocalSystem) -> Vec<f64> {
     let units = balanced_rows(system, |_| true);

@@ -66,8 +66,8 @@ pub(crate) fn gather(
     Ok(out)
 }
 
-/// By local DOF, the power of two that scales the largest coefficient of a prescribed DOF to about 1; 0 for free DOFs. It does not depend
-/// on the order of the equations. Empty if no DOF is prescribed.
+/// For each local DOF, the power of two that scales the largest coefficient of a prescribed DOF to about 1; 0 for free DOFs. It does not
+/// depend on the order of the equations. Empty if no DOF is prescribed.
 fn powers(system: LocalSystem, names: &[u32], scaling: &Scaling) -> Vec<i32> {
     if system.prescribed().is_empty() {
         return Vec::new();

@@ -15,13 +15,13 @@ pub(crate) struct ReductionInput<'a> {
     pub basis: &'a Basis,
     /// Bounds of the rows of T; infinite for rows that need substitution.
     pub bounds: &'a [f64],
-    /// By local DOF, true if it is fixed; empty if none is.
+    /// For each local DOF, true if it is fixed; empty if none is.
     pub fixed: Vec<bool>,
     pub preferences: SlavePreferences,
     /// The bound of growth.
     pub growth: f64,
     pub scaling: &'a Scaling,
-    /// By equation, true if it is independent.
+    /// For each equation, true if it is independent.
     pub independent: Vec<bool>,
     /// Bytes that a sparse factorization may allocate.
     pub memory: usize,

@@ -67,7 +67,7 @@ pub(super) struct Cleaning<'a> {
     pub is_small: bool,
 }
 
-/// By slave, whether each entry of its row is more than rounding.
+/// For each slave, whether each entry of its row is more than rounding.
 type Large = Vec<Vec<bool>>;
 
 impl Cleaning<'_> {

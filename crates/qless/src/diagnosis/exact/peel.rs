@@ -14,7 +14,7 @@ pub(super) struct Peeled {
     pub(super) fixing: Vec<(u32, u32)>,
     /// The remaining equations.
     pub(super) rest: Vec<u32>,
-    /// By DOF, true if it is still unknown: neither prescribed nor fixed.
+    /// For each DOF, true if it is still unknown: neither prescribed nor fixed.
     pub(super) unknown: Vec<bool>,
 }
 

@@ -69,8 +69,8 @@ impl NearCombination {
         self.distance <= limit && self.digits(part) >= LEAST_DIGITS
     }
 
-    /// By DOF: the difference d, its largest term and, if only one equation contains the DOF, the coefficient of the DOF relative to the
-    /// largest coefficient of that equation.
+    /// For each DOF, the difference d, its largest term and, if only one equation contains the DOF, the coefficient of the DOF relative to
+    /// the largest coefficient of that equation.
     fn rest(&self, part: &ScaledEquations) -> BTreeMap<usize, (f64, f64, Option<f64>)> {
         let mut rest: BTreeMap<usize, (f64, f64, Option<f64>)> = BTreeMap::new();
         let mut add = |row: usize, y: f64| {

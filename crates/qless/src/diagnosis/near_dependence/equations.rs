@@ -8,7 +8,7 @@ use crate::input::scale::{Scaling, exponent, ldexp};
 pub(super) struct ScaledEquations {
     /// For each row of `matrix`, its number in the user's system; ascending.
     pub rows: Vec<u32>,
-    /// By row, the exponent of the power of two that multiplies the row.
+    /// For each row, the exponent of the power of two that multiplies the row.
     pub exponents: Vec<i32>,
     pub matrix: Csr,
 }

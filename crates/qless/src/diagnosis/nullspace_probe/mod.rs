@@ -125,7 +125,7 @@ pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: P
     states
 }
 
-/// By DOF, the exponent of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
+/// For each DOF, the exponent of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
 fn exponents(system: LocalSystem, scaling: &Scaling) -> Vec<i32> {
     let mut most = vec![None; system.dofs()];
     for i in 0..system.equations() {

@@ -64,7 +64,7 @@ pub fn random_step_sides(history: &History, keys: &RandomKeys, seed: u64) -> Vec
     right
 }
 
-/// By step, an upper bound of the sum of magnitudes in its row of `L^-1`; L holds the factors of the elimination steps.
+/// For each step, an upper bound of the sum of magnitudes in its row of `L^-1`; L holds the factors of the elimination steps.
 pub fn sizes_of_inverse(history: &History) -> Vec<f64> {
     let mut bounds: Vec<f64> = Vec::with_capacity(history.steps.len());
     for &row in &history.steps {

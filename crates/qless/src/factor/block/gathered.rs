@@ -14,13 +14,13 @@ use crate::presolve::rows::{Entry, WorkingRow};
 pub(crate) struct Block {
     /// The rows, numbered as in `Eliminated::rows`.
     pub rows: Vec<u32>,
-    /// By row, the exponent of the power of two by which the block scales the row.
+    /// For each row, the exponent of the power of two by which the block scales the row.
     pub exponents: Vec<i32>,
     /// Free DOFs of the block, ascending; the columns of `matrix`.
     pub dofs: Vec<u32>,
-    /// By DOF, the exponent of its unit in `matrix`: balanced units until the kept rows are known, then 0.
+    /// For each DOF, the exponent of its unit in `matrix`: balanced units until the kept rows are known, then 0.
     pub units: Vec<i32>,
-    /// By DOF, the exponent of its balanced unit relative to its unit in `matrix`: 0 until [`Block::restore_units`].
+    /// For each DOF, the exponent of its balanced unit relative to its unit in `matrix`: 0 until [`Block::restore_units`].
     pub balanced: Vec<i32>,
     pub matrix: Csr,
     /// Prescribed DOFs of the block, ascending; the columns of `fixed`.
@@ -30,8 +30,8 @@ pub(crate) struct Block {
     /// `b - C_p u_p` (b minus the prescribed terms), scaled as the rows: first for this block, then for each other block with the same
     /// matrix that is diagnosed with it.
     pub effective: Vec<Vec<Mismatch>>,
-    /// By row, the largest [`Entry::certain_left`] of its free DOFs: the fraction of a coefficient's largest term that certainly remains
-    /// after cancellation. Coefficients that presolve dropped count too.
+    /// For each row, the largest [`Entry::certain_left`] of its free DOFs: the fraction of a coefficient's largest term that certainly
+    /// remains after cancellation. Coefficients that presolve dropped count too.
     pub certain: Vec<f64>,
     /// A random right-hand side, to which presolve was applied as to the rows.
     pub random: Vec<f64>,
@@ -166,7 +166,7 @@ impl Block {
 #[derive(Clone, Copy)]
 struct Given<'a> {
     rows: &'a [WorkingRow],
-    /// By DOF, its column in its block; `u32::MAX` for a DOF in no block, such as a prescribed one.
+    /// For each DOF, its column in its block; `u32::MAX` for a DOF in no block, such as a prescribed one.
     place: &'a [u32],
     random: &'a [f64],
     is_scaled: bool,

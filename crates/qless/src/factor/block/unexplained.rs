@@ -38,7 +38,7 @@ const ROUNDING: [f64; 3] = [0.0, 1e-13, 1e-11];
 struct Rest {
     left: Vec<f64>,
     size: Vec<f64>,
-    /// By DOF, true if one of the terms of its remainder is known to three digits.
+    /// For each DOF, true if one of the terms of its remainder is known to three digits.
     is_known: Vec<bool>,
     touched: Vec<usize>,
     /// Coefficients of certificates up to this fraction of the largest are not known to three digits.

@@ -63,8 +63,8 @@ impl Component {
         Self { rows, dofs, entries }
     }
 
-    /// By DOF, the power of two that multiplies its column to reach balanced units, relative to the median DOF, so that most are 0. None if
-    /// the powers differ by at most [`NEAR`]: the user's units then stay.
+    /// For each DOF, the power of two that multiplies its column to reach balanced units, relative to the median DOF, so that most are 0.
+    /// None if the powers differ by at most [`NEAR`]: the user's units then stay.
     pub fn units(&self) -> Option<Vec<i32>> {
         self.units_beyond(NEAR)
     }

@@ -68,7 +68,7 @@ pub(crate) fn balanced_where(system: LocalSystem, is_marked: impl Fn(usize) -> b
     scaling
 }
 
-/// By equation, the exponent of the factor that brings it to balanced units, up to a constant for each component. NaN for an equation
+/// For each equation, the exponent of the factor that brings it to balanced units, up to a constant for each component. NaN for an equation
 /// without free DOFs, and for components without a marked equation.
 pub(crate) fn balanced_rows(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut units = vec![f64::NAN; system.equations()];

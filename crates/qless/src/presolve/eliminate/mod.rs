@@ -70,15 +70,15 @@ struct LowFillElimination<'a> {
     out: Eliminated,
     state: Vec<EquationState>,
     is_free: &'a [bool],
-    /// By DOF, the rows that may contain it: an unsorted superset; `count` is exact.
+    /// For each DOF, the rows that may contain it: an unsorted superset; `count` is exact.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
-    /// By DOF, the largest product of coefficients along a path of substitutions from a slave to this DOF.
+    /// For each DOF, the largest product of coefficients along a path of substitutions from a slave to this DOF.
     path: Vec<f64>,
     /// Largest coefficient of a free DOF in each row; NaN if the row has changed since the value was computed.
     largest: Vec<f64>,
     short_rows: VecDeque<u32>,
-    /// By level, DOFs that occur in few rows; a DOF without an allowed pivot moves to the next level.
+    /// For each level, DOFs that occur in few rows; a DOF without an allowed pivot moves to the next level.
     rare_dofs: [VecDeque<u32>; LEVELS.len()],
     /// Number of rows that are neither pivot rows nor dependent; while `filling`, only rows of the current part count.
     active: usize,

@@ -39,7 +39,7 @@ pub(super) struct GaussElimination {
     dropped: f64,
     /// The column that was read last: its waiting rows, and in each of them the position of the entry in this column.
     column: Vec<(u32, u32)>,
-    /// By row, the sum of the squares of the entries that cancelled.
+    /// For each row, the sum of the squares of the entries that cancelled.
     cancelled: Vec<f64>,
     pivot: PivotRow,
 }

@@ -46,7 +46,7 @@ pub(super) fn largest(row: &[GaussEntry]) -> f64 {
 pub(super) struct PivotRow {
     pub entries: Vec<GaussEntry>,
     place: Vec<u32>,
-    /// By position in `entries`, true if the row that is being updated has an entry in the same column.
+    /// For each position in `entries`, true if the row that is being updated has an entry in the same column.
     met: Vec<bool>,
 }
 
