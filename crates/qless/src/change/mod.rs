@@ -51,7 +51,7 @@ pub enum ChangeError {
     TooMany {
         /// What there are too many of: "DOFs" or "equations".
         what: &'static str,
-        /// Their number.
+        /// How many DOFs or equations there are.
         found: usize,
     },
     /// A number that is not finite.

@@ -182,7 +182,7 @@ impl Analysis {
         self.error_in(&self.sums(vector, terms))
     }
 
-    /// The largest error of these sums.
+    /// The largest error of these sums: the remainder relative to the size of the sum, at a free DOF.
     pub(crate) fn error_in(&self, sums: &[(u32, (f64, f64))]) -> f64 {
         let error = |(left, size): (f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
         let free = sums.iter().filter(|sum| self.numbering.free[sum.0 as usize]);

@@ -19,7 +19,7 @@ use crate::presolve::rows::MORE_THAN_ROUNDING;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Kind {
-    /// Not a combination of the other kept equations.
+    /// Kept: not a combination of the other kept equations.
     Independent,
     /// A combination of kept equations, and consistent with them.
     Redundant,

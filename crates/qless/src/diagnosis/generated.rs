@@ -135,7 +135,7 @@ impl Explainer<'_> {
         Ok(own)
     }
 
-    /// Removes the remainder in all DOFs of one block at once: `C_kept^T y = rest`.
+    /// Removes the remainder in all DOFs of one block at once, by solving `C_kept^T y = rest` with the kept rows of the block.
     fn take_block(&self, rest: &mut GeneratedRemainder, k: usize) -> Result<Vec<(u32, f64)>, BackendError> {
         let (block, solved) = (&self.blocks[k], &self.basis.blocks[k]);
         let mut right = vec![0.0; block.dofs.len()];

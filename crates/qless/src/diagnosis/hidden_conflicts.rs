@@ -30,7 +30,7 @@ use crate::presolve::rows::MORE_THAN_ROUNDING;
 const V: usize = 3;
 /// Number of solutions: u and all v.
 const W: usize = V + 1;
-/// Seeds of the weights.
+/// Seeds of the random weights w, one for each solution v.
 const SEEDS: [u64; V] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
 
 /// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side.

@@ -62,17 +62,17 @@ pub struct View<'a, P = usize, I = u32> {
 }
 
 impl<'a, P: Index, I: Index> View<'a, P, I> {
-    /// Compressed rows, counted from 0.
+    /// A pattern of compressed rows; starts and indices count from 0.
     pub fn rows(starts: &'a [P], columns: &'a [I]) -> Self {
         Self { starts, index: columns, base: 0, empty: 0, by_columns: false, storage: Storage::Full }
     }
 
-    /// Compressed columns, counted from 0.
+    /// A pattern of compressed columns; starts and indices count from 0.
     pub fn columns(starts: &'a [P], rows: &'a [I]) -> Self {
         Self { by_columns: true, ..Self::rows(starts, rows) }
     }
 
-    /// The same arrays, with starts and indices counted from 1.
+    /// Declares that starts and indices count from 1.
     pub fn one_based(self) -> Self {
         Self { base: 1, ..self }
     }

@@ -156,7 +156,7 @@ impl<'a> Members<'a> {
         self
     }
 
-    /// Multiplications of the factorization.
+    /// Number of multiplications of the factorization.
     fn effort(&self) -> usize {
         PASSES * self.terms.len() * self.terms.len() * self.sizes.len() + 1
     }

@@ -33,7 +33,7 @@ impl Remainder {
         self.sizes[k] += part.abs();
     }
 
-    /// Number k, or zero if it is rounding.
+    /// Value k, or zero if it is rounding.
     fn get(&self, k: usize, noise: f64) -> f64 {
         match (self.values.get(k), self.sizes.get(k)) {
             (Some(&value), Some(&size)) if value.abs() > noise * size => value,
@@ -41,7 +41,7 @@ impl Remainder {
         }
     }
 
-    /// All numbers, with zero for those that are rounding.
+    /// All values, with zero in place of those that are rounding.
     fn cleaned(&self, noise: f64) -> Vec<f64> {
         (0..self.values.len()).map(|k| self.get(k, noise)).collect()
     }

@@ -27,7 +27,7 @@ pub(super) struct MismatchSum {
     /// The sum with the present values, and the rounding error of its additions.
     present: (f64, f64),
     constant: f64,
-    /// The size of each term, descending.
+    /// The size of each term with its number, descending.
     sizes: Vec<(f64, Number)>,
 }
 

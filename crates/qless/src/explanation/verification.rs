@@ -14,7 +14,7 @@ const MOST_ANALYSED: usize = 1 << 20;
 /// An equation of presolve takes as long as this number of operations of a dense factorization: a microsecond.
 const OPERATIONS: usize = 4096;
 
-/// A changed system.
+/// A system with changed numbers, analysed again.
 pub(super) struct ChangedSystem {
     /// The analysis of the components in which a number changes; the equations have the same numbers.
     pub analysis: Analysis,

@@ -220,7 +220,7 @@ impl SlaveSolver {
         (y.values, y.bits) = (upper.values, upper.bits);
     }
 
-    /// `right <- right - C_S x`.
+    /// Subtracts `C_S x` from `right`; C_S has the columns of the slaves.
     fn subtract_product(&self, SolverWork { right, x, .. }: &mut SolverWork) {
         x.visit(|k, value| self.columns.row(k).for_each(|(equation, v)| right.add(equation, -v * value)));
     }

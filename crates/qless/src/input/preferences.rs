@@ -47,7 +47,7 @@ pub enum OptionError {
     /// A preference names a DOF or equation that does not exist.
     #[error("a preference names {what} {found}, but there are {count} (numbers from 0 to {last})", last = .count.saturating_sub(1))]
     Preference {
-        /// "DOF" or "equation".
+        /// What the preference names: "DOF" or "equation".
         what: &'static str,
         /// The number given, 0-based.
         found: usize,

@@ -15,7 +15,7 @@ pub enum Reading {
     Stored,
 }
 
-/// An exact number.
+/// An exact number, `± digits base^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
     pub(crate) negative: bool,

@@ -18,7 +18,7 @@ pub(crate) struct ReductionInput<'a> {
     /// For each local DOF, true if it is fixed; empty if none is.
     pub fixed: Vec<bool>,
     pub preferences: SlavePreferences,
-    /// The bound of growth.
+    /// The bound of growth `max |T_ij|`.
     pub growth: f64,
     pub scaling: &'a Scaling,
     /// For each equation, true if it is independent.

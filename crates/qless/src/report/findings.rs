@@ -208,7 +208,7 @@ impl Certificate {
 }
 
 impl Term {
-    /// An equation; `row` counts from 1.
+    /// The term of an equation; `row` counts from 1.
     pub fn equation(row: usize, label: String, coefficient: f64) -> Self {
         Self::Equation { row, label, coefficient }
     }

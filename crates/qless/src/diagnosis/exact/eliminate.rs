@@ -49,7 +49,7 @@ struct EliminateWork {
     count: Vec<u32>,
     /// Columns that had one row when they were added here.
     singletons: Vec<u32>,
-    /// `(length, row)` at the time of adding, shortest first.
+    /// Rows with their lengths when they were added here, as `(length, row)`, shortest first.
     short: BinaryHeap<Reverse<(usize, u32)>>,
     /// Number of entries for which the rows have capacity. The next field is the number of entries in `holders`.
     room: usize,

@@ -46,29 +46,29 @@ impl Field {
         if number.negative { self.negative(size) } else { size }
     }
 
-    /// a + b.
+    /// The sum a + b.
     pub(in crate::diagnosis) fn add(&self, a: u64, b: u64) -> u64 {
         self.below(a + b)
     }
 
-    /// a - b.
+    /// The difference a - b.
     pub(in crate::diagnosis) fn sub(&self, a: u64, b: u64) -> u64 {
         self.below(a + self.p - b)
     }
 
-    /// -a.
+    /// The negative -a.
     pub(in crate::diagnosis) fn negative(&self, a: u64) -> u64 {
         self.sub(0, a)
     }
 
-    /// a b.
+    /// The product a b.
     pub(in crate::diagnosis) fn mul(&self, a: u64, b: u64) -> u64 {
         let product = u128::from(a) * u128::from(b);
         let multiple = (product as u64).wrapping_mul(self.inverse);
         self.below(((product + u128::from(multiple) * u128::from(self.p)) >> 64) as u64)
     }
 
-    /// a^exponent.
+    /// The power a^exponent.
     pub(in crate::diagnosis) fn power(&self, mut a: u64, mut exponent: u64) -> u64 {
         let mut result = self.of(1);
         while exponent > 0 {
@@ -81,7 +81,7 @@ impl Field {
         result
     }
 
-    /// 1 / a for a != 0, by Fermat.
+    /// The inverse 1 / a for a != 0, by Fermat's theorem.
     pub(in crate::diagnosis) fn inverse(&self, a: u64) -> u64 {
         self.power(a, self.p - 2)
     }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::field::Field;
 
-/// `(column, residue)`.
+/// An entry of a row, as `(column, residue)`.
 pub(in crate::diagnosis) type ModularEntry = (u32, u64);
 
 /// If a row is this many times longer than the row added to it, a binary search for each added column is cheaper than merging both rows.

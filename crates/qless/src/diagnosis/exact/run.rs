@@ -89,7 +89,7 @@ impl ExactRemainder<'_> {
         values
     }
 
-    /// `b_i - sum_j c_ij u_j` over the DOFs with known values.
+    /// The right-hand side of equation i without the terms of DOFs with known values: `b_i - sum_j c_ij u_j`.
     fn right_hand_side(&self, field: &Field, row: u32, values: &[u64]) -> u64 {
         let matrix = self.system.matrix().row(row as usize);
         let known = matrix.filter(|&(j, _)| values[j] != 0);

@@ -126,7 +126,7 @@ impl NearCombination {
     }
 }
 
-/// Keeps the earlier ones of nearly equivalent rows.
+/// Exchanges rows so that, among nearly equivalent rows, the earlier ones are kept.
 pub(super) fn in_order(part: &ScaledEquations, found: &mut [NearCombination]) {
     let mut holders: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (k, c) in found.iter().enumerate() {

@@ -1,10 +1,10 @@
-//! The equations of one connected part, scaled to one size, and the choice of equations that matter for near dependence.
+//! The equations of one connected part, scaled to the same size, and the choice of equations that matter for near dependence.
 
 use crate::Csr;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 
-/// Rows scaled to one size, over the DOFs of their part.
+/// Rows over the DOFs of their part, each scaled to a largest coefficient in `[1, 2)`.
 pub(super) struct ScaledEquations {
     /// For each row of `matrix`, its number in the user's system; ascending.
     pub rows: Vec<u32>,

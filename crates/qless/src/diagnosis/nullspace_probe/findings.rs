@@ -55,7 +55,7 @@ impl NullspaceProbe {
     }
 }
 
-/// False for NaN.
+/// Returns true if `x <= limit`; false for NaN.
 #[inline]
 fn is_at_most(x: f64, limit: f64) -> bool {
     x <= limit

@@ -50,7 +50,7 @@ pub(crate) fn probe(
     }
 }
 
-/// The input of a pass.
+/// The input of a pass over the kept equations.
 struct ProbePass<'a> {
     system: LocalSystem<'a>,
     basis: &'a Basis,
@@ -157,13 +157,13 @@ pub fn apart_from_zero(sample: f64) -> f64 {
 
 /// Sums over the terms of a row.
 pub struct Sums {
-    /// `sum_k value_k u_k`.
+    /// The value of the slave for random masters: `sum_k value_k u_k`.
     pub moves: f64,
     /// The largest term of `moves`.
     pub size: f64,
     /// `sum_k value_k w_k` in scaled columns; if `SIZES` is true, the sum of the magnitudes of these terms.
     pub sample: f64,
-    /// `max_k |value_k|`; infinite if a slave is among the DOFs.
+    /// A bound of the row of T: `max_k |value_k|`, or infinity if a slave is among the DOFs.
     pub bound: f64,
 }
 

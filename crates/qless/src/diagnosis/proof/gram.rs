@@ -204,7 +204,7 @@ const NONE: u32 = u32::MAX;
 /// of the matrix up to k.
 struct EliminationTree {
     parent: Vec<u32>,
-    /// The last row whose path contained this node.
+    /// For each node, the last row whose path contained it.
     seen: Vec<u32>,
 }
 

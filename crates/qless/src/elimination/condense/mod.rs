@@ -52,7 +52,7 @@ pub struct CondensedPattern {
     slaves_of: Csr,
     /// DOF of each unknown, ascending.
     dofs: Vec<usize>,
-    /// Unknown of each DOF; [`NONE`] for eliminated DOFs.
+    /// For each DOF, the number of its unknown; [`NONE`] for eliminated DOFs.
     number: Vec<u32>,
     /// Row of `l` of each DOF; [`NONE`] for DOFs that are not eliminated slaves.
     slave: Vec<u32>,
@@ -156,7 +156,7 @@ impl CondensedPattern {
         &self.lines.starts
     }
 
-    /// Indices of the lines of K_q, ascending within each.
+    /// Indices of the lines of K_q, ascending within each line.
     pub fn index(&self) -> &[u32] {
         &self.lines.index
     }

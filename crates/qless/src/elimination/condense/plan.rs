@@ -11,7 +11,7 @@ use crate::elimination::view::{Index, Storage, View};
 pub(super) struct CondensePlan {
     /// Number of stored entries of K.
     pub entries: usize,
-    /// Source of the line of each unknown.
+    /// For each unknown, the source of its line of K_q.
     pub source: Vec<LineSource>,
     /// The entries of K in the lines that are not copied.
     pub mixed: Entries,

@@ -22,17 +22,17 @@ const LANES: usize = 8;
 pub(crate) type Slab<const W: usize = WIDTH> = Vec<[f64; W]>;
 
 impl Factor {
-    /// `Z <- R1^-1 Z`.
+    /// Solves with R1 in place: `Z <- R1^-1 Z`.
     pub(crate) fn solve_slab<const W: usize>(&self, z: &mut Slab<W>) {
         Arch::new().dispatch(Backward(self, z));
     }
 
-    /// `Z <- R1^-T Z`.
+    /// Solves with the transposed R1 in place: `Z <- R1^-T Z`.
     pub(crate) fn solve_slab_transposed<const W: usize>(&self, z: &mut Slab<W>) {
         Arch::new().dispatch(Forward(self, z));
     }
 
-    /// `R1 Z`.
+    /// The product `R1 Z`.
     pub(crate) fn times_slab(&self, z: &Slab) -> Slab {
         Arch::new().dispatch(Product(self, z))
     }

@@ -27,7 +27,7 @@ use crate::common::random::randoms;
 const STEPS: usize = 2;
 /// Singular values below the limit have converged if they are smaller than all others by this factor.
 const CLEAR: f64 = 1e3;
-/// Initial number of vectors.
+/// Initial number of vectors of the inverse iteration.
 const BLOCK: usize = WIDTH;
 /// Factor by which the number of vectors grows if they are not enough.
 const GROWTH: usize = 2;
@@ -36,7 +36,7 @@ const MOST: usize = 512;
 
 /// Columns of R1 that are nearly combinations of others.
 pub(crate) struct Weak {
-    /// Positions of the columns.
+    /// Positions of the weak columns in R1.
     pub columns: Vec<usize>,
     /// An orthonormal basis of the near null space of R1, r x k for k weak columns.
     pub null: Mat<f64>,

@@ -32,7 +32,7 @@ pub(crate) struct Column {
 }
 
 impl Column {
-    /// Adds a row.
+    /// Adds a row that contains the DOF.
     #[inline]
     pub fn enter(&mut self, row: u32) {
         self.count += 1;
@@ -46,7 +46,7 @@ impl Column {
         self.rows ^= other.rows;
     }
 
-    /// Removes a row.
+    /// Removes a row that contains the DOF.
     #[inline]
     pub fn leave(&mut self, row: u32) {
         self.count -= 1;

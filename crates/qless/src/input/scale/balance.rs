@@ -253,7 +253,7 @@ impl Mean {
 /// The sum of numbers `2^power`, which is itself given as a power of two.
 #[derive(Clone, Copy)]
 struct Sum {
-    /// The largest power.
+    /// The largest power that was added.
     most: f64,
     /// The sum divided by `2^most`.
     sum: f64,

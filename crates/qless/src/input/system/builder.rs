@@ -16,7 +16,7 @@ pub struct SystemBuilder {
     rhs: Vec<f64>,
     labels: Vec<String>,
     prescribed: Vec<(usize, f64)>,
-    /// Places in the input at which values are prescribed, by DOF.
+    /// Prescribed DOFs, each with the place in the input at which its value is prescribed.
     places: Vec<(usize, String)>,
     dof_labels: Vec<String>,
 }

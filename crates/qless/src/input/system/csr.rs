@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::SystemError;
 
-/// Rows that one thread checks at a time.
+/// Number of rows that one thread checks at a time.
 const PART: usize = 1 << 13;
 
 /// Sparse m x n matrix in compressed rows; columns ascend within a row and none repeats.

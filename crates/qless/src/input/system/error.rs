@@ -9,7 +9,7 @@ pub enum SystemError {
     NotFinite {
         /// The number that is not finite: what it is, with its row and column.
         what: Place,
-        /// The value found.
+        /// The value that is not finite.
         value: f64,
     },
     /// A DOF number is not below the number of DOFs.
@@ -47,7 +47,7 @@ pub enum SystemError {
     NotAscending {
         /// The row.
         row: usize,
-        /// The column found.
+        /// The column that is not above the one before it.
         column: usize,
         /// The column before it.
         before: usize,

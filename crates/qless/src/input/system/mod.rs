@@ -48,7 +48,7 @@ struct Numbers {
 struct SystemLabels {
     equations: Vec<String>,
     dofs: Vec<String>,
-    /// Places in the input at which values are prescribed, ascending by DOF.
+    /// Prescribed DOFs, ascending, each with the place in the input at which its value is prescribed.
     places: Vec<(usize, String)>,
 }
 

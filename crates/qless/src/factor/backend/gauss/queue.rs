@@ -13,7 +13,7 @@ pub(super) struct Queue {
     previous: Vec<u32>,
     /// Length of each row; [`NONE`] if the row does not wait.
     length: Vec<u32>,
-    /// No row is shorter than this.
+    /// No waiting row is shorter than this.
     least: usize,
 }
 

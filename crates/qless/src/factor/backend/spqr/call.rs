@@ -255,7 +255,7 @@ impl InColumns<'_> {
         (0..count).map(|part| bound(part)..if part + 1 == count { columns } else { bound(part + 1) }).collect()
     }
 
-    /// Rows and values of these columns.
+    /// The rows and values of the entries of these columns.
     fn entries(self, columns: Range<usize>) -> impl Iterator<Item = (usize, f64)> {
         let range = self.start[columns.start] as usize..self.start[columns.end] as usize;
         self.row[range.clone()].iter().map(|&row| row as usize).zip(self.value[range].iter().copied())

@@ -41,7 +41,7 @@ struct LateCertificates {
     rows: Vec<(u32, i32)>,
     /// The columns of R1, sorted by the names of their rows.
     by_name: Vec<usize>,
-    /// Exponents of the dropped rows.
+    /// For each dropped row, the exponent by which the block scales it.
     exponents: Vec<i32>,
     /// Coefficients below this fraction of the largest are rounding.
     noise: f64,
