@@ -161,7 +161,7 @@ impl Refresher {
         self.analysis.numbering.view(self.system(), self.system().rhs())
     }
 
-    /// A dependent equation with its new mismatch, without its certificate.
+    /// Classifies a dependent equation by its new mismatch; the result has no certificate.
     fn classify(&self, d: &Dependent, replay: &Replay, rule: &MismatchRule) -> Dependent {
         let rest = match &d.source {
             Source::Traced(row, because, units) => {

@@ -1,13 +1,13 @@
 //! Chooses kept equations from which all consistent equations follow to the last digits.
 //!
-//! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but u1 from the first two lacks the digits that `1e12 + 1e-3` has lost.
-//! A dropped equation k is examined if it may not hold to the tolerance of its terms: the residual that a solution of the kept equations
-//! leaves in k, or one rounding of the largest term of the certificate of k, exceeds this tolerance. If that residual is within the
-//! rounding of the certificate, a kept equation i of the certificate is given up so that k can be kept. The coefficient of i must be at
-//! least half of the largest one, so that the kept equations come nearer to dependence by a factor of two at most. Among the equations with
-//! such a coefficient, i has the largest right-hand side term, and this term must exceed the terms of k. The exchange is undone in
-//! components where an equation that was given up is then not redundant, or where the number of dependent equations changes or that of
-//! conflicting ones falls.
+//! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but u1 from the first two lacks the digits that `1e12 + 1e-3` has lost. A
+//! dropped equation k is examined if it may not hold to the tolerance of its terms. Two numbers are compared with this tolerance: the
+//! residual that a solution of the kept equations leaves in k, and one rounding of the largest term of the certificate of k. If the
+//! residual is within the rounding of the certificate, a kept equation i of the certificate is given up so that k can be kept. The
+//! coefficient of i must be at least half of the largest one, so that the kept equations come nearer to dependence by a factor of two at
+//! most. Among the equations with such a coefficient, i has the largest right-hand side term, and this term must exceed the terms of k. The
+//! exchange is undone in components where an equation that was given up is then not redundant, where the number of dependent equations
+//! changes, or where that of conflicting ones falls.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,5 @@
-//! Multipliers lambda and reactions for the solution u of any solver. `C_S^T lambda = (f - K u)_S`, where S denotes the slaves.
+//! Computes multipliers lambda and reactions for the solution u of any solver: `C_S^T lambda = (f - K u)_S`. The index S denotes the
+//! slaves.
 
 use super::{Elimination, EliminationError, EliminationSource};
 use crate::common::argument::numbers;

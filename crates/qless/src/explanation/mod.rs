@@ -219,8 +219,8 @@ impl Analysis {
         (shortest.expect("one of both"), effort)
     }
 
-    /// Searches for a vector as a combination of few equations. Returns the terms, if they are found within the bounds, with a bound for
-    /// coefficients that should be zero; and the number of operations.
+    /// Searches for few equations whose combination is the vector. Returns the terms, if they are found within the bounds, with a bound for
+    /// coefficients that should be zero. Also returns the number of operations.
     fn short(&self, row: Option<usize>, vector: &[(u32, f64)]) -> (Option<(Vec<CertificateTerm>, f64)>, usize) {
         let system = self.local();
         let incidence = self.incidence.get_or_init(|| Incidence::new(system));

@@ -9,9 +9,9 @@ use crate::input::numbering::Numbering;
 /// Preferences that hold as far as the equations allow. The unmet ones are reported
 /// ([`crate::Analysis::unmet_equations`], [`crate::Reduction::unmet_masters`], [`crate::Reduction::unmet_slaves`]).
 ///
-/// DOFs can be slaves if and only if their columns are a basis of all columns. So it is enough to exchange one slave for one master, or one
-/// kept equation for one dependent equation, at a time. A preference stays unmet only if the equations or other preferences rule it out. A
-/// preferred slave also stays unmet if it would exceed the bound of growth.
+/// A set of DOFs can be the slaves if and only if their columns are a basis of all columns. So it is enough to exchange one slave for one
+/// master, or one kept equation for one dependent equation, at a time. A preference stays unmet only if the equations or other preferences
+/// rule it out. A preferred slave also stays unmet if it would exceed the bound of growth.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Preferences {
     /// DOFs (0-based) that must not be slaves, such as loaded ones or interfaces to other codes. A free DOF is a slave nevertheless if the

@@ -108,8 +108,9 @@ pub struct State {
     pub w: f64,
 }
 
-/// Random masters and zero prescribed DOFs. In the second sample each value is divided by the DOF's largest coefficient, measured as a
-/// power of two relative to the largest of its equation, so that a motion with small coefficients is not lost beside others.
+/// The states at the start: masters are random, prescribed DOFs are zero. In the second sample each value is divided by the DOF's largest
+/// coefficient, measured as a power of two relative to the largest of its equation, so that a motion with small coefficients is not lost
+/// beside others.
 pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: ProbeSample, seed: u64) -> Vec<State> {
     let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
     let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
@@ -161,7 +162,8 @@ pub struct Sums {
     pub moves: f64,
     /// The largest term of `moves`.
     pub size: f64,
-    /// `sum_k value_k w_k` in scaled columns; if `SIZES` is true, the sum of the magnitudes of these terms.
+    /// The value of the slave for random right-hand sides: `sum_k value_k w_k` in scaled columns. If `SIZES` is true, the sum of the
+    /// magnitudes of these terms.
     pub sample: f64,
     /// A bound of the row of T: `max_k |value_k|`, or infinity if a slave is among the DOFs.
     pub bound: f64,

@@ -52,7 +52,7 @@ struct GramFactor {
 }
 
 impl ScaledCore {
-    /// None if coefficients are so small, or of such different size, that they lose digits.
+    /// Scales and orders the equations of a core. None if coefficients are so small, or of such different size, that they lose digits.
     fn new(core: &Core, is_balanced: bool) -> Option<Self> {
         let mut dofs: Vec<u32> = core.entries.iter().flatten().map(|&(j, _)| j).collect();
         dofs.sort_unstable();

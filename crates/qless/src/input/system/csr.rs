@@ -40,7 +40,7 @@ impl Csr {
         Self { cols, start: vec![0], col: Vec::new(), val: Vec::new() }
     }
 
-    /// From the three arrays of the format: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
+    /// A matrix from the three arrays of the format: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
     ///
     /// ```
     /// use qless::{Csr, SystemError};

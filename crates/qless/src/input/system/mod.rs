@@ -53,7 +53,7 @@ struct SystemLabels {
 }
 
 impl ConstraintSystem {
-    /// From triplets `(row, DOF, coefficient)`, which are summed if they repeat, and b of length `rows`.
+    /// A system from triplets `(row, DOF, coefficient)`, which are summed if they repeat, and b of length `rows`.
     ///
     /// # Errors
     /// [`SystemError`] for an index out of range, a number that is not finite, or a wrong length.
@@ -67,7 +67,7 @@ impl ConstraintSystem {
         builder::from_triplets(rows, dofs, triplets, rhs, prescribed)
     }
 
-    /// From compressed columns: entries `start[j]..start[j + 1]` belong to DOF j.
+    /// A system from compressed columns: entries `start[j]..start[j + 1]` belong to DOF j.
     ///
     /// # Errors
     /// As [`ConstraintSystem::from_triplets`], and [`SystemError::BadStarts`].
@@ -82,7 +82,7 @@ impl ConstraintSystem {
         builder::from_csc(rows, start, row, value, rhs, prescribed)
     }
 
-    /// From compressed rows, such as those made from the matrices of `sprs` or `nalgebra-sparse` (features of these names).
+    /// A system from compressed rows, such as those made from the matrices of `sprs` or `nalgebra-sparse` (features of these names).
     ///
     /// # Errors
     /// [`SystemError`], as for [`ConstraintSystem::from_triplets`].
