@@ -281,8 +281,7 @@ impl Analysis {
         }
     }
 
-    /// Largest difference between the right-hand side of an explanation and a number b that may be due to equations that agree only to the
-    /// tolerance.
+    /// The right-hand side of an explanation may differ from the true one, b, by this much, because equations agree only to the tolerance.
     fn side_error(&self, explanation: &Explanation, b: f64) -> f64 {
         let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);
         10.0 * self.options.tolerance.value() * size

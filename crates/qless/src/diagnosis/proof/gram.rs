@@ -249,7 +249,7 @@ mod tests {
                 is_independent(&core(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>()), usize::MAX)
             };
             assert!(proved(&rows), "{size}");
-            // The rounded sum of two rows, and the same with a difference too small for the bound.
+            // Appends the rounded sum of two rows, and then changes it by a difference that is too small for the bound.
             rows.push(rows[0].iter().zip(&rows[1]).map(|(a, b)| a + b).collect());
             assert!(!proved(&rows), "{size}");
             rows[size][0] *= 1.0 + 1e-12;

@@ -166,7 +166,7 @@ impl Csr {
     /// [`SystemError::TooLarge`] if there are more columns than the library allows rows, or than memory allows.
     pub fn transpose(&self) -> Result<Self, SystemError> {
         fits("the number of columns", self.cols)?;
-        // No stored data limit the number of columns, so memory for one number per column may not exist.
+        // The number of columns can be huge although little is stored, so these allocations may fail.
         let room = |_| SystemError::TooLarge { what: "the number of columns", found: self.cols };
         let (mut start, mut next) = (Vec::new(), Vec::new());
         start.try_reserve_exact(self.cols + 1).map_err(room)?;
